@@ -1,0 +1,99 @@
+"""The base of every data type that crosses a stage, a file or a protocol."""
+
+import hashlib
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from oodscen.errors import DataError, Issue
+
+
+class Data(BaseModel):
+    """Frozen, closed, JSON-serialisable value; every fault of bad input is reported at once."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    noun: ClassVar[str] = "value"
+    """What an error message calls an instance of this type."""
+
+    @classmethod
+    def parse(cls, value: object, *, source: str = "") -> Self:
+        """Validate plain data (or JSON text) read from outside.
+
+        Args:
+            value: A JSON document as text, or the mapping it stands for.
+            source: Where it came from, for the error message.
+
+        Raises:
+            DataError: With one `Issue` per fault, each with its path.
+        """
+        try:
+            if isinstance(value, (str, bytes)):
+                return cls.model_validate_json(value)
+            return cls.model_validate(value)
+        except ValidationError as error:
+            raise DataError(cls.noun, issues_of(error), source=source) from None
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read one value from a JSON file.
+
+        Raises:
+            DataError: When the file cannot be read or does not hold such a value.
+        """
+        return cls.parse(read_text(path, cls.noun), source=str(path))
+
+    def to_json(self) -> str:
+        """Return the canonical JSON text: sorted keys, no spaces, the same bytes for equal values."""
+        return canonical_json(self.model_dump(mode="json"))
+
+    def digest(self) -> str:
+        """Return the SHA-256 of the canonical JSON text."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()
+
+
+def read_text(path: str | Path, noun: str) -> str:
+    """Read UTF-8 text; a file that is missing or not text is a `DataError`."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(noun, [Issue(path="", message=str(error))], source=str(path)) from None
+
+
+def canonical_json(value: Any) -> str:
+    """Serialise plain data so that equal values give equal text."""
+    return json.dumps(
+        value, ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
+    )
+
+
+class Faults(ValueError):
+    """Raised by validators that look at a value as a whole and find several things at once."""
+
+    def __init__(self, issues: Sequence[Issue]) -> None:
+        self.issues = tuple(issues)
+        super().__init__("; ".join(map(str, issues)))
+
+
+def issues_of(error: ValidationError) -> list[Issue]:
+    """Translate pydantic's findings into issues with paths such as `actors[2].placement.lane`."""
+    issues = []
+    for item in error.errors(include_url=False, include_input=False):
+        path = dotted(item["loc"])
+        cause = item.get("ctx", {}).get("error")
+        if isinstance(cause, Faults):
+            issues += [Issue(f"{path}.{i.path}".strip("."), i.message) for i in cause.issues]
+        else:
+            issues.append(Issue(path, item["msg"].removeprefix("Value error, ")))
+    return issues
+
+
+def dotted(location: Iterable[str | int]) -> str:
+    """Write a location the way a programmer would index it."""
+    text = ""
+    for part in location:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}"
+    return text.removeprefix(".")

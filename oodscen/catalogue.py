@@ -1,0 +1,196 @@
+"""What a simulator can show: static data, readable without starting it."""
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from oodscen._data import Data
+from oodscen.errors import Issue, close_matches
+from oodscen.scene import Actor, Scene, Weather
+
+Category = Literal[
+    "vehicle", "cyclist", "pedestrian", "animal", "object", "work_zone", "vegetation", "signal"
+]
+
+
+class Asset(Data):
+    """One thing that can be placed in a scene."""
+
+    noun: ClassVar[str] = "asset"
+
+    id: str
+    category: Category
+    description: str
+    """What a person sees, e.g. `a large brown cardboard box`."""
+    length: float = Field(gt=0)
+    """Along x, m."""
+    width: float = Field(gt=0)
+    """Along y, m."""
+    height: float = Field(gt=0)
+    """Along z, m."""
+    tags: tuple[str, ...] = ()
+    """Further words for it: `emergency`, `heavy`, `debris` ..."""
+    states: tuple[str, ...] = ()
+    """What `Actor.state` may be; the first is the default."""
+
+
+class BehaviourParameter(Data):
+    """One number that shapes a behaviour."""
+
+    minimum: float
+    maximum: float
+    default: float
+    description: str = ""
+
+
+class BehaviourKind(Data):
+    """One thing that actors can do."""
+
+    noun: ClassVar[str] = "behaviour"
+
+    id: str
+    description: str
+    """What the actor does before and after the trigger."""
+    categories: tuple[Category, ...]
+    """Who can do it."""
+    parameters: dict[str, BehaviourParameter] = {}
+
+
+class RoadMap(Data):
+    """One road network, with the place where the ego starts."""
+
+    noun: ClassVar[str] = "road map"
+
+    id: str
+    description: str
+    """What a person would call it, e.g. `a two-lane residential street`."""
+    file: str
+    """OpenDRIVE file: `package:path/inside.xodr` for a shipped map, or a path."""
+    road: str = ""
+    """OpenDRIVE id of the road where the ego starts; empty is the first."""
+    start_m: float = Field(default=0.0, ge=0)
+    """Where along that road the ego starts."""
+    forward: bool = True
+    """Whether the ego drives in the direction of the road's reference line."""
+    lanes: int = Field(ge=1)
+    """Driving lanes in the ego's direction."""
+    oncoming_lanes: int = Field(default=0, ge=0)
+    has_shoulder: bool = False
+    speed_limit: float = Field(gt=0)
+    """m/s"""
+    length_m: float = Field(gt=0)
+    """Usable length ahead of the start."""
+    traits: tuple[str, ...] = ()
+    """`residential`, `urban`, `highway`, `rural`, `curve`, `junction`, `one_way` ..."""
+
+
+class WeatherRange(Data):
+    """The weather that a simulator can show."""
+
+    noun: ClassVar[str] = "weather range"
+
+    min_sun_elevation_deg: float = -90.0
+    """Above -6 where there is no night."""
+    min_fog_visual_range_m: float = 10_000.0
+    """10 km where there is no fog."""
+    precipitation: tuple[Literal["none", "rain", "snow"], ...] = ("none",)
+    max_precipitation_mm_h: float = 0.0
+    min_friction: float = 1.0
+    """1 where the road is always dry."""
+
+
+class Catalogue(Data):
+    """The closed vocabulary for scenes in one simulator."""
+
+    noun: ClassVar[str] = "catalogue"
+
+    schema_version: Literal[1] = 1
+    simulator: str
+    version: str
+    ego: Asset
+    assets: tuple[Asset, ...]
+    behaviours: tuple[BehaviourKind, ...]
+    maps: tuple[RoadMap, ...]
+    weather: WeatherRange
+
+    def asset(self, name: str) -> Asset:
+        """Return an asset by id; `KeyError` if there is none."""
+        return {asset.id: asset for asset in self.assets}[name]
+
+    def behaviour(self, name: str) -> BehaviourKind:
+        """Return a behaviour by id; `KeyError` if there is none."""
+        return {kind.id: kind for kind in self.behaviours}[name]
+
+    def map(self, name: str) -> RoadMap:
+        """Return a map by id; `KeyError` if there is none."""
+        return {road.id: road for road in self.maps}[name]
+
+    def check(self, scene: Scene) -> list[Issue]:
+        """Find everything in a scene that this catalogue does not offer, with close matches.
+
+        Only the vocabulary is checked here; room on the road, overlap and reachability are
+        checked by `oodscen.driving.check_scene`.
+        """
+        issues: list[Issue] = []
+        if not scene.map.endswith(".xodr"):
+            issues += _unknown("map", "map", scene.map, [road.id for road in self.maps])
+        issues += [Issue(f"weather.{i.path}", i.message) for i in self._check_weather(scene.weather)]
+        if scene.hazard.weather is not None:
+            issues += [
+                Issue(f"hazard.weather.{i.path}", i.message)
+                for i in self._check_weather(scene.hazard.weather)
+            ]
+        for index, actor in enumerate(scene.actors):
+            issues += self._check_actor(f"actors[{index}]", actor)
+        for key, ordinary in scene.hazard.actors.items():
+            if ordinary is not None:
+                issues += self._check_actor(f"hazard.actors.{key}", ordinary)
+        return issues
+
+    def _check_actor(self, path: str, actor: Actor) -> list[Issue]:
+        issues = _unknown(f"{path}.asset", "asset", actor.asset, [a.id for a in self.assets])
+        kinds = [kind.id for kind in self.behaviours]
+        issues += _unknown(f"{path}.behaviour.name", "behaviour", actor.behaviour.name, kinds)
+        if issues:
+            return issues
+        asset, kind = self.asset(actor.asset), self.behaviour(actor.behaviour.name)
+        if asset.category not in kind.categories:
+            able = ", ".join(kind.categories)
+            message = f"{asset.id!r} is a {asset.category}; {kind.id!r} is for {able}"
+            issues.append(Issue(f"{path}.behaviour.name", message))
+        if actor.state:
+            issues += _unknown(f"{path}.state", "state", actor.state, list(asset.states))
+        for name, value in actor.behaviour.parameters.items():
+            here = f"{path}.behaviour.parameters.{name}"
+            unknown = _unknown(here, "parameter", name, list(kind.parameters))
+            issues += unknown
+            if not unknown:
+                allowed = kind.parameters[name]
+                if not allowed.minimum <= value <= allowed.maximum:
+                    limits = f"{allowed.minimum:g} to {allowed.maximum:g}"
+                    issues.append(Issue(here, f"{value:g} is outside {limits}"))
+        return issues
+
+    def _check_weather(self, weather: Weather) -> list[Issue]:
+        allowed, issues = self.weather, []
+        if weather.sun_elevation_deg < allowed.min_sun_elevation_deg:
+            issues.append(Issue("sun_elevation_deg", f"at least {allowed.min_sun_elevation_deg:g}"))
+        if weather.fog_visual_range_m < allowed.min_fog_visual_range_m:
+            issues.append(Issue("fog_visual_range_m", f"at least {allowed.min_fog_visual_range_m:g}"))
+        if weather.precipitation not in allowed.precipitation:
+            offered = ", ".join(allowed.precipitation)
+            issues.append(Issue("precipitation", f"{weather.precipitation!r}: only {offered}"))
+        elif weather.precipitation_mm_h > allowed.max_precipitation_mm_h:
+            issues.append(Issue("precipitation_mm_h", f"at most {allowed.max_precipitation_mm_h:g}"))
+        if weather.friction < allowed.min_friction:
+            issues.append(Issue("friction", f"at least {allowed.min_friction:g}"))
+        return issues
+
+
+def _unknown(path: str, kind: str, name: str, known: list[str]) -> list[Issue]:
+    """Return one issue with close matches if `name` is not among `known`."""
+    if name in known:
+        return []
+    matches = close_matches(name, known)
+    hint = f"did you mean {' or '.join(matches)}?" if matches else f"known: {', '.join(known)}"
+    return [Issue(path, f"unknown {kind} {name!r}; {hint}")]

@@ -1,0 +1,74 @@
+"""What one run of one scene left behind."""
+
+from typing import ClassVar, Literal
+
+from oodscen._data import Data
+
+ACTIONS = (
+    "keep_speed",
+    "slow_down",
+    "stop",
+    "emergency_brake",
+    "change_lane_left",
+    "change_lane_right",
+    "pull_over",
+)
+"""Ids of the discrete actions, in the order in which they are offered and reported."""
+
+MOMENTS = ("first", "middle", "last")
+"""The three frames of the paper's protocol, in order."""
+
+
+class ActionOutcome(Data):
+    """What happened when one action was executed from the decision point."""
+
+    noun: ClassVar[str] = "action outcome"
+
+    safe: bool
+    """The ego touched nothing and stayed on drivable road up to the horizon."""
+    unavailable: bool = False
+    """The lane that the action needs does not exist; then `safe` is false."""
+    margin_m: float | None = None
+    """Smallest gap to anything, m; 0 on contact; `None` if unavailable or alone on the road."""
+    contacts: tuple[str, ...] = ()
+    """Ids of the actors that the ego touched."""
+    off_road: bool = False
+    final_speed: float | None = None
+    """m/s at the end."""
+
+
+class Episode(Data):
+    """One run of one scene: up to the decision point, and every action from there."""
+
+    noun: ClassVar[str] = "episode"
+
+    schema_version: Literal[1] = 1
+    id: str
+    scene_id: str
+    status: Literal["ok", "failed"]
+    error: str | None = None
+    simulator: str = ""
+    seed: int = 0
+    dt: float = 0.0
+    """Seconds per step."""
+    decision_s: float | None = None
+    """When the decision point was reached."""
+    decision_fired: bool = False
+    """False where the trigger never fired and the end of the approach was taken instead."""
+    frames: dict[str, str] = {}
+    """By moment (`first`, `middle`, `last`): the file, relative to the study."""
+    frame_sha256: dict[str, str] = {}
+    """By moment: hash of the raw pixels."""
+    visible: dict[str, dict[str, int]] = {}
+    """By moment: pixels of every actor that can be seen."""
+    trace_sha256: str = ""
+    """Hash of all states up to the decision point."""
+    is_deterministic: bool = True
+    """False where replaying the approach gave another trace; then no action is called safe."""
+    actions: dict[str, ActionOutcome] = {}
+    """By action id."""
+
+    @property
+    def safe_set(self) -> tuple[str, ...]:
+        """The actions that were safe."""
+        return tuple(name for name, outcome in self.actions.items() if outcome.safe)

@@ -1,0 +1,180 @@
+"""Everything that oodscen raises.
+
+    OodscenError
+    ├── UsageError              the caller's mistake
+    │   ├── UnknownComponent    no such simulator, model, encoder, asset ... (with close matches)
+    │   ├── MissingExtra        an optional dependency is not installed (with the pip line)
+    │   ├── DataError           malformed tree, scenario, scene or file (every issue with its path)
+    │   └── StudyMismatch       the folder belongs to a different configuration
+    ├── LLMError                a model could not be asked, or not understood
+    │   └── AnswerError         its answer stayed invalid after repair (keeps the raw text)
+    ├── SceneError              a scene that the catalogue or the road refuses
+    ├── SimulatorError          the simulator failed
+    │   └── SpawnError          it refused one actor (actor, asset, pose, reason)
+    ├── EncoderError            an encoder failed or returned the wrong shape
+    ├── StudyError              the folder on disk cannot be read or written
+    └── BudgetExceeded          a cap was reached; the study can be resumed
+
+All are picklable and carry their facts as attributes.
+"""
+
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+
+class Issue(NamedTuple):
+    """One fault in some data."""
+
+    path: str
+    """Where, e.g. `actors[2].placement.lane`; empty for the value as a whole."""
+    message: str
+    """What is wrong, in words that say how to mend it."""
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.message}" if self.path else self.message
+
+
+class OodscenError(Exception):
+    """Root of all errors of this library."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_rebuild, (type(self), self.args, self.__dict__))
+
+
+def _rebuild(kind: type[OodscenError], args: tuple[Any, ...], state: dict[str, Any]) -> OodscenError:
+    error = kind.__new__(kind)
+    error.args = args
+    error.__dict__.update(state)
+    return error
+
+
+class UsageError(OodscenError):
+    """The caller asked for something that cannot be; running again will not help."""
+
+
+class UnknownComponent(UsageError):
+    """A name that nothing is registered under."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.kind = kind
+        self.name = name
+        self.known = tuple(sorted(known))
+        self.matches = tuple(close_matches(name, self.known))
+        hint = f"; did you mean {' or '.join(self.matches)}?" if self.matches else ""
+        listing = f" (known: {', '.join(self.known)})" if self.known and len(self.known) <= 40 else ""
+        super().__init__(f"unknown {kind} {name!r}{hint}{listing}")
+
+
+class MissingExtra(UsageError):
+    """A part of oodscen whose optional dependencies are not installed."""
+
+    def __init__(self, what: str, extra: str, module: str) -> None:
+        self.what = what
+        self.extra = extra
+        self.module = module
+        self.pip = f"pip install 'oodscen[{extra}]'"
+        super().__init__(f"{what} needs the package {module!r}: {self.pip}")
+
+
+class DataError(UsageError):
+    """Malformed data from a file, a model or a caller."""
+
+    def __init__(self, noun: str, issues: Sequence[Issue], *, source: str = "") -> None:
+        self.noun = noun
+        self.issues = tuple(issues)
+        self.source = source
+        place = f" in {source}" if source else ""
+        lines = "".join(f"\n  - {issue}" for issue in self.issues)
+        super().__init__(f"malformed {noun}{place}:{lines}")
+
+
+class StudyMismatch(UsageError):
+    """The study on disk was made with another configuration."""
+
+    def __init__(self, folder: str, differences: dict[str, tuple[object, object]]) -> None:
+        self.folder = folder
+        self.differences = differences
+        lines = "".join(
+            f"\n  - {key}: the study has {old!r}, you asked for {new!r}"
+            for key, (old, new) in differences.items()
+        )
+        super().__init__(
+            f"{folder} holds a study of another configuration; choose another folder or the "
+            f"same options:{lines}"
+        )
+
+
+class LLMError(OodscenError):
+    """A language model could not be reached or did not answer."""
+
+    def __init__(self, message: str, *, model: str = "", retryable: bool = False) -> None:
+        self.model = model
+        self.retryable = retryable
+        super().__init__(message)
+
+
+class AnswerError(LLMError):
+    """A model's answer stayed invalid although its faults were fed back."""
+
+    def __init__(
+        self, model: str, purpose: str, issues: Sequence[Issue], raw: str, attempts: int
+    ) -> None:
+        self.purpose = purpose
+        self.issues = tuple(issues)
+        self.raw = raw
+        self.attempts = attempts
+        faults = "; ".join(map(str, self.issues))
+        super().__init__(
+            f"{model} gave no valid answer to {purpose!r} in {attempts} attempts: {faults}",
+            model=model,
+        )
+
+
+class SceneError(OodscenError):
+    """A scene that cannot be shown: every reason, with its path in the scene."""
+
+    def __init__(self, scene_id: str, issues: Sequence[Issue]) -> None:
+        self.scene_id = scene_id
+        self.issues = tuple(issues)
+        lines = "".join(f"\n  - {issue}" for issue in self.issues)
+        super().__init__(f"scene {scene_id!r} cannot be staged:{lines}")
+
+
+class SimulatorError(OodscenError):
+    """A simulator failed while running a scene."""
+
+
+class SpawnError(SimulatorError):
+    """A simulator refused to place one actor."""
+
+    def __init__(
+        self, actor: str, asset: str, pose: tuple[float, float, float, float], reason: str
+    ) -> None:
+        self.actor = actor
+        self.asset = asset
+        self.pose = pose
+        self.reason = reason
+        x, y, z, yaw = pose
+        super().__init__(
+            f"cannot spawn {actor!r} ({asset}) at x={x:.2f} y={y:.2f} z={z:.2f} yaw={yaw:.2f}: {reason}"
+        )
+
+
+class EncoderError(OodscenError):
+    """An encoder failed, or returned something that is not one finite row per text."""
+
+
+class StudyError(OodscenError):
+    """A study's folder cannot be read or written; what was written before stays valid."""
+
+
+class BudgetExceeded(OodscenError):
+    """A cap on calls, tokens, cost or time was reached."""
+
+
+def close_matches(name: str, known: Iterable[str]) -> list[str]:
+    """Return up to three names that resemble `name`, best first."""
+    by_fold = {candidate.casefold(): candidate for candidate in known}
+    found = difflib.get_close_matches(name.casefold(), list(by_fold), n=3, cutoff=0.55)
+    return [by_fold[match] for match in found]
