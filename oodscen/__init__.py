@@ -1,0 +1,1 @@
+"""Out-of-distribution driving scenarios: from a language model to judged episodes."""

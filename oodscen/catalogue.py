@@ -134,7 +134,9 @@ class Catalogue(Data):
         issues: list[Issue] = []
         if not scene.map.endswith(".xodr"):
             issues += _unknown("map", "map", scene.map, [road.id for road in self.maps])
-        issues += [Issue(f"weather.{i.path}", i.message) for i in self._check_weather(scene.weather)]
+        issues += [
+            Issue(f"weather.{i.path}", i.message) for i in self._check_weather(scene.weather)
+        ]
         if scene.hazard.weather is not None:
             issues += [
                 Issue(f"hazard.weather.{i.path}", i.message)
@@ -176,12 +178,16 @@ class Catalogue(Data):
         if weather.sun_elevation_deg < allowed.min_sun_elevation_deg:
             issues.append(Issue("sun_elevation_deg", f"at least {allowed.min_sun_elevation_deg:g}"))
         if weather.fog_visual_range_m < allowed.min_fog_visual_range_m:
-            issues.append(Issue("fog_visual_range_m", f"at least {allowed.min_fog_visual_range_m:g}"))
+            issues.append(
+                Issue("fog_visual_range_m", f"at least {allowed.min_fog_visual_range_m:g}")
+            )
         if weather.precipitation not in allowed.precipitation:
             offered = ", ".join(allowed.precipitation)
             issues.append(Issue("precipitation", f"{weather.precipitation!r}: only {offered}"))
         elif weather.precipitation_mm_h > allowed.max_precipitation_mm_h:
-            issues.append(Issue("precipitation_mm_h", f"at most {allowed.max_precipitation_mm_h:g}"))
+            issues.append(
+                Issue("precipitation_mm_h", f"at most {allowed.max_precipitation_mm_h:g}")
+            )
         if weather.friction < allowed.min_friction:
             issues.append(Issue("friction", f"at least {allowed.min_friction:g}"))
         return issues

@@ -42,7 +42,9 @@ class OodscenError(Exception):
         return (_rebuild, (type(self), self.args, self.__dict__))
 
 
-def _rebuild(kind: type[OodscenError], args: tuple[Any, ...], state: dict[str, Any]) -> OodscenError:
+def _rebuild(
+    kind: type[OodscenError], args: tuple[Any, ...], state: dict[str, Any]
+) -> OodscenError:
     error = kind.__new__(kind)
     error.args = args
     error.__dict__.update(state)
@@ -62,7 +64,9 @@ class UnknownComponent(UsageError):
         self.known = tuple(sorted(known))
         self.matches = tuple(close_matches(name, self.known))
         hint = f"; did you mean {' or '.join(self.matches)}?" if self.matches else ""
-        listing = f" (known: {', '.join(self.known)})" if self.known and len(self.known) <= 40 else ""
+        listing = (
+            f" (known: {', '.join(self.known)})" if self.known and len(self.known) <= 40 else ""
+        )
         super().__init__(f"unknown {kind} {name!r}{hint}{listing}")
 
 

@@ -6,66 +6,47 @@ plain classes with these members; no base class is required. Most simulators are
 subclass of `oodscen.driving.MirrorSimulator`.
 """
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
-from typing import Any, ClassVar, Literal, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from oodscen._data import Data
 from oodscen.catalogue import Catalogue
-from oodscen.prompts.base import Prompt
+from oodscen.messages import Image, Message
 from oodscen.scene import Scene
 
+if TYPE_CHECKING:
+    from oodscen.prompts.base import Prompt
+
+__all__ = [
+    "LLM",
+    "Camera",
+    "Completion",
+    "Control",
+    "Driver",
+    "Encoder",
+    "Frame",
+    "Image",
+    "Message",
+    "Observation",
+    "Request",
+    "Simulator",
+    "State",
+    "Usage",
+]
+
 # ------------------------------------------------------------------ language models
-
-
-class Image(Data):
-    """A picture referred to by name; its bytes are loaded when a client sends it."""
-
-    noun: ClassVar[str] = "image"
-
-    name: str
-    """What it is called in the study, e.g. `frames/x-003/first.jpg`."""
-    sha256: str
-    """Of the encoded bytes."""
-    path: Path | None = Field(default=None, exclude=True, repr=False)
-    """Where the bytes are; not part of the image's identity."""
-
-    @classmethod
-    def from_file(cls, path: Path, name: str = "") -> Self:
-        """Refer to a JPEG or PNG file."""
-        return cls(
-            name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
-        )
-
-    def load(self) -> bytes:
-        """Return the encoded bytes."""
-        if self.path is None:
-            raise FileNotFoundError(f"no file is known for the image {self.name}")
-        return self.path.read_bytes()
-
-
-class Message(Data):
-    """One turn of a conversation."""
-
-    noun: ClassVar[str] = "message"
-
-    role: Literal["system", "user", "assistant"]
-    text: str
-    images: tuple[Image, ...] = ()
 
 
 @dataclass(frozen=True)
 class Request:
     """One question to a language model."""
 
-    prompt: Prompt[Any]
+    prompt: "Prompt[Any]"
     """The typed question; clients that send text need not look at it."""
     messages: tuple[Message, ...]
     """The rendered conversation, earlier turns and repair turns included."""
@@ -195,9 +176,9 @@ class State:
 
     def fingerprint(self) -> bytes:
         """Return the bytes that two equal states share."""
-        return b"".join(
-            array.tobytes() for array in (self.poses, self.speeds, self.gaps)
-        ) + bytes([self.off_road])
+        return b"".join(array.tobytes() for array in (self.poses, self.speeds, self.gaps)) + bytes(
+            [self.off_road]
+        )
 
 
 @runtime_checkable

@@ -80,7 +80,12 @@ class ScenarioTree(Data):
         nodes = [Node.parse(node) if isinstance(node, Mapping) else node for node in value["nodes"]]
         edits = [
             TreeEdit(
-                op="add", node=n.id, parent=n.parent, label=n.label, attested=n.attested, stage="file"
+                op="add",
+                node=n.id,
+                parent=n.parent,
+                label=n.label,
+                attested=n.attested,
+                stage="file",
             )
             for n in nodes
         ]
@@ -139,9 +144,7 @@ class ScenarioTree(Data):
     def leaves(self) -> tuple[Node, ...]:
         """Nodes without children that lie below a class, in tree order."""
         return tuple(
-            node
-            for node, depth in self.walk()
-            if not self.children[node.id] and depth >= 2
+            node for node, depth in self.walk() if not self.children[node.id] and depth >= 2
         )
 
     def path(self, node_id: str) -> tuple[str, ...]:

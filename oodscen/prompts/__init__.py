@@ -1,0 +1,63 @@
+"""One typed question per file, beside its template; the order is the order of the pipeline."""
+
+from typing import Any
+
+from oodscen.prompts.base import Prompt
+from oodscen.prompts.choose_action import ActionOption, ChooseAction, ChosenAction
+from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
+from oodscen.prompts.describe_frame import DescribeFrame, FrameDescription
+from oodscen.prompts.describe_path import DescribePath, Descriptions
+from oodscen.prompts.digest import CatalogueDigest
+from oodscen.prompts.give_examples import Examples, GiveExamples
+from oodscen.prompts.imagine_scenario import ImaginedScenario, ImagineScenario
+from oodscen.prompts.judge_branch import BranchJudgement, JudgeBranch
+from oodscen.prompts.name_aspect import NameAspect, OodAspect
+from oodscen.prompts.place_scenario import PlacedScenario, PlaceScenario
+from oodscen.prompts.propose_tree import ProposedNode, ProposedTree, ProposeTree
+from oodscen.prompts.stage_scene import SceneDraft, StageScene
+
+QUESTIONS: tuple[type[Prompt[Any]], ...] = (
+    GiveExamples,
+    ClassifyExamples,
+    ProposeTree,
+    ImagineScenario,
+    PlaceScenario,
+    JudgeBranch,
+    DescribePath,
+    StageScene,
+    DescribeFrame,
+    NameAspect,
+    ChooseAction,
+)
+"""Every question, in the order of the pipeline."""
+
+__all__ = [
+    "QUESTIONS",
+    "ActionOption",
+    "BranchJudgement",
+    "CatalogueDigest",
+    "ChooseAction",
+    "ChosenAction",
+    "Classification",
+    "ClassifiedExample",
+    "ClassifyExamples",
+    "DescribeFrame",
+    "DescribePath",
+    "Descriptions",
+    "Examples",
+    "FrameDescription",
+    "GiveExamples",
+    "ImagineScenario",
+    "ImaginedScenario",
+    "JudgeBranch",
+    "NameAspect",
+    "OodAspect",
+    "PlaceScenario",
+    "PlacedScenario",
+    "Prompt",
+    "ProposeTree",
+    "ProposedNode",
+    "ProposedTree",
+    "SceneDraft",
+    "StageScene",
+]

@@ -3,16 +3,14 @@
 import hashlib
 from functools import cache
 from importlib import resources
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import jinja2
 from pydantic import BaseModel
 
 from oodscen._data import Data, canonical_json
 from oodscen.errors import Issue
-
-if TYPE_CHECKING:
-    from oodscen.protocols import Image, Message
+from oodscen.messages import Image, Message
 
 Answer = TypeVar("Answer", bound=BaseModel)
 
@@ -36,11 +34,11 @@ class Prompt(Data, Generic[Answer]):
     )
     answer: ClassVar[type[BaseModel]]
 
-    def earlier(self) -> "tuple[Message, ...]":
+    def earlier(self) -> tuple[Message, ...]:
         """Return the turns before this question, for questions that build on others."""
         return ()
 
-    def images(self) -> "tuple[Image, ...]":
+    def images(self) -> tuple[Image, ...]:
         """Return the pictures that the question is about."""
         return ()
 
@@ -48,15 +46,17 @@ class Prompt(Data, Generic[Answer]):
         """Find what is wrong with an answer that has the right shape; fed back to the model."""
         return []
 
+    def variables(self) -> dict[str, Any]:
+        """Return what the template may use: the fields, unless a subclass adds to them."""
+        return {name: getattr(self, name) for name in type(self).model_fields}
+
     def question(self) -> str:
         """Render the user's turn."""
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        fields = self.variables()
         return _environment().get_template(self.template).render(fields).strip()
 
-    def messages(self) -> "tuple[Message, ...]":
+    def messages(self) -> tuple[Message, ...]:
         """Render the whole conversation up to and including the question."""
-        from oodscen.protocols import Message
-
         return (
             Message(role="system", text=self.system),
             *self.earlier(),
@@ -64,7 +64,7 @@ class Prompt(Data, Generic[Answer]):
         )
 
     @classmethod
-    def schema(cls) -> dict[str, Any]:
+    def answer_schema(cls) -> dict[str, Any]:
         """Return the JSON schema of the answer."""
         return cls.answer.model_json_schema()
 
@@ -72,7 +72,7 @@ class Prompt(Data, Generic[Answer]):
     def version(cls) -> str:
         """Return the hash of template, system text and schema, 12 hexadecimal digits."""
         source = (resources.files("oodscen.prompts") / cls.template).read_text(encoding="utf-8")
-        parts = "\0".join((cls.purpose, cls.system, source, canonical_json(cls.schema())))
+        parts = "\0".join((cls.purpose, cls.system, source, canonical_json(cls.answer_schema())))
         return hashlib.sha256(parts.encode()).hexdigest()[:12]
 
 

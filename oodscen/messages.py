@@ -1,0 +1,45 @@
+"""Turns of a conversation, and the pictures in them."""
+
+import hashlib
+from pathlib import Path
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field
+
+from oodscen._data import Data
+
+
+class Image(Data):
+    """A picture referred to by name; its bytes are loaded when a client sends it."""
+
+    noun: ClassVar[str] = "image"
+
+    name: str
+    """What it is called in the study, e.g. `frames/x-003/first.jpg`."""
+    sha256: str
+    """Of the encoded bytes."""
+    path: Path | None = Field(default=None, exclude=True, repr=False)
+    """Where the bytes are; not part of the image's identity."""
+
+    @classmethod
+    def from_file(cls, path: Path, name: str = "") -> Self:
+        """Refer to a JPEG or PNG file."""
+        return cls(
+            name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
+        )
+
+    def load(self) -> bytes:
+        """Return the encoded bytes."""
+        if self.path is None:
+            raise FileNotFoundError(f"no file is known for the image {self.name}")
+        return self.path.read_bytes()
+
+
+class Message(Data):
+    """One turn of a conversation."""
+
+    noun: ClassVar[str] = "message"
+
+    role: Literal["system", "user", "assistant"]
+    text: str
+    images: tuple[Image, ...] = ()

@@ -1,0 +1,49 @@
+"""Task two: what should the ego vehicle do?"""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen._data import Data
+from oodscen.errors import Issue
+from oodscen.messages import Image, Message
+from oodscen.prompts.base import Prompt
+from oodscen.prompts.describe_frame import frame_turns
+
+
+class ActionOption(Data):
+    """One of the discrete actions."""
+
+    id: str
+    description: str
+
+
+class ChosenAction(BaseModel):
+    """Answer: one of the options."""
+
+    reasoning: str = Field(default="", description="step by step, short")
+    action: str = Field(description="id of one option")
+
+
+class ChooseAction(Prompt[ChosenAction]):
+    """Choose a safe control action (paper, section V-C, second task)."""
+
+    purpose: ClassVar[str] = "choose-action"
+    template: ClassVar[str] = "choose_action.md"
+    answer: ClassVar[type[BaseModel]] = ChosenAction
+
+    frames: tuple[Image, ...]
+    descriptions: tuple[str, ...]
+    """What the model said about each frame."""
+    options: tuple[ActionOption, ...]
+
+    def earlier(self) -> tuple[Message, ...]:
+        """Return the turns about the frames."""
+        return frame_turns(self.frames, self.descriptions)
+
+    def check(self, answer: ChosenAction) -> list[Issue]:
+        """The action is one of the options."""
+        known = [option.id for option in self.options]
+        if answer.action not in known:
+            return [Issue("action", f"{answer.action!r} is none of {', '.join(known)}")]
+        return []

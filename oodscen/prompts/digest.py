@@ -1,0 +1,94 @@
+"""A catalogue as prompts show it: just the vocabulary that an answer may use."""
+
+from typing import Self
+
+from oodscen._data import Data
+from oodscen.catalogue import BehaviourKind, Catalogue, RoadMap
+
+
+class AssetLine(Data):
+    """One asset in a prompt."""
+
+    id: str
+    category: str
+    description: str
+    states: tuple[str, ...] = ()
+
+
+class BehaviourLine(Data):
+    """One behaviour in a prompt."""
+
+    id: str
+    description: str
+    categories: tuple[str, ...]
+    parameters: str = ""
+    """E.g. `speed 0..20 (8)`: minimum, maximum, default."""
+
+
+class MapLine(Data):
+    """One map in a prompt."""
+
+    id: str
+    description: str
+    lanes: int
+    oncoming_lanes: int
+    speed_limit: float
+    traits: tuple[str, ...]
+
+
+class CatalogueDigest(Data):
+    """The closed vocabulary of one simulator."""
+
+    assets: tuple[AssetLine, ...]
+    behaviours: tuple[BehaviourLine, ...]
+    maps: tuple[MapLine, ...]
+    weather: str
+    """What weather can be shown, in one line."""
+
+    @classmethod
+    def of(cls, catalogue: Catalogue) -> Self:
+        """Summarise a catalogue."""
+        return cls(
+            assets=tuple(
+                AssetLine(id=a.id, category=a.category, description=a.description, states=a.states)
+                for a in catalogue.assets
+            ),
+            behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
+            maps=tuple(_map_line(road) for road in catalogue.maps),
+            weather=_weather_line(catalogue),
+        )
+
+
+def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
+    parameters = ", ".join(
+        f"{name} {p.minimum:g}..{p.maximum:g} ({p.default:g})"
+        for name, p in kind.parameters.items()
+    )
+    return BehaviourLine(
+        id=kind.id, description=kind.description, categories=kind.categories, parameters=parameters
+    )
+
+
+def _map_line(road: RoadMap) -> MapLine:
+    return MapLine(
+        id=road.id,
+        description=road.description,
+        lanes=road.lanes,
+        oncoming_lanes=road.oncoming_lanes,
+        speed_limit=road.speed_limit,
+        traits=road.traits,
+    )
+
+
+def _weather_line(catalogue: Catalogue) -> str:
+    weather = catalogue.weather
+    parts = ["night" if weather.min_sun_elevation_deg < -6 else "no night"]
+    fog = weather.min_fog_visual_range_m
+    parts.append(f"fog down to {fog:g} m visual range" if fog < 5_000 else "no fog")
+    falling = [kind for kind in weather.precipitation if kind != "none"]
+    if falling:
+        parts.append(f"{' and '.join(falling)} up to {weather.max_precipitation_mm_h:g} mm/h")
+    else:
+        parts.append("no precipitation")
+    parts.append(f"road friction down to {weather.min_friction:g}")
+    return "; ".join(parts)

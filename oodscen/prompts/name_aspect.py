@@ -1,0 +1,33 @@
+"""Task one: what is out of the ordinary?"""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen.messages import Image, Message
+from oodscen.prompts.base import Prompt
+from oodscen.prompts.describe_frame import frame_turns
+
+
+class OodAspect(BaseModel):
+    """Answer: whether the situation is OOD, and in which respect."""
+
+    reasoning: str = Field(default="", description="step by step, short")
+    is_ood: bool = Field(description="whether anything is out of the ordinary")
+    aspect: str = Field(default="", description="the unusual aspect, as a short noun phrase")
+
+
+class NameAspect(Prompt[OodAspect]):
+    """Name the OOD characteristic of what three frames showed (paper, section V-C, first task)."""
+
+    purpose: ClassVar[str] = "name-aspect"
+    template: ClassVar[str] = "name_aspect.md"
+    answer: ClassVar[type[BaseModel]] = OodAspect
+
+    frames: tuple[Image, ...]
+    descriptions: tuple[str, ...]
+    """What the model said about each frame."""
+
+    def earlier(self) -> tuple[Message, ...]:
+        """Return the turns about the frames."""
+        return frame_turns(self.frames, self.descriptions)

@@ -1,0 +1,90 @@
+"""Turn three of growing a tree: ask for the tree."""
+
+from collections import Counter
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen.errors import Issue
+from oodscen.messages import Message
+from oodscen.prompts.base import Prompt
+from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
+from oodscen.tree import CLASSES, MAX_LABEL
+
+
+class ProposedNode(BaseModel):
+    """One node of the proposed tree."""
+
+    number: int = Field(description="counted from 1; the root is 1")
+    parent: int = Field(description="number of the parent, listed before; 0 for the root")
+    label: str = Field(description="a short noun phrase")
+
+
+class ProposedTree(BaseModel):
+    """Answer: the tree as a flat list, parents before children."""
+
+    nodes: list[ProposedNode]
+
+
+class ProposeTree(Prompt[ProposedTree]):
+    """Arrange the ideas as a tree whose root-to-leaf paths are distinct OOD scenarios."""
+
+    purpose: ClassVar[str] = "propose-tree"
+    template: ClassVar[str] = "propose_tree.md"
+    answer: ClassVar[type[BaseModel]] = ProposedTree
+
+    asked: ClassifyExamples
+    """The second turn, which holds the first."""
+    classes: tuple[str, ...]
+    """The class that the model gave to each example, in order."""
+    nodes: int
+    """How many nodes the tree must have, the root and the two classes included."""
+
+    def earlier(self) -> tuple[Message, ...]:
+        """Return the first two turns and their answers."""
+        answer = Classification(
+            examples=[
+                ClassifiedExample.model_validate(
+                    {"number": number, "reasoning": "", "scenario_class": name}
+                )
+                for number, name in enumerate(self.classes, start=1)
+            ]
+        )
+        return (
+            *self.asked.earlier(),
+            Message(role="user", text=self.asked.question()),
+            Message(role="assistant", text=answer.model_dump_json()),
+        )
+
+    def check(self, answer: ProposedTree) -> list[Issue]:
+        """The list is a tree of the right size below the two classes."""
+        issues = []
+        known: dict[int, ProposedNode] = {}
+        for index, node in enumerate(answer.nodes):
+            path = f"nodes[{index}]"
+            if node.number in known:
+                issues.append(Issue(f"{path}.number", f"{node.number} is taken"))
+            if index == 0 and node.parent != 0:
+                issues.append(
+                    Issue(f"{path}.parent", "the first node is the root, its parent is 0")
+                )
+            if index > 0 and node.parent not in known:
+                issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
+            if not node.label.strip() or len(node.label) > MAX_LABEL:
+                issues.append(Issue(f"{path}.label", f"use 1 to {MAX_LABEL} characters"))
+            known[node.number] = node
+        if issues:
+            return issues
+        root = answer.nodes[0].number if answer.nodes else 0
+        below = [node.label.casefold() for node in answer.nodes if node.parent == root]
+        if sorted(below) != sorted(name.casefold() for name in CLASSES):
+            issues.append(Issue("nodes", f"below the root: exactly {' and '.join(CLASSES)}"))
+        if len(answer.nodes) != self.nodes:
+            issues.append(
+                Issue("nodes", f"{len(answer.nodes)} nodes; exactly {self.nodes} are wanted")
+            )
+        repeated = [
+            k for k, n in Counter(n.label.casefold() for n in answer.nodes).items() if n > 1
+        ]
+        issues += [Issue("nodes", f"the label {label!r} occurs twice") for label in repeated]
+        return issues
