@@ -100,9 +100,15 @@ class LLM(Protocol):
 class Encoder(Protocol):
     """A text encoder."""
 
-    name: str
-    """Includes whatever decides the values: model and weights hash."""
-    dimension: int
+    @property
+    def name(self) -> str:
+        """Includes whatever decides the values: model and weights hash. A plain attribute will do."""
+        ...
+
+    @property
+    def dimension(self) -> int:
+        """Length of a vector. A plain attribute will do."""
+        ...
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
         """Return one row per text, in order: [n, d] float32, always."""

@@ -1,0 +1,38 @@
+"""An encoder without dependencies, for tests and quick runs."""
+
+import hashlib
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+_WORD = re.compile(r"\w+")
+
+
+class HashEncoder:
+    """Bags of hashed words: the same on every machine, in microseconds, with no model.
+
+    Words fall into `dimension` buckets with a sign of their own; a row is the signed count of the
+    text's words, scaled to unit length. Texts that share words are near; meaning plays no part, so
+    its figures are not comparable with those of a trained encoder. A text without a word is a zero row.
+
+    Args:
+        dimension: Length of a vector, at least 1.
+    """
+
+    def __init__(self, dimension: int = 256) -> None:
+        if dimension < 1:
+            raise ValueError(f"dimension must be at least 1, not {dimension}")
+        self.dimension = dimension
+        self.name = f"hash-{dimension}"
+
+    def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
+        """Return one row per text, in order: [n, dimension] float32."""
+        counts = np.zeros((len(texts), self.dimension), np.float64)
+        for row, text in zip(counts, texts, strict=True):
+            for word in _WORD.findall(text.casefold()):
+                digest = int.from_bytes(hashlib.sha256(word.encode()).digest()[:8], "little")
+                row[(digest >> 1) % self.dimension] += 1.0 if digest & 1 else -1.0
+        lengths = np.sqrt((counts * counts).sum(axis=1, keepdims=True))
+        return (counts / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
