@@ -28,7 +28,7 @@ class Image(Data):
             name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
         )
 
-    def load(self) -> bytes:
+    def read(self) -> bytes:
         """Return the encoded bytes."""
         if self.path is None:
             raise FileNotFoundError(f"no file is known for the image {self.name}")
