@@ -1,0 +1,249 @@
+"""The road that the ego drives, as samples along its reference line, and look-ups on it.
+
+A corridor has coordinates of its own: `s` metres along the reference line in the ego's driving
+direction and `t` metres to its left. It hides which roads of a map it was made from.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
+
+DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
+"""Kinds of strips on which the ego may be."""
+
+
+@dataclass(frozen=True, eq=False)
+class LaneStrip:
+    """One lane, shoulder, pavement ... along the whole corridor."""
+
+    kind: StripKind
+    direction: int
+    """+1 with the ego, -1 oncoming, 0 neither."""
+    right: NDArray[np.float64]
+    """[n], t of the right edge at every sample, m."""
+    left: NDArray[np.float64]
+    """[n], t of the left edge; equal to `right` where the strip does not exist."""
+    mark: str
+    """On the left edge: `solid`, `broken`, `curb` or `none`."""
+    right_mark: str = "none"
+    """On the right edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class Corridor:
+    """A road with its cross-section, seen from the ego that drives along it."""
+
+    s: NDArray[np.float64]
+    """[n], m from the corridor's beginning, evenly spaced by `step`."""
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    z: NDArray[np.float64]
+    cos: NDArray[np.float64]
+    """[n], of the heading; the normal to the left is (-sin, cos)."""
+    sin: NDArray[np.float64]
+    curvature: NDArray[np.float64]
+    """[n], 1/m, left positive."""
+    strips: tuple[LaneStrip, ...]
+    """From right to left, adjacent ones sharing an edge."""
+    start: float
+    """s of the ego's start."""
+    speed_limit: float
+    """m/s"""
+    driving: tuple[int, ...] = field(init=False)
+    """Indices of the driving strips at the start, from right to left."""
+    step: float = field(init=False)
+    """Spacing of the samples, m."""
+    length: float = field(init=False)
+    """s of the last sample, m."""
+
+    def __post_init__(self) -> None:
+        columns = (self.x, self.y, self.z, self.cos, self.sin)
+        put = object.__setattr__
+        put(self, "length", float(self.s[-1]))
+        put(self, "step", float(self.s[-1]) / (len(self.s) - 1))
+        put(self, "_rows", [tuple(map(float, row)) for row in zip(*columns, strict=True)])
+        put(self, "_curvature", self.curvature.tolist())
+        put(self, "_edges", [(a.right.tolist(), a.left.tolist()) for a in self.strips])
+        start = self._index(self.start)
+        driving = [
+            index
+            for index, strip in enumerate(self.strips)
+            if strip.kind == "driving" and strip.left[start] - strip.right[start] > 0.5
+        ]
+        put(self, "driving", tuple(driving))
+        put(self, "_drivable", _intervals(self.strips))
+
+    # Plain floats: behaviours look up single points far more often than NumPy can amortise.
+    _rows: list[tuple[float, float, float, float, float]] = field(init=False, repr=False)
+    _curvature: list[float] = field(init=False, repr=False)
+    _edges: list[tuple[list[float], list[float]]] = field(init=False, repr=False)
+    _drivable: list[tuple[tuple[float, float], ...]] = field(init=False, repr=False)
+
+    @property
+    def ego_lanes(self) -> tuple[int, ...]:
+        """Indices of the strips in which the ego may start, from right to left."""
+        return tuple(index for index in self.driving if self.strips[index].direction > 0)
+
+    def point(self, s: float, t: float) -> tuple[float, float, float, float]:
+        """Return x, y, z and the road's heading at a place; beyond the ends it goes on straight."""
+        rows, step = self._rows, self.step
+        position = s / step
+        index = int(position) if position > 0.0 else 0
+        if index > len(rows) - 2:
+            index = len(rows) - 2
+        f = position - index
+        f = 0.0 if f < 0.0 else 1.0 if f > 1.0 else f
+        x0, y0, z0, c0, s0 = rows[index]
+        x1, y1, z1, c1, s1 = rows[index + 1]
+        cos = c0 + f * (c1 - c0)
+        sin = s0 + f * (s1 - s0)
+        norm = math.sqrt(cos * cos + sin * sin)
+        cos /= norm
+        sin /= norm
+        beyond = s if s < 0.0 else s - self.length if s > self.length else 0.0
+        return (
+            x0 + f * (x1 - x0) + beyond * cos - t * sin,
+            y0 + f * (y1 - y0) + beyond * sin + t * cos,
+            z0 + f * (z1 - z0),
+            math.atan2(sin, cos),
+        )
+
+    def locate(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
+        """Return the place (s, t) of a point.
+
+        Args:
+            x: m
+            y: m
+            near: An s close to the answer, e.g. the last one; without it the nearest sample is
+                searched for.
+        """
+        rows, step = self._rows, self.step
+        last = len(rows) - 2
+        if near is None:
+            square = (self.x - x) ** 2 + (self.y - y) ** 2
+            near = int(square.argmin()) * step
+        index = min(max(int(near / step), 0), last)
+        after = 0.0
+        for _ in range(200):
+            x0, y0, _, c0, s0 = rows[index]
+            before = (x - x0) * c0 + (y - y0) * s0
+            if before < 0.0 and index > 0:
+                index -= 1 + min(int(-before / (2.0 * step)), index - 1)
+                continue
+            x1, y1, _, c1, s1 = rows[index + 1]
+            after = (x - x1) * c1 + (y - y1) * s1
+            if after > 0.0 and index < last:
+                index += 1 + min(int(after / (2.0 * step)), last - index - 1)
+                continue
+            break
+        if before < 0.0:
+            return before, (y - y0) * c0 - (x - x0) * s0
+        if after > 0.0:
+            return self.length + after, (y - y1) * c1 - (x - x1) * s1
+        f = before / (before - after) if before > after else 0.0
+        for _ in range(4):
+            dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
+            cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
+            along = dx * cos + dy * sin
+            slope = dx * (c1 - c0) + dy * (s1 - s0) - (x1 - x0) * cos - (y1 - y0) * sin
+            if slope == 0.0 or abs(along) < 1e-12:
+                break
+            f -= along / slope
+        norm = math.sqrt(cos * cos + sin * sin)
+        dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
+        return (index + f) * step, (dy * cos - dx * sin) / norm
+
+    def heading(self, s: float) -> float:
+        """Return the road's heading at `s`, rad."""
+        _, _, _, cos, sin = self._rows[self._index(s)]
+        return math.atan2(sin, cos)
+
+    def bend(self, s: float) -> float:
+        """Return the reference line's curvature at `s`, 1/m, left positive; 0 beyond the ends."""
+        return self._curvature[self._index(s)] if 0.0 <= s <= self.length else 0.0
+
+    def edges(self, strip: int, s: float) -> tuple[float, float]:
+        """Return t of a strip's right and left edge at `s`."""
+        right, left = self._edges[strip]
+        position = min(max(s / self.step, 0.0), len(right) - 1.0)
+        index = min(int(position), len(right) - 2)
+        f = position - index
+        return (
+            right[index] + f * (right[index + 1] - right[index]),
+            left[index] + f * (left[index + 1] - left[index]),
+        )
+
+    def centre(self, strip: int, s: float) -> float:
+        """Return t of a strip's centre at `s`."""
+        right, left = self.edges(strip, s)
+        return 0.5 * (right + left)
+
+    def strip_at(self, s: float, t: float) -> int | None:
+        """Return the index of the strip at a place, or `None` beside the road."""
+        for index in range(len(self.strips)):
+            right, left = self.edges(index, s)
+            if right <= t < left:
+                return index
+        return None
+
+    def is_drivable(self, s: float, t_min: float, t_max: float) -> bool:
+        """Tell whether the road can be driven on everywhere between two offsets at `s`."""
+        return any(low <= t_min and t_max <= high for low, high in self._drivable[self._index(s)])
+
+    def drivable_range(self, s: float, t: float) -> tuple[float, float] | None:
+        """Return the right and left limit of the drivable road around `t`, or `None` off it."""
+        for low, high in self._drivable[self._index(s)]:
+            if low <= t <= high:
+                return low, high
+        return None
+
+    def extent(self, s: float) -> tuple[float, float]:
+        """Return t of the right and left edge of the whole cross-section at `s`."""
+        return self.edges(0, s)[0], self.edges(len(self.strips) - 1, s)[1]
+
+    def neighbour(self, strip: int, s: float, side: int) -> int | None:
+        """Return the driving strip that touches `strip` on one side.
+
+        Args:
+            strip: A strip's index.
+            s: m
+            side: +1 for the left, -1 for the right.
+        """
+        edge = self.edges(strip, s)[1 if side > 0 else 0]
+        other = strip + side
+        while 0 <= other < len(self.strips):
+            right, left = self.edges(other, s)
+            if left - right > 0.5:
+                touches = abs((right if side > 0 else left) - edge) < 0.3
+                return other if touches and self.strips[other].kind == "driving" else None
+            other += side
+        return None
+
+    def _index(self, s: float) -> int:
+        """Return the sample nearest to `s`."""
+        return min(max(int(s / self.step + 0.5), 0), len(self._rows) - 1)
+
+
+def _intervals(strips: Sequence[LaneStrip]) -> list[tuple[tuple[float, float], ...]]:
+    """Return, for every sample, the drivable ranges of t with touching strips merged."""
+    edges = [(s.right.tolist(), s.left.tolist()) for s in strips if s.kind in DRIVABLE]
+    count = len(strips[0].right) if strips else 0
+    merged: list[tuple[tuple[float, float], ...]] = []
+    for sample in range(count):
+        ranges: list[tuple[float, float]] = []
+        for right, left in edges:
+            low, high = right[sample], left[sample]
+            if high - low < 1e-6:
+                continue
+            if ranges and low - ranges[-1][1] < 0.01:
+                ranges[-1] = (ranges[-1][0], high)
+            else:
+                ranges.append((low, high))
+        merged.append(tuple(ranges))
+    return merged

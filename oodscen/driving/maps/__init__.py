@@ -1,0 +1,1 @@
+"""The shipped OpenDRIVE files, and the script that writes them."""
