@@ -1,7 +1,7 @@
 """Ask a language model one typed question and get a typed answer."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import json_repair
 from pydantic import BaseModel, ValidationError
@@ -46,10 +46,10 @@ def ask(
     schema = prompt.answer_schema()
     issues: list[Issue] = []
     raw = ""
-    for _ in range(attempts):
-        completion = llm.complete(Request(prompt, messages, schema, sample))
+    for attempt in range(1, attempts + 1):
+        completion = llm.complete(Request(prompt, messages, schema, sample, attempt))
         raw = completion.text
-        answer, issues = _read(raw, prompt.answer)
+        answer, issues = _read(raw, cast(type[Answer], prompt.answer))
         if answer is not None:
             issues = [*prompt.check(answer), *(check(answer) if check else ())]
             if not issues:

@@ -54,6 +54,8 @@ class Request:
     """JSON schema of the answer."""
     sample: int = 0
     """Which of several independent draws of the same question this is."""
+    attempt: int = 1
+    """How often this draw has been put, this time included; above 1 the last turns ask for repair."""
 
 
 class Usage(Data):

@@ -45,7 +45,9 @@ def find(kind: str, name: str) -> Callable[..., Any]:
     except OodscenError:
         raise
     except Exception as error:
-        raise UsageError(f"the {kind} {name!r} ({point.value}) cannot be imported: {error}") from error
+        raise UsageError(
+            f"the {kind} {name!r} ({point.value}) cannot be imported: {error}"
+        ) from error
 
 
 def make_simulator(simulator: str | Simulator) -> Simulator:
@@ -106,6 +108,8 @@ def survey() -> list[dict[str, str]]:
                 state = "ok"
             except OodscenError as error:
                 state = str(error)
-                warnings.warn(f"the {kind} {name!r} is broken: {error}", RuntimeWarning, stacklevel=2)
+                warnings.warn(
+                    f"the {kind} {name!r} is broken: {error}", RuntimeWarning, stacklevel=2
+                )
             rows.append({"kind": kind, "name": name, "source": point.value, "state": state})
     return rows

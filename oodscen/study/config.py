@@ -1,0 +1,75 @@
+"""What defines a study; two runs with equal configurations give the same bytes."""
+
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from oodscen import paper
+from oodscen._data import Data
+from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
+
+
+class StudyConfig(Data):
+    """Every choice that the results depend on; the number of workers is none of them."""
+
+    noun: ClassVar[str] = "study configuration"
+
+    llm: str = DEFAULT_LLM
+    """Tree-LLM and augmenter-LLM: `builtin`, or any name that litellm knows."""
+    red_llm: str | None = None
+    """The red-LLM; the same as `llm` if left out."""
+    vlms: tuple[str, ...] = ()
+    """Vision-language models to judge; reference answerers always run."""
+    api_base: str | None = None
+    """Address of an OpenAI-compatible server for the models."""
+    simulator: str = DEFAULT_SIMULATOR
+    encoder: str = DEFAULT_ENCODER
+    baseline: str | None = None
+    """File of ordinary-driving texts; the shipped corpus if left out."""
+    nodes: int = Field(default=paper.NODES["initial"], ge=12, le=2_000)
+    """Size of the initial tree."""
+    iterations: int = Field(default=paper.ITERATIONS, ge=0, le=100_000)
+    """Rounds of red teaming."""
+    closed_loop: bool = True
+    """Show the red-LLM what is covered; `False` is the paper's open loop."""
+    per_path: int = Field(default=paper.PER_PATH, ge=1, le=999)
+    """Texts per path of the simulatable tree."""
+    sets: tuple[int, ...] = paper.SETS
+    """Sizes of the text sets from the diverse tree."""
+    max_paths: int | None = Field(default=None, ge=1)
+    """Simulate at most this many paths; all if left out."""
+    band: tuple[float, float] | None = None
+    """OOD-ness band (paper, remark 1): scenarios outside it are not staged."""
+    seed: int = Field(default=0, ge=0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.band is not None and self.band[0] >= self.band[1]:
+            raise ValueError("band: the lower bound must be below the upper one")
+        if any(size < 1 for size in self.sets):
+            raise ValueError("sets: sizes are positive")
+        return self
+
+    @classmethod
+    def quick(cls, **changes: Any) -> Self:
+        """Return a complete small study that takes seconds."""
+        small = {
+            "nodes": 24,
+            "iterations": 10,
+            "per_path": 1,
+            "sets": (10,),
+            "max_paths": 4,
+        }
+        return cls(**{**small, **changes})
+
+    def differences(self, other: Self) -> dict[str, tuple[object, object]]:
+        """Return the fields in which two configurations differ: this one's value, the other's."""
+        return {
+            name: (getattr(self, name), getattr(other, name))
+            for name in type(self).model_fields
+            if getattr(self, name) != getattr(other, name)
+        }
+
+
+Status = Literal["running", "success", "incomplete"]
+"""`incomplete`: the run ended, but some items failed."""
