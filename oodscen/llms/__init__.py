@@ -1,0 +1,1 @@
+"""Language models: any provider through litellm, the built-in author, answerers that see nothing."""

@@ -1,0 +1,91 @@
+"""A wrapper that accounts for every call of a language model."""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, ClassVar, Literal
+
+from oodscen._data import Data
+from oodscen.protocols import LLM, Completion, Request
+
+
+class Call(Data):
+    """One call, as a line of `calls.jsonl`. It holds neither texts nor pictures nor credentials."""
+
+    noun: ClassVar[str] = "call"
+
+    purpose: str
+    """Of the prompt, e.g. `stage-scene`."""
+    prompt_version: str
+    """Hash of template and answer schema."""
+    model: str
+    sample: int
+    attempt: int
+    """1 for the question itself, 2 and more for requests to mend the answer."""
+    status: Literal["ok", "failed"]
+    """`ok` where text came back, whether or not it was a valid answer."""
+    error: str | None = None
+    input_tokens: int = 0
+    output_tokens: int = 0
+    cost_usd: float | None = None
+    """`None` where the price is not known."""
+    seconds: float = 0.0
+    """Until the answer, waiting and retries included."""
+
+
+class LoggedLLM:
+    """Reports every `complete` of another model, also those that fail.
+
+    Args:
+        llm: Who really answers; its other attributes are reachable through this object.
+        log: Called once per call, never by two threads at a time.
+    """
+
+    def __init__(self, llm: LLM, log: Callable[[Call], None]) -> None:
+        self.name = llm.name
+        self._llm = llm
+        self._log = log
+        self._lock = threading.Lock()
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._llm, name)
+
+    def complete(self, request: Request) -> Completion:
+        """Pass the request on and report what it took."""
+        started = time.perf_counter()
+        completion: Completion | None = None
+        failure: BaseException | None = None
+        try:
+            completion = self._llm.complete(request)
+        except BaseException as error:
+            failure = error
+            raise
+        finally:
+            call = self._account(request, completion, failure, time.perf_counter() - started)
+            with self._lock:
+                self._log(call)
+        return completion
+
+    def _account(
+        self,
+        request: Request,
+        completion: Completion | None,
+        failure: BaseException | None,
+        seconds: float,
+    ) -> Call:
+        usage = completion.usage if completion else None
+        return Call(
+            purpose=request.prompt.purpose,
+            prompt_version=request.prompt.version(),
+            model=self.name,
+            sample=request.sample,
+            attempt=request.attempt,
+            status="ok" if completion else "failed",
+            error=None if failure is None else f"{type(failure).__name__}: {failure}",
+            input_tokens=usage.input_tokens if usage else 0,
+            output_tokens=usage.output_tokens if usage else 0,
+            cost_usd=usage.cost_usd if usage else None,
+            seconds=round(seconds, 6),
+        )

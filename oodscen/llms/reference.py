@@ -1,0 +1,99 @@
+"""Answerers that see nothing: what chance and stubbornness score, beside real models.
+
+They answer the questions of the evaluation only (describe a frame, name the aspect, choose an
+action), never look at a picture, and carry `kind = "reference"`, under which every table lists them.
+"""
+
+import json
+from typing import ClassVar, Literal
+
+from oodscen.episode import ACTIONS
+from oodscen.errors import LLMError, UnknownComponent
+from oodscen.prompts import ChooseAction, DescribeFrame, NameAspect
+from oodscen.protocols import Completion, Request
+from oodscen.seeding import stream
+
+UNSEEN = "A road ahead of the ego vehicle."
+"""What a reference answerer says about every frame."""
+
+ASPECT = "An unusual object on the road"
+"""What a reference answerer names whenever it calls a scene OOD: what is most often right by chance."""
+
+
+class ConstantAnswerer:
+    """Always calls the scene OOD, always names the same aspect, always chooses the same action.
+
+    Args:
+        action: One of `oodscen.episode.ACTIONS`.
+        seed: Taken so that every registered model is made alike; it changes nothing.
+
+    Raises:
+        UnknownComponent: When there is no such action.
+    """
+
+    kind: ClassVar[Literal["reference"]] = "reference"
+
+    def __init__(self, action: str = "stop", *, seed: int = 0) -> None:
+        if action not in ACTIONS:
+            raise UnknownComponent("action", action, ACTIONS)
+        self.name = f"constant:{action}"
+        self.action = action
+
+    def complete(self, request: Request) -> Completion:
+        """Answer without looking.
+
+        Raises:
+            LLMError: When the question is not one of the evaluation.
+        """
+        prompt = request.prompt
+        if isinstance(prompt, DescribeFrame):
+            return _say(description=UNSEEN)
+        if isinstance(prompt, NameAspect):
+            return _say(is_ood=True, aspect=ASPECT)
+        if isinstance(prompt, ChooseAction):
+            return _say(action=self.action)
+        raise _cannot(self.name, request)
+
+
+class RandomAnswerer:
+    """Flips a coin for OOD and draws one of the offered actions, all equally likely.
+
+    The draw depends on the seed, the question, the names of its frames and the sample, so it is the same
+    in every process and whatever was asked before.
+    """
+
+    kind: ClassVar[Literal["reference"]] = "reference"
+
+    def __init__(self, *, seed: int = 0) -> None:
+        self.name = "random"
+        self.seed = seed
+
+    def complete(self, request: Request) -> Completion:
+        """Answer without looking.
+
+        Raises:
+            LLMError: When the question is not one of the evaluation.
+        """
+        prompt = request.prompt
+        if isinstance(prompt, DescribeFrame):
+            return _say(description=UNSEEN)
+        if not isinstance(prompt, (NameAspect, ChooseAction)):
+            raise _cannot(self.name, request)
+        frames = (image.name for image in prompt.frames)
+        draw = stream(self.seed, prompt.purpose, *frames, request.sample)
+        if isinstance(prompt, NameAspect):
+            is_ood = bool(draw.integers(2))
+            return _say(is_ood=is_ood, aspect=ASPECT if is_ood else "")
+        return _say(action=prompt.options[int(draw.integers(len(prompt.options)))].id)
+
+
+def _say(**answer: str | bool) -> Completion:
+    return Completion(text=json.dumps(answer))
+
+
+def _cannot(name: str, request: Request) -> LLMError:
+    return LLMError(
+        f"{name} is a reference answerer for evaluation; it cannot answer "
+        f"{request.prompt.purpose!r}",
+        model=name,
+    )
