@@ -164,6 +164,11 @@ class Corridor:
         _, _, _, cos, sin = self._rows[self._index(s)]
         return math.atan2(sin, cos)
 
+    def alignment(self, s: float, yaw: float) -> float:
+        """Return the cosine between the road at `s` and a direction: 1 along it, -1 against it."""
+        _, _, _, cos, sin = self._rows[self._index(s)]
+        return cos * math.cos(yaw) + sin * math.sin(yaw)
+
     def bend(self, s: float) -> float:
         """Return the reference line's curvature at `s`, 1/m, left positive; 0 beyond the ends."""
         return self._curvature[self._index(s)] if 0.0 <= s <= self.length else 0.0

@@ -120,7 +120,7 @@ class _Reader:
             root = etree.fromstring(data, parser)
         except (etree.XMLSyntaxError, ValueError) as error:
             self._fail("", f"not well-formed XML: {error}")
-        if root.getroottree().docinfo.doctype:
+        if root.getroottree().docinfo.internalDTD is not None:
             self._fail("", "a document type declaration is not allowed")
         if _depth(root) > MAX_DEPTH:
             self._fail("", f"elements are nested more than {MAX_DEPTH} deep")

@@ -1,0 +1,60 @@
+"""When triggers fire: at a time, at a distance along the road, at a time to collision."""
+
+from oodscen.driving.corridor import Corridor
+from oodscen.protocols import State
+from oodscen.scene import Trigger
+
+
+def is_reached(
+    kind: str, value: float, *, time: float, ahead: float, ego_speed: float, actor_speed: float
+) -> bool:
+    """Tell whether one trigger's condition holds.
+
+    Args:
+        kind: `time`, `distance` or `ttc`.
+        value: Seconds or metres.
+        time: Since the start, s.
+        ahead: From the ego's centre to the actor's along the road, m; negative is behind.
+        ego_speed: Along the road, m/s.
+        actor_speed: Along the road, m/s; negative when it comes towards an ego behind it.
+    """
+    if kind == "time":
+        return time >= value - 1e-9
+    distance = abs(ahead)
+    if kind == "distance":
+        return distance <= value
+    closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
+    return distance <= value * closing
+
+
+def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
+    """Tell whether a trigger fires in a state of any simulator.
+
+    Distances are between centres, along the road; the time to collision is that distance over the
+    speed at which it shrinks.
+
+    Args:
+        trigger: A decision, or an actor's.
+        owner: Id of the actor to which it is measured where the trigger names none.
+        state: Of the world.
+        corridor: The scene's road.
+    """
+    if trigger.kind == "time":
+        return is_reached(
+            "time", trigger.value, time=state.time, ahead=0.0, ego_speed=0.0, actor_speed=0.0
+        )
+    row = state.ids.index(trigger.actor or owner or "")
+    places = []
+    for index in (0, row):
+        x, y, _, yaw = map(float, state.poses[index])
+        s, _ = corridor.locate(x, y)
+        places.append((s, float(state.speeds[index]) * corridor.alignment(s, yaw)))
+    (ego_s, ego_speed), (actor_s, actor_speed) = places
+    return is_reached(
+        trigger.kind,
+        trigger.value,
+        time=state.time,
+        ahead=actor_s - ego_s,
+        ego_speed=ego_speed,
+        actor_speed=actor_speed,
+    )
