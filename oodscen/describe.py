@@ -1,6 +1,6 @@
 """Describe the paths of a tree: distinct texts for each (paper, section III-B)."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -105,16 +105,18 @@ def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:
     return {leaf: base + (index < rest) for index, leaf in enumerate(paths)}
 
 
-def round_robin(scenarios: Iterable[Scenario]) -> Iterator[Scenario]:
-    """Yield the first text of every path, then the second of every path, and so on.
+def spread_subset(scenarios: Sequence[Scenario], size: int) -> list[Scenario]:
+    """Choose `size` scenarios that cover the paths as evenly as possible.
 
-    Any beginning of this order is spread over the tree as evenly as it can be.
+    The first text of every path comes first, then the second, and so on; of the last level that
+    is needed, evenly spaced paths are taken. The order of the scenarios is kept.
     """
     by_leaf: dict[str, list[Scenario]] = {}
     for scenario in scenarios:
         by_leaf.setdefault(scenario.leaf, []).append(scenario)
-    depth = max(map(len, by_leaf.values()), default=0)
-    for level in range(depth):
-        for group in by_leaf.values():
-            if level < len(group):
-                yield group[level]
+    chosen: set[str] = set()
+    for level in range(max(map(len, by_leaf.values()), default=0)):
+        row = [group[level] for group in by_leaf.values() if level < len(group)]
+        wanted = min(size - len(chosen), len(row))
+        chosen.update(row[index * len(row) // wanted].id for index in range(wanted))
+    return [scenario for scenario in scenarios if scenario.id in chosen]

@@ -1,7 +1,8 @@
 """A run on disk: the folder that is both the result and the resume point."""
 
 from oodscen.study.config import StudyConfig
+from oodscen.study.pipeline import Pipeline, Progress, run_study
 from oodscen.study.store import Store
 from oodscen.study.study import TABLES, TREES, Study
 
-__all__ = ["TABLES", "TREES", "Store", "Study", "StudyConfig"]
+__all__ = ["TABLES", "TREES", "Pipeline", "Progress", "Store", "Study", "StudyConfig", "run_study"]

@@ -1,0 +1,73 @@
+"""Check that the parts of the default run are installed and work."""
+
+import importlib
+import platform
+import sys
+from collections.abc import Callable
+from typing import NamedTuple
+
+from oodscen.errors import OodscenError
+
+
+class Finding(NamedTuple):
+    """One thing that was checked."""
+
+    what: str
+    is_ok: bool
+    detail: str
+    """A version, or what is wrong and how to mend it."""
+
+
+def examine() -> list[Finding]:
+    """Check Python, the built-in author, the encoder and the simulator."""
+    return [
+        Finding("python", sys.version_info >= (3, 11), platform.python_version()),
+        _tried("built-in author", _author),
+        _tried("encoder", _encoder),
+        _tried("simulator", _simulator),
+        _tried("language models", _litellm),
+    ]
+
+
+def _tried(what: str, check: Callable[[], str]) -> Finding:
+    try:
+        return Finding(what, True, check())
+    except OodscenError as error:
+        return Finding(what, False, str(error))
+
+
+def _author() -> str:
+    from oodscen.llms.author import BuiltinAuthor
+
+    return f"{len(BuiltinAuthor().knowledge.hazards)} hazards"
+
+
+def _encoder() -> str:
+    from oodscen.registry import DEFAULT_ENCODER, make_encoder
+
+    encoder = make_encoder(DEFAULT_ENCODER)
+    shape = encoder.encode(["A car follows a van."]).shape
+    return f"{encoder.name}, {shape[1]} dimensions"
+
+
+def _simulator() -> str:
+    from oodscen.protocols import Camera
+    from oodscen.registry import DEFAULT_SIMULATOR, make_simulator
+    from oodscen.testing.scenes import example_scene
+
+    with make_simulator(DEFAULT_SIMULATOR) as simulator:
+        simulator.reset(example_scene(), seed=0)
+        spread = int(simulator.render(Camera(width=160, height=120)).rgb.std())
+    if spread < 4:
+        raise OodscenError("the simulator renders blank frames")
+    return f"{DEFAULT_SIMULATOR} renders"
+
+
+def _litellm() -> str:
+    from oodscen.errors import MissingExtra
+
+    try:
+        importlib.import_module("litellm")
+    except ImportError:
+        raise MissingExtra("language models through litellm", "llm", "litellm") from None
+    return "litellm is installed; keys are read from the environment when a model is asked"

@@ -1,0 +1,492 @@
+"""The whole paper as one resumable run: each stage reads what is there and adds what is missing."""
+
+import platform
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from threading import Lock
+from typing import Any, Protocol, TypeVar
+
+from oodscen import paper
+from oodscen._data import Data, canonical_json
+from oodscen._version import __version__
+from oodscen.augment import Augmenter
+from oodscen.concurrency import as_finished
+from oodscen.describe import Describer, spread, spread_subset
+from oodscen.encoders import CachedEncoder
+from oodscen.episode import ACTIONS, Episode
+from oodscen.errors import LLMError, StudyMismatch
+from oodscen.evaluation import evaluate
+from oodscen.grow import TreeGrower
+from oodscen.llms.logged import LoggedLLM
+from oodscen.messages import Image
+from oodscen.metrics import Metrics
+from oodscen.prompts import QUESTIONS
+from oodscen.protocols import LLM
+from oodscen.prune import Pruner, all_decisions, pruned
+from oodscen.redteam import RedTeamer, Round
+from oodscen.registry import DEFAULT_LLM, make_encoder, make_llm, make_simulator
+from oodscen.scenario import Scenario
+from oodscen.scene import Scene
+from oodscen.study.config import Status, StudyConfig
+from oodscen.study.study import Study
+from oodscen.study.sweep import Job, sweep
+from oodscen.tree import ScenarioTree
+from oodscen.verdict import Verdict
+
+Item = TypeVar("Item")
+
+REMOTE_THREADS = 8
+"""How many calls to a model that is not built in may be under way at once."""
+
+
+class Progress(Protocol):
+    """Told about every finished item of long work."""
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        """`done` of `total` items of a stage are finished."""
+        ...
+
+
+class Pipeline:
+    """Runs a study to its end, from wherever it stands.
+
+    Args:
+        out: The study's folder.
+        config: What to run.
+        workers: Processes that simulate; not part of the study's identity.
+        executor: Runs the simulation jobs instead of local processes, e.g. a cluster's.
+        progress: Told about finished items.
+
+    Raises:
+        StudyMismatch: When the folder holds a study of another configuration.
+        StudyError: When the folder cannot be written.
+    """
+
+    def __init__(
+        self,
+        out: str | Path,
+        config: StudyConfig,
+        *,
+        workers: int = 1,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self.study = Study(out)
+        self.store = self.study.store
+        self.config = config
+        self.workers = workers
+        self.executor = executor
+        self.progress = progress or (lambda stage, done, total: None)
+        self.seconds: dict[str, float] = {}
+        self._log_lock = Lock()
+
+    def run(self) -> Study:
+        """Run every stage; items that fail are recorded and the rest goes on."""
+        began = time.perf_counter()
+        self.simulator = make_simulator(self.config.simulator)
+        self.encoder = CachedEncoder(make_encoder(self.config.encoder))
+        self.llm = self._logged(
+            make_llm(self.config.llm, seed=self.config.seed, api_base=self.config.api_base)
+        )
+        self.red_llm = self.llm
+        if self.config.red_llm:
+            self.red_llm = self._logged(
+                make_llm(self.config.red_llm, seed=self.config.seed, api_base=self.config.api_base)
+            )
+        self.threads = 1 if self.config.llm == DEFAULT_LLM else REMOTE_THREADS
+        self._claim()
+        with self._timed("grow"):
+            initial = self.grow()
+        with self._timed("redteam"):
+            diverse = self.redteam(initial)
+        with self._timed("prune"):
+            simulatable = self.prune(diverse)
+        with self._timed("describe"):
+            scenarios = self.describe(simulatable)
+            sets = self.describe_sets(diverse)
+        with self._timed("metrics"):
+            scenarios = self.measure(scenarios, sets)
+        with self._timed("augment"):
+            scenes = self.augment(scenarios)
+        with self._timed("simulate"):
+            episodes = self.simulate(scenes)
+        with self._timed("evaluate"):
+            verdicts = self.evaluate(episodes, scenarios)
+        counts = {
+            "nodes": {
+                "initial": len(initial),
+                "diverse": len(diverse),
+                "simulatable": len(simulatable),
+            },
+            "paths": len(simulatable.leaves),
+            "attested": sum(leaf.attested == "paper" for leaf in simulatable.leaves),
+            "texts": {str(size): len(chosen) for size, chosen in sets.items()},
+            "scenarios": len(scenarios),
+            "scenes": len(scenes),
+            "episodes": sum(episode.status == "ok" for episode in episodes),
+            "verdicts": len(verdicts),
+        }
+        self._finish(counts, time.perf_counter() - began)
+        return self.study
+
+    # ---------------------------------------------------------------- the stages
+
+    def grow(self) -> ScenarioTree:
+        """Grow the initial tree."""
+        if not self.store.has("tree.initial.json"):
+            self.store.write(
+                "tree.initial.json", _tree_text(TreeGrower(self.llm, nodes=self.config.nodes).run())
+            )
+        self.progress("grow", 1, 1)
+        return self.study.tree("initial")
+
+    def redteam(self, tree: ScenarioTree) -> ScenarioTree:
+        """Grow the diverse tree, round by round."""
+        total = self.config.iterations
+        done = [Round.parse(line) for line in self.store.lines("redteam.jsonl")]
+        self.progress("redteam", len(done), total)
+        if self.store.has("tree.diverse.json"):
+            return self.study.tree("diverse")
+        teamer = RedTeamer(
+            self.llm, self.red_llm, iterations=total, closed_loop=self.config.closed_loop
+        )
+        for item in teamer.rounds(tree, done):
+            self.store.append("redteam.jsonl", item)
+            done.append(item)
+            self.progress("redteam", item.round, total)
+        self.store.write_lines("redteam.jsonl", done)
+        diverse = tree.apply(*(edit for item in done for edit in item.edits))
+        self.store.write("tree.diverse.json", _tree_text(diverse))
+        return diverse
+
+    def prune(self, tree: ScenarioTree) -> ScenarioTree:
+        """Prune to what the simulator's catalogue can show."""
+        total = len(tree.leaves)
+        if self.store.has("tree.simulatable.json"):
+            self.progress("prune", total, total)
+            return self.study.tree("simulatable")
+        leaves = {leaf.id for leaf in tree.leaves}
+        judged = [item for item in self.study.decisions if item.id in leaves]
+        pruner = Pruner(self.llm, self.simulator.catalogue(), threads=self.threads)
+        for decision in pruner.decisions(tree, [item.id for item in judged]):
+            self.store.append("pruned.jsonl", decision)
+            judged.append(decision)
+            self.progress("prune", len(judged), total)
+        self.store.write_lines("pruned.jsonl", all_decisions(tree, judged))
+        simulatable = pruned(tree, judged)
+        self.store.write_lines("edits.jsonl", simulatable.edits)
+        self.store.write("tree.simulatable.json", _tree_text(simulatable))
+        return simulatable
+
+    def describe(self, tree: ScenarioTree) -> list[Scenario]:
+        """Write the texts along the paths of the simulatable tree."""
+        paths = tree.paths
+        if self.config.max_paths is not None:
+            leaves = list(paths)
+            count = min(self.config.max_paths, len(leaves))
+            chosen = [leaves[index * len(leaves) // count] for index in range(count)]
+            paths = {leaf: paths[leaf] for leaf in chosen}
+        counts = dict.fromkeys(paths, self.config.per_path)
+        return self._describe("describe", "scenarios.jsonl", paths, counts, sample=0)
+
+    def describe_sets(self, tree: ScenarioTree) -> dict[int, list[Scenario]]:
+        """Write the text sets of the diverse tree; smaller sets are spread over the largest."""
+        if not self.config.sets or not tree.paths:
+            return {}
+        largest = max(self.config.sets)
+        counts = spread(tree.paths, largest)
+        paths = {leaf: path for leaf, path in tree.paths.items() if counts[leaf]}
+        file = f"texts.diverse.{largest}.jsonl"
+        texts = self._describe("describe sets", file, paths, counts, sample=1)
+        sets = {size: spread_subset(texts, size) for size in sorted(self.config.sets)}
+        for size, chosen in sets.items():
+            if size != largest:
+                self.store.write_lines(f"texts.diverse.{size}.jsonl", chosen)
+        return sets
+
+    def _describe(
+        self,
+        stage: str,
+        file: str,
+        paths: Mapping[str, tuple[str, ...]],
+        counts: Mapping[str, int],
+        *,
+        sample: int,
+    ) -> list[Scenario]:
+        """Write texts path by path; a path counts as done when all its lines are there."""
+        describer = Describer(self.llm, self.encoder, sample=sample)
+        lines: dict[str, list[dict[str, Any]]] = {}
+        for line in self.store.lines(file):
+            lines.setdefault(line["leaf"], []).append(line)
+        done = {leaf: rows for leaf, rows in lines.items() if _is_whole(rows, counts.get(leaf, 0))}
+
+        def work(leaf: str) -> list[dict[str, Any]]:
+            try:
+                scenarios = describer.path(leaf, paths[leaf], counts[leaf])
+            except LLMError as error:
+                return [_failed(leaf, error, leaf=leaf, path=paths[leaf])]
+            return [scenario.model_dump(mode="json") for scenario in scenarios]
+
+        todo = [leaf for leaf in paths if leaf not in done]
+        if todo:
+            self.store.write_lines(file, (row for rows in done.values() for row in rows))
+        self.progress(stage, len(done), len(paths))
+        for leaf, rows in as_finished(work, todo, threads=self.threads):
+            for row in rows:
+                self.store.append(file, row)
+            done[leaf] = rows
+            self.progress(stage, len(done), len(paths))
+        ordered = [row for leaf in paths for row in done[leaf]]
+        self.store.write_lines(file, ordered)
+        return [Scenario.parse(row) for row in ordered if "error" not in row]
+
+    def measure(
+        self, scenarios: list[Scenario], sets: Mapping[int, list[Scenario]]
+    ) -> list[Scenario]:
+        """Compute the metrics; return the scenarios inside the OOD-ness band."""
+        if not self.store.has("metrics.json"):
+            self.progress("metrics", 0, 1)
+            content = self._metrics(
+                {**{str(k): v for k, v in sets.items()}, "simulatable": scenarios}
+            )
+            self.store.write("metrics.json", canonical_json(content) + "\n")
+        self.progress("metrics", 1, 1)
+        if self.config.band is None or not scenarios:
+            return scenarios
+        low, high = self.config.band
+        values = self.study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
+        return [s for s, value in zip(scenarios, values, strict=True) if low <= value <= high]
+
+    def _metrics(self, groups: Mapping[str, Sequence[Scenario]]) -> dict[str, Any]:
+        metrics = Metrics(self.encoder, self.config.baseline, seed=self.config.seed)
+        return {
+            "encoder": metrics.encoder.name,
+            "baseline": {
+                "name": metrics.baseline.name,
+                "N": len(metrics.baseline.texts),
+                "digest": metrics.baseline.digest,
+            },
+            "sets": {
+                name: metrics.report(
+                    [scenario.text for scenario in chosen],
+                    groups=[scenario.leaf for scenario in chosen],
+                ).model_dump(mode="json")
+                for name, chosen in groups.items()
+                if chosen
+            },
+            "baseline_batch": metrics.baseline_batch().model_dump(mode="json"),
+            "baseline_diversity": metrics.baseline_diversity().model_dump(mode="json"),
+        }
+
+    def augment(self, scenarios: Sequence[Scenario]) -> list[Scene]:
+        """Stage every scenario."""
+        augmenter = Augmenter(self.llm, self.simulator.catalogue())
+
+        def work(scenario: Scenario) -> dict[str, Any]:
+            try:
+                return augmenter.run(scenario).model_dump(mode="json")
+            except LLMError as error:
+                return _failed(scenario.id, error, scenario_id=scenario.id)
+
+        items = {scenario.id: scenario for scenario in scenarios}
+        rows = self._each(
+            "augment",
+            "scenes.jsonl",
+            items,
+            lambda todo: (row for _, row in as_finished(work, todo.values(), threads=self.threads)),
+        )
+        return [Scene.parse(row) for row in rows if row.get("status") != "failed"]
+
+    def simulate(self, scenes: Sequence[Scene]) -> list[Episode]:
+        """Run every scene in worker processes; only this process writes."""
+        job = Job(simulator=self.config.simulator, seed=self.config.seed)
+
+        def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
+            for result in sweep(
+                job, list(todo.values()), workers=self.workers, executor=self.executor
+            ):
+                for moment, data in result.frames.items():
+                    self.store.write(f"frames/{result.episode.scene_id}/{moment}.jpg", data)
+                yield result.episode
+
+        items = {scene.id: scene for scene in scenes}
+        rows = self._each("simulate", "episodes.jsonl", items, work)
+        return [Episode.parse(row) for row in rows]
+
+    def evaluate(self, episodes: Sequence[Episode], scenarios: Sequence[Scenario]) -> list[Verdict]:
+        """Judge the reference answerers and every named model."""
+        references = [*(f"constant:{action}" for action in ACTIONS), "random"]
+        paths = {scenario.id: scenario.path for scenario in scenarios}
+        ready = [episode for episode in episodes if episode.status == "ok" and episode.frames]
+        models: dict[str, tuple[LLM, int]] = {}
+        for name in (*references, *self.config.vlms):
+            model = make_llm(name, seed=self.config.seed, api_base=self.config.api_base)
+            is_reference = getattr(model, "kind", "model") == "reference"
+            models[name] = (model, 1) if is_reference else (self._logged(model), REMOTE_THREADS)
+        items = {
+            f"{episode.scene_id}@{model.name}": (episode, name)
+            for name, (model, _) in models.items()
+            for episode in ready
+        }
+
+        def judge(item: tuple[Episode, str]) -> Verdict:
+            episode, name = item
+            images = {
+                moment: Image.from_file(self.store.path(file), file)
+                for moment, file in episode.frames.items()
+            }
+            return evaluate(episode, images, models[name][0], path=paths[episode.scene_id])
+
+        def work(todo: Mapping[str, tuple[Episode, str]]) -> Iterator[Verdict]:
+            for name, (_, threads) in models.items():
+                batch = [item for item in todo.values() if item[1] == name]
+                for _, verdict in as_finished(judge, batch, threads=threads):
+                    yield verdict
+
+        rows = self._each("evaluate", "verdicts.jsonl", items, work)
+        return [Verdict.parse(row) for row in rows]
+
+    # ---------------------------------------------------------------- what the stages share
+
+    def _each(
+        self,
+        stage: str,
+        file: str,
+        items: Mapping[str, Item],
+        work: Callable[[Mapping[str, Item]], Iterable[Data | Mapping[str, Any]]],
+    ) -> list[dict[str, Any]]:
+        """Append one line per item that has none yet; leave the file in the items' order."""
+        done = {line["id"]: line for line in self.store.lines(file) if line["id"] in items}
+        self.progress(stage, len(done), len(items))
+        for result in work({name: item for name, item in items.items() if name not in done}):
+            row = result.model_dump(mode="json") if isinstance(result, Data) else dict(result)
+            self.store.append(file, row)
+            done[row["id"]] = row
+            self.progress(stage, len(done), len(items))
+        rows = [done[name] for name in items]
+        self.store.write_lines(file, rows)
+        return rows
+
+    def _logged(self, llm: LLM) -> LLM:
+        def log(call: Data) -> None:
+            with self._log_lock:
+                self.store.append("calls.jsonl", call)
+
+        return LoggedLLM(llm, log)
+
+    @contextmanager
+    def _timed(self, stage: str) -> Iterator[None]:
+        began = time.perf_counter()
+        yield
+        self.seconds[stage] = round(time.perf_counter() - began, 3)
+
+    def _claim(self) -> None:
+        """Write `study.json` first, or check that the one there belongs to this run."""
+        if self.store.has("study.json"):
+            differences = self.study.config.differences(self.config)
+            differences.pop("vlms", None)
+            made_with = self.study.info.get("versions", {}).get("oodscen")
+            if made_with != __version__:
+                differences["oodscen"] = (made_with, __version__)
+            if differences:
+                raise StudyMismatch(str(self.study.folder), differences)
+        else:
+            self.store.prepare()
+        self._save("running")
+
+    def _save(self, status: Status, **more: Any) -> None:
+        content = {
+            "schema_version": 1,
+            "status": status,
+            "config": self.config.model_dump(mode="json"),
+            "authors": self._authors(),
+            "versions": _versions(),
+            "prompts": {question.purpose: question.version() for question in QUESTIONS},
+            "paper": {"nodes": paper.NODES, "paths": paper.PATHS},
+            **more,
+        }
+        self.store.write("study.json", canonical_json(content) + "\n")
+
+    def _authors(self) -> dict[str, str]:
+        """Say what wrote the texts."""
+        builtin = (
+            "the built-in author: a deterministic, seeded writer over a knowledge base of hazards, "
+            "not a language model"
+        )
+        return {
+            "llm": builtin if self.config.llm == DEFAULT_LLM else self.config.llm,
+            "red_llm": builtin
+            if (self.config.red_llm or self.config.llm) == DEFAULT_LLM
+            else (self.config.red_llm or self.config.llm),
+        }
+
+    def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
+        from oodscen.report import write_report
+
+        failures = {
+            name: len(self.study.failures(name))
+            for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
+        }
+        status: Status = "incomplete" if any(failures.values()) else "success"
+        self._save(
+            status,
+            counts=dict(counts),
+            failures=failures,
+            seconds={**self.seconds, "total": round(seconds, 3)},
+        )
+        write_report(self.study)
+
+
+def run_study(
+    out: str | Path,
+    config: StudyConfig | None = None,
+    *,
+    workers: int = 1,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Study:
+    """Run the whole paper into a folder, or continue where a run into it stopped.
+
+    Args:
+        out: The folder; made if it does not exist.
+        config: What to run; the paper's numbers on the embedded defaults if left out.
+        workers: Processes that simulate.
+        executor: Runs the simulation jobs instead of local processes.
+        progress: Told about finished items.
+
+    Raises:
+        UsageError: For an unknown component, a missing extra or a folder of another study.
+        StudyError: When the folder cannot be written.
+    """
+    pipeline = Pipeline(
+        out, config or StudyConfig(), workers=workers, executor=executor, progress=progress
+    )
+    return pipeline.run()
+
+
+def _tree_text(tree: ScenarioTree) -> str:
+    return tree.to_json() + "\n"
+
+
+def _failed(name: str, error: Exception, **more: Any) -> dict[str, Any]:
+    """Return the line of an item that failed."""
+    return {"id": name, **more, "status": "failed", "error": str(error)}
+
+
+def _is_whole(rows: Sequence[Mapping[str, Any]], count: int) -> bool:
+    """Whether the lines of a path are all there, or say that it failed."""
+    return len(rows) == count or any(row.get("status") == "failed" for row in rows)
+
+
+def _versions() -> dict[str, str]:
+    found = {"oodscen": __version__, "python": platform.python_version()}
+    for package in ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", "litellm"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
