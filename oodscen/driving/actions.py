@@ -44,7 +44,7 @@ class LaneTracker:
         """Plan, when the first observation arrives."""
 
     def course(self) -> tuple[float, float, float]:
-        """Return the wanted offset, m, and its first and second derivative by distance."""
+        """Return the wanted offset, m, and its derivatives by the distance travelled."""
         return 0.0, 0.0, 0.0
 
     def accelerate(self, observation: Observation) -> float:
@@ -57,9 +57,11 @@ class LaneTracker:
         offset, slope, bend = self.course()
         reach = max(3.0, 0.8 * now.speed)
         aside = now.offset_m - offset
-        askew = now.heading_error - math.atan(slope)
-        feedback = aside / (reach * reach) + 2.0 * math.sin(askew) / reach
-        curvature = now.curvature + bend - feedback
+        ahead = now.curvature + bend / math.sqrt(1.0 - slope * slope)
+        # On a curve the centre's course differs from the heading by the slip angle.
+        slip = math.asin(min(max(0.5 * now.wheelbase * ahead, -0.6), 0.6))
+        askew = now.heading_error + slip - math.asin(slope)
+        curvature = ahead - aside / (reach * reach) - 2.0 * math.sin(askew) / reach
         square = max(now.speed * now.speed, 0.01)
         most = 0.92 * now.friction * GRAVITY / square
         curvature = min(max(curvature, -most), most)
@@ -127,7 +129,10 @@ class PullOver(LaneTracker):
         """Plan the shift, and a braking distance in which it fits."""
         self.origin = observation.offset_m
         self.shift = observation.roadside_m - self.origin
-        self.distance = _stretch(observation, self.shift, seconds=2.0, share=0.45)
+        # Shorter, and the outer front corner would swing beyond the edge of the road.
+        shortest = (2800.0 * abs(self.shift)) ** (1.0 / 3.0)
+        planned = _stretch(observation, self.shift, seconds=2.0, share=0.45)
+        self.distance = max(planned, shortest)
         comfortable = min(2.5, 0.5 * observation.friction * GRAVITY)
         room = max(1.15 * self.distance, 0.5 * observation.speed**2 / comfortable)
         self.deceleration = 0.5 * observation.speed**2 / max(room, 1.0)

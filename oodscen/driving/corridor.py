@@ -70,6 +70,7 @@ class Corridor:
         put(self, "_rows", [tuple(map(float, row)) for row in zip(*columns, strict=True)])
         put(self, "_curvature", self.curvature.tolist())
         put(self, "_edges", [(a.right.tolist(), a.left.tolist()) for a in self.strips])
+        put(self, "_even", [_even_edges(strip) for strip in self.strips])
         start = self._index(self.start)
         driving = [
             index
@@ -83,6 +84,7 @@ class Corridor:
     _rows: list[tuple[float, float, float, float, float]] = field(init=False, repr=False)
     _curvature: list[float] = field(init=False, repr=False)
     _edges: list[tuple[list[float], list[float]]] = field(init=False, repr=False)
+    _even: list[tuple[float, float] | None] = field(init=False, repr=False)
     _drivable: list[tuple[tuple[float, float], ...]] = field(init=False, repr=False)
 
     @property
@@ -175,6 +177,9 @@ class Corridor:
 
     def edges(self, strip: int, s: float) -> tuple[float, float]:
         """Return t of a strip's right and left edge at `s`."""
+        even = self._even[strip]
+        if even is not None:
+            return even
         right, left = self._edges[strip]
         position = min(max(s / self.step, 0.0), len(right) - 1.0)
         index = min(int(position), len(right) - 2)
@@ -233,6 +238,13 @@ class Corridor:
     def _index(self, s: float) -> int:
         """Return the sample nearest to `s`."""
         return min(max(int(s / self.step + 0.5), 0), len(self._rows) - 1)
+
+
+def _even_edges(strip: LaneStrip) -> tuple[float, float] | None:
+    """Return t of both edges where they are the same along the whole corridor."""
+    right, left = float(strip.right[0]), float(strip.left[0])
+    is_even = bool((strip.right == right).all() and (strip.left == left).all())
+    return (right, left) if is_even else None
 
 
 def _intervals(strips: Sequence[LaneStrip]) -> list[tuple[tuple[float, float], ...]]:

@@ -18,7 +18,6 @@ from oodscen.driving.bodies import (
     quantised,
     wrapped,
 )
-from oodscen.driving.boxes import radius
 from oodscen.driving.corridor import Corridor
 from oodscen.driving.triggers import is_reached
 from oodscen.protocols import Control, Observation
@@ -162,8 +161,9 @@ class KinematicWorld:
         """Tell whether a part of the ego's footprint is beside the drivable road."""
         road, ego = self.corridor, self.ego
         length, width = self.sizes[0]
-        reach = radius(length, width)
-        if road.is_drivable(ego.s, ego.t - reach, ego.t + reach):
+        askew = ego.yaw - road.heading(ego.s)
+        reach = 0.5 * (length * abs(math.sin(askew)) + width * abs(math.cos(askew))) + 0.1
+        if abs(road.bend(ego.s)) < 0.02 and road.is_drivable(ego.s, ego.t - reach, ego.t + reach):
             return False
         cos, sin = math.cos(ego.yaw), math.sin(ego.yaw)
         places = []
@@ -331,7 +331,7 @@ class KinematicWorld:
         limits = road.drivable_range(s, road.centre(rightmost, s))
         verge = edge if limits is None else limits[0]
         half = 0.5 * self.sizes[0][1]
-        return max(edge - half - 0.2, verge + half + 0.15)
+        return max(edge - half - 0.2, verge + half + 0.25)
 
 
 def _curvature_at(road: Corridor, s: float, t: float) -> float:
