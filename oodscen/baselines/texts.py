@@ -1,0 +1,177 @@
+"""Reading and checking sets of texts."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from oodscen.errors import DataError, Issue
+from oodscen.scenario import Scenario
+
+_MOST_ISSUES = 20
+
+
+class Record(NamedTuple):
+    """One text of a file."""
+
+    text: str
+    group: str | None
+    """What it belongs to: its path in a scenario tree, where the file says so."""
+
+
+def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
+    """Return the texts as strings if each of them says something.
+
+    Raises:
+        DataError: When there is none, or with one issue per text that is not a string, blank, or
+            not valid Unicode.
+    """
+    if isinstance(texts, str | bytes):
+        raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
+    plain = [item.text if isinstance(item, Scenario) else item for item in texts]
+    faults = [(f"[{index}]", _fault(text)) for index, text in enumerate(plain)]
+    _refuse(noun, [Issue(path, fault) for path, fault in faults if fault])
+    if not plain:
+        raise DataError(noun, [Issue("", "holds no text")])
+    return tuple(plain)
+
+
+def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
+    """Read texts from a file.
+
+    Plain lines; JSON lines (strings, or objects with `text`); a JSON list of the same; CSV or TSV
+    with a column `text`, told by the suffix. Objects and rows may have `path`, `leaf` or `group`.
+    Blank lines are skipped, and white space around a text is dropped.
+
+    Raises:
+        DataError: When the file cannot be read or decoded, holds no text, or with one issue per
+            line that has none.
+    """
+    content = _decode(Path(path), noun)
+    suffix = Path(path).suffix.lower()
+    issues: list[Issue] = []
+    records: list[Record] = []
+    for where, value in _values(content, suffix):
+        found = value if isinstance(value, Issue) else _record(where, value)
+        if isinstance(found, Issue):
+            issues.append(found)
+        else:
+            records.append(found)
+    if not records and not issues:
+        issues.append(Issue("", "holds no text"))
+    _refuse(noun, issues, source=str(path))
+    return records
+
+
+def _decode(path: Path, noun: str) -> str:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise DataError(noun, [Issue("", str(error))], source=str(path)) from None
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        issue = Issue(f"line {line}", f"is not UTF-8 text: {error.reason} at byte {error.start}")
+        raise DataError(noun, [issue], source=str(path)) from None
+
+
+def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
+    """Yield each value with its place, or an issue instead of a value."""
+    start = content.lstrip()[:1]
+    if suffix in (".csv", ".tsv"):
+        yield from _rows(content, "\t" if suffix == ".tsv" else ",")
+    elif start == "[":
+        yield from _list(content)
+    elif start == "{" or suffix in (".jsonl", ".ndjson"):
+        yield from _json_lines(content, suffix)
+    else:
+        for number, line in enumerate(content.split("\n"), 1):
+            if line.strip():
+                yield f"line {number}", line
+
+
+def _rows(content: str, delimiter: str) -> Iterator[tuple[str, Any]]:
+    reader = csv.DictReader(io.StringIO(content, newline=""), delimiter=delimiter)
+    try:
+        names = reader.fieldnames or []
+        if names and "text" not in names:
+            listed = ", ".join(names)
+            yield "line 1", Issue("line 1", f"has no column 'text' (columns: {listed})")
+            return
+        for row in reader:
+            yield f"line {reader.line_num}", row
+    except csv.Error as error:
+        yield "", Issue(f"line {reader.line_num}", f"is not CSV: {error}")
+
+
+def _list(content: str) -> Iterator[tuple[str, Any]]:
+    try:
+        values = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        yield "", Issue("", f"is not a JSON list: {error}")
+        return
+    for index, value in enumerate(values):
+        yield f"[{index}]", value
+
+
+def _json_lines(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
+    if suffix == ".json":
+        try:
+            value = json.loads(content)
+        except (ValueError, RecursionError):
+            pass  # Several objects, one a line: JSON lines under another name.
+        else:
+            yield "", value
+            return
+    # Not splitlines(): JSON strings may hold U+2028 and the like.
+    for number, line in enumerate(content.split("\n"), 1):
+        if not line.strip():
+            continue
+        try:
+            yield f"line {number}", json.loads(line)
+        except (ValueError, RecursionError) as error:
+            yield "", Issue(f"line {number}", f"is not JSON: {error}")
+
+
+def _record(where: str, value: Any) -> Record | Issue:
+    fields = value if isinstance(value, dict) else {"text": value}
+    if "text" not in fields:
+        return Issue(where, "has no field 'text'")
+    text = fields["text"]
+    if fault := _fault(text):
+        return Issue(where, fault)
+    return Record(text.strip(), _group(fields))
+
+
+def _group(fields: dict[str, Any]) -> str | None:
+    for name in ("path", "leaf", "group"):
+        value = fields.get(name)
+        if isinstance(value, list) and value:
+            return " / ".join(map(str, value))
+        if isinstance(value, str) and value.strip():
+            return value.strip()
+    return None
+
+
+def _fault(text: object) -> str:
+    if not isinstance(text, str):
+        return f"is {type(text).__name__}, not a text"
+    if not text.strip():
+        return "is blank"
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return "is not valid Unicode: it holds half of a surrogate pair"
+    return ""
+
+
+def _refuse(noun: str, issues: Iterable[Issue], *, source: str = "") -> None:
+    found = list(issues)
+    if len(found) > _MOST_ISSUES:
+        rest = len(found) - _MOST_ISSUES
+        found = [*found[:_MOST_ISSUES], Issue("", f"and {rest} more like these")]
+    if found:
+        raise DataError(noun, found, source=source)

@@ -1,0 +1,72 @@
+r"""OOD-ness: how far texts lie from a baseline of ordinary driving.
+
+Source: the paper's section Metrics, equation 1. It prints `min_i cos(e_b,i, e_o,j)` and says
+that a higher value means more out of distribution. The literal formula does not behave so: it is
+the cosine to the *least* similar baseline text, it grows when a text moves towards the baseline as a
+whole, and it can hardly be -0.953 for a batch of the baseline itself, as the paper tabulates. What
+fits the table in sign and order is `-max_i cos`: the minimum was taken of the *negated* cosine and
+the minus sign was lost. Hence two definitions:
+
+    tabulated   -max_i cos(e_b,i, e_o,j)    in [-1, 1]; -1 for a text of the baseline; higher is more OOD
+    printed      min_i cos(e_b,i, e_o,j)    in [-1, 1]; equation 1 to the letter, ranks backwards
+
+A set's OOD-ness is the mean over its texts.
+
+What fools it: style (an ordinary situation worded unlike the baseline scores as OOD), a small or
+narrow baseline (everything is far from it; `tabulated` falls as the baseline grows), text that is not
+about driving at all (scores highest), and length (long texts blend several situations).
+"""
+
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from oodscen._data import Data
+from oodscen.metrics.similarity import Extremes
+from oodscen.metrics.statistics import Interval
+
+Definition = Literal["tabulated", "printed"]
+
+
+class Neighbour(Data):
+    """The baseline text that lies nearest to a text."""
+
+    noun: ClassVar[str] = "neighbour"
+
+    index: int
+    """Its place in the baseline."""
+    text: str
+    cosine: float
+
+
+class Oodness(Data):
+    """The OOD-ness of a set of texts. See `oodscen.metrics.oodness` for formula and traps."""
+
+    noun: ClassVar[str] = "OOD-ness"
+
+    mean: float
+    """Over the texts, in [-1, 1]. `tabulated`: higher is more OOD."""
+    per_text: tuple[float, ...]
+    """One score per text, in order."""
+    nearest: tuple[Neighbour, ...]
+    """One per text, in order: the nearest baseline text, whatever the definition."""
+    interval: Interval | None
+    """Of the mean; `None` for fewer than two texts or clusters."""
+    n: int = Field(ge=1)
+    """Number of texts."""
+    N: int = Field(ge=1)
+    """Number of baseline texts."""
+    definition: Definition
+    encoder: str
+    """Name of the encoder, with the hash of its weights."""
+
+
+def scores(found: Extremes, definition: Definition) -> NDArray[np.float64]:
+    """Turn cosines to the baseline into OOD-ness.
+
+    Returns:
+        [n], in [-1, 1].
+    """
+    return 0.0 - found.largest if definition == "tabulated" else found.smallest
