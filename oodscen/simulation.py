@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.driving import Cruise, action_driver, is_available
-from oodscen.driving.decision import decision_reached
+from oodscen.driving import Cruise, action_driver, find_map, is_available, is_due, load_corridor
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.scene import Scene
@@ -107,11 +106,12 @@ def _approach(
 ) -> tuple[list[State], list[Control], bool]:
     """Drive blindly until the decision's trigger fires, something is touched, or time is up."""
     state = simulator.reset(scene, seed)
-    driver = Cruise(scene.ego.speed)
+    corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
+    driver = Cruise()
     states = [state]
     controls: list[Control] = []
     while state.time < MAX_APPROACH_S:
-        if decision_reached(scene, state):
+        if is_due(scene.decision, scene.decision_actor, state, corridor):
             return states, controls, True
         if state.contacts or state.off_road:
             break

@@ -8,12 +8,13 @@ from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from threading import Lock
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from oodscen import paper
 from oodscen._data import Data, canonical_json
 from oodscen._version import __version__
 from oodscen.augment import Augmenter
+from oodscen.baselines import load_baseline
 from oodscen.concurrency import as_finished
 from oodscen.describe import Describer, spread, spread_subset
 from oodscen.encoders import CachedEncoder
@@ -43,12 +44,8 @@ REMOTE_THREADS = 8
 """How many calls to a model that is not built in may be under way at once."""
 
 
-class Progress(Protocol):
-    """Told about every finished item of long work."""
-
-    def __call__(self, stage: str, done: int, total: int) -> None:
-        """`done` of `total` items of a stage are finished."""
-        ...
+Progress = Callable[[str, int, int], None]
+"""Told about every finished item of long work: the stage, how many are done, of how many."""
 
 
 class Pipeline:
@@ -262,7 +259,8 @@ class Pipeline:
         return [s for s, value in zip(scenarios, values, strict=True) if low <= value <= high]
 
     def _metrics(self, groups: Mapping[str, Sequence[Scenario]]) -> dict[str, Any]:
-        metrics = Metrics(self.encoder, self.config.baseline, seed=self.config.seed)
+        baseline = load_baseline(self.config.baseline) if self.config.baseline else None
+        metrics = Metrics(self.encoder, baseline, seed=self.config.seed)
         return {
             "encoder": metrics.encoder.name,
             "baseline": {
