@@ -1,0 +1,38 @@
+"""Configurations: closed, checked, comparable."""
+
+import pytest
+
+from oodscen import paper
+from oodscen.errors import DataError
+from oodscen.study import StudyConfig
+
+
+def test_the_default_follows_the_paper():
+    config = StudyConfig()
+    assert (config.nodes, config.iterations, config.per_path) == (40, 100, 10)
+    assert config.sets == paper.SETS
+    assert config.llm == "builtin"
+
+
+def test_all_faults_are_reported_at_once():
+    with pytest.raises(DataError) as caught:
+        StudyConfig.parse({"nodes": 3, "seed": -1, "modell": "x"})
+    assert {issue.path for issue in caught.value.issues} == {"nodes", "seed", "modell"}
+
+
+def test_a_band_must_be_ordered():
+    with pytest.raises(DataError, match="lower bound"):
+        StudyConfig.parse({"band": [-0.4, -0.6]})
+
+
+def test_differences_name_the_field_and_both_values():
+    assert StudyConfig(seed=1).differences(StudyConfig(seed=2, nodes=50)) == {
+        "seed": (1, 2),
+        "nodes": (40, 50),
+    }
+
+
+def test_quick_is_a_small_study_that_can_be_changed():
+    config = StudyConfig.quick(seed=3)
+    assert config.seed == 3
+    assert config.iterations < StudyConfig().iterations

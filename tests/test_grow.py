@@ -1,0 +1,84 @@
+"""Growing: three turns that build on each other, and a tree of exactly the asked size."""
+
+import pytest
+
+from oodscen import TreeGrower
+from oodscen.errors import AnswerError
+from oodscen.testing import ScriptedLLM
+from oodscen.tree import ROOT
+
+EXAMPLES = {"examples": ["A tree lies across the road.", "A car comes the wrong way."]}
+CLASSES = {
+    "examples": [
+        {"number": 2, "reasoning": "it acts", "scenario_class": "interactional"},
+        {"number": 1, "reasoning": "it lies there", "scenario_class": "environmental"},
+    ]
+}
+
+
+def tree_answer(leaves=("Fallen tree across the road", "Vehicle driving the wrong way")):
+    return {
+        "nodes": [
+            {"number": 1, "parent": 0, "label": "OOD"},
+            {"number": 2, "parent": 1, "label": "Environmental"},
+            {"number": 3, "parent": 1, "label": "interactional"},
+            {"number": 4, "parent": 2, "label": "Fallen vegetation"},
+            {"number": 5, "parent": 3, "label": "Opposite direction"},
+            {"number": 6, "parent": 4, "label": leaves[0]},
+            {"number": 7, "parent": 5, "label": leaves[1]},
+        ]
+    }
+
+
+def grown(tree, nodes=7):
+    llm = ScriptedLLM(
+        {"give-examples": EXAMPLES, "classify-examples": CLASSES, "propose-tree": tree}
+    )
+    return TreeGrower(llm, nodes=nodes, examples=2).run(), llm
+
+
+def test_the_answer_becomes_a_tree_with_readable_ids():
+    tree, _ = grown([tree_answer()])
+    assert len(tree) == 7
+    assert tree.paths == {
+        "fallen-tree-across-the-road": (
+            "OOD",
+            "Environmental",
+            "Fallen vegetation",
+            "Fallen tree across the road",
+        ),
+        "vehicle-driving-the-wrong-way": (
+            "OOD",
+            "Interactional",
+            "Opposite direction",
+            "Vehicle driving the wrong way",
+        ),
+    }
+    assert tree.by_id[ROOT].parent is None
+    assert tree.by_id["vehicle-driving-the-wrong-way"].attested == "paper"
+    assert tree.by_id["fallen-tree-across-the-road"].attested is None
+
+
+def test_each_turn_shows_the_turns_before():
+    _, llm = grown([tree_answer()])
+    first, second, third = llm.requests
+    assert [len(request.messages) for request in (first, second, third)] == [2, 4, 6]
+    assert "A tree lies across the road." in second.messages[2].text
+    assert third.messages[4].text.index("environmental") < third.messages[4].text.index(
+        "interactional"
+    )
+
+
+def test_a_tree_of_the_wrong_size_is_sent_back_with_the_number():
+    short = {"nodes": tree_answer()["nodes"][:6]}
+    tree, llm = grown([short, tree_answer()])
+    assert "6 nodes; exactly 7 are wanted" in llm.requests[-1].messages[-1].text
+    assert len(tree) == 7
+
+
+def test_a_model_that_never_gets_there_is_a_typed_error_with_its_words():
+    with pytest.raises(AnswerError) as caught:
+        grown([tree_answer(("Same label", "same label"))] * 3)
+    assert caught.value.attempts == 3
+    assert "same label" in caught.value.raw
+    assert any("occurs twice" in issue.message for issue in caught.value.issues)
