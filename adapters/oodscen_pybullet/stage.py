@@ -1,0 +1,166 @@
+"""What the camera sees: a PyBullet world of visual shapes only."""
+
+import os
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_pybullet.meshes import Mesh, asset_mesh
+from oodscen_pybullet.meshes.atlas import draw_atlas
+from oodscen_pybullet.view import View, metres
+
+Look = tuple[str, str, str, bool]
+"""Asset, state, paint, and whether its running lamps are on."""
+
+_MOST_TRIANGLES = 20_000
+"""PyBullet takes no more than about 130,000 corners in one shape."""
+
+
+class Stage:
+    """Bodies to be photographed: scenery, which stays while the road does, and the actors.
+
+    Shapes and textures are made once; showing another scene moves what can be moved.
+    """
+
+    def __init__(self, engine: ModuleType) -> None:
+        self._engine = engine
+        self._client: int = engine.connect(engine.DIRECT)
+        self._textures: dict[bool, int] = {}
+        self._shapes: dict[object, int] = {}
+        self._scenery_key: object = None
+        self._is_snowy = False
+        self._rows: dict[int, int] = {}
+        self._actors: list[int] = []
+
+    def close(self) -> None:
+        """Disconnect; may be called twice."""
+        if self._client >= 0:
+            self._engine.disconnect(self._client)
+            self._client = -1
+
+    def clear(self) -> None:
+        """Remove every body; shapes and textures stay."""
+        self._engine.resetSimulation(physicsClientId=self._client)
+        self._textures.clear()
+        self._shapes.clear()
+        self._scenery_key = None
+        self._rows.clear()
+        self._actors.clear()
+
+    def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
+        """Put up scenery in place of everything that is there."""
+        self.clear()
+        self._is_snowy = is_snowy
+        for mesh in meshes:
+            for start in range(0, len(mesh.triangles), _MOST_TRIANGLES):
+                self._body(self._shape(_piece(mesh, start)))
+
+    def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
+        """Put up the actors; row i of `pose_actors` is look i. Call after `show_scenery`."""
+        for row, look in enumerate(looks):
+            if isinstance(look, Mesh):
+                shape = self._shape(look)
+            else:
+                if look not in self._shapes:
+                    asset, state, paint, running = look
+                    self._shapes[look] = self._shape(
+                        asset_mesh(asset, state, paint, running=running)
+                    )
+                shape = self._shapes[look]
+            body = self._body(shape)
+            self._actors.append(body)
+            self._rows[body] = row
+
+    def pose_actors(self, poses: Sequence[tuple[float, float, float, float]]) -> None:
+        """Move every actor: x, y, z, and yaw as the sine and cosine of half the angle."""
+        import math
+
+        for body, (x, y, z, yaw) in zip(self._actors, poses, strict=True):
+            turn = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+            self._engine.resetBasePositionAndOrientation(
+                body, (x, y, z), turn, physicsClientId=self._client
+            )
+
+    def photograph(
+        self, view: View, *, sun: tuple[float, float, float], ambient: float, diffuse: float
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]]:
+        """Take a picture.
+
+        Returns:
+            rgb [height, width, 3], depth in metres with infinity for the sky, and the row of the
+            actor that each pixel shows, -1 for scenery and sky.
+        """
+        engine = self._engine
+        _, _, rgba, buffer, bodies = engine.getCameraImage(
+            view.width,
+            view.height,
+            view.view_matrix(),
+            view.projection_matrix(),
+            lightDirection=sun,
+            lightColor=(1, 1, 1),
+            lightAmbientCoeff=ambient,
+            lightDiffuseCoeff=diffuse,
+            lightSpecularCoeff=0.0,
+            shadow=0,
+            renderer=engine.ER_TINY_RENDERER,
+            physicsClientId=self._client,
+        )
+        shape = (view.height, view.width)
+        rgb = np.ascontiguousarray(np.reshape(rgba, (*shape, 4))[..., :3], dtype=np.uint8)
+        depth = metres(np.reshape(buffer, shape).astype(np.float32, copy=False))
+        seen = np.reshape(bodies, shape).astype(np.int64)
+        rows = np.full(max([*self._rows, 0]) + 2, -1, np.int32)
+        for body, row in self._rows.items():
+            rows[body + 1] = row
+        seen = np.where((seen >= 0) & (seen < len(rows) - 1), seen + 1, 0)
+        return rgb, depth, rows[seen]
+
+    def _shape(self, mesh: Mesh) -> int:
+        shape: int = self._engine.createVisualShape(
+            self._engine.GEOM_MESH,
+            vertices=mesh.vertices.tolist(),
+            indices=mesh.triangles.reshape(-1).tolist(),
+            uvs=mesh.uvs.tolist(),
+            normals=mesh.normals.tolist(),
+            rgbaColor=(1, 1, 1, 1),
+            physicsClientId=self._client,
+        )
+        return shape
+
+    def _body(self, shape: int) -> int:
+        body: int = self._engine.createMultiBody(0, -1, shape, physicsClientId=self._client)
+        self._engine.changeVisualShape(
+            body, -1, textureUniqueId=self._texture(), physicsClientId=self._client
+        )
+        return body
+
+    def _texture(self) -> int:
+        if self._is_snowy not in self._textures:
+            import cv2
+
+            descriptor, name = tempfile.mkstemp(suffix=".png")
+            os.close(descriptor)
+            try:
+                _, encoded = cv2.imencode(".png", draw_atlas(self._is_snowy)[:, :, ::-1])
+                Path(name).write_bytes(encoded.tobytes())
+                self._textures[self._is_snowy] = self._engine.loadTexture(
+                    name, physicsClientId=self._client
+                )
+            finally:
+                Path(name).unlink()
+        return self._textures[self._is_snowy]
+
+
+def _piece(mesh: Mesh, start: int) -> Mesh:
+    """Return some of a mesh's triangles as a mesh."""
+    rows = mesh.triangles[start : start + _MOST_TRIANGLES].reshape(-1)
+    return Mesh(
+        vertices=mesh.vertices[rows],
+        normals=mesh.normals[rows],
+        uvs=mesh.uvs[rows],
+        triangles=np.arange(len(rows)).reshape(-1, 3),
+    )
