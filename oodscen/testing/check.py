@@ -1,0 +1,384 @@
+"""The conformance check that every simulator should pass."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+
+from oodscen.catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.driving.roads import load_corridor
+from oodscen.errors import OodscenError, SceneError, SpawnError, UnknownComponent
+from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
+from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+
+_CAMERA = Camera(width=160, height=120)
+_STEPS = 40
+
+
+def check_simulator(
+    factory: Callable[[], Simulator], *, scenes: Sequence[Scene] | None = None
+) -> None:
+    """Judge whether a simulator keeps the protocol's promises.
+
+    Checked are: an honest catalogue (every asset, state, behaviour and map can be had), one `dt`
+    per step, ids and shapes and dtypes of states and frames, frames that show something, the same
+    bytes for the same scene and seed whatever ran before, snapshots where offered, typed refusals,
+    and a `close` that may be called twice.
+
+    Args:
+        factory: Makes a fresh simulator; called twice.
+        scenes: Further scenes that must run; without them one per map is made.
+
+    Raises:
+        AssertionError: Listing everything found, one line each.
+    """
+    check = _Check()
+    with check.finding("the factory works"):
+        with factory() as simulator:
+            check.run(simulator, factory, scenes)
+        with check.finding("close may be called twice"):
+            simulator.close()
+            simulator.close()
+    if check.findings:
+        lines = "".join(f"\n  - {finding}" for finding in check.findings)
+        raise AssertionError(f"the simulator breaks its protocol:{lines}")
+
+
+class _Check:
+    """Collects findings, so that one run shows an adapter's author all of them."""
+
+    def __init__(self) -> None:
+        self.findings: list[str] = []
+
+    @contextmanager
+    def finding(self, what: str) -> Iterator[None]:
+        """Note an exception instead of stopping."""
+        try:
+            yield
+        except (Exception, AssertionError) as error:
+            self.findings.append(f"{what}: {type(error).__name__}: {error}")
+
+    def that(self, holds: bool, what: str) -> None:
+        """Note what does not hold."""
+        if not holds:
+            self.findings.append(what)
+
+    def run(
+        self,
+        simulator: Simulator,
+        factory: Callable[[], Simulator],
+        scenes: Sequence[Scene] | None,
+    ) -> None:
+        """Run every group of checks."""
+        self.that(isinstance(simulator, Simulator), "some members of the protocol are missing")
+        self.that(bool(simulator.name), "name is empty")
+        self.that(simulator.dt > 0.0, "dt must be positive")
+        catalogue = simulator.catalogue()
+        if not catalogue.maps or not catalogue.assets:
+            self.findings.append("catalogue: has no map or no asset")
+            return
+        with self.finding("catalogue"):
+            self.check_catalogue(simulator, catalogue)
+        for road in catalogue.maps:
+            with self.finding(f"map {road.id}"):
+                self.check_map(simulator, catalogue, road)
+        with self.finding("assets"):
+            self.check_assets(simulator, catalogue)
+        for kind in catalogue.behaviours:
+            with self.finding(f"behaviour {kind.id}"):
+                self.check_behaviour(simulator, catalogue, kind)
+        chosen = list(scenes or (_plain_scene(catalogue, road) for road in catalogue.maps))
+        with self.finding("determinism"):
+            self.check_determinism(simulator, factory, chosen)
+        with self.finding("snapshot"):
+            self.check_snapshot(simulator, chosen[0])
+        with self.finding("frames"):
+            self.check_frames(simulator, catalogue)
+        with self.finding("refusals"):
+            self.check_refusals(simulator, catalogue)
+
+    # ------------------------------------------------------------------ the catalogue
+
+    def check_catalogue(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """Static data without doubles."""
+        again = simulator.catalogue()
+        self.that(again == catalogue, "catalogue: differs from one call to the next")
+        copy = Catalogue.parse(catalogue.to_json())
+        self.that(copy == catalogue, "catalogue: changes when it is written and read as JSON")
+        for noun, names in (
+            ("asset", [asset.id for asset in catalogue.assets]),
+            ("behaviour", [kind.id for kind in catalogue.behaviours]),
+            ("map", [road.id for road in catalogue.maps]),
+        ):
+            doubles = sorted({name for name in names if names.count(name) > 1})
+            self.that(not doubles, f"catalogue: {noun} ids occur more than once: {doubles}")
+        for kind in catalogue.behaviours:
+            for name, parameter in kind.parameters.items():
+                inside = parameter.minimum <= parameter.default <= parameter.maximum
+                self.that(inside, f"behaviour {kind.id}: the default of {name} is out of range")
+
+    def check_map(self, simulator: Simulator, catalogue: Catalogue, road: RoadMap) -> None:
+        """What the catalogue says of a map is what its file holds, and it can be driven."""
+        corridor = load_corridor(road)
+        ego_lanes = len(corridor.ego_lanes)
+        oncoming = len(corridor.driving) - ego_lanes
+        ahead = corridor.length - corridor.start
+        has_shoulder = any(strip.kind == "shoulder" for strip in corridor.strips)
+        where = f"map {road.id}"
+        self.that(ego_lanes == road.lanes, f"{where}: has {ego_lanes} lanes, not {road.lanes}")
+        self.that(
+            oncoming == road.oncoming_lanes,
+            f"{where}: has {oncoming} oncoming lanes, not {road.oncoming_lanes}",
+        )
+        self.that(ahead >= road.length_m, f"{where}: only {ahead:.0f} m lie ahead of the start")
+        self.that(
+            not road.has_shoulder or has_shoulder, f"{where}: says it has a shoulder, has none"
+        )
+        for lane in range(road.lanes):
+            scene = _scene(catalogue, road, (), lane=lane, speed=road.speed_limit)
+            self.drive(simulator, scene, f"{where}, lane {lane}")
+
+    def check_assets(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """Every asset can be placed, in every state."""
+        road = max(catalogue.maps, key=lambda road: road.length_m)
+        wanted = [(asset, state) for asset in catalogue.assets for state in (asset.states or ("",))]
+        group: list[Actor] = []
+        position, limit = 12.0, min(280.0, road.length_m - 20.0)
+        for index, (asset, state) in enumerate(wanted):
+            room = 0.5 * max(asset.length, asset.width) + 1.0
+            if position + 2.0 * room > limit and group:
+                self.reset(simulator, _scene(catalogue, road, tuple(group)))
+                group, position = [], 12.0
+            place = Placement(ahead_m=position + room)
+            group.append(Actor(id=f"a{index}", asset=asset.id, placement=place, state=state))
+            position += 2.0 * room
+        self.reset(simulator, _scene(catalogue, road, tuple(group)))
+
+    def reset(self, simulator: Simulator, scene: Scene) -> None:
+        """Load one scene; note whom it refused."""
+        names = {actor.id: f"{actor.asset} {actor.state}".strip() for actor in scene.actors}
+        try:
+            state = simulator.reset(scene, 0)
+        except SpawnError as error:
+            self.findings.append(f"asset {names.get(error.actor, error.actor)}: {error}")
+        except OodscenError as error:
+            self.findings.append(f"assets {', '.join(sorted(set(names.values())))}: {error}")
+        else:
+            self.check_state(simulator, scene, state, 0, "assets")
+
+    def check_behaviour(
+        self, simulator: Simulator, catalogue: Catalogue, kind: BehaviourKind
+    ) -> None:
+        """A behaviour runs with its defaults, for an asset of every category that it is for."""
+        offered = {asset.category for asset in catalogue.assets}
+        able = [category for category in kind.categories if category in offered]
+        self.that(bool(able), f"behaviour {kind.id}: no asset has one of its categories")
+        road = max(catalogue.maps, key=lambda road: road.lanes + road.oncoming_lanes)
+        for category in able:
+            asset = next(one for one in catalogue.assets if one.category == category)
+            parameters = {}
+            if "lanes" in kind.parameters:
+                parameters["lanes"] = 1.0 if len(load_corridor(road).driving) > 1 else 0.0
+            actor = Actor(
+                id="a",
+                asset=asset.id,
+                placement=Placement(ahead_m=35.0),
+                behaviour=Behaviour(
+                    name=kind.id, trigger=Trigger(value=0.5), parameters=parameters
+                ),
+            )
+            scene = _scene(catalogue, road, (actor,), speed=5.0)
+            self.drive(simulator, scene, f"behaviour {kind.id} of {asset.id}")
+
+    # ------------------------------------------------------------------ states
+
+    def drive(self, simulator: Simulator, scene: Scene, what: str) -> None:
+        """Run a scene for some steps and look at every state."""
+        self.check_state(simulator, scene, simulator.reset(scene, 0), 0, what)
+        for step in range(1, _STEPS + 1):
+            control = _follow(simulator.observe())
+            before = len(self.findings)
+            self.check_state(simulator, scene, simulator.step(control), step, what)
+            if len(self.findings) > before:
+                return
+
+    def check_state(
+        self, simulator: Simulator, scene: Scene, state: State, step: int, what: str
+    ) -> None:
+        """Ids, shapes, dtypes, finite numbers and time."""
+        ids = ("ego", *(actor.id for actor in scene.actors))
+        count = len(ids)
+        self.that(state.ids == ids, f"{what}: ids are {state.ids}, not {ids}")
+        for name, array, shape in (
+            ("poses", state.poses, (count, 4)),
+            ("speeds", state.speeds, (count,)),
+            ("gaps", state.gaps, (count,)),
+        ):
+            good = array.shape == shape and array.dtype == np.float64
+            self.that(good, f"{what}: {name} is {array.dtype} {array.shape}, not float64 {shape}")
+        finite = bool(np.isfinite(state.poses).all() and np.isfinite(state.speeds).all())
+        self.that(finite, f"{what}: poses or speeds are not finite")
+        self.that(bool((state.gaps >= 0.0).all()), f"{what}: a gap is negative or not a number")
+        self.that(math.isinf(float(state.gaps[0])), f"{what}: the ego's own gap must be infinite")
+        self.that(state.step == step, f"{what}: step is {state.step}, not {step}")
+        right_time = abs(state.time - step * simulator.dt) < 1e-6
+        self.that(right_time, f"{what}: time is {state.time} after {step} steps")
+
+    def check_determinism(
+        self, simulator: Simulator, factory: Callable[[], Simulator], scenes: Sequence[Scene]
+    ) -> None:
+        """The same bytes again, after another scene, and from a fresh simulator."""
+        first = [_trace(simulator, scene, seed=3) for scene in scenes]
+        with factory() as other:
+            for scene, expected in list(zip(scenes, first, strict=True))[::-1]:
+                again = _trace(simulator, scene, seed=3)
+                fresh = _trace(other, scene, seed=3)
+                what = f"scene {scene.id}"
+                self.that(again == expected, f"{what}: another result after other scenes had run")
+                self.that(fresh == expected, f"{what}: another result from a fresh simulator")
+
+    def check_snapshot(self, simulator: Simulator, scene: Scene) -> None:
+        """Where snapshots are offered, what follows a restored one equals what followed then."""
+        take, put = (getattr(simulator, name, None) for name in ("snapshot", "restore"))
+        if take is None or put is None:
+            return
+        simulator.reset(scene, 1)
+        for _ in range(10):
+            simulator.step(Control(acceleration=-1.0, steering=0.01))
+        kept = take()
+        runs = []
+        for _ in range(2):
+            states = [simulator.step(Control(steering=-0.02)) for _ in range(20)]
+            runs.append([state.fingerprint() for state in states])
+            put(kept)
+        self.that(runs[0] == runs[1], "snapshot: what follows a restored snapshot differs")
+
+    # ------------------------------------------------------------------ frames and refusals
+
+    def check_frames(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """Shapes, dtypes, something to see, and an actor where it stands."""
+        size = max(catalogue.assets, key=_visibility)
+        actor = Actor(id="a", asset=size.id, placement=Placement(ahead_m=20.0))
+        simulator.reset(_scene(catalogue, catalogue.maps[0], (actor,)), 0)
+        for camera in (_CAMERA, Camera(width=64, height=64, fov_deg=90.0)):
+            frame = simulator.render(camera)
+            self.check_frame(frame, camera)
+            shown = frame.ids == 2
+            self.that(bool(shown.any()), f"frames: {size.id} 20 m ahead has no pixel with id 2")
+            if shown.any():
+                depth = float(np.median(frame.depth[shown]))
+                reach = 0.5 * (size.length + size.width) + 1.0
+                near = abs(depth - (20.0 - camera.x)) <= reach
+                self.that(near, f"frames: {size.id} 20 m ahead has depth {depth:.1f} m")
+
+    def check_frame(self, frame: Frame, camera: Camera) -> None:
+        """One picture."""
+        size = (camera.height, camera.width)
+        for name, array, shape, kind in (
+            ("rgb", frame.rgb, (*size, 3), np.uint8),
+            ("depth", frame.depth, size, np.float32),
+            ("ids", frame.ids, size, np.int32),
+        ):
+            good = array.shape == shape and array.dtype == kind
+            what = f"frames: {name} is {array.dtype} {array.shape}, not {np.dtype(kind)} {shape}"
+            self.that(good, what)
+        colours = len(np.unique(frame.rgb.reshape(-1, frame.rgb.shape[-1]), axis=0))
+        self.that(colours >= 4, f"frames: the picture is blank ({colours} colours)")
+        good_depth = bool((frame.depth > 0.0).all())
+        self.that(good_depth, "frames: depth must be positive, infinite for the sky")
+        self.that(bool(np.isfinite(frame.depth).any()), "frames: nothing has a finite depth")
+
+    def check_refusals(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """What cannot be shown is refused with a typed error, and the next scene runs."""
+        road = catalogue.maps[0]
+        box = Actor(id="a", asset=catalogue.assets[0].id, placement=Placement(ahead_m=30.0))
+        good = _scene(catalogue, road, (box,))
+        unknown = box.model_copy(update={"asset": "no-such-asset"})
+        double = box.model_copy(update={"id": "b"})
+        strange = box.model_copy(update={"behaviour": Behaviour(name="no-such-behaviour")})
+        for what, scene in (
+            ("an unknown asset", _scene(catalogue, road, (unknown,))),
+            ("an unknown behaviour", _scene(catalogue, road, (strange,))),
+            ("an unknown map", good.model_copy(update={"map": "no-such-map"})),
+            ("a lane that is not there", _scene(catalogue, road, (), lane=6)),
+            ("two bodies in one place", _scene(catalogue, road, (box, double))),
+        ):
+            try:
+                simulator.reset(scene, 0)
+            except (SceneError, SpawnError, UnknownComponent):
+                pass
+            except Exception as error:
+                name = type(error).__name__
+                self.findings.append(f"{what} is refused by a {name}, not a SceneError")
+            else:
+                self.findings.append(f"{what} is not refused")
+            simulator.reset(good, 0)
+
+
+def _scene(
+    catalogue: Catalogue,
+    road: RoadMap,
+    actors: tuple[Actor, ...],
+    *,
+    lane: int = 0,
+    speed: float = 8.0,
+) -> Scene:
+    """Return a scene of some actors in good weather."""
+    return Scene(
+        id="check",
+        scenario_id="check",
+        map=road.id,
+        ego=Ego(speed=speed, lane=lane),
+        actors=actors,
+        hazard=Hazard(weather=Weather()),
+        decision=Trigger(kind="time", value=1.0),
+    )
+
+
+def _plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
+    """Return a scene in which something moves, if the catalogue has anything that can."""
+    kinds = {kind.id: kind for kind in catalogue.behaviours}
+    actors = []
+    for index, name in enumerate(("follow_lane", "wobble", "cross_road")):
+        categories = kinds[name].categories if name in kinds else ()
+        asset = next((one for one in catalogue.assets if one.category in categories), None)
+        if asset is not None:
+            place = Placement(ahead_m=25.0 + 20.0 * index)
+            actors.append(
+                Actor(
+                    id=f"{name.replace('_', '-')}",
+                    asset=asset.id,
+                    placement=place,
+                    behaviour=Behaviour(name=name),
+                )
+            )
+    scene = _scene(catalogue, road, tuple(actors))
+    return scene.model_copy(update={"id": f"check-{road.id}"})
+
+
+def _follow(observation: Observation) -> Control:
+    """Keep the lane with the simplest law that does."""
+    reach = max(4.0, observation.speed)
+    bend = observation.curvature - observation.offset_m / reach**2
+    bend -= 2.0 * observation.heading_error / reach
+    return Control(0.0, math.atan(observation.wheelbase * bend))
+
+
+def _trace(simulator: Simulator, scene: Scene, *, seed: int) -> list[bytes]:
+    """Return the bytes of a run: states, and the frames at its beginning and end."""
+    trace = [simulator.reset(scene, seed).fingerprint()]
+    trace += _bytes(simulator.render(_CAMERA))
+    for step in range(_STEPS):
+        control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)
+        trace.append(simulator.step(control).fingerprint())
+    return trace + _bytes(simulator.render(_CAMERA))
+
+
+def _bytes(frame: Frame) -> list[bytes]:
+    return [frame.rgb.tobytes(), frame.depth.tobytes(), frame.ids.tobytes()]
+
+
+def _visibility(asset: Asset) -> float:
+    """Return how much of an asset is seen from behind."""
+    return asset.width * asset.height
