@@ -19,7 +19,7 @@ EPISODE = Episode(
 )
 
 
-@pytest.fixture()
+@pytest.fixture
 def frames(tmp_path):
     images = {}
     for moment in MOMENTS:

@@ -1,0 +1,50 @@
+"""Every Python block of README and docs runs, file by file, in order; so does every example."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+from oodscen.study import StudyConfig, run_study
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """Make the study that pages about reading one expect in `out`."""
+    folder = tmp_path_factory.mktemp("docs") / "out"
+    run_study(folder, StudyConfig.quick(simulator="flat", encoder="hash"))
+    return folder
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch, study):
+    (tmp_path / "out").symlink_to(study)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
+def test_the_code_of_a_page_runs(page, workplace, capsys):
+    text = page.read_text(encoding="utf-8")
+    names = {"__name__": "__main__"}
+    for match in BLOCK.finditer(text):
+        line = text[: match.start(1)].count("\n")
+        exec(compile("\n" * line + match.group(1), str(page), "exec"), names)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_runs(example, workplace, capsys):
+    runpy.run_path(str(example), run_name="__main__")
+    assert capsys.readouterr().out.strip()
+
+
+def test_links_lead_somewhere():
+    for page in PAGES:
+        for target in re.findall(r"\]\((?!https?://)([^)#]+)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
