@@ -25,6 +25,9 @@ NO_KEY = "none"
 _SHOWN = 500
 """Longest error text passed on, in characters; some servers answer with whole web pages."""
 
+_ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
+"""litellm's names of errors with status 400 that another answer format would not mend."""
+
 _import_lock = threading.Lock()
 
 
@@ -112,14 +115,17 @@ class LiteLLM:
             "seed": provider_seed(self.seed, request.sample),
         }
         purpose = request.prompt.purpose
+        form = None if purpose in self._refused else self._response_format(request)
+        refused = False
         tries = 0
         while True:
-            form = None if purpose in self._refused else self._response_format(request)
             outcome = self._try({**arguments, "response_format": form} if form else arguments)
             if isinstance(outcome, Completion):
+                if refused:
+                    self._refused.add(purpose)
                 return outcome
-            if form and outcome.status == 400:
-                self._refused.add(purpose)
+            if form and outcome.may_refuse_form:
+                form, refused = None, True
                 continue
             wait = self._wait(outcome, tries, request)
             if wait is None:
@@ -174,11 +180,11 @@ class _Failure:
     """What went wrong in one try."""
 
     def __init__(
-        self, message: str, *, status: int | None, retryable: bool, retry_after: float | None
+        self, message: str, *, retryable: bool, may_refuse_form: bool, retry_after: float | None
     ) -> None:
         self.message = message
-        self.status = status
         self.retryable = retryable
+        self.may_refuse_form = may_refuse_form
         self.retry_after = retry_after
 
 
@@ -190,10 +196,16 @@ def load_litellm() -> ModuleType:
     """
     with _import_lock:
         os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
+        # Its own type definitions make pydantic warn, some of them only when they are first used.
+        warnings.filterwarnings(
+            "ignore", message=r".*ReadOnly. qualifier", category=UserWarning, module=r"pydantic\."
+        )
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 import litellm
+
+                litellm.ModelResponse()
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
         litellm.suppress_debug_info = True
@@ -278,7 +290,8 @@ def _json_ability(sdk: ModuleType, model: str) -> str:
 
 def _failure(model: str, error: Exception, key: str) -> _Failure:
     status = getattr(error, "status_code", None)
-    text = " ".join(redact(str(error), [key]).split())
+    text = str(error).partition("Traceback (most recent call last)")[0]
+    text = " ".join(redact(text, [key]).split())
     text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
     # A response that litellm could not read carries no status: the server may do better next time.
     retryable = status is None or status in (408, 409, 425, 429) or status >= 500
@@ -287,8 +300,8 @@ def _failure(model: str, error: Exception, key: str) -> _Failure:
     reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
     return _Failure(
         f"{model} gave no answer: {reason}",
-        status=status,
         retryable=retryable,
+        may_refuse_form=status in (400, 422) and type(error).__name__ not in _ABOUT_CONTENT,
         retry_after=_retry_after(error),
     )
 
