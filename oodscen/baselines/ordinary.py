@@ -18,7 +18,7 @@ from oodscen.baselines.baseline import Baseline
 from oodscen.errors import UsageError
 from oodscen.seeding import stream
 
-_SIZE = 1600
+_SIZE = 2000
 _STYLES = {"caption": 0.34, "ego": 0.24, "lead": 0.08, "scene": 0.18, "reason": 0.10, "notes": 0.06}
 _NEEDS = {
     "caption": "captions",
@@ -37,7 +37,7 @@ _SENTENCE = re.compile(r"(?:^|(?<=\. ))[a-z]")
 
 @cache
 def ordinary_driving() -> Baseline:
-    """Return the baseline that is shipped: 1,600 distinct texts, always the same."""
+    """Return the baseline that is shipped: 2,000 distinct texts, always the same."""
     return Baseline(
         texts=draw(_SIZE),
         name="ordinary-driving",
@@ -58,7 +58,7 @@ def draw(size: int, *, seed: int = 0) -> tuple[str, ...]:
     """
     rules = _rules()
     draws = stream(seed, "ordinary-driving")
-    situations = rules["situation"]
+    situations = [item for item in rules["situation"] for _ in range(item.get("repeat", 1))]
     found: dict[str, str] = {}
     for turn in range(20 * size):
         if len(found) == size:
@@ -88,7 +88,7 @@ class _Text:
         self._sky = self._choose([sky for sky in rules["sky"] if _suits(situation, sky["tags"])])
         self._road, self._note = self._choose(_roads(rules, situation))
         self._subject = self._pick(rules["words"]["subject"])
-        self._names_sky = situation["name"] not in ("objects", "rain", "night")
+        self._is_bare = bool(situation.get("bare"))
 
     def write(self) -> str:
         """Draw a style and fill it."""
@@ -129,7 +129,7 @@ class _Text:
         return f"{self._subject} is {self._pick(motion)} {self._road}"
 
     def _under_sky(self, sentence: str, share: float) -> str:
-        if not self._names_sky or self._draws.random() >= share:
+        if self._is_bare or self._draws.random() >= share:
             return sentence
         return f"{self._pick(self._sky['lead'])}, {_uncapital(sentence)}"
 
