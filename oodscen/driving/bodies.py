@@ -62,14 +62,11 @@ class EgoBody:
         total = math.sqrt(along * along + across * across)
         if total > grip:
             along *= grip / total
-            across *= grip / total
         speed = max(0.0, self.speed + along * dt)
         faster = max(speed, self.speed)
-        allowed = math.sqrt(max(0.0, grip * grip - along * along))
-        if faster * faster * abs(curvature) > min(allowed, abs(across) + 1e-9):
-            limit = min(allowed, abs(across)) if self.speed > 0.0 else allowed
-            if faster * faster * abs(curvature) > limit:
-                curvature = math.copysign(limit / (faster * faster), curvature)
+        left = math.sqrt(max(0.0, grip * grip - along * along))
+        if faster * faster * abs(curvature) > left:
+            curvature = math.copysign(left / (faster * faster), curvature)
         mean = 0.5 * (self.speed + speed)
         slip = math.asin(_bounded(0.5 * WHEELBASE * curvature, -1.0, 1.0))
         turn = mean * curvature * dt

@@ -25,9 +25,9 @@ class LaneStrip:
     kind: StripKind
     direction: int
     """+1 with the ego, -1 oncoming, 0 neither."""
-    right: NDArray[np.float64]
+    right: NDArray[np.float64] = field(repr=False)
     """[n], t of the right edge at every sample, m."""
-    left: NDArray[np.float64]
+    left: NDArray[np.float64] = field(repr=False)
     """[n], t of the left edge; equal to `right` where the strip does not exist."""
     mark: str
     """On the left edge: `solid`, `broken`, `curb` or `none`."""
@@ -39,17 +39,17 @@ class LaneStrip:
 class Corridor:
     """A road with its cross-section, seen from the ego that drives along it."""
 
-    s: NDArray[np.float64]
+    s: NDArray[np.float64] = field(repr=False)
     """[n], m from the corridor's beginning, evenly spaced by `step`."""
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    z: NDArray[np.float64]
-    cos: NDArray[np.float64]
+    x: NDArray[np.float64] = field(repr=False)
+    y: NDArray[np.float64] = field(repr=False)
+    z: NDArray[np.float64] = field(repr=False)
+    cos: NDArray[np.float64] = field(repr=False)
     """[n], of the heading; the normal to the left is (-sin, cos)."""
-    sin: NDArray[np.float64]
-    curvature: NDArray[np.float64]
+    sin: NDArray[np.float64] = field(repr=False)
+    curvature: NDArray[np.float64] = field(repr=False)
     """[n], 1/m, left positive."""
-    strips: tuple[LaneStrip, ...]
+    strips: tuple[LaneStrip, ...] = field(repr=False)
     """From right to left, adjacent ones sharing an edge."""
     start: float
     """s of the ego's start."""
@@ -63,7 +63,8 @@ class Corridor:
     """s of the last sample, m."""
 
     def __post_init__(self) -> None:
-        columns = (self.x, self.y, self.z, self.cos, self.sin)
+        norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
+        columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm)
         put = object.__setattr__
         put(self, "length", float(self.s[-1]))
         put(self, "step", float(self.s[-1]) / (len(self.s) - 1))

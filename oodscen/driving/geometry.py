@@ -111,7 +111,8 @@ class Spiral(Curve):
     _nodes: tuple[tuple[float, float, float], ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        count = max(1, math.ceil(self.length))
+        bend = max(abs(self.curvature_start), abs(self.curvature_end))
+        count = max(1, math.ceil(self.length * (1.0 + 4.0 * bend)))
         nodes = [(0.0, 0.0, 0.0)]
         for index in range(count):
             start, end = self.length * index / count, self.length * (index + 1) / count

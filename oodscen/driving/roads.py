@@ -204,7 +204,7 @@ def _chains(sections: tuple[LaneSection, ...], sign: int) -> list[_Chain]:
                 chains.insert(after, chain)
             chain.lanes[number] = lane
             current[lane.id] = inner = chain
-        has_links = any(x.successor is not None for x in section.lanes)
+        has_links = any(chain.lanes[number].successor is not None for chain in current.values())
         expected = {}
         for identity, chain in current.items():
             following = chain.lanes[number].successor if has_links else identity
