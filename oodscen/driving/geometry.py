@@ -48,11 +48,9 @@ class Cubic:
 
 
 def piecewise(pieces: tuple[Cubic, ...], s: float) -> float:
-    """Return the value at `s` of cubics that are sorted by where they start; 0 if there are none."""
-    if not pieces:
-        return 0.0
+    """Return the value at `s` of cubics that are sorted by where they start; 0 before the first."""
     found = bisect_right(pieces, s + 1e-9, key=lambda piece: piece.start)
-    return pieces[max(found - 1, 0)].at(s)
+    return pieces[found - 1].at(s) if found else 0.0
 
 
 @dataclass(frozen=True)

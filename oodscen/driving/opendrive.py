@@ -6,7 +6,7 @@ cannot be used is a `DataError` that lists everything found wrong with it.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lxml import etree
 
@@ -335,6 +335,10 @@ class _Reader:
         widths = self._pieces(_children(element, "width"), f"{here}/width", "sOffset")
         if number != 0 and not widths:
             self._add(f"{here}/width", "is missing (lane borders are not supported)")
+        if widths and abs(widths[0].start) > _GAP:
+            self._add(f"{here}/width[0]@sOffset", "the first width must start at 0")
+        if widths:
+            widths = (replace(widths[0], start=0.0), *widths[1:])
         marks = _children(element, "roadMark")
         link = _child(element, "link")
         successor = None if link is None else _child(link, "successor")

@@ -79,6 +79,6 @@ def test_poly3_is_measured_by_arc_length(c: float, d: float, fraction: float) ->
 
 @given(st.lists(st.floats(0, 100), min_size=1, max_size=5, unique=True), st.floats(0, 120))
 def test_the_last_polynomial_that_began_holds(starts: list[float], s: float) -> None:
-    pieces = tuple(Cubic(start, float(index)) for index, start in enumerate(sorted(starts)))
-    expected = max((i for i, p in enumerate(pieces) if p.start <= s + 1e-9), default=0)
+    pieces = tuple(Cubic(start, float(index)) for index, start in enumerate(sorted(starts), 1))
+    expected = max((i for i, p in enumerate(pieces, 1) if p.start <= s + 1e-9), default=0.0)
     assert piecewise(pieces, s) == float(expected)
