@@ -1,0 +1,5 @@
+"""The reference adapter: urban, rural and highway roads with PyBullet's bodies and camera."""
+
+from oodscen_pybullet.simulator import PyBulletSimulator
+
+__all__ = ["PyBulletSimulator"]

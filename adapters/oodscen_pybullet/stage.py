@@ -1,5 +1,6 @@
 """What the camera sees: a PyBullet world of visual shapes only."""
 
+import math
 import os
 import tempfile
 from collections.abc import Sequence
@@ -60,7 +61,15 @@ class Stage:
                 self._body(self._shape(_piece(mesh, start)))
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
-        """Put up the actors; row i of `pose_actors` is look i. Call after `show_scenery`."""
+        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i.
+
+        Earlier ones leave last in, first out, so that the order in which the renderer draws never
+        depends on what was shown before.
+        """
+        for body in reversed(self._actors):
+            self._engine.removeBody(body, physicsClientId=self._client)
+        self._actors.clear()
+        self._rows.clear()
         for row, look in enumerate(looks):
             if isinstance(look, Mesh):
                 shape = self._shape(look)
@@ -77,8 +86,6 @@ class Stage:
 
     def pose_actors(self, poses: Sequence[tuple[float, float, float, float]]) -> None:
         """Move every actor: x, y, z, and yaw as the sine and cosine of half the angle."""
-        import math
-
         for body, (x, y, z, yaw) in zip(self._actors, poses, strict=True):
             turn = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
             self._engine.resetBasePositionAndOrientation(

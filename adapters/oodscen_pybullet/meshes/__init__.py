@@ -70,9 +70,9 @@ def asset_mesh(asset: str, state: str = "", paint: str = "", *, running: bool = 
         UnknownComponent: When there is no such asset.
     """
     if asset == "arrow_board":
-        return work_zone.arrow_board(state).build()
+        return work_zone.arrow_board(state).centred().build()
     if asset not in _MAKERS:
         raise UnknownComponent("asset", asset, asset_ids())
     lights = Lights.of(state, running=running)
     builder = _MAKERS[asset](lights, paint or paints_of(asset)[0])
-    return builder.build(hollow=asset in FLAT)
+    return builder.centred().build(hollow=asset in FLAT)

@@ -1,0 +1,141 @@
+"""From what the renderer saw to what a camera would have recorded."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.scene import Weather
+from oodscen.seeding import stream
+from oodscen_pybullet.light import (
+    Caster,
+    Float,
+    Glow,
+    Light,
+    add_glare,
+    add_glows,
+    illumination,
+    shadow_mask,
+)
+from oodscen_pybullet.view import View
+from oodscen_pybullet.weather import (
+    air_colour,
+    extinction,
+    rain_streaks,
+    sky,
+    snow_flakes,
+    veil,
+    wet,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A raw picture and everything that decides how it is developed."""
+
+    rgb: NDArray[np.uint8]
+    depth: Float
+    """Metres along the optical axis, infinity for the sky."""
+    rows: NDArray[np.int32]
+    """Row of the body that each pixel shows, -1 for scenery."""
+    view: View
+    weather: Weather
+    light: Light
+    casters: Sequence[Caster]
+    glows: Sequence[Glow]
+    time: float
+    """Since the start, s; rain and snow differ from moment to moment."""
+    seed: int
+    road_height: float
+    """Where the ground is below the camera, m."""
+
+
+def develop(picture: Picture) -> NDArray[np.uint8]:
+    """Apply light and weather: [height, width, 3] uint8; a function of its argument alone."""
+    view, depth, light, weather = picture.view, picture.depth, picture.light, picture.weather
+    image = _smooth(picture.rgb, depth).astype(np.float32)
+    across, upwards = view.slopes()
+    stretch = np.sqrt(1.0 + across[None, :] ** 2 + upwards[:, None] ** 2).astype(np.float32)
+    distance = depth * stretch
+    is_sky = np.isinf(depth)
+    rate, air = extinction(weather), air_colour(weather, light)
+    ground = _ground(picture)
+    image = _shade(image, picture, ground)
+    if weather.precipitation == "rain":
+        image = wet(image, ground, distance, (air[0] + 20.0, air[1] + 22.0, air[2] + 26.0) if light.daylight > 0.5 else air)
+    if light.daylight < 0.99:
+        lit = illumination(view, depth, light, picture.glows, picture.road_height)
+        image = image * lit[..., None]
+    image = image * np.array(light.tint, np.float32)
+    image[is_sky] = sky(view, weather, light, picture.seed)[is_sky]
+    image = veil(image, distance, rate, _lit_air(air, picture, distance))
+    add_glows(image, view, depth, picture.glows, light, rate)
+    add_glare(image, view, light, depth)
+    image = _precipitation(image, picture, air)
+    if light.daylight < 0.5:
+        rng = stream(picture.seed, "grain", round(picture.time, 3))
+        grain = rng.integers(-4, 5, image.shape[:2], dtype=np.int8)
+        image = image + grain[..., None].astype(np.float32)
+    return np.clip(image + np.float32(0.5), 0.0, 255.0).astype(np.uint8)
+
+
+def _smooth(rgb: NDArray[np.uint8], depth: Float) -> NDArray[np.uint8]:
+    """Soften the stairs along silhouettes and distant texture."""
+    import cv2
+
+    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
+    edges = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 22
+    far = np.minimum(depth, np.float32(500.0)) > np.float32(40.0)
+    soft = cv2.GaussianBlur(rgb, (3, 3), 0.65)
+    return np.where((edges | far)[..., None], soft, rgb)
+
+
+def _ground(picture: Picture) -> Float:
+    """Return 1 for every pixel that shows the ground, 0 elsewhere."""
+    view = picture.view
+    _, upwards = view.slopes()
+    near = np.minimum(picture.depth, np.float32(400.0))
+    height = near * (upwards * np.float32(view.up[2]) + np.float32(view.forward[2]))[:, None]
+    height += np.float32(view.eye[2] - picture.road_height)
+    limit = np.float32(0.16) + near * np.float32(0.02)
+    return ((picture.rows < 0) & (height < limit)).astype(np.float32)
+
+
+def _shade(image: Float, picture: Picture, ground: Float) -> Float:
+    """Darken the ground where something stands between it and the light."""
+    light = picture.light
+    if not picture.casters or light.daylight < 0.2:
+        return image
+    mask = shadow_mask(picture.view, picture.casters, light.sun, picture.road_height)
+    return np.asarray(image * (1.0 - np.float32(light.shadow) * mask * ground)[..., None], np.float32)
+
+
+def _lit_air(
+    air: tuple[float, float, float], picture: Picture, distance: Float
+) -> tuple[float, float, float] | Float:
+    """Return the air's colour; at night the ego's own beams light it up before the car."""
+    light, view = picture.light, picture.view
+    if light.daylight > 0.6 or extinction(picture.weather) <= 0.0:
+        return air
+    import cv2
+
+    across, upwards = view.slopes()
+    spread = cv2.exp(-((across / np.float32(0.5)) ** 2).reshape(1, -1)).astype(np.float32)
+    low = np.float32(1.0) / (np.float32(1.0) + np.clip((upwards + 0.06) / 0.12, 0.0, 8.0) ** 2)
+    back = spread * low.astype(np.float32)[:, None] * np.float32(46.0 * (1.0 - light.daylight))
+    thick = np.float32(min(1.0, extinction(picture.weather) * 30.0))
+    return np.asarray(np.array(air, np.float32) + (back * thick)[..., None], np.float32)
+
+
+def _precipitation(image: Float, picture: Picture, air: tuple[float, float, float]) -> Float:
+    """Add streaks or flakes."""
+    weather, light = picture.weather, picture.light
+    if weather.precipitation == "rain":
+        streaks = rain_streaks(picture.view, weather, picture.seed, picture.time)
+        return np.asarray(image + (streaks * np.float32(0.25 + 0.5 * light.daylight))[..., None], np.float32)
+    if weather.precipitation == "snow":
+        cover = snow_flakes(picture.view, weather, picture.depth, picture.seed, picture.time)
+        flake = np.array([246.0, 248.0, 252.0], np.float32) * np.float32(0.42 + 0.58 * light.daylight)
+        return np.asarray(image + (flake - image) * cover[..., None], np.float32)
+    return image

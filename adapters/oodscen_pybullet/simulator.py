@@ -1,0 +1,245 @@
+"""The reference simulator: PyBullet's bodies and camera, motion by the kinematic world."""
+
+import math
+from collections import OrderedDict
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.catalogue import Asset, Catalogue
+from oodscen.driving import Corridor, MirrorSimulator, find_map
+from oodscen.errors import SpawnError
+from oodscen.protocols import Camera, Frame
+from oodscen.scene import Scene
+from oodscen.seeding import stream
+from oodscen_pybullet.bodies import Bodies, Pose
+from oodscen_pybullet.catalogue import load_catalogue
+from oodscen_pybullet.engine import load_pybullet
+from oodscen_pybullet.light import Caster, Glow, Light
+from oodscen_pybullet.meshes import Mesh, asset_ids, asset_mesh, paints_of
+from oodscen_pybullet.meshes.cars import bonnet
+from oodscen_pybullet.meshes.bodywork import Lights
+from oodscen_pybullet.picture import Picture, develop
+from oodscen_pybullet.road import KERB
+from oodscen_pybullet.roadside import Scenery, build_scenery
+from oodscen_pybullet.stage import Look, Stage
+from oodscen_pybullet.view import View
+
+REACH = 20.0
+"""Gaps are measured up to this distance, m."""
+STAGES = 5
+"""Roads whose scenery stays loaded."""
+LYING_SNOW_MM_H = 1.0
+"""Snowfall from which on the ground is white."""
+
+
+class PyBulletSimulator(MirrorSimulator):
+    """Shows scenes with PyBullet; needs no display.
+
+    Distances come from PyBullet's collision shapes, pictures from its software camera with light
+    and weather added from depth. Nothing is started before the first scene, and the camera's world
+    is not built before the first picture.
+    """
+
+    name = "pybullet"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._engine: Any = None
+        self._bodies: Bodies | None = None
+        self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
+        self._loaded: tuple[Corridor, Scene, int] | None = None
+        self._cast: list[tuple[str, Asset, str]] = []
+        self._poses: list[Pose] = []
+        self._speeds: list[float] = []
+        self._shown: object = None
+
+    # ------------------------------------------------------------------ MirrorSimulator
+
+    def catalogue(self) -> Catalogue:
+        """Return the assets, behaviours, maps and weather on offer."""
+        return load_catalogue()
+
+    def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
+        """Clear the world; the scenery waits for the first picture.
+
+        Raises:
+            MissingExtra: When PyBullet or OpenCV is not installed.
+        """
+        if self._bodies is None:
+            self._engine = load_pybullet()
+            self._bodies = Bodies(self._engine)
+        self._bodies.clear()
+        self._loaded = (corridor, scene, seed)
+        self._cast, self._poses, self._speeds = [], [], []
+        self._shown = None
+
+    def spawn(self, actor_id: str, asset: Asset, state: str, pose: Pose) -> None:
+        """Add one body.
+
+        Raises:
+            SpawnError: When there is no such mesh, the pose is no place, or the engine refuses.
+        """
+        assert self._bodies is not None
+        if not all(map(math.isfinite, pose)):
+            raise SpawnError(actor_id, asset.id, pose, "the pose is not finite")
+        if asset.id not in asset_ids():
+            raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
+        if not self._bodies.add(asset.id):
+            raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
+        self._cast.append((actor_id, asset, state))
+
+    def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """Remember where everything is; bodies move when a gap or a picture asks for them."""
+        self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
+        self._speeds = speeds.tolist()
+
+    def gaps(self, rows: Sequence[int]) -> list[float]:
+        """Measure the distance from the ego's body to others', m."""
+        bodies = self._bodies
+        assert bodies is not None
+        bodies.move(0, self._poses[0])
+        distances = []
+        for row in rows:
+            bodies.move(row, self._poses[row])
+            distances.append(bodies.distance(0, row, REACH))
+        return distances
+
+    def draw(self, camera: Camera) -> Frame:
+        """Take the dash camera's picture of the current state."""
+        assert self._loaded is not None
+        corridor, scene, seed = self._loaded
+        stage, scenery = self._set(corridor, scene, seed)
+        view = View.of(camera, self._poses[0])
+        is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
+        looks = self._looks(scene, seed, is_inside=is_inside)
+        if self._shown != (id(stage), is_inside):
+            stage.show_actors(looks)
+            self._shown = (id(stage), is_inside)
+        poses = self._stand(corridor)
+        stage.pose_actors(poses)
+        light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
+        rgb, depth, rows = stage.photograph(
+            view, sun=light.sun, ambient=light.ambient, diffuse=light.diffuse
+        )
+        picture = Picture(
+            rgb=rgb,
+            depth=depth,
+            rows=rows,
+            view=view,
+            weather=scene.weather,
+            light=light,
+            casters=self._casters(poses, rows),
+            glows=self._glows(scene, seed, poses, scenery),
+            time=self.world.time,
+            seed=seed,
+            road_height=poses[0][2],
+        )
+        return Frame(rgb=develop(picture), depth=depth, ids=(rows + 1).astype(np.int32))
+
+    def release(self) -> None:
+        """Disconnect from PyBullet."""
+        if self._bodies is not None:
+            self._bodies.close()
+            self._bodies = None
+        for stage, _ in self._stages.values():
+            stage.close()
+        self._stages.clear()
+        self._shown = None
+
+    # ------------------------------------------------------------------ the picture's parts
+
+    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Scenery]:
+        """Return the stage with this road's scenery, built if it is new."""
+        road = find_map(scene.map, self.catalogue())
+        key = (road.id, id(corridor), seed, _is_snowy(scene))
+        if key in self._stages:
+            self._stages.move_to_end(key)
+            return self._stages[key]
+        if len(self._stages) >= STAGES:
+            _, (oldest, _) = self._stages.popitem(last=False)
+            oldest.close()
+        scenery = build_scenery(corridor, frozenset(road.traits), seed, road.id)
+        stage = Stage(self._engine)
+        stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene))
+        self._stages[key] = (stage, scenery)
+        return stage, scenery
+
+    def _looks(self, scene: Scene, seed: int, *, is_inside: bool) -> list[Look | Mesh]:
+        """Return what every body looks like, the ego first."""
+        ego: Look | Mesh = ("ego_car", "", "", False)
+        if is_inside:
+            ego = bonnet("silver").build(hollow=True)
+        looks: list[Look | Mesh] = [ego]
+        for actor_id, asset, state in self._cast[1:]:
+            looks.append((asset.id, state, _paint(seed, actor_id, asset.id), _runs(scene, actor_id)))
+        return looks
+
+    def _stand(self, corridor: Corridor) -> list[Pose]:
+        """Return the poses with everything on a pavement lifted onto it."""
+        poses = [self._poses[0]]
+        near = None
+        for x, y, z, yaw in self._poses[1:]:
+            s, t = corridor.locate(x, y, near)
+            strip = corridor.strip_at(s, t)
+            on_kerb = strip is not None and corridor.strips[strip].kind == "sidewalk"
+            poses.append((x, y, z + (KERB if on_kerb else 0.0), yaw))
+        return poses
+
+    def _casters(self, poses: list[Pose], rows: NDArray[np.int32]) -> list[Caster]:
+        return [
+            Caster(pose, asset_mesh(asset.id).solids)
+            for (_, asset, _), pose in zip(self._cast[1:], poses[1:], strict=True)
+        ]
+
+    def _glows(
+        self, scene: Scene, seed: int, poses: list[Pose], scenery: Scenery
+    ) -> list[Glow]:
+        """Return every lamp that is on, in world coordinates."""
+        glows = []
+        for row, (actor_id, asset, state) in enumerate(self._cast):
+            if row == 0:
+                continue
+            mesh = asset_mesh(asset.id, state, running=_runs(scene, actor_id))
+            x, y, z, yaw = poses[row]
+            c, s = math.cos(yaw), math.sin(yaw)
+            for lamp in mesh.lamps:
+                (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
+                place = (x + c * px - s * py, y + s * px + c * py, z + pz)
+                glows.append(
+                    Glow(place, lamp.colour, (c * fx - s * fy, s * fx + c * fy, fz), lamp.power)
+                )
+        for lamp_head in scenery.lamps:
+            glows.append(Glow(lamp_head, (1.0, 0.82, 0.55), (0.0, 0.0, 0.0), 2.0, is_street=True))
+        return glows
+
+
+def _is_snowy(scene: Scene) -> bool:
+    weather = scene.weather
+    return weather.precipitation == "snow" and weather.precipitation_mm_h >= LYING_SNOW_MM_H
+
+
+def _paint(seed: int, actor_id: str, asset: str) -> str:
+    """Choose an actor's look; the same in a scene and its twin."""
+    paints = paints_of(asset)
+    return paints[int(stream(seed, "paint", actor_id).integers(len(paints)))]
+
+
+def _runs(scene: Scene, actor_id: str) -> bool:
+    """Tell whether an actor has its lamps on: it drives, and it is not broad daylight.
+
+    Whatever merely stands with its lights off is dark at night as well.
+    """
+    weather = scene.weather
+    is_bright = (
+        weather.sun_elevation_deg > 3.0
+        and weather.fog_visual_range_m > 1000.0
+        and weather.precipitation == "none"
+    )
+    if is_bright:
+        return False
+    behaviours = {actor.id: (actor.behaviour.name, actor.state) for actor in scene.actors}
+    name, state = behaviours.get(actor_id, ("stand", ""))
+    return name != "stand" or state not in ("", "off")
