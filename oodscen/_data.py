@@ -85,10 +85,15 @@ def issues_of(error: ValidationError) -> list[Issue]:
         path = dotted(item["loc"])
         cause = item.get("ctx", {}).get("error")
         if isinstance(cause, Faults):
-            issues += [Issue(f"{path}.{i.path}".strip("."), i.message) for i in cause.issues]
+            issues += [Issue(_below(path, i.path), i.message) for i in cause.issues]
         else:
             issues.append(Issue(path, item["msg"].removeprefix("Value error, ")))
     return issues
+
+
+def _below(path: str, inner: str) -> str:
+    joint = "." if path and inner and not inner.startswith("[") else ""
+    return f"{path}{joint}{inner}"
 
 
 def dotted(location: Iterable[str | int]) -> str:

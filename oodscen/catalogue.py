@@ -1,5 +1,6 @@
 """What a simulator can show: static data, readable without starting it."""
 
+from collections.abc import Collection, Mapping
 from typing import ClassVar, Literal
 
 from pydantic import Field
@@ -150,27 +151,20 @@ class Catalogue(Data):
         return issues
 
     def _check_actor(self, path: str, actor: Actor) -> list[Issue]:
-        issues = _unknown(f"{path}.asset", "asset", actor.asset, [a.id for a in self.assets])
-        kinds = [kind.id for kind in self.behaviours]
-        issues += _unknown(f"{path}.behaviour.name", "behaviour", actor.behaviour.name, kinds)
-        if issues:
-            return issues
-        asset, kind = self.asset(actor.asset), self.behaviour(actor.behaviour.name)
-        if asset.category not in kind.categories:
+        assets = {asset.id: asset for asset in self.assets}
+        kinds = {kind.id: kind for kind in self.behaviours}
+        asset, kind = assets.get(actor.asset), kinds.get(actor.behaviour.name)
+        here = f"{path}.behaviour"
+        issues = _unknown(f"{path}.asset", "asset", actor.asset, assets)
+        issues += _unknown(f"{here}.name", "behaviour", actor.behaviour.name, kinds)
+        if asset and kind and asset.category not in kind.categories:
             able = ", ".join(kind.categories)
             message = f"{asset.id!r} is a {asset.category}; {kind.id!r} is for {able}"
-            issues.append(Issue(f"{path}.behaviour.name", message))
-        if actor.state:
-            issues += _unknown(f"{path}.state", "state", actor.state, list(asset.states))
-        for name, value in actor.behaviour.parameters.items():
-            here = f"{path}.behaviour.parameters.{name}"
-            unknown = _unknown(here, "parameter", name, list(kind.parameters))
-            issues += unknown
-            if not unknown:
-                allowed = kind.parameters[name]
-                if not allowed.minimum <= value <= allowed.maximum:
-                    limits = f"{allowed.minimum:g} to {allowed.maximum:g}"
-                    issues.append(Issue(here, f"{value:g} is outside {limits}"))
+            issues.append(Issue(f"{here}.name", message))
+        if asset and actor.state:
+            issues += _unknown(f"{path}.state", "state", actor.state, asset.states)
+        if kind:
+            issues += _check_parameters(f"{here}.parameters", kind, actor.behaviour.parameters)
         return issues
 
     def _check_weather(self, weather: Weather) -> list[Issue]:
@@ -193,10 +187,23 @@ class Catalogue(Data):
         return issues
 
 
-def _unknown(path: str, kind: str, name: str, known: list[str]) -> list[Issue]:
+def _check_parameters(path: str, kind: BehaviourKind, given: Mapping[str, float]) -> list[Issue]:
+    issues: list[Issue] = []
+    for name, value in given.items():
+        if (allowed := kind.parameters.get(name)) is None:
+            issues += _unknown(f"{path}.{name}", "parameter", name, kind.parameters)
+        elif not allowed.minimum <= value <= allowed.maximum:
+            limits = f"{allowed.minimum:g} to {allowed.maximum:g}"
+            issues.append(Issue(f"{path}.{name}", f"{value:g} is outside {limits}"))
+    return issues
+
+
+def _unknown(path: str, kind: str, name: str, known: Collection[str]) -> list[Issue]:
     """Return one issue with close matches if `name` is not among `known`."""
     if name in known:
         return []
     matches = close_matches(name, known)
-    hint = f"did you mean {' or '.join(matches)}?" if matches else f"known: {', '.join(known)}"
+    hint = f"known: {', '.join(known)}" if known else "there are none"
+    if matches:
+        hint = f"did you mean {' or '.join(matches)}?"
     return [Issue(path, f"unknown {kind} {name!r}; {hint}")]

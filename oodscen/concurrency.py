@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import islice
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -13,8 +14,9 @@ def as_finished(
 ) -> Iterator[tuple[Item, Result]]:
     """Yield `(item, function(item))` as results come, at most `threads` at a time.
 
-    Items are taken from the iterable only when a thread is free. An exception of `function`
-    surfaces at the item it belongs to; what was under way is then awaited and dropped.
+    Items are taken from the iterable only when a thread is free, and a thread is busy again before
+    its last result is yielded. An exception of `function` surfaces at the item it belongs to; what was
+    under way is then awaited and dropped, and nothing new is begun.
     """
     if threads <= 1:
         for item in items:
@@ -23,15 +25,17 @@ def as_finished(
     with ThreadPoolExecutor(threads) as pool:
         source = iter(items)
         running: dict[Future[Result], Item] = {}
-        while True:
-            while len(running) < threads:
-                try:
-                    item = next(source)
-                except StopIteration:
-                    break
+
+        def refill() -> None:
+            for item in islice(source, threads - len(running)):
                 running[pool.submit(function, item)] = item
-            if not running:
-                return
+
+        refill()
+        while running:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield running.pop(future), future.result()
+            finished = sorted(done, key=lambda future: future.exception() is not None)
+            items_done = [running.pop(future) for future in finished]
+            if finished[-1].exception() is None:
+                refill()
+            for item, future in zip(items_done, finished, strict=True):
+                yield item, future.result()

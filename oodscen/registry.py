@@ -1,12 +1,14 @@
 """Find implementations by name: entry points, `module:attr`, or an object as it is."""
 
-import importlib
+import importlib.util
+import inspect
 import warnings
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any, cast
 
-from oodscen.errors import OodscenError, UnknownComponent, UsageError
+from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
 from oodscen.protocols import LLM, Encoder, Simulator
 
 KINDS = {
@@ -31,69 +33,116 @@ def find(kind: str, name: str) -> Callable[..., Any]:
 
     Raises:
         UnknownComponent: With close matches.
-        UsageError: When the component exists but cannot be imported.
+        UsageError: When the component exists but cannot be imported, or is not callable.
     """
     registered = names(kind)
     if name in registered:
         point = registered[name]
-    elif ":" in name and not name.startswith(":"):
+    elif _is_reference(name):
         point = EntryPoint(name, name, KINDS[kind])
     else:
         raise UnknownComponent(kind, name, registered)
     try:
-        return cast(Callable[..., Any], point.load())
+        factory = point.load()
     except OodscenError:
         raise
     except Exception as error:
         raise UsageError(
             f"the {kind} {name!r} ({point.value}) cannot be imported: {error}"
         ) from error
+    if not callable(factory):
+        raise UsageError(f"the {kind} {name!r} ({point.value}) is neither a class nor a function")
+    return cast(Callable[..., Any], factory)
 
 
 def make_simulator(simulator: str | Simulator) -> Simulator:
-    """Return a simulator by name, or the given one."""
+    """Return a simulator by name, or the given one.
+
+    Raises:
+        UsageError: When there is none of that name (with close matches), or it cannot be made.
+    """
     if isinstance(simulator, str):
-        return cast(Simulator, find("simulator", simulator)())
+        return cast(Simulator, _made("simulator", simulator))
     return simulator
 
 
 def make_encoder(encoder: str | Encoder) -> Encoder:
     """Return an encoder by name, or the given one.
 
-    A name that is not registered but is an existing folder is loaded by sentence-transformers.
+    A registered name may carry an argument after a colon (`sentence-transformers:NAME`). The path of an
+    existing folder is loaded by sentence-transformers.
+
+    Raises:
+        UsageError: When there is none of that name (with close matches), or it cannot be made.
     """
-    if isinstance(encoder, str):
-        return cast(Encoder, find("encoder", encoder)())
-    return encoder
+    if not isinstance(encoder, str):
+        return encoder
+    if encoder not in names("encoder") and Path(encoder).is_dir():
+        encoder = f"sentence-transformers:{encoder}"
+    return cast(Encoder, _made("encoder", encoder))
 
 
 def make_llm(llm: str | LLM, *, seed: int = 0, api_base: str | None = None) -> LLM:
     """Return a language model by name, or the given one.
 
     A registered name may carry an argument after a colon (`constant:stop`). Every other name is
-    passed to litellm when it names a provider or a known model (`gpt-4o`, `ollama/llama3`,
-    `claude-...`), or when `api_base` is given.
+    passed to litellm when it names a provider or a known model (`gpt-4o`, `ollama/llama3:8b`,
+    `anthropic/claude-...`), or when `api_base` is given.
+
+    Args:
+        llm: A name, `module:attr`, or an object.
+        seed: Of the run.
+        api_base: Address of a server, for a model that litellm asks; the others need none.
 
     Raises:
-        UnknownComponent: When nobody knows the name.
+        UsageError: When nobody knows the name (with close matches), or it cannot be made.
     """
     if not isinstance(llm, str):
         return llm
     registered = names("llm")
-    head, _, argument = llm.partition(":")
-    if head in registered and head != "litellm":
-        factory = find("llm", head)
-        return cast(LLM, factory(argument, seed=seed) if argument else factory(seed=seed))
-    if ":" in llm and "/" not in llm and head and importlib_knows(head):
-        return cast(LLM, find("llm", llm)())
+    head = llm.partition(":")[0]
+    if head != "litellm" and (head in registered or _is_reference(llm)):
+        return cast(LLM, _made("llm", llm, seed=seed))
     client = find("llm", "litellm")
-    return cast(LLM, client(llm.removeprefix("litellm:"), api_base=api_base, seed=seed))
-
-
-def importlib_knows(module: str) -> bool:
-    """Whether a module of this name could be imported."""
     try:
-        return importlib.util.find_spec(module) is not None
+        return cast(LLM, client(llm.removeprefix("litellm:"), api_base=api_base, seed=seed))
+    except (UnknownComponent, MissingExtra) as error:
+        known = error.known if isinstance(error, UnknownComponent) else ()
+        if close_matches(llm, registered):
+            raise UnknownComponent("llm", llm, [*registered, *known]) from None
+        raise
+
+
+def _made(kind: str, name: str, **settings: Any) -> Any:
+    """Make a component by `name`, `name:argument` or `module:attr`, with the settings that it takes."""
+    head, colon, argument = name.partition(":")
+    given = (argument,) if colon and head in names(kind) else ()
+    factory = find(kind, head if given else name)
+    try:
+        signature = inspect.signature(factory)
+    except ValueError:
+        return factory(*given, **settings)
+    takes_any = any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values())
+    settings = {k: v for k, v in settings.items() if takes_any or k in signature.parameters}
+    try:
+        signature.bind(*given, **settings)
+    except TypeError as error:
+        hint = "it takes no argument after the colon" if given else f"try {name}:ARGUMENT"
+        raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
+    try:
+        return factory(*given, **settings)
+    except (TypeError, ValueError) as error:
+        if not given:
+            raise
+        raise UsageError(f"the {kind} {head!r} does not take {argument!r}: {error}") from error
+
+
+def _is_reference(name: str) -> bool:
+    """Whether a name reads as `module:attr` and there is such a module."""
+    module, colon, attribute = name.partition(":")
+    names_both = all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
+    try:
+        return bool(colon) and names_both and importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
 

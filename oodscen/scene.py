@@ -192,13 +192,19 @@ def _misfits(scene: Scene) -> list[Issue]:
         path = f"actors[{index}].behaviour.trigger.actor"
         if target is not None and target not in ids:
             issues.append(Issue(path, f"there is no actor {target!r}"))
-        elif target is not None and target not in lasting and actor.id in lasting:
+        elif target is not None and target not in lasting and actor.id not in scene.hazard.actors:
             issues.append(Issue(path, f"{target!r} is missing in the ordinary twin"))
     for key, ordinary in scene.hazard.actors.items():
         if key not in ids:
             issues.append(Issue(f"hazard.actors.{key}", f"there is no actor {key!r}"))
-        if ordinary is not None and ordinary.id != key:
+        if ordinary is None:
+            continue
+        if ordinary.id != key:
             issues.append(Issue(f"hazard.actors.{key}.id", f"must stay {key!r}"))
+        target = ordinary.behaviour.trigger.actor
+        if target is not None and target not in lasting:
+            path = f"hazard.actors.{key}.behaviour.trigger.actor"
+            issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
     if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
     if scene.decision.kind != "time" and scene.decision_actor not in ids:

@@ -4,7 +4,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -72,32 +72,18 @@ class ScenarioTree(Data):
     edits: tuple[TreeEdit, ...] = ()
     """The log whose fold is `nodes`. A file without it is read as one `add` per node."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _complete(cls, value: Any) -> Any:
-        if not isinstance(value, Mapping) or value.get("edits") or not value.get("nodes"):
-            return value
-        nodes = [Node.parse(node) if isinstance(node, Mapping) else node for node in value["nodes"]]
-        edits = [
-            TreeEdit(
-                op="add",
-                node=n.id,
-                parent=n.parent,
-                label=n.label,
-                attested=n.attested,
-                stage="file",
-            )
-            for n in nodes
-        ]
-        return {**value, "nodes": nodes, "edits": edits}
-
     @model_validator(mode="after")
     def _check(self) -> Self:
-        issues, folded = _fold(self.edits)
-        if self.nodes and not issues and tuple(folded.values()) != self.nodes:
-            issues.append(Issue("nodes", "do not follow from the edits"))
+        if self.nodes and not self.edits:
+            issues, folded = _fold([_planting(node) for node in self.nodes], where="nodes")
+        else:
+            issues, folded = _fold(self.edits)
+            if self.nodes and not issues and tuple(folded.values()) != self.nodes:
+                issues.append(Issue("nodes", "do not follow from the edits"))
         if issues:
             raise Faults(issues)
+        if not self.edits:
+            object.__setattr__(self, "edits", tuple(map(_planting, self.nodes)))
         if not self.nodes:
             object.__setattr__(self, "nodes", tuple(folded.values()))
         return self
@@ -160,7 +146,14 @@ class ScenarioTree(Data):
     @property
     def paths(self) -> dict[str, tuple[str, ...]]:
         """Labels from the root down, by id of the leaf."""
-        return {leaf.id: self.path(leaf.id) for leaf in self.leaves}
+        found = {}
+        labels: list[str] = []
+        for node, depth in self.walk():
+            del labels[depth:]
+            labels.append(node.label)
+            if depth >= 2 and not self.children[node.id]:
+                found[node.id] = tuple(labels)
+        return found
 
     def walk(self) -> Iterator[tuple[Node, int]]:
         """Yield every node with its depth, parents first, siblings in order."""
@@ -204,8 +197,31 @@ def slug(label: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", plain)[:48].strip("-") or "node"
 
 
+def label_fault(label: str) -> str:
+    """Say why a text cannot be a label, or return an empty string."""
+    if not label.strip():
+        return "the label is empty"
+    if len(label) > MAX_LABEL:
+        return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
+    if any(unicodedata.category(char) in ("Cc", "Zl", "Zp") for char in label):
+        return "the label contains line breaks or control characters"
+    return ""
+
+
+def _planting(node: Node) -> TreeEdit:
+    """Return the edit that adds a node read from a file without a log."""
+    return TreeEdit(
+        op="add",
+        node=node.id,
+        parent=node.parent,
+        label=node.label,
+        attested=node.attested,
+        stage="file",
+    )
+
+
 def _fold(
-    edits: Iterable[TreeEdit], start: Mapping[str, Node] | None = None
+    edits: Iterable[TreeEdit], start: Mapping[str, Node] | None = None, *, where: str = "edits"
 ) -> tuple[list[Issue], dict[str, Node]]:
     """Play edits on top of some nodes; collect every misfit instead of stopping at the first."""
     nodes = dict(start or {})
@@ -217,7 +233,7 @@ def _fold(
     for index, edit in enumerate(edits):
         message = _misfit(edit, nodes, degree)
         if message:
-            issues.append(Issue(f"edits[{index}]", message))
+            issues.append(Issue(f"{where}[{index}]", message))
             continue
         if edit.op == "add":
             nodes[edit.node] = Node(
@@ -239,13 +255,8 @@ def _fold(
 def _misfit(edit: TreeEdit, nodes: Mapping[str, Node], degree: Mapping[str, int]) -> str:
     """Say why an edit cannot be applied, or return an empty string."""
     if edit.op in ("add", "broaden"):
-        label = edit.label or ""
-        if not label.strip():
-            return "the label is empty"
-        if len(label) > MAX_LABEL:
-            return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
-        if any(ord(char) < 32 for char in label):
-            return "the label contains control characters"
+        if fault := label_fault(edit.label or ""):
+            return fault
     if edit.op == "add":
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", edit.node):
             return f"{edit.node!r} is not a valid id (letters, digits, '-', '_', '.')"

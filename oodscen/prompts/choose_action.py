@@ -8,7 +8,7 @@ from oodscen._data import Data
 from oodscen.errors import Issue
 from oodscen.messages import Image, Message
 from oodscen.prompts.base import Prompt
-from oodscen.prompts.describe_frame import frame_turns
+from oodscen.prompts.describe_frame import DescribeFrame, frame_turns
 
 
 class ActionOption(Data):
@@ -31,6 +31,7 @@ class ChooseAction(Prompt[ChosenAction]):
     purpose: ClassVar[str] = "choose-action"
     template: ClassVar[str] = "choose_action.md"
     answer: ClassVar[type[BaseModel]] = ChosenAction
+    follows = (DescribeFrame,)
 
     frames: tuple[Image, ...]
     descriptions: tuple[str, ...]

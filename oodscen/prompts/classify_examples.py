@@ -30,6 +30,7 @@ class ClassifyExamples(Prompt[Classification]):
     purpose: ClassVar[str] = "classify-examples"
     template: ClassVar[str] = "classify_examples.md"
     answer: ClassVar[type[BaseModel]] = Classification
+    follows = (GiveExamples,)
 
     asked: GiveExamples
     """The first turn."""

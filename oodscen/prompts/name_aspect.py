@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from oodscen.messages import Image, Message
 from oodscen.prompts.base import Prompt
-from oodscen.prompts.describe_frame import frame_turns
+from oodscen.prompts.describe_frame import DescribeFrame, frame_turns
 
 
 class OodAspect(BaseModel):
@@ -23,6 +23,7 @@ class NameAspect(Prompt[OodAspect]):
     purpose: ClassVar[str] = "name-aspect"
     template: ClassVar[str] = "name_aspect.md"
     answer: ClassVar[type[BaseModel]] = OodAspect
+    follows = (DescribeFrame,)
 
     frames: tuple[Image, ...]
     descriptions: tuple[str, ...]

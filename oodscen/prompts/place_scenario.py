@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from oodscen.errors import Issue
 from oodscen.prompts.base import Prompt
-from oodscen.tree import MAX_LABEL, ROOT, Node, ScenarioTree
+from oodscen.tree import ROOT, Node, ScenarioTree, label_fault
 
 
 class PlacedScenario(BaseModel):
@@ -67,10 +67,8 @@ class PlaceScenario(Prompt[PlacedScenario]):
 
 
 def _check_label(field: str, label: str | None, nodes: dict[str, Node]) -> list[Issue]:
-    if not label or not label.strip():
-        return [Issue(field, "must not be empty")]
-    if len(label) > MAX_LABEL:
-        return [Issue(field, f"at most {MAX_LABEL} characters")]
-    if label.casefold() in {node.label.casefold() for node in nodes.values()}:
+    if fault := label_fault(label or ""):
+        return [Issue(field, fault)]
+    if label and label.casefold() in {node.label.casefold() for node in nodes.values()}:
         return [Issue(field, f"the tree has a node {label!r} already")]
     return []

@@ -9,7 +9,7 @@ from oodscen.errors import Issue
 from oodscen.messages import Message
 from oodscen.prompts.base import Prompt
 from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
-from oodscen.tree import CLASSES, MAX_LABEL
+from oodscen.tree import CLASSES, label_fault
 
 
 class ProposedNode(BaseModel):
@@ -32,6 +32,7 @@ class ProposeTree(Prompt[ProposedTree]):
     purpose: ClassVar[str] = "propose-tree"
     template: ClassVar[str] = "propose_tree.md"
     answer: ClassVar[type[BaseModel]] = ProposedTree
+    follows = (ClassifyExamples,)
 
     asked: ClassifyExamples
     """The second turn, which holds the first."""
@@ -70,8 +71,8 @@ class ProposeTree(Prompt[ProposedTree]):
                 )
             if index > 0 and node.parent not in known:
                 issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
-            if not node.label.strip() or len(node.label) > MAX_LABEL:
-                issues.append(Issue(f"{path}.label", f"use 1 to {MAX_LABEL} characters"))
+            if fault := label_fault(node.label):
+                issues.append(Issue(f"{path}.label", fault))
             known[node.number] = node
         if issues:
             return issues
