@@ -17,6 +17,8 @@ CHUNK = 4
 
 JPEG_QUALITY = 90
 
+Chunk = tuple[Scene, ...]
+
 
 @dataclass(frozen=True)
 class Job:
@@ -46,7 +48,7 @@ def sweep(
     """Run scenes and yield results as they finish, in any order.
 
     A scene that fails is an episode with its error. When a worker process dies, the scenes that
-    it took with it are run once more, each in a process of its own.
+    it took with it are run once more, one after the other.
 
     Args:
         job: What the workers must know.
@@ -55,22 +57,17 @@ def sweep(
         executor: Used instead of local processes.
     """
     chunks = [tuple(scenes[i : i + CHUNK]) for i in range(0, len(scenes), CHUNK)]
-    if executor is not None:
-        yield from _collect(executor, job, chunks, [])
-        return
-    if workers <= 1:
+    if executor is None and workers <= 1:
         for chunk in chunks:
             yield from run_chunk(job, chunk)
         return
-    lost: list[Scene] = []
-    with _processes(min(workers, max(1, len(chunks)))) as pool:
-        yield from _collect(pool, job, chunks, lost)
-    for scene in lost:
-        with _processes(1) as pool:
-            again: list[Scene] = []
-            yield from _collect(pool, job, [(scene,)], again)
-        for dead in again:
-            yield SweepResult(failed_episode(job, dead, "the simulator's process died"))
+    lost: list[Chunk] = []
+    if executor is not None:
+        yield from _collect(executor, job, chunks, lost)
+    else:
+        with _processes(min(workers, max(1, len(chunks)))) as pool:
+            yield from _collect(pool, job, chunks, lost)
+    yield from _recover(job, lost)
 
 
 def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
@@ -112,16 +109,38 @@ def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:
 
 
 def _collect(
-    executor: Executor, job: Job, chunks: Sequence[tuple[Scene, ...]], lost: list[Scene]
+    executor: Executor, job: Job, chunks: Sequence[Chunk], lost: list[Chunk]
 ) -> Iterator[SweepResult]:
+    """Yield results as they finish; note the chunks that went down with their process."""
     futures = {executor.submit(run_chunk, job, chunk): chunk for chunk in chunks}
     for future in as_completed(futures):
         try:
             results = future.result()
         except BrokenExecutor:
-            lost.extend(futures[future])
+            lost.append(futures[future])
             continue
         yield from results
+
+
+def _recover(job: Job, lost: Sequence[Chunk]) -> Iterator[SweepResult]:
+    """Run lost chunks one at a time, in a fresh process after each death.
+
+    A chunk that kills its process is taken apart; a scene that does so is a failed episode.
+    """
+    waiting = list(reversed(lost))
+    while waiting:
+        with _processes(1) as pool:
+            while waiting:
+                chunk = waiting.pop()
+                try:
+                    yield from pool.submit(run_chunk, job, chunk).result()
+                except BrokenExecutor:
+                    if len(chunk) == 1:
+                        error = "the simulator's process died"
+                        yield SweepResult(failed_episode(job, chunk[0], error))
+                    else:
+                        waiting.extend((scene,) for scene in reversed(chunk))
+                    break
 
 
 def _processes(count: int) -> ProcessPoolExecutor:

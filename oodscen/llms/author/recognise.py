@@ -1,0 +1,252 @@
+"""Recognising which hazard, place, weather and traffic a text is about, from its words alone."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeVar
+
+from oodscen.llms.author.knowledge import Condition, Hazard, Knowledge, Place, Traffic
+from oodscen.prompts.describe_path import plain
+
+Value = TypeVar("Value")
+
+_STOP = frozenset(
+    """a an the and or but of in on at to from into onto over under with without by for as is are was
+    were be been being has have had it its this that these those which who whose there here then
+    than so such no not nor only just while when where if up down out off about around between
+    through along across some any each every all both one two more most very too also can could
+    may might will would must do does did he she they them their his her i my we our you your
+    ego egos s""".split()
+)
+_DRIVING = frozenset(
+    """ego vehicle car road street lane traffic driver driving drive highway junction intersection
+    truck lorry bus pedestrian cyclist motorcycle motorway carriageway""".split()
+)
+_ACCEPTED_SHARE = 0.5
+"""Share of a phrase's weight that a text must contain to be taken for it."""
+_ACCEPTED_WEIGHT = 7.0
+"""Weight of what a text shares with a phrase, or with a hazard's words, to be taken for it."""
+
+
+def stem(word: str) -> str:
+    """Reduce an English word so that its usual inflections coincide."""
+    if len(word) > 4 and word.endswith("ies"):
+        word = word[:-3] + "y"
+    elif len(word) > 4 and word.endswith(("sses", "xes", "ches", "shes")):
+        word = word[:-2]
+    elif len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us", "is")):
+        word = word[:-1]
+    for ending in ("ing", "ed", "ly"):
+        base = word.removesuffix(ending)
+        if base != word and len(base) >= 3 and re.search("[aeiouy]", base):
+            word = base
+            if len(word) > 3 and word[-1] == word[-2] and word[-1] not in "ls":
+                word = word[:-1]
+            break
+    return word.removesuffix("e") if len(word) > 3 else word
+
+
+def stems(text: str) -> list[str]:
+    """Return the stems of all words that carry meaning, in order."""
+    words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("\u2019s", ""))
+    return [stem(word) for word in words if word not in _STOP]
+
+
+def _features(tokens: Sequence[str]) -> list[str]:
+    return [*tokens, *(f"{a} {b}" for a, b in zip(tokens, tokens[1:], strict=False))]
+
+
+@dataclass(frozen=True)
+class Recognition:
+    """Which hazard a text is about, and how sure that is."""
+
+    hazard: Hazard | None
+    weight: float
+    """Information that text and hazard share, in nats."""
+    share: float
+    """Of the best phrase, how much the text contains."""
+    is_driving: bool
+    """Whether the text is about driving at all."""
+
+
+class Recogniser:
+    """Finds what a text speaks of; indexed once, then quick."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        """Index the phrasings, labels and words of every hazard."""
+        self.knowledge = knowledge
+        phrases = [(h, parts) for h, hazard in enumerate(knowledge.hazards) for parts in _phrases(hazard)]
+        owners: dict[str, set[int]] = {}
+        for owner, features in phrases:
+            for feature in features:
+                owners.setdefault(feature, set()).add(owner)
+        total = len(knowledge.hazards)
+        self._idf = {f: math.log(1.0 + total / len(o)) for f, o in owners.items()}
+        self._owner: list[int] = []
+        self._weight: list[float] = []
+        self._postings: dict[str, list[tuple[int, float]]] = {}
+        for owner, features in phrases:
+            number = len(self._owner)
+            weights = {feature: self._value(feature) for feature in set(features)}
+            self._owner.append(owner)
+            self._weight.append(sum(weights.values()))
+            for feature, weight in weights.items():
+                if weight > 0.0:
+                    self._postings.setdefault(feature, []).append((number, weight))
+        self._words: dict[str, list[tuple[int, float]]] = {}
+        for owner, hazard in enumerate(knowledge.hazards):
+            for word in hazard.words:
+                tokens = stems(word)
+                value = sum(self._idf.get(token, 2.0) for token in tokens)
+                self._words.setdefault(" ".join(tokens), []).append((owner, value))
+        self._labels = {
+            plain(label): (hazard, label == hazard.wider)
+            for hazard in knowledge.hazards
+            for label in (hazard.wider, hazard.label)
+            if label
+        }
+        self._families = {plain(label): label for label in knowledge.families}
+        self._contexts = _Contexts(knowledge)
+        self.recognise = lru_cache(maxsize=8192)(self._recognise)
+        self.label = lru_cache(maxsize=8192)(self._label)
+
+    def _value(self, feature: str) -> float:
+        value = self._idf[feature]
+        if value < 1.3:
+            return 0.0
+        return 0.6 * value if " " in feature else value
+
+    def _recognise(self, text: str) -> Recognition:
+        tokens = stems(text)
+        shared: dict[int, float] = {}
+        for feature in dict.fromkeys(_features(tokens)):
+            for number, weight in self._postings.get(feature, ()):
+                shared[number] = shared.get(number, 0.0) + weight
+        scores: dict[int, float] = {}
+        shares: dict[int, float] = {}
+        for number, weight in shared.items():
+            owner, share = self._owner[number], weight / self._weight[number]
+            if weight * share > scores.get(owner, 0.0):
+                scores[owner], shares[owner] = weight * share, share
+        named: dict[int, float] = {}
+        for gram in _grams(tokens, 3):
+            for owner, value in self._words.get(gram, ()):
+                named[owner] = named.get(owner, 0.0) + value
+        for owner, value in named.items():
+            scores[owner] = scores.get(owner, 0.0) + 0.5 * value
+        is_driving = any(token in _DRIVING_STEMS for token in tokens) or "ego" in text.casefold()
+        if not scores:
+            return Recognition(None, 0.0, 0.0, is_driving)
+        best = max(scores, key=lambda owner: (scores[owner], -owner))
+        share = shares.get(best, 0.0)
+        weight = scores[best]
+        sure = share >= _ACCEPTED_SHARE or named.get(best, 0.0) >= 4.0
+        accepted = sure and (weight >= _ACCEPTED_WEIGHT or share >= 0.8)
+        hazard = self.knowledge.hazards[best] if accepted else None
+        return Recognition(hazard, weight, share, is_driving)
+
+    def _label(self, label: str) -> tuple[Hazard | None, bool]:
+        exact = self._labels.get(plain(label))
+        if exact is not None:
+            return exact
+        if plain(label) in self._families:
+            return None, False
+        return self.recognise(label).hazard, False
+
+    def covered_by(self, label: str) -> tuple[Hazard, ...]:
+        """Return the hazards that a leaf's label stands for: one, or with its kin if widened."""
+        hazard, widened = self.label(label)
+        if hazard is None:
+            return ()
+        return (hazard, *self.knowledge.kin(hazard)) if widened else (hazard,)
+
+    def family(self, label: str) -> str | None:
+        """Return the family that a label names."""
+        return self._families.get(plain(label))
+
+    def place(self, text: str, allowed: Sequence[str] = ()) -> Place | None:
+        """Return the kind of road that a text names; `allowed` keys are preferred."""
+        return self._contexts.place(text, allowed)
+
+    def conditions(self, text: str, hazard: Hazard | None = None) -> tuple[Condition, ...]:
+        """Return the weather and time of day that a text names, leaving aside a hazard's own words."""
+        return self._contexts.conditions(text, hazard)
+
+    def traffic(self, text: str) -> Traffic | None:
+        """Return the ordinary traffic that a text names."""
+        return self._contexts.traffic(text)
+
+
+_DRIVING_STEMS = frozenset(stem(word) for word in _DRIVING)
+
+
+def _phrases(hazard: Hazard) -> Iterable[list[str]]:
+    for event in (*hazard.events, *hazard.details):
+        features: list[str] = []
+        for part in event.split("{where}"):
+            features += _features(stems(part))
+        yield features
+    for label in (hazard.label, hazard.wider):
+        if label:
+            yield _features(stems(label))
+
+
+def _grams(tokens: Sequence[str], longest: int) -> set[str]:
+    return {
+        " ".join(tokens[start : start + size])
+        for size in range(1, longest + 1)
+        for start in range(len(tokens) - size + 1)
+    }
+
+
+class _Contexts:
+    """Phrases for places, conditions and traffic, longest first."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        self._knowledge = knowledge
+        self._places = _by_length((phrase, p) for p in knowledge.places for phrase in p.phrases)
+        self._conditions = _by_length(
+            (phrase, c) for c in knowledge.conditions for phrase in (*c.phrases, *c.statements)
+        )
+        self._traffic = _by_length((phrase, t) for t in knowledge.traffic for phrase in t.phrases)
+
+    def place(self, text: str, allowed: Sequence[str]) -> Place | None:
+        words = f" {plain(text)} "
+        for phrase, place in self._places:
+            if phrase in words:
+                return place
+        best: tuple[float, Place] | None = None
+        for place in self._knowledge.places:
+            hits = sum(f" {plain(word)} " in words for word in place.words)
+            hits += sum(f" {plain(trait.replace('_', ' '))} " in words for trait in place.traits)
+            score = hits + (0.5 if place.key in allowed else 0.0)
+            if hits and (best is None or score > best[0]):
+                best = score, place
+        return best[1] if best else None
+
+    def conditions(self, text: str, hazard: Hazard | None) -> tuple[Condition, ...]:
+        words = f" {plain(text)} "
+        for phrase, condition in self._conditions:
+            if phrase in words:
+                return (condition,)
+        own: Counter[str] = Counter()
+        if hazard is not None:
+            for phrase in (*hazard.events, *hazard.details, hazard.label):
+                own.update(set(plain(phrase).split()))
+        return tuple(
+            condition
+            for condition in self._knowledge.conditions
+            if any(f" {word} " in words and not own[word] for word in condition.words)
+        )
+
+    def traffic(self, text: str) -> Traffic | None:
+        words = f" {plain(text)} "
+        return next((traffic for phrase, traffic in self._traffic if phrase in words), None)
+
+
+def _by_length(pairs: Iterable[tuple[str, Value]]) -> list[tuple[str, Value]]:
+    padded = [(f" {plain(phrase)} ", value) for phrase, value in pairs]
+    return sorted(padded, key=lambda pair: -len(pair[0]))

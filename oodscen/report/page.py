@@ -1,0 +1,351 @@
+"""Assemble what the page says: plain values for the template, no markup."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from oodscen import paper
+from oodscen.evaluation import OPTIONS
+from oodscen.report import charts, gallery, leaderboard, measures, words
+from oodscen.report.outline import outline
+from oodscen.report.reading import Failure, Material, dig, mapping, number
+from oodscen.report.thumbnails import Thumbnails
+from oodscen.study import Study
+
+_SHOWN_FAILURES = 200
+
+
+@dataclass(frozen=True)
+class Counts:
+    """The numbers that the summary is made of."""
+
+    scenes: int
+    ran: int
+    """Episodes that ended."""
+    failed: int
+    """Items of any stage that failed."""
+    mixed: int
+    """Scenes in which one available action is safe and another is not."""
+    all_safe: int
+    none_safe: int
+
+
+@dataclass(frozen=True)
+class CountRow:
+    """One count beside the paper's."""
+
+    what: str
+    here: str
+    paper: str
+
+
+@dataclass(frozen=True)
+class CallRow:
+    """All calls for one purpose to one model."""
+
+    purpose: str
+    model: str
+    calls: int
+    failed: int
+    input_tokens: int
+    output_tokens: int
+    cost_usd: float | None
+    """`None` where the price of a call is not known."""
+    seconds: float
+
+
+def context(study: Study, found: Material) -> dict[str, Any]:
+    """Return the variables of the template."""
+    episodes = [
+        episode
+        for episode in found.episodes
+        if episode.status == "ok" and not gallery.is_twin(episode.scene_id)
+    ]
+    thumbnails = Thumbnails(study.folder, 3 * len(episodes))
+    sections = gallery.sections(found, thumbnails)
+    counts = _counts(found, [leaderboard.choice(episode) for episode in episodes])
+    scene_verdicts = [row for row in found.verdicts if not gallery.is_twin(row.scene_id)]
+    return {
+        "title": "Out-of-distribution driving scenarios",
+        "status": str(found.info.get("status") or "unknown"),
+        "summary": _summary(found, counts),
+        "authorship": _authorship(found),
+        "key_figures": _key_figures(found, counts),
+        "gaps": found.gaps,
+        "count_rows": _count_rows(found, counts),
+        "measure_rows": measures.rows(found.metrics),
+        "measure_chart": measures.chart(found.metrics),
+        "examples": measures.examples(
+            found.metrics, {**found.texts, "simulatable": found.scenarios}
+        ),
+        "encoder": str(found.metrics.get("encoder") or ""),
+        "baseline": mapping(found.metrics.get("baseline")),
+        "batch": mapping(found.metrics.get("baseline_batch")),
+        "trees": {
+            name: {
+                "size": len(tree),
+                "paths": len(tree.leaves),
+                "depth": tree.depth,
+                "attested": sum(leaf.attested == "paper" for leaf in tree.leaves),
+                "roots": outline(tree, found.decisions if name == "diverse" else ()),
+            }
+            for name, tree in found.trees.items()
+        },
+        "was_pruned": bool(found.decisions),
+        "rounds": found.rounds,
+        "round_tally": Counter(row.decision or row.status for row in found.rounds),
+        "growth": _growth(found),
+        "standings": leaderboard.standings(scene_verdicts),
+        "paper_standings": leaderboard.papers_table(),
+        "paper_scenes": paper.PATHS * paper.PER_PATH,
+        "action_rows": leaderboard.action_counts(episodes) if episodes else [],
+        "action_words": {option.id: option.description for option in OPTIONS},
+        "chance": leaderboard.chance(episodes),
+        "counts": counts,
+        "sections": sections,
+        "anchors": {section.anchor for section in sections}
+        | {f"scene-{card.id}" for section in sections for card in section.cards},
+        "cards": sum(len(section.cards) for section in sections),
+        "twins": sum(gallery.is_twin(scene.id) for scene in found.scenes),
+        "kinds": sorted({section.kind for section in sections if section.kind}),
+        "can_shrink": thumbnails.can_shrink,
+        "config": sorted(found.config.items()),
+        "facts": _facts(found.info),
+        "call_rows": _call_rows(found.calls),
+        "failures": found.failures[:_SHOWN_FAILURES],
+        "unshown_failures": max(len(found.failures) - _SHOWN_FAILURES, 0),
+        "failure_tally": _tally(found.failures),
+    }
+
+
+def _counts(found: Material, choices: Sequence[str]) -> Counts:
+    tally = Counter(choices)
+    return Counts(
+        scenes=sum(not gallery.is_twin(scene.id) for scene in found.scenes),
+        ran=len(choices),
+        failed=len(found.failures),
+        mixed=tally["mixed"],
+        all_safe=tally["all"],
+        none_safe=tally["none"],
+    )
+
+
+def _summary(found: Material, counts: Counts) -> list[str]:
+    """Say in plain words what was done and what came out, as far as it is known."""
+    sizes = {name: len(tree) for name, tree in found.trees.items()}
+    sentences = []
+    if "initial" in sizes:
+        sentences.append(
+            f"A tree of {sizes['initial']} nodes, each path one kind of rare driving situation, was grown first."
+        )
+    if "diverse" in sizes:
+        sentences.append(
+            f"{_plural(len(found.rounds), 'round')} of red teaming made it a tree of {sizes['diverse']} nodes."
+        )
+    if "simulatable" in sizes:
+        simulator = found.config.get("simulator") or "the simulator"
+        sentences.append(
+            f"Of these, {sizes['simulatable']} nodes on {_plural(len(found.trees['simulatable'].leaves), 'path')} "
+            f"can be shown in {simulator}."
+        )
+    if found.scenarios:
+        line = f"{_plural(len(found.scenarios), 'text')} along those paths became {_plural(counts.scenes, 'scene')}"
+        line += f" and {_plural(counts.ran, 'simulated episode')}"
+        sentences.append(f"{line}; {_failed(counts.failed)}.")
+    if counts.ran:
+        share = f"{100 * counts.mixed / counts.ran:.0f} %"
+        sentences.append(
+            f"In {share} of the scenes the choice of action matters: at least one available action is safe and at least one is not."
+        )
+    seconds = _seconds(found.info)
+    seed = found.config.get("seed")
+    if seconds is not None:
+        sentences.append(f"The run took {words.duration(seconds)}, with seed {seed}.")
+    elif seed is not None:
+        sentences.append(f"The seed is {seed}.")
+    return sentences or ["This study has not got anywhere yet."]
+
+
+def _authorship(found: Material) -> list[str]:
+    """Say who wrote the trees, texts and scenes, and who was judged."""
+    config = found.config
+    if not config:
+        return ["Which model wrote the trees, texts and scenes is not recorded."]
+    llm = str(config.get("llm") or "unknown")
+    red = str(config.get("red_llm") or llm)
+    sentences = []
+    if _is_builtin(llm):
+        sentences.append(
+            "No language model wrote the tree and the scenes: their author is “builtin”, a deterministic writer over a "
+            "knowledge base of hazards that ships with oodscen."
+        )
+    else:
+        sentences.append(
+            f"The tree, the texts and the scenes were written by the language model “{llm}”."
+        )
+    if red != llm:
+        what = "the built-in writer, not a language model" if _is_builtin(red) else f"“{red}”"
+        sentences.append(f"The situations of the red teaming were imagined by {what}.")
+    models = list(dict.fromkeys(row.model for row in found.verdicts if row.kind == "model"))
+    if models:
+        sentences.append(f"Judged models: {', '.join(models)}.")
+    elif found.verdicts:
+        sentences.append("No vision-language model was judged.")
+    if any(row.kind == "reference" for row in found.verdicts):
+        sentences.append(
+            "Rows marked “reference” are answerers that see nothing: constants and chance. They show what a score is worth."
+        )
+    return sentences
+
+
+def _is_builtin(name: str) -> bool:
+    return name.partition(":")[0] == "builtin"
+
+
+def _key_figures(found: Material, counts: Counts) -> list[tuple[str, str]]:
+    """Return label and value of what is worth seeing at once; what is unknown is a dash."""
+    dash = "–"
+    sizes = [
+        str(len(found.trees[n])) if n in found.trees else dash
+        for n in ("initial", "diverse", "simulatable")
+    ]
+    tree = found.trees.get("simulatable")
+    seconds = _seconds(found.info)
+    return [
+        ("tree nodes: grown, diverse, simulatable", " → ".join(sizes)),
+        ("paths", str(len(tree.leaves)) if tree else dash),
+        ("texts", str(len(found.scenarios)) if found.scenarios else dash),
+        ("scenes", str(counts.scenes) if counts.scenes else dash),
+        ("episodes", str(counts.ran) if counts.ran else dash),
+        ("failures", str(counts.failed)),
+        (
+            "scenes in which the choice matters",
+            f"{100 * counts.mixed / counts.ran:.0f} %" if counts.ran else dash,
+        ),
+        ("time", words.duration(seconds) if seconds is not None else dash),
+        ("seed", str(found.config.get("seed", dash))),
+    ]
+
+
+def _count_rows(found: Material, counts: Counts) -> list[CountRow]:
+    def nodes(name: str) -> str:
+        return str(len(found.trees[name])) if name in found.trees else ""
+
+    tree = found.trees.get("simulatable")
+    texts = paper.PATHS * paper.PER_PATH
+    rows = [
+        CountRow("Nodes of the initial tree", nodes("initial"), str(paper.NODES["initial"])),
+        CountRow("Rounds of red teaming", str(len(found.rounds) or ""), str(paper.ITERATIONS)),
+        CountRow("Nodes of the diverse tree", nodes("diverse"), str(paper.NODES["diverse"])),
+        CountRow(
+            "Nodes of the simulatable tree", nodes("simulatable"), str(paper.NODES["simulatable"])
+        ),
+        CountRow(
+            "Paths of the simulatable tree", str(len(tree.leaves)) if tree else "", str(paper.PATHS)
+        ),
+    ]
+    if tree:
+        attested = sum(leaf.attested == "paper" for leaf in tree.leaves)
+        rows.append(
+            CountRow(
+                "Paths whose scenario the paper simulated", str(attested), str(len(paper.ATTESTED))
+            )
+        )
+    rows += [
+        CountRow(
+            f"Texts in the set of {size}",
+            str(len(rows_) or ""),
+            size if int(size) in paper.SETS else "",
+        )
+        for size, rows_ in found.texts.items()
+    ]
+    rows += [
+        CountRow("Texts along the paths", str(len(found.scenarios) or ""), str(texts)),
+        CountRow("Scenes staged", str(counts.scenes or ""), str(texts)),
+        CountRow("Episodes simulated", str(counts.ran or ""), str(texts)),
+    ]
+    return rows
+
+
+def _growth(found: Material) -> Any:
+    """Draw the growth curve; empty without rounds."""
+    if not found.rounds:
+        return ""
+    first = found.rounds[0]
+    before = found.trees.get("initial")
+    start = len(before) if before else first.nodes
+    points = [charts.Point(row.round, row.nodes, row.decision or "failed") for row in found.rounds]
+    is_papers = found.config.get("nodes") == paper.NODES["initial"]
+    return charts.growth(points, start, paper.NODES["diverse"] if is_papers else None)
+
+
+def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[CallRow]:
+    grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for call in calls:
+        key = (str(call.get("purpose") or "?"), str(call.get("model") or "?"))
+        grouped.setdefault(key, []).append(call)
+    rows = [_call_row(purpose, model, found) for (purpose, model), found in sorted(grouped.items())]
+    return [*rows, _call_row("all", "", calls)] if len(rows) > 1 else rows
+
+
+def _call_row(purpose: str, model: str, calls: Sequence[Mapping[str, Any]]) -> CallRow:
+    costs = [number(call, "cost_usd") for call in calls]
+    known = [cost for cost in costs if cost is not None]
+    return CallRow(
+        purpose=purpose,
+        model=model,
+        calls=len(calls),
+        failed=sum(call.get("status") == "failed" for call in calls),
+        input_tokens=round(sum(number(call, "input_tokens") or 0 for call in calls)),
+        output_tokens=round(sum(number(call, "output_tokens") or 0 for call in calls)),
+        cost_usd=sum(known) if len(known) == len(calls) else None,
+        seconds=sum(number(call, "seconds") or 0.0 for call in calls),
+    )
+
+
+def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Flatten what `study.json` says besides the configuration."""
+    rows: list[tuple[str, str]] = []
+
+    def add(prefix: str, value: object) -> None:
+        if isinstance(value, Mapping):
+            for key, item in value.items():
+                add(f"{prefix}.{key}" if prefix else str(key), item)
+        elif value is not None:
+            rows.append((prefix, str(value)))
+
+    add(
+        "",
+        {
+            key: value
+            for key, value in sorted(info.items())
+            if key not in ("config", "paper", "counts")
+        },
+    )
+    return rows
+
+
+def _seconds(info: Mapping[str, Any]) -> float | None:
+    """Return how long the run took."""
+    return (
+        number(info, "seconds")
+        if not mapping(dig(info, "seconds"))
+        else number(info, "seconds", "total")
+    )
+
+
+def _tally(failures: Sequence[Failure]) -> list[tuple[str, int]]:
+    return sorted(Counter(failure.stage for failure in failures).items())
+
+
+def _failed(count: int) -> str:
+    return (
+        "nothing failed"
+        if count == 0
+        else f"{_plural(count, 'item')} failed and {'is' if count == 1 else 'are'} listed"
+    )
+
+
+def _plural(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -1,0 +1,76 @@
+"""Render the page: escaped by default, sealed by a content security policy."""
+
+import base64
+import hashlib
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from oodscen.report import page, reading, words
+from oodscen.study import Study
+
+FILE = "report.html"
+"""Name of the page in the study's folder."""
+
+
+def write_report(study: Study) -> Path:
+    """Write `report.html` into a study's folder and return its path.
+
+    The page needs nothing but itself (thumbnails are inside; full-size frames are linked). Whatever
+    a study does not hold (yet), or holds in a broken form, is said in its place. The same study
+    gives the same bytes.
+
+    Args:
+        study: Finished, unfinished or partly broken.
+
+    Raises:
+        StudyError: When the page cannot be written.
+    """
+    html = render(page.context(study, reading.read(study)))
+    study.store.write(FILE, html.encode("utf-8"))
+    return study.folder / FILE
+
+
+def render(context: dict[str, Any]) -> str:
+    """Fill the template; everything that is not markup made here is escaped."""
+    style, script = _source("style.css"), _source("script.js")
+    return (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            **context,
+            style=Markup(style),
+            script=Markup(script),
+            style_hash=_hash(style),
+            script_hash=_hash(script),
+        )
+    )
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("oodscen.report", "."),
+        undefined=jinja2.StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["percent"] = lambda share: f"{100 * share:.0f} %"
+    environment.filters["duration"] = words.duration
+    environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
+    return environment
+
+
+def _source(name: str) -> str:
+    return (resources.files("oodscen.report") / name).read_text(encoding="utf-8")
+
+
+def _hash(source: str) -> str:
+    """Return what a content security policy calls an inline block by."""
+    digest = hashlib.sha256(source.encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

@@ -1,0 +1,71 @@
+"""Sweeps: processes change no byte, a bad scene or a dead process costs only its own items."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen.episode import MOMENTS
+from oodscen.study.sweep import Job, sweep
+from oodscen.testing.scenes import example_scene
+
+JOB = Job(simulator="flat")
+
+
+def scenes(count):
+    return [example_scene().model_copy(update={"id": f"s-{number:03d}"}) for number in range(count)]
+
+
+def by_id(results):
+    return {result.episode.id: result for result in results}
+
+
+@pytest.fixture(scope="module")
+def here():
+    return by_id(sweep(JOB, scenes(5)))
+
+
+def test_every_scene_comes_back_with_decodable_frames(here):
+    assert set(here) == {scene.id for scene in scenes(5)}
+    for name, result in here.items():
+        assert result.episode.status == "ok"
+        assert tuple(result.frames) == MOMENTS
+        picture = cv2.imdecode(np.frombuffer(result.frames["last"], np.uint8), cv2.IMREAD_COLOR)
+        assert picture.shape == (480, 640, 3)
+        assert result.episode.frames["last"] == f"frames/{name}/last.jpg"
+
+
+def test_processes_and_executors_change_no_byte(here):
+    assert by_id(sweep(JOB, scenes(5), workers=2)) == here
+    with ThreadPoolExecutor(2) as pool:
+        assert by_id(sweep(JOB, scenes(5), executor=pool)) == here
+
+
+def test_a_refused_scene_is_a_failed_episode_and_the_rest_goes_on(here):
+    bad = example_scene().model_copy(update={"id": "bad", "map": "nowhere"})
+    results = by_id(sweep(JOB, [bad, *scenes(2)]))
+    assert results["bad"].episode.status == "failed"
+    assert "nowhere" in results["bad"].episode.error
+    assert results["s-001"] == here["s-001"]
+
+
+def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatch, here):
+    (tmp_path / "deadly_simulator.py").write_text(
+        "import os\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Deadly(FlatSimulator):\n"
+        "    def reset(self, scene, seed):\n"
+        "        if scene.id == 's-001':\n"
+        "            os._exit(7)\n"
+        "        return super().reset(scene, seed)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    job = Job(simulator="deadly_simulator:Deadly")
+    results = by_id(sweep(job, scenes(3), workers=2))
+    assert results["s-001"].episode.status == "failed"
+    assert "process died" in results["s-001"].episode.error
+    for name in ("s-000", "s-002"):
+        assert results[name].episode == here[name].episode
