@@ -254,9 +254,8 @@ def _fold(
 
 def _misfit(edit: TreeEdit, nodes: Mapping[str, Node], degree: Mapping[str, int]) -> str:
     """Say why an edit cannot be applied, or return an empty string."""
-    if edit.op in ("add", "broaden"):
-        if fault := label_fault(edit.label or ""):
-            return fault
+    if edit.op in ("add", "broaden") and (fault := label_fault(edit.label or "")):
+        return fault
     if edit.op == "add":
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", edit.node):
             return f"{edit.node!r} is not a valid id (letters, digits, '-', '_', '.')"

@@ -17,7 +17,7 @@ UNSEEN = "A road ahead of the ego vehicle."
 """What a reference answerer says about every frame."""
 
 ASPECT = "An unusual object on the road"
-"""What a reference answerer names whenever it calls a scene OOD: what is most often right by chance."""
+"""What a reference answerer names whenever it calls a scene OOD."""
 
 
 class ConstantAnswerer:

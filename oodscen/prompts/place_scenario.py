@@ -67,8 +67,9 @@ class PlaceScenario(Prompt[PlacedScenario]):
 
 
 def _check_label(field: str, label: str | None, nodes: dict[str, Node]) -> list[Issue]:
-    if fault := label_fault(label or ""):
+    label = " ".join((label or "").split())
+    if fault := label_fault(label):
         return [Issue(field, fault)]
-    if label and label.casefold() in {node.label.casefold() for node in nodes.values()}:
+    if label.casefold() in {node.label.casefold() for node in nodes.values()}:
         return [Issue(field, f"the tree has a node {label!r} already")]
     return []

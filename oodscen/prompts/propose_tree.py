@@ -71,7 +71,7 @@ class ProposeTree(Prompt[ProposedTree]):
                 )
             if index > 0 and node.parent not in known:
                 issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
-            if fault := label_fault(node.label):
+            if fault := label_fault(" ".join(node.label.split())):
                 issues.append(Issue(f"{path}.label", fault))
             known[node.number] = node
         if issues:
