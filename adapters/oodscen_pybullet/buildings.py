@@ -29,15 +29,29 @@ def city_block(width: int, floors: int, style: int, has_shop: bool) -> Mesh:
         for bay in range(bays):
             x0 = -half + bay * BAY
             x1 = x0 + BAY
-            front = [(x0, -depth / 2, low), (x1, -depth / 2, low), (x1, -depth / 2, high), (x0, -depth / 2, high)]
+            front = [
+                (x0, -depth / 2, low),
+                (x1, -depth / 2, low),
+                (x1, -depth / 2, high),
+                (x0, -depth / 2, high),
+            ]
             mesh.picture(front, "shop" if floor == 0 and has_shop else region)
         for bay in range(2):
             y0 = -depth / 2 + bay * BAY
             y1 = y0 + BAY
-            mesh.picture([(half, y0, low), (half, y1, low), (half, y1, high), (half, y0, high)], region)
-            mesh.picture([(-half, y1, low), (-half, y0, low), (-half, y0, high), (-half, y1, high)], region)
+            mesh.picture(
+                [(half, y0, low), (half, y1, low), (half, y1, high), (half, y0, high)], region
+            )
+            mesh.picture(
+                [(-half, y1, low), (-half, y0, low), (-half, y0, high), (-half, y1, high)], region
+            )
     top = floors * STOREY
-    mesh.hull((-half - 0.3, half + 0.3, -depth / 2 - 0.3, depth / 2, top), (-half - 0.3, half + 0.3, -depth / 2 - 0.3, depth / 2, top + 0.5), "concrete", cap_colour="roof_grey")
+    mesh.hull(
+        (-half - 0.3, half + 0.3, -depth / 2 - 0.3, depth / 2, top),
+        (-half - 0.3, half + 0.3, -depth / 2 - 0.3, depth / 2, top + 0.5),
+        "concrete",
+        cap_colour="roof_grey",
+    )
     return mesh.build(hollow=True)
 
 
@@ -58,15 +72,42 @@ def house(kind: int, roof: int) -> Mesh:
     wall, tile = _WALLS[kind], f"house_{kind}"
     for floor in range(2):
         low, high = floor * storey, (floor + 1) * storey
-        front = [(-half, -depth, low), (half, -depth, low), (half, -depth, high), (-half, -depth, high)]
+        front = [
+            (-half, -depth, low),
+            (half, -depth, low),
+            (half, -depth, high),
+            (-half, -depth, high),
+        ]
         mesh.picture(front, f"door_{kind}" if floor == 0 else tile)
-        mesh.picture([(half, -depth, low), (half, depth, low), (half, depth, high), (half, -depth, high)], tile)
-        mesh.picture([(-half, depth, low), (-half, -depth, low), (-half, -depth, high), (-half, depth, high)], tile)
+        mesh.picture(
+            [(half, -depth, low), (half, depth, low), (half, depth, high), (half, -depth, high)],
+            tile,
+        )
+        mesh.picture(
+            [
+                (-half, depth, low),
+                (-half, -depth, low),
+                (-half, -depth, high),
+                (-half, depth, high),
+            ],
+            tile,
+        )
     eaves, ridge = 2 * storey, 2 * storey + 3.0
     over, out = half + 0.4, depth + 0.5
     colour = _ROOFS[roof]
-    mesh.polygon([(-over, -out, eaves - 0.2), (over, -out, eaves - 0.2), (over, 0, ridge), (-over, 0, ridge)], colour)
-    mesh.polygon([(over, out, eaves - 0.2), (-over, out, eaves - 0.2), (-over, 0, ridge), (over, 0, ridge)], colour)
+    mesh.polygon(
+        [
+            (-over, -out, eaves - 0.2),
+            (over, -out, eaves - 0.2),
+            (over, 0, ridge),
+            (-over, 0, ridge),
+        ],
+        colour,
+    )
+    mesh.polygon(
+        [(over, out, eaves - 0.2), (-over, out, eaves - 0.2), (-over, 0, ridge), (over, 0, ridge)],
+        colour,
+    )
     mesh.polygon([(half, -depth, eaves), (half, depth, eaves), (half, 0, ridge - 0.2)], wall)
     mesh.polygon([(-half, depth, eaves), (-half, -depth, eaves), (-half, 0, ridge - 0.2)], wall)
     mesh.box((-2.2, 0.6, ridge - 0.2), (0.7, 0.7, 1.8), "wall_brick")

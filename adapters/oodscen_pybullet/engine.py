@@ -15,7 +15,8 @@ def load_pybullet() -> ModuleType:
         MissingExtra: When it is not installed.
     """
     if "pybullet" in sys.modules:
-        return sys.modules["pybullet"]
+        loaded: ModuleType = sys.modules["pybullet"]
+        return loaded
     try:
         import cv2  # noqa: F401  # the frames need it; say so before a scene is half loaded
     except ImportError:
@@ -25,7 +26,8 @@ def load_pybullet() -> ModuleType:
             import pybullet
     except ImportError:
         raise MissingExtra("the PyBullet simulator", "pybullet", "pybullet") from None
-    return pybullet
+    engine: ModuleType = pybullet
+    return engine
 
 
 class _QuietDescriptors:

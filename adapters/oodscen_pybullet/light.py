@@ -1,5 +1,6 @@
 """Sunlight, darkness, headlamps, street lamps, glows and shadows, added to a picture."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,8 +14,10 @@ from oodscen_pybullet.view import NEAR, Point, View
 Float = NDArray[np.float32]
 Pose = tuple[float, float, float, float]
 
-_DAYLIGHT = ((-18.0, 0.03), (-6.0, 0.10), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
+_DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
 """Sun elevation, degrees, and how bright the day is."""
+STREET_LAMP: Point = (1.0, 0.82, 0.55)
+_BEAM: Point = (1.0, 0.97, 0.88)
 GLARE_DEG = 12.0
 """Below this elevation the sun stands ahead of the ego and dazzles."""
 
@@ -103,7 +106,7 @@ def _between(table: Sequence[tuple[float, float]], value: float) -> float:
     """Interpolate in a table with ascending first column."""
     if value <= table[0][0]:
         return table[0][1]
-    for (x0, y0), (x1, y1) in zip(table, table[1:], strict=False):
+    for (x0, y0), (x1, y1) in itertools.pairwise(table):
         if value <= x1:
             return y0 + (y1 - y0) * (value - x0) / (x1 - x0)
     return table[-1][1]
@@ -136,7 +139,10 @@ def shadow_mask(view: View, casters: Sequence[Caster], sun: Point, ground: float
             corners = []
             for a in (-hx, hx):
                 for b in (-hy, hy):
-                    px, py = x + cos * (cx + a) - sin * (cy + b), y + sin * (cx + a) + cos * (cy + b)
+                    px, py = (
+                        x + cos * (cx + a) - sin * (cy + b),
+                        y + sin * (cx + a) + cos * (cy + b),
+                    )
                     for c in (max(cz - hz, 0.0), cz + hz):
                         corners.append((px + push[0] * c, py + push[1] * c))
             hull = cv2.convexHull(np.array(corners, np.float32))[:, 0]
@@ -151,7 +157,7 @@ def shadow_mask(view: View, casters: Sequence[Caster], sun: Point, ground: float
             points = np.clip(np.array(pixels), -limit, limit) * 16
             cv2.fillConvexPoly(mask, np.round(points).astype(np.int32), 255, cv2.LINE_AA, 4)
     soft = cv2.blur(mask, (3, 3))
-    return (soft * np.float32(1 / 255)).astype(np.float32)
+    return np.asarray(soft * np.float32(1 / 255), np.float32)
 
 
 def _clip(points: list[Point]) -> list[Point]:
@@ -173,7 +179,7 @@ def _clip(points: list[Point]) -> list[Point]:
 def illumination(
     view: View, depth: Float, light: Light, glows: Sequence[Glow], ground: float
 ) -> Float:
-    """Return how brightly each pixel is lit in the dark, [height, width].
+    """Return how brightly each pixel is lit in the dark, [height, width, 3].
 
     The ego's low beams shine with a soft cut-off at lamp height; street lamps make pools.
 
@@ -190,14 +196,18 @@ def illumination(
     near = np.minimum(depth, np.float32(400.0))
     height = near * (upwards * np.float32(view.up[2]) + np.float32(view.forward[2]))[:, None]
     height += np.float32(view.eye[2] - ground)
-    lit = np.full(depth.shape, light.daylight, np.float32)
     beam = cv2.exp(-((across / np.float32(0.42)) ** 2).reshape(1, -1)).astype(np.float32)
-    range_ = near * np.float32(1 / 24.0)
-    strength = np.float32(1.15 * (1.0 - light.daylight)) * beam / (np.float32(1.0) + range_ * range_)
-    cut = np.clip((np.float32(0.9) - height) / (np.float32(0.25) + near * np.float32(0.03)), 0.0, 1.0)
-    lit += strength * (np.float32(0.30) + np.float32(0.70) * cut)
+    range_ = near * np.float32(1 / 36.0)
+    strength = (
+        np.float32(1.15 * (1.0 - light.daylight)) * beam / (np.float32(1.0) + range_ * range_)
+    )
+    cut = np.clip(
+        (np.float32(0.9) - height) / (np.float32(0.25) + near * np.float32(0.03)), 0.0, 1.0
+    )
+    beams = strength * (np.float32(0.42) + np.float32(0.58) * cut)
     lamps = [glow for glow in glows if glow.is_street and light.daylight < 0.5]
     lamps = [glow for glow in lamps if -15.0 < view.to_camera(glow.position)[2] < 90.0]
+    pool = np.zeros(depth.shape, np.float32)
     if lamps:
         x = near * (
             np.float32(view.forward[0])
@@ -209,14 +219,18 @@ def illumination(
             + across[None, :] * np.float32(view.right[1])
             + upwards[:, None] * np.float32(view.up[1])
         )
-        pool = np.zeros(depth.shape, np.float32)
         for glow in lamps:
             dx = x - np.float32(glow.position[0] - view.eye[0])
             dy = y - np.float32(glow.position[1] - view.eye[1])
             spread = np.float32(1.0) + (dx * dx + dy * dy) * np.float32(1 / 55.0)
-            pool += np.float32(0.42) / (spread * spread)
-        lit += pool * np.float32(1.0 - light.daylight)
-    return lit
+            pool += np.float32(0.62) / (spread * spread)
+        pool *= np.float32(1.0 - light.daylight)
+    total = (
+        np.array(light.tint, np.float32) * np.float32(light.daylight)
+        + beams[..., None] * np.array(_BEAM, np.float32)
+        + pool[..., None] * np.array(STREET_LAMP, np.float32)
+    )
+    return np.asarray(total, np.float32)
 
 
 def add_glows(
@@ -268,7 +282,9 @@ def _visible(depth: Float, column: float, row: float, ahead: float) -> float:
     """Return the share of a few pixels around a place at which nothing stands before it."""
     height, width = depth.shape
     c, r = round(column - 0.5), round(row - 0.5)
-    patch = depth[max(r - 1, 0) : max(min(r + 2, height), 0), max(c - 1, 0) : max(min(c + 2, width), 0)]
+    patch = depth[
+        max(r - 1, 0) : max(min(r + 2, height), 0), max(c - 1, 0) : max(min(c + 2, width), 0)
+    ]
     if patch.size == 0:
         return 0.6
     return float((patch > ahead - 0.35).mean())
@@ -290,7 +306,9 @@ def _splash(
         return
     dx = (np.arange(c0, c1, dtype=np.float32) + np.float32(0.5 - column))[None, :]
     dy = (np.arange(r0, r1, dtype=np.float32) + np.float32(0.5 - row))[:, None]
-    fall = np.maximum(1.0 - (dx * dx + dy * dy) * np.float32(1.0 / (4.0 * radius * radius + 1e-6)), 0.0)
+    fall = np.maximum(
+        1.0 - (dx * dx + dy * dy) * np.float32(1.0 / (4.0 * radius * radius + 1e-6)), 0.0
+    )
     fall = fall * fall * fall
     image[r0:r1, c0:c1] += (fall * np.float32(strength))[..., None] * np.array(colour, np.float32)
 
@@ -304,6 +322,6 @@ def add_glare(image: Float, view: View, light: Light, depth: Float) -> None:
     column, row, _ = spot
     warm = (1.0, 0.90, 0.66)
     shown = 0.55 + 0.45 * _visible(depth, column, row, 399.0)
-    _splash(image, column, row, view.width * 0.7, 120.0 * shown, warm)
-    _splash(image, column, row, view.width * 0.22, 170.0 * shown, warm)
+    _splash(image, column, row, view.width * 0.7, 84.0 * shown, warm)
+    _splash(image, column, row, view.width * 0.20, 150.0 * shown, warm)
     _splash(image, column, row, view.width * 0.045, 255.0 * shown, (1.0, 0.98, 0.9))

@@ -63,11 +63,16 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
     ground = _ground(picture)
     image = _shade(image, picture, ground)
     if weather.precipitation == "rain":
-        image = wet(image, ground, distance, (air[0] + 20.0, air[1] + 22.0, air[2] + 26.0) if light.daylight > 0.5 else air)
+        image = wet(
+            image,
+            ground,
+            distance,
+            (air[0] + 20.0, air[1] + 22.0, air[2] + 26.0) if light.daylight > 0.5 else air,
+        )
     if light.daylight < 0.99:
-        lit = illumination(view, depth, light, picture.glows, picture.road_height)
-        image = image * lit[..., None]
-    image = image * np.array(light.tint, np.float32)
+        image = image * illumination(view, depth, light, picture.glows, picture.road_height)
+    else:
+        image = image * np.array(light.tint, np.float32)
     image[is_sky] = sky(view, weather, light, picture.seed)[is_sky]
     image = veil(image, distance, rate, _lit_air(air, picture, distance))
     add_glows(image, view, depth, picture.glows, light, rate)
@@ -77,7 +82,7 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
         rng = stream(picture.seed, "grain", round(picture.time, 3))
         grain = rng.integers(-4, 5, image.shape[:2], dtype=np.int8)
         image = image + grain[..., None].astype(np.float32)
-    return np.clip(image + np.float32(0.5), 0.0, 255.0).astype(np.uint8)
+    return np.asarray(np.clip(image + np.float32(0.5), 0.0, 255.0), np.uint8)
 
 
 def _smooth(rgb: NDArray[np.uint8], depth: Float) -> NDArray[np.uint8]:
@@ -88,7 +93,7 @@ def _smooth(rgb: NDArray[np.uint8], depth: Float) -> NDArray[np.uint8]:
     edges = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 22
     far = np.minimum(depth, np.float32(500.0)) > np.float32(40.0)
     soft = cv2.GaussianBlur(rgb, (3, 3), 0.65)
-    return np.where((edges | far)[..., None], soft, rgb)
+    return np.asarray(np.where((edges | far)[..., None], soft, rgb), np.uint8)
 
 
 def _ground(picture: Picture) -> Float:
@@ -99,7 +104,7 @@ def _ground(picture: Picture) -> Float:
     height = near * (upwards * np.float32(view.up[2]) + np.float32(view.forward[2]))[:, None]
     height += np.float32(view.eye[2] - picture.road_height)
     limit = np.float32(0.16) + near * np.float32(0.02)
-    return ((picture.rows < 0) & (height < limit)).astype(np.float32)
+    return np.asarray((picture.rows < 0) & (height < limit), np.float32)
 
 
 def _shade(image: Float, picture: Picture, ground: Float) -> Float:
@@ -108,7 +113,9 @@ def _shade(image: Float, picture: Picture, ground: Float) -> Float:
     if not picture.casters or light.daylight < 0.2:
         return image
     mask = shadow_mask(picture.view, picture.casters, light.sun, picture.road_height)
-    return np.asarray(image * (1.0 - np.float32(light.shadow) * mask * ground)[..., None], np.float32)
+    return np.asarray(
+        image * (1.0 - np.float32(light.shadow) * mask * ground)[..., None], np.float32
+    )
 
 
 def _lit_air(
@@ -133,9 +140,13 @@ def _precipitation(image: Float, picture: Picture, air: tuple[float, float, floa
     weather, light = picture.weather, picture.light
     if weather.precipitation == "rain":
         streaks = rain_streaks(picture.view, weather, picture.seed, picture.time)
-        return np.asarray(image + (streaks * np.float32(0.25 + 0.5 * light.daylight))[..., None], np.float32)
+        return np.asarray(
+            image + (streaks * np.float32(0.25 + 0.5 * light.daylight))[..., None], np.float32
+        )
     if weather.precipitation == "snow":
         cover = snow_flakes(picture.view, weather, picture.depth, picture.seed, picture.time)
-        flake = np.array([246.0, 248.0, 252.0], np.float32) * np.float32(0.42 + 0.58 * light.daylight)
+        flake = np.array([246.0, 248.0, 252.0], np.float32) * np.float32(
+            0.42 + 0.58 * light.daylight
+        )
         return np.asarray(image + (flake - image) * cover[..., None], np.float32)
     return image

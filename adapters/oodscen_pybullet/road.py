@@ -36,9 +36,12 @@ class Course:
         """Resample a corridor from behind the ego's start to beyond the end."""
         first = max(0.0, corridor.start - BEHIND)
         count = int((corridor.length + BEYOND - first) / STEP)
-        s = first + STEP * np.arange(count + 1)
+        s: Array = first + STEP * np.arange(count + 1, dtype=np.float64)
         inside = np.minimum(s, corridor.length)
-        cos, sin = np.interp(inside, corridor.s, corridor.cos), np.interp(inside, corridor.s, corridor.sin)
+        cos, sin = (
+            np.interp(inside, corridor.s, corridor.cos),
+            np.interp(inside, corridor.s, corridor.sin),
+        )
         beyond = s - inside
         return cls(
             s=s,
@@ -51,9 +54,7 @@ class Course:
 
     def points(self, t: Array | float, height: float = 0.0) -> Array:
         """Return the points at lateral offset `t`, [n, 3]."""
-        return np.stack(
-            [self.x - t * self.sin, self.y + t * self.cos, self.z + height], axis=1
-        )
+        return np.stack([self.x - t * self.sin, self.y + t * self.cos, self.z + height], axis=1)
 
 
 class Ribbons:

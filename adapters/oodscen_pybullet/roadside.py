@@ -12,8 +12,8 @@ from oodscen_pybullet.meshes import asset_mesh, paints_of, plants
 from oodscen_pybullet.meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet.road import Array, Course, Ribbons, extents, lay_road
 
-SEEN = 300.0
-"""Scenery reaches this far beyond the corridor's end, m."""
+SEEN_M, DRIVEN_S = 260.0, 30.0
+"""Scenery stands as far as one sees after driving at the speed limit for so long, m and s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,8 +23,6 @@ class Scenery:
     meshes: tuple[Mesh, ...]
     lamps: tuple[Point, ...]
     """Heads of the street lamps, m."""
-    ground_lift: float
-    """Height of pavements above the road, m."""
 
 
 @dataclass
@@ -39,7 +37,15 @@ class _Site:
     mesh: MeshBuilder
     lamps: list[Point]
 
-    def put(self, mesh: Mesh, s: float, side: int, out: float, *, yaw: float = 0.0, lift: float = 0.0) -> Point:
+    @property
+    def end(self) -> float:
+        """Where along the road scenery ends, m."""
+        reach = self.corridor.start + DRIVEN_S * self.corridor.speed_limit + SEEN_M
+        return min(reach, float(self.course.s[-1]))
+
+    def put(
+        self, mesh: Mesh, s: float, side: int, out: float, *, yaw: float = 0.0, lift: float = 0.0
+    ) -> Point:
         """Place a mesh `out` metres beyond the road's edge, its x axis along the road.
 
         Args:
@@ -58,7 +64,7 @@ class _Site:
 
     def spots(self, spacing: float, *, jitter: float = 0.0, first: float = 0.0) -> list[float]:
         """Return places along the road at about equal distances."""
-        start, end = float(self.course.s[0]) + first, self.corridor.length + SEEN
+        start, end = float(self.course.s[0]) + first, self.end
         count = int((end - start) / spacing)
         shifts = self.rng.uniform(-jitter, jitter, count) if jitter else np.zeros(count)
         return [start + spacing * (i + 0.5) + float(shifts[i]) for i in range(count)]
@@ -87,10 +93,16 @@ def build_scenery(corridor: Corridor, traits: frozenset[str], seed: int, name: s
         _highway(site, ribbons)
     else:
         _rural(site, ribbons)
-    return Scenery((ribbons.mesh(), site.mesh.build(hollow=True)), tuple(site.lamps), 0.0)
+    return Scenery((ribbons.mesh(), site.mesh.build(hollow=True)), tuple(site.lamps))
 
 
-def _ground(ribbons: Ribbons, right: Array, left: Array, bands: list[tuple[float, float, str, bool]], height: float) -> None:
+def _ground(
+    ribbons: Ribbons,
+    right: Array,
+    left: Array,
+    bands: list[tuple[float, float, str, bool]],
+    height: float,
+) -> None:
     """Add bands of ground on both sides, each by its distances from the edge of the road."""
     for near, far, surface, is_region in bands:
         heights = (height, height)
@@ -115,7 +127,9 @@ def _street_lamp(reach: float, height: float) -> Mesh:
     return mesh.build(hollow=True)
 
 
-def _lamps(site: _Site, spacing: float, out: float, *, height: float, sides: tuple[int, ...]) -> None:
+def _lamps(
+    site: _Site, spacing: float, out: float, *, height: float, sides: tuple[int, ...]
+) -> None:
     reach = 1.6
     for index, s in enumerate(site.spots(spacing)):
         side = sides[index % len(sides)]
@@ -136,7 +150,13 @@ def _speed_sign() -> Mesh:
 
 
 def _residential(site: _Site, ribbons: Ribbons) -> None:
-    _ground(ribbons, site.right, site.left, [(0.0, 7.0, "turf", True), (7.0, 120.0, "grass_dark", False)], 0.1)
+    _ground(
+        ribbons,
+        site.right,
+        site.left,
+        [(0.0, 7.0, "turf", True), (7.0, 120.0, "grass_dark", False)],
+        0.1,
+    )
     for side in (1, -1):
         for index, s in enumerate(site.spots(15.5, jitter=0.8)):
             kind = int(site.rng.integers(0, 3))
@@ -154,15 +174,30 @@ def _garden(site: _Site, s: float, side: int, index: int) -> None:
     style = int(rng.integers(0, 3))
     site.put(_front(style), s - 1.8, side, 0.35, lift=0.1)
     site.put(_drive(), s + 6.0, side, 2.6, lift=0.1)
-    if rng.uniform() < 0.55:
+    if rng.uniform() < 0.3:
         paint = paints_of("car")[int(rng.integers(0, 7))]
         out_wards = np.pi / 2 if rng.uniform() < 0.5 else -np.pi / 2
-        site.put(asset_mesh("car", "off", paint), s + 6.0, side, 3.4, yaw=float(out_wards), lift=0.13)
+        site.put(
+            asset_mesh("car", "off", paint), s + 6.0, side, 3.4, yaw=float(out_wards), lift=0.13
+        )
     if rng.uniform() < 0.7:
         key = int(rng.integers(0, 6))
-        site.put(_tree("broad" if key < 4 else "conifer", key), s - 4.5 * float(rng.uniform(0.6, 1)), side, 2.8, yaw=float(rng.uniform(0, 6)), lift=0.1)
+        site.put(
+            _tree("broad" if key < 4 else "conifer", key),
+            s - 4.5 * float(rng.uniform(0.6, 1)),
+            side,
+            2.8,
+            yaw=float(rng.uniform(0, 6)),
+            lift=0.1,
+        )
     for _ in range(2):
-        site.put(_tree("bush", int(rng.integers(0, 4))), s + float(rng.uniform(-4, 4)), side, 3.8 + float(rng.uniform(0, 0.8)), lift=0.0)
+        site.put(
+            _tree("bush", int(rng.integers(0, 4))),
+            s + float(rng.uniform(-4, 4)),
+            side,
+            3.8 + float(rng.uniform(0, 0.8)),
+            lift=0.0,
+        )
     if index % 2:
         site.put(_tree("broad", int(rng.integers(0, 4))), s + 7.5, side, 16.0, lift=0.1)
 
@@ -185,24 +220,40 @@ def _front(style: int) -> Mesh:
 
 @lru_cache(maxsize=1)
 def _drive() -> Mesh:
-    return MeshBuilder().polygon([(-1.5, -2.6, 0.03), (1.5, -2.6, 0.03), (1.5, 4.0, 0.03), (-1.5, 4.0, 0.03)], "concrete").build(hollow=True)
+    return (
+        MeshBuilder()
+        .polygon(
+            [(-1.5, -2.6, 0.03), (1.5, -2.6, 0.03), (1.5, 4.0, 0.03), (-1.5, 4.0, 0.03)], "concrete"
+        )
+        .build(hollow=True)
+    )
 
 
 def _urban(site: _Site, ribbons: Ribbons) -> None:
-    _ground(ribbons, site.right, site.left, [(0.0, 3.0, "paving", True), (3.0, 120.0, "concrete_dark", False)], 0.1)
+    _ground(
+        ribbons,
+        site.right,
+        site.left,
+        [(0.0, 3.0, "paving", True), (3.0, 120.0, "concrete_dark", False)],
+        0.1,
+    )
     for side in (1, -1):
         s = float(site.course.s[0])
-        while s < site.corridor.length + SEEN:
+        while s < site.end:
             width = 6.0 * int(site.rng.integers(2, 5))
             floors = int(site.rng.integers(3, 8))
-            block = city_block(int(width), floors, int(site.rng.integers(0, 6)), bool(site.rng.uniform() < 0.6))
+            block = city_block(
+                int(width), floors, int(site.rng.integers(0, 6)), bool(site.rng.uniform() < 0.6)
+            )
             site.put(block, s + width / 2, side, 2.2 + 6.0, lift=0.1)
             s += width + (7.0 if site.rng.uniform() < 0.12 else 0.06)
     for index, s in enumerate(site.spots(17.0, jitter=1.0)):
         for side in (1, -1):
             key = (index * 5 + side + 1) % 4
             if site.rng.uniform() < 0.75:
-                site.put(_tree("broad", key), s, side, -0.6, yaw=float(site.rng.uniform(0, 6)), lift=0.0)
+                site.put(
+                    _tree("broad", key), s, side, -0.6, yaw=float(site.rng.uniform(0, 6)), lift=0.0
+                )
     _lamps(site, 28.0, -1.9, height=7.5, sides=(1, -1))
     for s in site.spots(200.0, first=60.0):
         site.put(_speed_sign(), s, -1, -2.2, yaw=np.pi, lift=0.1)
@@ -240,12 +291,26 @@ def _gantry(span: float) -> Mesh:
         mesh.beam((0, 0, z), (0, -span, z), 0.2, "post")
     for y in (-span * 0.32, -span * 0.72):
         mesh.box((0.0, y, 7.0), (0.1, 4.4, 1.9), "grey")
-        mesh.picture([(0.06, y - 2.1, 6.15), (0.06, y + 2.1, 6.15), (0.06, y + 2.1, 7.85), (0.06, y - 2.1, 7.85)], "gantry")
+        mesh.picture(
+            [
+                (0.06, y - 2.1, 6.15),
+                (0.06, y + 2.1, 6.15),
+                (0.06, y + 2.1, 7.85),
+                (0.06, y - 2.1, 7.85),
+            ],
+            "gantry",
+        )
     return mesh.build(hollow=True)
 
 
 def _highway(site: _Site, ribbons: Ribbons) -> None:
-    _ground(ribbons, site.right, site.left, [(0.0, 14.0, "turf", True), (14.0, 70.0, "grass", False), (70.0, 190.0, "field", False)], 0.0)
+    _ground(
+        ribbons,
+        site.right,
+        site.left,
+        [(0.0, 14.0, "turf", True), (14.0, 70.0, "grass", False), (70.0, 190.0, "field", False)],
+        0.0,
+    )
     for strip in site.corridor.strips:
         if strip.kind == "median":
             middle = np.interp(site.course.s, site.corridor.s, strip.left)
@@ -295,13 +360,19 @@ def _forest_edge(site: _Site, out: float) -> None:
         for s in site.spots(26.0):
             height = 9.0 + 6.0 * float(site.rng.uniform())
             mesh = MeshBuilder().hull(
-                (-14, 14, -4, 4, 0), (-9, 9, -2, 2, height), "needle" if site.rng.uniform() < 0.5 else "leaf_dark"
+                (-14, 14, -4, 4, 0),
+                (-9, 9, -2, 2, height),
+                "needle" if site.rng.uniform() < 0.5 else "leaf_dark",
             )
             site.put(mesh.build(hollow=True), s, side, out + 12.0 * float(site.rng.uniform()))
 
 
 def _rural(site: _Site, ribbons: Ribbons) -> None:
-    bands = [(0.0, 8.0, "turf", True), (8.0, 45.0, "field", False), (45.0, 190.0, "grass_dark", False)]
+    bands = [
+        (0.0, 8.0, "turf", True),
+        (8.0, 45.0, "field", False),
+        (45.0, 190.0, "grass_dark", False),
+    ]
     _ground(ribbons, site.right, site.left, bands, 0.0)
     for s in site.spots(25.0):
         for side in (1, -1):

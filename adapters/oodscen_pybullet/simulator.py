@@ -17,10 +17,9 @@ from oodscen.seeding import stream
 from oodscen_pybullet.bodies import Bodies, Pose
 from oodscen_pybullet.catalogue import load_catalogue
 from oodscen_pybullet.engine import load_pybullet
-from oodscen_pybullet.light import Caster, Glow, Light
+from oodscen_pybullet.light import STREET_LAMP, Caster, Glow, Light
 from oodscen_pybullet.meshes import Mesh, asset_ids, asset_mesh, paints_of
 from oodscen_pybullet.meshes.cars import bonnet
-from oodscen_pybullet.meshes.bodywork import Lights
 from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.road import KERB
 from oodscen_pybullet.roadside import Scenery, build_scenery
@@ -174,7 +173,9 @@ class PyBulletSimulator(MirrorSimulator):
             ego = bonnet("silver").build(hollow=True)
         looks: list[Look | Mesh] = [ego]
         for actor_id, asset, state in self._cast[1:]:
-            looks.append((asset.id, state, _paint(seed, actor_id, asset.id), _runs(scene, actor_id)))
+            looks.append(
+                (asset.id, state, _paint(seed, actor_id, asset.id), _runs(scene, actor_id))
+            )
         return looks
 
     def _stand(self, corridor: Corridor) -> list[Pose]:
@@ -194,9 +195,7 @@ class PyBulletSimulator(MirrorSimulator):
             for (_, asset, _), pose in zip(self._cast[1:], poses[1:], strict=True)
         ]
 
-    def _glows(
-        self, scene: Scene, seed: int, poses: list[Pose], scenery: Scenery
-    ) -> list[Glow]:
+    def _glows(self, scene: Scene, seed: int, poses: list[Pose], scenery: Scenery) -> list[Glow]:
         """Return every lamp that is on, in world coordinates."""
         glows = []
         for row, (actor_id, asset, state) in enumerate(self._cast):
@@ -212,7 +211,7 @@ class PyBulletSimulator(MirrorSimulator):
                     Glow(place, lamp.colour, (c * fx - s * fy, s * fx + c * fy, fz), lamp.power)
                 )
         for lamp_head in scenery.lamps:
-            glows.append(Glow(lamp_head, (1.0, 0.82, 0.55), (0.0, 0.0, 0.0), 2.0, is_street=True))
+            glows.append(Glow(lamp_head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True))
         return glows
 
 

@@ -4,6 +4,7 @@ Fog follows Koschmieder's law: contrast falls to 5 % at the visual range.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,24 +87,23 @@ def sky(view: View, weather: Weather, light: Light, seed: int) -> Float:
     mix = 0.6 * dusk
     bottom = [b + (g * max(day, 0.5) - b) * mix for b, g in zip(bottom, glow, strict=True)]
     top = [n + (h - n) * day for h, n in zip(zenith, night_zenith, strict=True)]
-    clear = np.array(bottom, np.float32) + (np.array(top, np.float32) - np.array(bottom, np.float32)) * high
+    clear = (
+        np.array(bottom, np.float32)
+        + (np.array(top, np.float32) - np.array(bottom, np.float32)) * high
+    )
     painted = np.broadcast_to(clear, (view.height, view.width, 3)).astype(np.float32)
     cover = max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
     if cover > 0.02:
-        rng = stream(seed, "clouds")
-        coarse = rng.uniform(0.0, 1.0, (12, 64)).astype(np.float32)
-        fine = rng.uniform(0.0, 1.0, (40, 220)).astype(np.float32)
-        sheet = cv2.resize(coarse, (1024, 256), interpolation=cv2.INTER_CUBIC)
-        sheet = sheet * np.float32(0.7) + cv2.resize(
-            fine, (1024, 256), interpolation=cv2.INTER_CUBIC
-        ) * np.float32(0.3)
+        sheet = _cloud_sheet(seed)
         heading = math.atan2(view.forward[1], view.forward[0])
         turn = (heading / math.tau) % 1.0
-        column = (np.float32(turn * 1024.0) - across * np.float32(1024.0 / math.tau)) % np.float32(1023)
+        column = (np.float32(turn * 1024.0) - across * np.float32(1024.0 / math.tau)) % np.float32(
+            1024
+        )
         row = np.clip(rise * np.float32(420.0), 0.0, 255.0)
         map_x = np.broadcast_to(column[None, :], (view.height, view.width)).astype(np.float32)
         map_y = np.broadcast_to(row[:, None], (view.height, view.width)).astype(np.float32)
-        cloud = cv2.remap(sheet, map_x, map_y, cv2.INTER_LINEAR)
+        cloud = cv2.remap(sheet, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
         edge = np.float32(1.0 - 0.9 * cover)
         share = np.clip((cloud - edge + np.float32(0.12)) * np.float32(3.2), 0.0, 1.0)
         share = np.maximum(share, np.float32(max(0.0, (cover - 0.75) * 4.0)))[..., None]
@@ -111,6 +111,23 @@ def sky(view: View, weather: Weather, light: Light, seed: int) -> Float:
         base = np.array([236.0, 239.0, 243.0], np.float32) * np.float32(0.06 + 0.94 * day)
         painted += (base * shade - painted) * share
     return painted
+
+
+@lru_cache(maxsize=8)
+def _cloud_sheet(seed: int) -> Float:
+    """Return cloud density by heading and height, [256, 1024], seamless around."""
+    import cv2
+
+    rng = stream(seed, "clouds")
+    sheet = np.zeros((256, 1024), np.float32)
+    for rows, columns, weight in ((12, 64, 0.7), (40, 256, 0.3)):
+        noise = rng.uniform(0.0, 1.0, (rows, columns)).astype(np.float32)
+        wrapped = np.hstack([noise[:, -2:], noise, noise[:, :2]])
+        cell = 1024 // columns
+        wide = cv2.resize(wrapped, (1024 + 4 * cell, 256), interpolation=cv2.INTER_CUBIC)
+        sheet += np.float32(weight) * wide[:, 2 * cell : 2 * cell + 1024]
+    sheet.flags.writeable = False
+    return sheet
 
 
 def wet(image: Float, ground: Float, distance: Float, sheen: Colour) -> Float:
@@ -122,7 +139,9 @@ def wet(image: Float, ground: Float, distance: Float, sheen: Colour) -> Float:
         distance: m
         sheen: Colour of what it mirrors.
     """
-    flat = np.minimum(distance, np.float32(200.0)) / (np.minimum(distance, np.float32(200.0)) + 22.0)
+    flat = np.minimum(distance, np.float32(200.0)) / (
+        np.minimum(distance, np.float32(200.0)) + 22.0
+    )
     mirror = (np.float32(0.46) * flat * flat * ground)[..., None]
     dark = image * (np.float32(1.0) - np.float32(0.34) * ground[..., None])
     return np.asarray(dark + (np.array(sheen, np.float32) - dark) * mirror, np.float32)
@@ -137,7 +156,11 @@ def rain_streaks(view: View, weather: Weather, seed: int, time: float) -> Float:
     layer = np.zeros((view.height, view.width), np.uint8)
     intensity = weather.precipitation_mm_h / 50.0
     scale = view.height / 480
-    for share, length, weight, bright in ((1.0, 16.0, 1, 92), (0.35, 38.0, 1, 110), (0.05, 80.0, 2, 84)):
+    for share, length, weight, bright in (
+        (1.0, 16.0, 1, 92),
+        (0.35, 38.0, 1, 110),
+        (0.05, 80.0, 2, 84),
+    ):
         count = int(area * share * (140 + 640 * math.sqrt(intensity)))
         x = rng.uniform(-20, view.width + 20, count)
         y = rng.uniform(-40, view.height, count)
@@ -173,4 +196,4 @@ def snow_flakes(view: View, weather: Weather, depth: Float, seed: int, time: flo
         else:
             cv2.circle(layer, (u, v), int(size + 0.5), 225, -1, cv2.LINE_AA)
     soft = cv2.GaussianBlur(layer, (3, 3), 0.7)
-    return (soft * np.float32(1 / 255)).astype(np.float32)
+    return np.asarray(soft * np.float32(1 / 255), np.float32)

@@ -138,17 +138,13 @@ def side_print(
     mesh.picture([(fore, y, low), (back, y, low), (back, y, high), (fore, y, high)], region)
 
 
-def rear_print(
-    mesh: MeshBuilder, x: float, y: float, z: tuple[float, float], region: str
-) -> None:
+def rear_print(mesh: MeshBuilder, x: float, y: float, z: tuple[float, float], region: str) -> None:
     """Print a region on the rear, from -y to y."""
     low, high = z
     mesh.picture([(x, y, low), (x, -y, low), (x, -y, high), (x, y, high)], region)
 
 
-def front_print(
-    mesh: MeshBuilder, x: float, y: float, z: tuple[float, float], region: str
-) -> None:
+def front_print(mesh: MeshBuilder, x: float, y: float, z: tuple[float, float], region: str) -> None:
     """Print a region on the front, from -y to y."""
     low, high = z
     mesh.picture([(x, -y, low), (x, y, low), (x, y, high), (x, -y, high)], region)

@@ -1,5 +1,6 @@
 """A small polygon builder: every mesh of this adapter is written with it."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -77,13 +78,10 @@ class MeshBuilder:
 
     def _add(self, corners: Array, uvs: Array, normals: Array | None = None) -> Self:
         if normals is None:
-            normal = np.zeros(3)
-            for first, second in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-                normal += np.cross(first - corners[0], second - corners[0])
-            length = math.sqrt(float((normal * normal).sum()))
-            if length < 1e-12:
+            normal = _newell(corners.tolist())
+            if normal is None:
                 return self
-            normals = np.tile(normal / length, (len(corners), 1))
+            normals = np.tile(np.array(normal), (len(corners), 1))
         for index in range(1, len(corners) - 1):
             rows = [0, index, index + 1]
             self._points.append(corners[rows])
@@ -137,7 +135,9 @@ class MeshBuilder:
     ) -> Self:
         """Add a square bar from one point to another, which may taper."""
         ring_a = _ring(start, end, [width / 2] * 4, 4, start)
-        ring_b = _ring(start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end)
+        ring_b = _ring(
+            start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end
+        )
         return self._tube(ring_a, ring_b, colour, colour, smooth=False)
 
     def cylinder(
@@ -233,7 +233,7 @@ class MeshBuilder:
             sections: Outlines of equal length; each is mirrored to the other side by the caller.
             colours: One per edge of an outline; an empty string leaves the panel open.
         """
-        for one, two in zip(sections, sections[1:], strict=False):
+        for one, two in itertools.pairwise(sections):
             for k, colour in enumerate(colours):
                 if colour:
                     self.polygon([one[k], two[k], two[k + 1], one[k + 1]], colour)
@@ -343,6 +343,17 @@ class MeshBuilder:
             solids=tuple(solids),
             lamps=tuple(self._lamps),
         )
+
+
+def _newell(corners: list[list[float]]) -> Point | None:
+    """Return a flat polygon's unit normal, or `None` where it has no area."""
+    nx = ny = nz = 0.0
+    for (x0, y0, z0), (x1, y1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
+        nx += (y0 - y1) * (z0 + z1)
+        ny += (z0 - z1) * (x0 + x1)
+        nz += (x0 - x1) * (y0 + y1)
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    return (nx / length, ny / length, nz / length) if length > 1e-9 else None
 
 
 def _moved(point: Point, scale: float, offset: Point) -> Point:

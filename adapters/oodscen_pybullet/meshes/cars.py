@@ -1,5 +1,7 @@
 """Cars, vans and what is built on them."""
 
+import itertools
+
 from oodscen_pybullet.meshes.bodywork import (
     Lights,
     Section,
@@ -36,12 +38,12 @@ def car(lights: Lights, paint: str) -> MeshBuilder:
 
 def _car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
     shell(mesh, _CAR, (paint, paint, paint), front=paint, rear=paint)
-    mesh.polygon([(-2.15, -0.8, 0.24), (-2.15, 0.8, 0.24), (2.1, 0.8, 0.24), (2.1, -0.8, 0.24)], "underbody")
+    mesh.polygon(
+        [(-2.15, -0.8, 0.24), (-2.15, 0.8, 0.24), (2.1, 0.8, 0.24), (2.1, -0.8, 0.24)], "underbody"
+    )
     low, high = (-2.02, 1.18, -0.78, 0.78, 0.94), (-1.55, 0.42, -0.60, 0.60, 1.40)
     mesh.hull(low, high, "glass", caps="")
-    mesh.hull(
-        (-1.58, 0.46, -0.62, 0.62, 1.39), (-1.42, 0.22, -0.54, 0.54, 1.46), paint, caps="t"
-    )
+    mesh.hull((-1.58, 0.46, -0.62, 0.62, 1.39), (-1.42, 0.22, -0.54, 0.54, 1.46), paint, caps="t")
     pillar(mesh, (1.16, 0.77, 0.94), (0.44, 0.60, 1.41), paint)
     pillar(mesh, (-2.00, 0.77, 0.94), (-1.55, 0.60, 1.41), paint, 0.11)
     pillar(mesh, (-0.42, 0.79, 0.94), (-0.42, 0.61, 1.41), paint, 0.05)
@@ -86,12 +88,23 @@ def bonnet(paint: str) -> MeshBuilder:
     """What a dash camera sees of its own car."""
     mesh = MeshBuilder()
     rows = ((1.30, 0.90, 0.965), (1.85, 0.86, 0.875), (2.12, 0.78, 0.775), (2.22, 0.62, 0.70))
-    for (x0, y0, z0), (x1, y1, z1) in zip(rows, rows[1:], strict=False):
-        mesh.polygon([(x0, -y0 * 0.5, z0 + 0.02), (x1, -y1 * 0.5, z1 + 0.02),
-                      (x1, y1 * 0.5, z1 + 0.02), (x0, y0 * 0.5, z0 + 0.02)], paint)
+    for (x0, y0, z0), (x1, y1, z1) in itertools.pairwise(rows):
+        mesh.polygon(
+            [
+                (x0, -y0 * 0.5, z0 + 0.02),
+                (x1, -y1 * 0.5, z1 + 0.02),
+                (x1, y1 * 0.5, z1 + 0.02),
+                (x0, y0 * 0.5, z0 + 0.02),
+            ],
+            paint,
+        )
         for side in (-1.0, 1.0):
-            strip = [(x0, side * y0 * 0.5, z0 + 0.02), (x0, side * y0, z0 - 0.05),
-                     (x1, side * y1, z1 - 0.05), (x1, side * y1 * 0.5, z1 + 0.02)]
+            strip = [
+                (x0, side * y0 * 0.5, z0 + 0.02),
+                (x0, side * y0, z0 - 0.05),
+                (x1, side * y1, z1 - 0.05),
+                (x1, side * y1 * 0.5, z1 + 0.02),
+            ]
             mesh.polygon(strip if side < 0 else strip[::-1], paint)
     return mesh
 
@@ -103,7 +116,9 @@ def police_car(lights: Lights, paint: str) -> MeshBuilder:
     side_print(mesh, (-1.0, 1.0), 0.912, (0.46, 0.84), "police")
     side_print(mesh, (-2.0, -1.62), 0.908, (0.46, 0.76), "checks")
     rear_print(mesh, -2.246, 0.50, (0.68, 0.90), "police")
-    mesh.polygon([(1.15, -0.4, 0.952), (1.9, -0.36, 0.80), (1.9, 0.36, 0.80), (1.15, 0.4, 0.952)], "navy")
+    mesh.polygon(
+        [(1.15, -0.4, 0.952), (1.9, -0.36, 0.80), (1.9, 0.36, 0.80), (1.15, 0.4, 0.952)], "navy"
+    )
     rear_print(mesh, -2.248, 0.70, (0.33, 0.50), "chevrons")
     light_bar(mesh, lights, -0.35, 1.45, 0.56)
     return mesh
@@ -142,12 +157,17 @@ def _van_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
     )
     shell(mesh, nose, (paint, paint), front=paint, rear=paint)
     mesh.hull(
-        (0.70, 1.98, -0.93, 0.93, 1.06), (0.70, 1.12, -0.86, 0.86, 2.04), "glass", caps="",
+        (0.70, 1.98, -0.93, 0.93, 1.06),
+        (0.70, 1.12, -0.86, 0.86, 2.04),
+        "glass",
+        caps="",
         sides=("glass", "glass", "glass", paint),
     )
     mesh.hull((0.70, 1.14, -0.87, 0.87, 2.03), (0.70, 0.95, -0.84, 0.84, 2.13), paint, caps="t")
     pillar(mesh, (1.97, 0.93, 1.05), (1.12, 0.86, 2.05), paint, 0.09)
-    mesh.polygon([(-2.5, -0.9, 0.27), (-2.5, 0.9, 0.27), (2.5, 0.9, 0.27), (2.5, -0.9, 0.27)], "underbody")
+    mesh.polygon(
+        [(-2.5, -0.9, 0.27), (-2.5, 0.9, 0.27), (2.5, 0.9, 0.27), (2.5, -0.9, 0.27)], "underbody"
+    )
     mesh.box((-2.61, 0, 0.42), (0.08, 1.7, 0.18), "dark_grey")
     mesh.box((2.60, 0, 0.42), (0.08, 1.56, 0.2), "dark_grey")
     front_print(mesh, 2.645, 0.4, (0.55, 0.7), "grille")
@@ -168,7 +188,12 @@ def van(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     _van_body(mesh, lights, paint)
     for side in (-1.0, 1.0):
-        window = [(-2.637, side * 0.08, 1.32), (-2.637, side * 0.74, 1.32), (-2.625, side * 0.72, 1.84), (-2.625, side * 0.08, 1.84)]
+        window = [
+            (-2.637, side * 0.08, 1.32),
+            (-2.637, side * 0.74, 1.32),
+            (-2.625, side * 0.72, 1.84),
+            (-2.625, side * 0.08, 1.84),
+        ]
         mesh.polygon(window if side < 0 else window[::-1], "glass")
     mesh.box((-2.61, 0, 1.2), (0.05, 0.03, 1.5), "dark_grey")
     return mesh
@@ -183,7 +208,12 @@ def ambulance(lights: Lights, paint: str) -> MeshBuilder:
     rear_print(mesh, -2.65, 0.74, (1.28, 1.58), "ambulance")
     rear_print(mesh, -2.662, 0.70, (0.76, 1.16), "chevrons")
     for side in (-1.0, 1.0):
-        window = [(-2.632, side * 0.1, 1.64), (-2.632, side * 0.70, 1.64), (-2.617, side * 0.70, 1.96), (-2.617, side * 0.1, 1.96)]
+        window = [
+            (-2.632, side * 0.1, 1.64),
+            (-2.632, side * 0.70, 1.64),
+            (-2.617, side * 0.70, 1.96),
+            (-2.617, side * 0.1, 1.96),
+        ]
         mesh.polygon(window if side < 0 else window[::-1], "glass")
     light_bar(mesh, lights, 0.7, 2.13, 0.7)
     light_bar(mesh, lights, -2.3, 2.13, 0.6)

@@ -16,19 +16,28 @@ from oodscen_pybullet.meshes.bodywork import (
 from oodscen_pybullet.meshes.builder import MeshBuilder
 
 
-def _cab(mesh: MeshBuilder, lights: Lights, paint: str, front: float, depth: float, top: float) -> None:
+def _cab(
+    mesh: MeshBuilder, lights: Lights, paint: str, front: float, depth: float, top: float
+) -> None:
     """Add a forward-control cab that ends at x = front."""
     rear, half = front - depth, 1.18
     mesh.hull((rear, front, -half, half, 0.5), (rear, front, -half, half, 1.45), paint)
     mesh.hull(
-        (rear, front - 0.02, -half, half, 1.45), (rear, front - 0.22, -half + 0.05, half - 0.05, top - 0.3), paint,
-        caps="", sides=("glass", "glass", "glass", paint),
+        (rear, front - 0.02, -half, half, 1.45),
+        (rear, front - 0.22, -half + 0.05, half - 0.05, top - 0.3),
+        paint,
+        caps="",
+        sides=("glass", "glass", "glass", paint),
     )
     mesh.hull(
         (rear, front - 0.2, -half + 0.04, half - 0.04, top - 0.32),
-        (rear, front - 0.45, -half + 0.12, half - 0.12, top), paint, caps="t",
+        (rear, front - 0.45, -half + 0.12, half - 0.12, top),
+        paint,
+        caps="t",
     )
-    pillar(mesh, (front - 0.04, half - 0.02, 1.45), (front - 0.22, half - 0.07, top - 0.28), paint, 0.1)
+    pillar(
+        mesh, (front - 0.04, half - 0.02, 1.45), (front - 0.22, half - 0.07, top - 0.28), paint, 0.1
+    )
     pillar(mesh, (rear + 0.3, half - 0.02, 1.45), (rear + 0.3, half - 0.05, top - 0.28), paint, 0.3)
     mesh.box((front - 0.05, 0, 0.55), (0.2, 2.34, 0.34), "dark_grey")
     front_print(mesh, front + 0.012, 0.7, (0.95, 1.35), "grille")
@@ -145,9 +154,7 @@ def tractor(lights: Lights, paint: str) -> MeshBuilder:
     mesh.hull((0.2, 1.95, -0.36, 0.36, 0.75), (0.2, 1.9, -0.32, 0.32, 1.5), "green")
     mesh.box((1.96, 0, 1.12), (0.06, 0.56, 0.6), "dark_grey")
     mesh.box((0.0, 0, 0.75), (3.0, 0.4, 0.4), "dark_grey")
-    mesh.hull(
-        (-1.25, 0.25, -0.68, 0.68, 1.3), (-1.1, 0.1, -0.6, 0.6, 2.5), "glass", caps=""
-    )
+    mesh.hull((-1.25, 0.25, -0.68, 0.68, 1.3), (-1.1, 0.1, -0.6, 0.6, 2.5), "glass", caps="")
     mesh.box((-0.5, 0, 2.56), (1.5, 1.4, 0.14), "green")
     for x0, x1 in ((-1.23, -1.1), (0.23, 0.1)):
         pillar(mesh, (x0, 0.66, 1.3), (x1, 0.6, 2.5), "dark_grey", 0.09)
@@ -157,7 +164,8 @@ def tractor(lights: Lights, paint: str) -> MeshBuilder:
         mesh.wheel(1.45, side * 0.78, 0.5, 0.34, hub="yellow")
         mesh.hull(
             (-1.7, -0.2, side * 0.88 - 0.24, side * 0.88 + 0.24, 1.62),
-            (-1.5, -0.4, side * 0.88 - 0.22, side * 0.88 + 0.22, 1.72), "green",
+            (-1.5, -0.4, side * 0.88 - 0.22, side * 0.88 + 0.22, 1.72),
+            "green",
         )
     rear_lamps(mesh, lights, -1.74, 0.88, 1.62, (0.22, 0.1))
     head_lamps(mesh, lights, 1.99, 0.2, 1.34, (0.16, 0.12))
@@ -167,7 +175,9 @@ def tractor(lights: Lights, paint: str) -> MeshBuilder:
     mesh.cylinder((-0.9, 0.5, 2.63), (-0.9, 0.5, 2.8), 0.07, blink)
     if lights.left and lights.right:
         mesh.lamp((-0.9, 0.5, 2.72), AMBER, (0, 0, 0), 3.0)
-    return mesh.centred().solid((0, 0, 0.85), (3.9, 2.1, 1.7)).solid((-0.6, 0, 2.1), (1.5, 1.4, 1.1))
+    return (
+        mesh.centred().solid((0, 0, 0.85), (3.9, 2.1, 1.7)).solid((-0.6, 0, 2.1), (1.5, 1.4, 1.1))
+    )
 
 
 def excavator(lights: Lights, paint: str) -> MeshBuilder:
@@ -175,8 +185,18 @@ def excavator(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     for side in (-1.0, 1.0):
         y = side * 1.0
-        mesh.hull((-1.7, 1.7, y - 0.28, y + 0.28, 0.0), (-2.0, 2.0, y - 0.28, y + 0.28, 0.4), "black", caps="b")
-        mesh.hull((-2.0, 2.0, y - 0.28, y + 0.28, 0.4), (-1.7, 1.7, y - 0.28, y + 0.28, 0.82), "black", caps="t")
+        mesh.hull(
+            (-1.7, 1.7, y - 0.28, y + 0.28, 0.0),
+            (-2.0, 2.0, y - 0.28, y + 0.28, 0.4),
+            "black",
+            caps="b",
+        )
+        mesh.hull(
+            (-2.0, 2.0, y - 0.28, y + 0.28, 0.4),
+            (-1.7, 1.7, y - 0.28, y + 0.28, 0.82),
+            "black",
+            caps="t",
+        )
         for x in (-1.5, -0.75, 0.0, 0.75, 1.5):
             mesh.cylinder((x, y + side * 0.2, 0.4), (x, y + side * 0.3, 0.4), 0.24, "dirty_hub")
     mesh.cylinder((0, 0, 0.7), (0, 0, 1.05), 0.7, "dark_grey")
@@ -198,7 +218,13 @@ def excavator(lights: Lights, paint: str) -> MeshBuilder:
     mesh.hull((4.0, 4.7, -0.85, 0.15, 0.55), (4.2, 4.9, -0.85, 0.15, 1.5), "dark_grey")
     mesh.hull((3.7, 4.2, -0.85, 0.15, 0.2), (4.0, 4.7, -0.85, 0.15, 0.56), "dark_grey")
     for index in range(5):
-        mesh.beam((3.8, -0.77 + 0.21 * index, 0.26), (3.5, -0.77 + 0.21 * index, 0.04), 0.09, "metal", end_width=0.03)
+        mesh.beam(
+            (3.8, -0.77 + 0.21 * index, 0.26),
+            (3.5, -0.77 + 0.21 * index, 0.04),
+            0.09,
+            "metal",
+            end_width=0.03,
+        )
     blink = "amber_lit" if lights.left and lights.right else "amber"
     mesh.cylinder((-0.0, 0.7, 2.9), (-0.0, 0.7, 3.08), 0.08, blink)
     if lights.left and lights.right:

@@ -27,12 +27,16 @@ WARDROBE: tuple[Clothes, ...] = (
 )
 
 
-def _limb(mesh: MeshBuilder, start: Point, middle: Point, end: Point, thick: float, colour: str) -> None:
+def _limb(
+    mesh: MeshBuilder, start: Point, middle: Point, end: Point, thick: float, colour: str
+) -> None:
     mesh.cylinder(start, middle, thick, colour, sides=6, end_radius=thick * 0.85)
     mesh.cylinder(middle, end, thick * 0.85, colour, sides=6, end_radius=thick * 0.65)
 
 
-def figure(mesh: MeshBuilder, clothes: Clothes, *, swing: float = 0.2, stop_sign: bool = False) -> None:
+def figure(
+    mesh: MeshBuilder, clothes: Clothes, *, swing: float = 0.2, stop_sign: bool = False
+) -> None:
     """Add a walking adult of 1.75 m who faces x."""
     for side in (-1.0, 1.0):
         y, step = side * 0.10, side * swing
@@ -71,7 +75,9 @@ def child(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     index = int(paint or 0)
     tops = ("yellow", "shirt_red", "teal")
-    figure(mesh, Clothes(tops[index % 3], "jeans", "hair_fair" if index % 2 else "hair"), swing=0.26)
+    figure(
+        mesh, Clothes(tops[index % 3], "jeans", "hair_fair" if index % 2 else "hair"), swing=0.26
+    )
     mesh.box((-0.18, 0, 1.2), (0.16, 0.32, 0.4), "fluor_orange")
     mesh.ball((0.02, 0, 1.64), (0.12, 0.105, 0.14), "skin")
     mesh.ball((-0.02, 0, 1.68), (0.125, 0.115, 0.12), "hair")
@@ -84,10 +90,21 @@ def worker(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     figure(mesh, Clothes("fluor_orange", "fluor_orange", skin="skin", hat="yellow"), swing=0.1)
     for z in (1.0, 1.22):
-        mesh.hull((-0.125, 0.125, -0.205, 0.205, z), (-0.125, 0.125, -0.212, 0.212, z + 0.07), "silver", caps="")
+        mesh.hull(
+            (-0.125, 0.125, -0.205, 0.205, z),
+            (-0.125, 0.125, -0.212, 0.212, z + 0.07),
+            "silver",
+            caps="",
+        )
     for side in (-1.0, 1.0):
         mesh.box((0, side * 0.13, 1.33), (0.235, 0.05, 0.2), "fluor_yellow")
-        mesh.cylinder((side * 0.05 - 0.01, side * 0.1, 0.38), (side * 0.06, side * 0.1, 0.30), 0.092, "silver", sides=6)
+        mesh.cylinder(
+            (side * 0.05 - 0.01, side * 0.1, 0.38),
+            (side * 0.06, side * 0.1, 0.30),
+            0.092,
+            "silver",
+            sides=6,
+        )
     mesh.cylinder((0.18, -0.36, 0.05), (0.12, -0.30, 1.35), 0.022, "wood", sides=6)
     mesh.box((0.18, -0.36, 0.13), (0.04, 0.2, 0.26), "metal")
     return mesh.solid((0, 0, 0.88), (0.45, 0.6, 1.76))
@@ -97,10 +114,20 @@ def police_officer(lights: Lights, paint: str) -> MeshBuilder:
     """A police officer in a yellow vest who holds up a stop disc."""
     mesh = MeshBuilder()
     figure(mesh, Clothes("uniform", "uniform", hat="uniform"), swing=0.08, stop_sign=True)
-    mesh.hull((-0.13, 0.13, -0.21, 0.21, 0.92), (-0.125, 0.125, -0.245, 0.245, 1.40), "fluor_yellow")
-    mesh.hull((-0.134, 0.134, -0.218, 0.218, 1.0), (-0.134, 0.134, -0.222, 0.222, 1.07), "silver", caps="")
-    mesh.picture([(-0.135, 0.2, 1.16), (-0.135, -0.2, 1.16), (-0.132, -0.2, 1.34), (-0.132, 0.2, 1.34)], "police_back")
-    mesh.picture([(0.135, -0.2, 1.16), (0.135, 0.2, 1.16), (0.132, 0.2, 1.34), (0.132, -0.2, 1.34)], "police_back")
+    mesh.hull(
+        (-0.13, 0.13, -0.21, 0.21, 0.92), (-0.125, 0.125, -0.245, 0.245, 1.40), "fluor_yellow"
+    )
+    mesh.hull(
+        (-0.134, 0.134, -0.218, 0.218, 1.0), (-0.134, 0.134, -0.222, 0.222, 1.07), "silver", caps=""
+    )
+    mesh.picture(
+        [(-0.135, 0.2, 1.16), (-0.135, -0.2, 1.16), (-0.132, -0.2, 1.34), (-0.132, 0.2, 1.34)],
+        "police_back",
+    )
+    mesh.picture(
+        [(0.135, -0.2, 1.16), (0.135, 0.2, 1.16), (0.132, 0.2, 1.34), (0.132, -0.2, 1.34)],
+        "police_back",
+    )
     mesh.ball((0.0, 0, 1.72), (0.14, 0.13, 0.045), "uniform")
     mesh.cylinder((0.36, -0.28, 1.5), (0.38, -0.28, 1.74), 0.018, "white", sides=6)
     mesh.cylinder((0.365, -0.28, 1.86), (0.395, -0.28, 1.86), 0.15, "white", sides=12)
@@ -108,7 +135,9 @@ def police_officer(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.solid((0.0, 0, 0.88), (0.45, 0.6, 1.76))
 
 
-def _two_wheeler_rider(mesh: MeshBuilder, clothes: Clothes, seat: Point, grip: Point, foot: float) -> None:
+def _two_wheeler_rider(
+    mesh: MeshBuilder, clothes: Clothes, seat: Point, grip: Point, foot: float
+) -> None:
     x, _, z = seat
     chest = (x + 0.28, 0.0, z + 0.48)
     mesh.beam((x, 0, z), chest, 0.32, clothes.top, end_width=0.36)
@@ -149,7 +178,9 @@ def cyclist(lights: Lights, paint: str) -> MeshBuilder:
         mesh.lamp((0.5, 0, 0.9), (1, 0.97, 0.86), (1, 0, 0), 1.0)
     index = int(paint or 0)
     top = ("fluor_yellow", "shirt_red", "shirt_white")[index % 3]
-    _two_wheeler_rider(mesh, Clothes(top, "trousers", hat="white"), (-0.22, 0, 0.98), (0.34, 0.26, 1.04), 0.26)
+    _two_wheeler_rider(
+        mesh, Clothes(top, "trousers", hat="white"), (-0.22, 0, 0.98), (0.34, 0.26, 1.04), 0.26
+    )
     return mesh.solid((0, 0, 0.4), (1.76, 0.2, 0.8)).solid((0.0, 0, 1.15), (0.7, 0.56, 1.2))
 
 
@@ -157,7 +188,11 @@ def _bicycle_wheel(mesh: MeshBuilder, x: float, radius: float) -> None:
     from math import cos, pi, sin
 
     rim = [
-        (x + radius * 0.95 * cos(2 * pi * i / 14), 0.0, radius + radius * 0.95 * sin(2 * pi * i / 14))
+        (
+            x + radius * 0.95 * cos(2 * pi * i / 14),
+            0.0,
+            radius + radius * 0.95 * sin(2 * pi * i / 14),
+        )
         for i in range(14)
     ]
     for one, two in zip(rim, rim[1:] + rim[:1], strict=True):
@@ -194,6 +229,11 @@ def motorcycle(lights: Lights, paint: str) -> MeshBuilder:
         mesh.box((-1.0, side * 0.2, 0.72), (0.05, 0.06, 0.05), "amber_lit" if blinks else "amber")
         if blinks:
             mesh.lamp((-1.0, side * 0.2, 0.72), (1, 0.62, 0.08), (-1, 0, 0), 2.0)
-    mesh.picture([(-1.05, 0.1, 0.52), (-1.05, -0.1, 0.52), (-1.05, -0.1, 0.64), (-1.05, 0.1, 0.64)], "plate_rear")
-    _two_wheeler_rider(mesh, Clothes("black", "trousers", hat=colour), (-0.3, 0, 0.92), (0.42, 0.34, 1.04), 0.40)
+    mesh.picture(
+        [(-1.05, 0.1, 0.52), (-1.05, -0.1, 0.52), (-1.05, -0.1, 0.64), (-1.05, 0.1, 0.64)],
+        "plate_rear",
+    )
+    _two_wheeler_rider(
+        mesh, Clothes("black", "trousers", hat=colour), (-0.3, 0, 0.92), (0.42, 0.34, 1.04), 0.40
+    )
     return mesh.solid((0, 0, 0.5), (2.06, 0.4, 1.0)).solid((-0.05, 0, 1.15), (0.8, 0.6, 0.9))

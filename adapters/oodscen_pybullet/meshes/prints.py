@@ -135,9 +135,7 @@ def _grain(patch: Image, colour: Colour, spread: float, rng: np.random.Generator
     patch[:] = np.clip(np.array(colour) + noise, 0, 255)
 
 
-def _asphalt(
-    patch: Image, name: str, colours: dict[str, Colour], rng: np.random.Generator
-) -> None:
+def _asphalt(patch: Image, name: str, colours: dict[str, Colour], rng: np.random.Generator) -> None:
     import cv2
 
     _grain(patch, colours["asphalt"], 4.0, rng)

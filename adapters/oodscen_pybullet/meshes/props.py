@@ -1,5 +1,6 @@
 """Things that lie on roads."""
 
+import itertools
 import math
 
 from oodscen_pybullet.meshes.bodywork import Lights
@@ -10,20 +11,55 @@ def cardboard_box(lights: Lights, paint: str) -> MeshBuilder:
     """A large carton, one pair of flaps open, taped and printed."""
     mesh = MeshBuilder()
     half, top = 0.45, 0.8
-    mesh.hull((-half, half, -half, half, 0.0), (-half, half, -half, half, top), "cardboard", caps="b")
-    mesh.polygon([(-half, -half, top - 0.12), (half, -half, top - 0.12), (half, half, top - 0.12), (-half, half, top - 0.12)], "cardboard_inside")
+    mesh.hull(
+        (-half, half, -half, half, 0.0), (-half, half, -half, half, top), "cardboard", caps="b"
+    )
+    mesh.polygon(
+        [
+            (-half, -half, top - 0.12),
+            (half, -half, top - 0.12),
+            (half, half, top - 0.12),
+            (-half, half, top - 0.12),
+        ],
+        "cardboard_inside",
+    )
     for side in (-1.0, 1.0):
-        flap = [(-half, side * half, top), (half, side * half, top), (half, side * (half + 0.10), top + 0.22), (-half, side * (half + 0.10), top + 0.22)]
+        flap = [
+            (-half, side * half, top),
+            (half, side * half, top),
+            (half, side * (half + 0.10), top + 0.22),
+            (-half, side * (half + 0.10), top + 0.22),
+        ]
         mesh.polygon(flap, "cardboard_dark").polygon(flap[::-1], "cardboard_dark")
-        lid = [(side * half, -half, top), (side * half, half, top), (side * 0.06, half, top + 0.09), (side * 0.06, -half, top + 0.09)]
+        lid = [
+            (side * half, -half, top),
+            (side * half, half, top),
+            (side * 0.06, half, top + 0.09),
+            (side * 0.06, -half, top + 0.09),
+        ]
         mesh.polygon(lid, "cardboard").polygon(lid[::-1], "cardboard_inside")
         e = half + 0.004
-        front = [(side * e, -0.05, 0.0), (side * e, 0.05, 0.0), (side * e, 0.05, top), (side * e, -0.05, top)]
+        front = [
+            (side * e, -0.05, 0.0),
+            (side * e, 0.05, 0.0),
+            (side * e, 0.05, top),
+            (side * e, -0.05, top),
+        ]
         mesh.polygon(front if side > 0 else front[::-1], "tape")
         print_x = side * (half + 0.003)
-        mark = [(print_x, -side * 0.40, 0.2), (print_x, -side * 0.08, 0.2), (print_x, -side * 0.08, 0.62), (print_x, -side * 0.40, 0.62)]
+        mark = [
+            (print_x, -side * 0.40, 0.2),
+            (print_x, -side * 0.08, 0.2),
+            (print_x, -side * 0.08, 0.62),
+            (print_x, -side * 0.40, 0.62),
+        ]
         mesh.picture(mark, "box_print")
-        mark = [(side * 0.40, side * e, 0.2), (side * 0.02, side * e, 0.2), (side * 0.02, side * e, 0.62), (side * 0.40, side * e, 0.62)]
+        mark = [
+            (side * 0.40, side * e, 0.2),
+            (side * 0.02, side * e, 0.2),
+            (side * 0.02, side * e, 0.62),
+            (side * 0.40, side * e, 0.62),
+        ]
         mesh.picture(mark, "box_print")
     return mesh.centred().solid((0, 0, 0.4), (0.9, 0.9, 0.8))
 
@@ -40,10 +76,18 @@ def plant_pot(lights: Lights, paint: str) -> MeshBuilder:
         bend = (reach * 0.5 * math.cos(turn), reach * 0.5 * math.sin(turn), rise - 0.06)
         mesh.beam((0, 0, 0.52), bend, 0.035, "leaf_dark")
         _leaf(mesh, bend, tip, 0.11, ("leaf", "leaf_light", "leaf_dark")[index % 3])
-    mesh.ball((0, 0, 0.86), (0.22, 0.22, 0.26), "leaf", jitter=0.2, key=3, second_colour="leaf_dark")
+    mesh.ball(
+        (0, 0, 0.86), (0.22, 0.22, 0.26), "leaf", jitter=0.2, key=3, second_colour="leaf_dark"
+    )
     for index in range(5):
         turn = index * 1.3 + 0.4
-        mesh.ball((0.2 * math.cos(turn), 0.2 * math.sin(turn), 1.08), (0.055, 0.055, 0.05), "red", around=6, down=4)
+        mesh.ball(
+            (0.2 * math.cos(turn), 0.2 * math.sin(turn), 1.08),
+            (0.055, 0.055, 0.05),
+            "red",
+            around=6,
+            down=4,
+        )
     return mesh.centred().solid((0, 0, 0.55), (0.72, 0.72, 1.1))
 
 
@@ -63,8 +107,12 @@ def _torus(mesh: MeshBuilder, centre: Point, radius: float, thick: float, colour
     points = [
         [
             (
-                centre[0] + (radius + thick * math.cos(2 * math.pi * j / sides)) * math.cos(2 * math.pi * i / ring),
-                centre[1] + (radius + thick * math.cos(2 * math.pi * j / sides)) * math.sin(2 * math.pi * i / ring),
+                centre[0]
+                + (radius + thick * math.cos(2 * math.pi * j / sides))
+                * math.cos(2 * math.pi * i / ring),
+                centre[1]
+                + (radius + thick * math.cos(2 * math.pi * j / sides))
+                * math.sin(2 * math.pi * i / ring),
                 centre[2] + thick * math.sin(2 * math.pi * j / sides),
             )
             for j in range(sides)
@@ -94,18 +142,37 @@ def mattress(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     rows = [(-1.0, 0.0), (-0.4, 0.0), (0.2, 0.0), (0.6, 0.12), (0.92, 0.42)]
     half, thick = 0.72, 0.24
-    for (x0, z0), (x1, z1) in zip(rows, rows[1:], strict=False):
+    for (x0, z0), (x1, z1) in itertools.pairwise(rows):
         for index in range(6):
             y0, y1 = -half + 0.24 * index, -half + 0.24 * (index + 1)
             colour = "mattress_stripe" if index % 2 else "mattress"
-            mesh.polygon([(x0, y0, z0 + thick), (x1, y0, z1 + thick), (x1, y1, z1 + thick), (x0, y1, z0 + thick)], colour)
+            mesh.polygon(
+                [
+                    (x0, y0, z0 + thick),
+                    (x1, y0, z1 + thick),
+                    (x1, y1, z1 + thick),
+                    (x0, y1, z0 + thick),
+                ],
+                colour,
+            )
         mesh.polygon([(x0, -half, z0), (x0, half, z0), (x1, half, z1), (x1, -half, z1)], "mattress")
         for side in (-1.0, 1.0):
-            edge = [(x0, side * half, z0), (x1, side * half, z1), (x1, side * half, z1 + thick), (x0, side * half, z0 + thick)]
+            edge = [
+                (x0, side * half, z0),
+                (x1, side * half, z1),
+                (x1, side * half, z1 + thick),
+                (x0, side * half, z0 + thick),
+            ]
             mesh.polygon(edge if side < 0 else edge[::-1], "mattress_edge")
     (x0, z0), (x1, z1) = rows[0], rows[-1]
-    mesh.polygon([(x0, half, z0), (x0, -half, z0), (x0, -half, z0 + thick), (x0, half, z0 + thick)], "mattress_edge")
-    mesh.polygon([(x1, -half, z1), (x1, half, z1), (x1, half, z1 + thick), (x1, -half, z1 + thick)], "mattress_edge")
+    mesh.polygon(
+        [(x0, half, z0), (x0, -half, z0), (x0, -half, z0 + thick), (x0, half, z0 + thick)],
+        "mattress_edge",
+    )
+    mesh.polygon(
+        [(x1, -half, z1), (x1, half, z1), (x1, half, z1 + thick), (x1, -half, z1 + thick)],
+        "mattress_edge",
+    )
     return mesh.centred()
 
 
@@ -121,7 +188,9 @@ def sofa(lights: Lights, paint: str) -> MeshBuilder:
             mesh.box((x, side * 0.9, 0.05), (0.07, 0.07, 0.1), "wood_dark")
     for y in (-0.55, 0.0, 0.55):
         mesh.box((-0.12, y, 0.49), (0.6, 0.53, 0.15), "sofa")
-        mesh.hull((0.06, 0.2, y - 0.25, y + 0.25, 0.56), (0.16, 0.28, y - 0.25, y + 0.25, 0.84), "sofa")
+        mesh.hull(
+            (0.06, 0.2, y - 0.25, y + 0.25, 0.56), (0.16, 0.28, y - 0.25, y + 0.25, 0.84), "sofa"
+        )
     return mesh.centred()
 
 
@@ -148,7 +217,9 @@ def ladder(lights: Lights, paint: str) -> MeshBuilder:
     for x in (-0.22, 0.22):
         mesh.box((x, 0, 0.06), (0.06, 3.2, 0.10), "silver")
     for index in range(11):
-        mesh.beam((-0.22, -1.5 + 0.3 * index, 0.08), (0.22, -1.5 + 0.3 * index, 0.08), 0.05, "light_grey")
+        mesh.beam(
+            (-0.22, -1.5 + 0.3 * index, 0.08), (0.22, -1.5 + 0.3 * index, 0.08), 0.05, "light_grey"
+        )
     for y in (-1.58, 1.58):
         mesh.box((0, y, 0.06), (0.5, 0.05, 0.12), "red")
     return mesh.centred()
@@ -157,9 +228,29 @@ def ladder(lights: Lights, paint: str) -> MeshBuilder:
 def rock(lights: Lights, paint: str) -> MeshBuilder:
     """A boulder with two smaller stones."""
     mesh = MeshBuilder()
-    mesh.ball((0, 0, 0.36), (0.62, 0.52, 0.46), "rock", around=8, down=6, jitter=0.16, key=11, second_colour="rock_dark")
-    mesh.ball((-0.45, 0.52, 0.14), (0.24, 0.2, 0.17), "rock_dark", around=7, down=5, jitter=0.16, key=12, second_colour="rock")
-    mesh.ball((-0.4, -0.55, 0.10), (0.18, 0.17, 0.13), "rock", around=7, down=5, jitter=0.16, key=13)
+    mesh.ball(
+        (0, 0, 0.36),
+        (0.62, 0.52, 0.46),
+        "rock",
+        around=8,
+        down=6,
+        jitter=0.16,
+        key=11,
+        second_colour="rock_dark",
+    )
+    mesh.ball(
+        (-0.45, 0.52, 0.14),
+        (0.24, 0.2, 0.17),
+        "rock_dark",
+        around=7,
+        down=5,
+        jitter=0.16,
+        key=12,
+        second_colour="rock",
+    )
+    mesh.ball(
+        (-0.4, -0.55, 0.10), (0.18, 0.17, 0.13), "rock", around=7, down=5, jitter=0.16, key=13
+    )
     return mesh.centred()
 
 
@@ -179,12 +270,25 @@ def debris(lights: Lights, paint: str) -> MeshBuilder:
         mesh.beam(start, end, 0.12, colour)
     for turn in (0.3, 2.1, 4.0):
         x, y = 0.6 * math.cos(turn), 0.6 * math.sin(turn)
-        sheet = [(x - 0.4, y - 0.25, 0.05), (x + 0.3, y - 0.3, 0.12), (x + 0.35, y + 0.3, 0.36), (x - 0.35, y + 0.25, 0.22)]
+        sheet = [
+            (x - 0.4, y - 0.25, 0.05),
+            (x + 0.3, y - 0.3, 0.12),
+            (x + 0.35, y + 0.3, 0.36),
+            (x - 0.35, y + 0.25, 0.22),
+        ]
         mesh.polygon(sheet, "rust").polygon(sheet[::-1], "metal")
     for index in range(9):
         turn = index * 0.7
         reach = 0.55 + 0.08 * (index % 5)
-        mesh.ball((reach * math.cos(turn), reach * math.sin(turn), 0.08), (0.15, 0.13, 0.10), "concrete_dark" if index % 2 else "wall_brick", around=6, down=4, jitter=0.25, key=20 + index)
+        mesh.ball(
+            (reach * math.cos(turn), reach * math.sin(turn), 0.08),
+            (0.15, 0.13, 0.10),
+            "concrete_dark" if index % 2 else "wall_brick",
+            around=6,
+            down=4,
+            jitter=0.25,
+            key=20 + index,
+        )
     mesh.ball((0, 0, 0.1), (0.75, 0.7, 0.24), "earth", around=9, down=4, jitter=0.2, key=31)
     return mesh.centred()
 
@@ -208,7 +312,15 @@ def shopping_cart(lights: Lights, paint: str) -> MeshBuilder:
             a = _between(corners_low[i], corners_high[i], g)
             b = _between(corners_low[j], corners_high[j], g)
             mesh.beam((*a, z), (*b, z), 0.022, "silver" if k < 3 else "light_grey")
-    mesh.polygon([(low[0], low[2], 0.42), (low[1], low[2], 0.42), (low[1], low[3], 0.42), (low[0], low[3], 0.42)], "metal")
+    mesh.polygon(
+        [
+            (low[0], low[2], 0.42),
+            (low[1], low[2], 0.42),
+            (low[1], low[3], 0.42),
+            (low[0], low[3], 0.42),
+        ],
+        "metal",
+    )
     mesh.beam((-0.50, -0.28, 1.0), (-0.50, 0.28, 1.0), 0.05, "red")
     for side in (-1.0, 1.0):
         mesh.beam((-0.42, side * 0.27, 0.92), (-0.50, side * 0.27, 1.0), 0.03, "silver")
@@ -260,19 +372,27 @@ def snow_pile(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     mesh.ball((0, 0, 0.02), (0.95, 1.25, 0.62), "snow", around=12, down=8, jitter=0.08, key=41)
     mesh.ball((0.35, 0.6, 0.05), (0.6, 0.6, 0.5), "snow", around=9, down=6, jitter=0.12, key=42)
-    mesh.ball((-0.3, -0.6, 0.05), (0.6, 0.65, 0.42), "snow_shade", around=9, down=6, jitter=0.12, key=43)
+    mesh.ball(
+        (-0.3, -0.6, 0.05), (0.6, 0.65, 0.42), "snow_shade", around=9, down=6, jitter=0.12, key=43
+    )
     return mesh.flatten(0.0).centred()
 
 
 def puddle(lights: Lights, paint: str) -> MeshBuilder:
     """A wide, shallow puddle; nothing that could be hit."""
     mesh = MeshBuilder()
-    for scale, z, colour in ((1.0, 0.02, "water"), (0.72, 0.026, "water_light"), (0.5, 0.032, "water")):
+    for scale, z, colour in (
+        (1.0, 0.02, "water"),
+        (0.72, 0.026, "water_light"),
+        (0.5, 0.032, "water"),
+    ):
         outline = []
         for index in range(20):
             turn = 2 * math.pi * index / 20
             wave = 1 + 0.10 * math.sin(3 * turn + 0.6) + 0.05 * math.sin(5 * turn)
-            outline.append((1.25 * scale * wave * math.cos(turn), 1.6 * scale * wave * math.sin(turn), z))
+            outline.append(
+                (1.25 * scale * wave * math.cos(turn), 1.6 * scale * wave * math.sin(turn), z)
+            )
         mesh.polygon(outline, colour)
     mesh.polygon([(0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)], "water")
     return mesh.centred()

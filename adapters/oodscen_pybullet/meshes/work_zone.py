@@ -14,7 +14,14 @@ def cone(lights: Lights, paint: str) -> MeshBuilder:
     """An orange traffic cone with two white bands."""
     mesh = MeshBuilder()
     mesh.box((0, 0, 0.025), (0.42, 0.42, 0.05), "black")
-    rings = ((0.05, 0.16), (0.26, 0.115), (0.40, 0.088), (0.50, 0.068), (0.62, 0.046), (0.75, 0.024))
+    rings = (
+        (0.05, 0.16),
+        (0.26, 0.115),
+        (0.40, 0.088),
+        (0.50, 0.068),
+        (0.62, 0.046),
+        (0.75, 0.024),
+    )
     colours = ("fluor_orange", "white", "fluor_orange", "white", "fluor_orange")
     for (z0, r0), (z1, r1), colour in zip(rings, rings[1:], colours, strict=False):
         mesh.cylinder((0, 0, z0), (0, 0, z1), r0, colour, sides=12, end_radius=r1)
@@ -32,7 +39,9 @@ def barrier(lights: Lights, paint: str) -> MeshBuilder:
         mesh.beam((-0.28, side * 0.85, 0.03), (-0.03, side * 0.85, 0.98), 0.06, "grey")
         mesh.beam((0.28, side * 0.85, 0.03), (0.03, side * 0.85, 0.98), 0.06, "grey")
         mesh.cylinder((0, side * 0.7, 0.98), (0, side * 0.7, 1.06), 0.05, "dark_grey", sides=8)
-        mesh.cylinder((-0.05, side * 0.7, 1.14), (0.05, side * 0.7, 1.14), 0.09, "amber_lit", sides=10)
+        mesh.cylinder(
+            (-0.05, side * 0.7, 1.14), (0.05, side * 0.7, 1.14), 0.09, "amber_lit", sides=10
+        )
         mesh.lamp((0, side * 0.7, 1.14), AMBER, (0, 0, 0), 1.2)
     return mesh.centred().solid((0, 0, 0.5), (0.6, 2.0, 1.0))
 
@@ -54,7 +63,11 @@ def arrow_board(state: str) -> MeshBuilder:
         mesh.box((0.0, side * 0.5, 0.85), (0.08, 0.08, 0.75), "machine")
         mesh.box((-0.46, side * 0.55, 0.48), (0.05, 0.2, 0.12), "tail")
     for index in range(6):
-        mesh.box((-0.47, -0.54 + 0.216 * index, 0.66), (0.03, 0.216, 0.14), "white" if index % 2 else "red")
+        mesh.box(
+            (-0.47, -0.54 + 0.216 * index, 0.66),
+            (0.03, 0.216, 0.14),
+            "white" if index % 2 else "red",
+        )
     mesh.beam((0.6, 0, 0.5), (1.3, 0, 0.42), 0.1, "grey")
     return mesh.centred()
 
@@ -64,7 +77,11 @@ def road_closed_sign(lights: Lights, paint: str) -> MeshBuilder:
     mesh = MeshBuilder()
     _face(mesh, -0.06, 0.9, 0.75, 1.65, "road_closed")
     for index in range(8):
-        mesh.box((-0.05, -0.7875 + 0.225 * index, 0.5), (0.05, 0.225, 0.22), "white" if index % 2 else "red")
+        mesh.box(
+            (-0.05, -0.7875 + 0.225 * index, 0.5),
+            (0.05, 0.225, 0.22),
+            "white" if index % 2 else "red",
+        )
     _trestle(mesh)
     return mesh.centred()
 
