@@ -49,7 +49,7 @@ def decisive(recipe: Recipe) -> RecipeActor | None:
         if recipe.decision.actor in actor.names:
             return actor
     unusual = [actor for actor in recipe.actors if actor.hazard]
-    return (unusual or list(recipe.actors) or [None])[0]
+    return next(iter(unusual or recipe.actors), None)
 
 
 def approach(hazard: Hazard, place: Place) -> Approach:

@@ -89,7 +89,9 @@ class Composer:
             where=turns.next(f"place {place.key}", list(place.phrases)),
             condition=condition,
             weather=_pick(rng, condition.phrases) if condition else "",
-            statement=_pick(rng, condition.statements) if condition and condition.statements else "",
+            statement=_pick(rng, condition.statements)
+            if condition and condition.statements
+            else "",
             is_act=hazard.class_name == "interactional",
             traffic=self._traffic(hazard, place, rng),
             opening=turns.next("opening", list(self.knowledge.wording.openings)),
@@ -102,9 +104,7 @@ class Composer:
         fitting = [t for t in self.knowledge.traffic if _met_on(t, place)]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 
-    def _located(
-        self, event: str, hazard: Hazard, place: Place, rng: np.random.Generator
-    ) -> str:
+    def _located(self, event: str, hazard: Hazard, place: Place, rng: np.random.Generator) -> str:
         """Fill in where it is; the ego is named if the event does not name it yet."""
         if "{where}" not in event:
             return event
@@ -244,9 +244,7 @@ _STRUCTURES = {
     "two sentences": _Structure(_two_sentences, lambda plot: True),
     "weather first": _Structure(_weather_first, lambda plot: bool(plot.weather)),
     "two plain sentences": _Structure(_two_sentences, lambda plot: True),
-    "weather stated": _Structure(
-        _stated, lambda plot: bool(plot.statement) and not plot.traffic
-    ),
+    "weather stated": _Structure(_stated, lambda plot: bool(plot.statement) and not plot.traffic),
     "joined": _Structure(
         _joined, lambda plot: _starts_plainly(plot) and _is_short(plot) and not plot.traffic
     ),

@@ -128,10 +128,9 @@ class Recipe(Data):
     @property
     def behaviours(self) -> tuple[str, ...]:
         """Every behaviour that it uses, the twin's included."""
+        twins = [a.ordinary for a in self.actors if isinstance(a.ordinary, Counterpart)]
         named = [actor.behaviour for actor in self.actors]
-        for actor in self.actors:
-            if isinstance(actor.ordinary, Counterpart) and actor.ordinary.behaviour:
-                named.append(actor.ordinary.behaviour)
+        named += [twin.behaviour for twin in twins if twin.behaviour]
         return tuple(dict.fromkeys(named))
 
 
@@ -277,8 +276,13 @@ class Knowledge(Data):
 
 # ------------------------------------------------------------------ reading
 
-_TABLES = {"hazard": Hazard, "place": Place, "condition": Condition, "traffic": Traffic}
-_SINGLE = {"wording": Wording, "paper": Paper}
+_TABLES: dict[str, type[Data]] = {
+    "hazard": Hazard,
+    "place": Place,
+    "condition": Condition,
+    "traffic": Traffic,
+}
+_SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
 
 class _Shelf:
@@ -314,7 +318,9 @@ class _Shelf:
         try:
             value = kind.parse(item)
         except DataError as error:
-            self.issues += [Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues]
+            self.issues += [
+                Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues
+            ]
             return
         if key in _TABLES:
             self.entries[key].append((where, value))
@@ -431,9 +437,11 @@ def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:
     )
     classes: dict[str, str] = {}
     for where, hazard in entries:
-        for field in ("label", "wider"):
-            if labels[getattr(hazard, field).casefold()] > 1:
-                issues.append(Issue(f"{where}: {field}", "another hazard has the same"))
+        issues += [
+            Issue(f"{where}: {field}", "another hazard has the same")
+            for field in ("label", "wider")
+            if labels[getattr(hazard, field).casefold()] > 1
+        ]
         if labels[hazard.family.casefold()]:
             issues.append(Issue(f"{where}: family", "is the label of a hazard as well"))
         if classes.setdefault(hazard.family, hazard.class_name) != hazard.class_name:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import TypeVar
 
 from oodscen.llms.author.knowledge import Condition, Hazard, Knowledge, Place, Traffic
@@ -56,7 +57,7 @@ def stems(text: str) -> list[str]:
 
 
 def _features(tokens: Sequence[str]) -> list[str]:
-    return [*tokens, *(f"{a} {b}" for a, b in zip(tokens, tokens[1:], strict=False))]
+    return [*tokens, *(f"{a} {b}" for a, b in pairwise(tokens))]
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,9 @@ class Recogniser:
     def __init__(self, knowledge: Knowledge) -> None:
         """Index the phrasings, labels and words of every hazard."""
         self.knowledge = knowledge
-        phrases = [(h, parts) for h, hazard in enumerate(knowledge.hazards) for parts in _phrases(hazard)]
+        phrases = [
+            (h, parts) for h, hazard in enumerate(knowledge.hazards) for parts in _phrases(hazard)
+        ]
         owners: dict[str, set[int]] = {}
         for owner, features in phrases:
             for feature in features:

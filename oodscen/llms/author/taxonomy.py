@@ -50,10 +50,8 @@ class TreeAuthor:
         self.mentioned = self._named(knowledge.paper.mentioned)
 
     def _named(self, descriptions: Sequence[str]) -> tuple[Hazard, ...]:
-        found = (self.recogniser.recognise(text).hazard for text in descriptions)
-        return tuple(dict.fromkeys(hazard.id for hazard in found if hazard is not None)) and tuple(
-            {h.id: h for h in (self.recogniser.recognise(t).hazard for t in descriptions) if h}.values()
-        )
+        found = [self.recogniser.recognise(text).hazard for text in descriptions]
+        return tuple({hazard.id: hazard for hazard in found if hazard is not None}.values())
 
     def propose(self, prompt: ProposeTree, rng: np.random.Generator) -> ProposedTree:
         """Arrange the paper's scenarios and a seeded choice of others as a tree of given size."""
@@ -98,7 +96,7 @@ class TreeAuthor:
         taken = {hazard.id for hazard in draft.chosen}
         left = [hazard for hazard in order if hazard.id not in taken]
         while draft.room and left:
-            counts = {name: 0 for name in ("environmental", "interactional")}
+            counts = dict.fromkeys(("environmental", "interactional"), 0)
             for hazard in draft.chosen:
                 counts[hazard.class_name] += 1
 

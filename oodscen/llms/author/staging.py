@@ -1,0 +1,336 @@
+"""Staging: from a text and a catalogue's digest to the draft of a scene, by recipe."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from oodscen.errors import LLMError
+from oodscen.llms.author import approach
+from oodscen.llms.author.feasibility import WeatherLimits
+from oodscen.llms.author.knowledge import (
+    Counterpart,
+    Hazard,
+    Knowledge,
+    Place,
+    Range,
+    Recipe,
+    RecipeActor,
+    RecipeTrigger,
+    TrafficActor,
+)
+from oodscen.llms.author.recognise import Recogniser
+from oodscen.llms.author.weather import draw_weather
+from oodscen.prompts import SceneDraft, StageScene
+from oodscen.prompts.digest import CatalogueDigest, MapLine
+from oodscen.scene import Actor, Behaviour, Ego, Placement, Trigger
+from oodscen.scene import Hazard as Unusual
+from oodscen.seeding import stream
+
+_DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
+_LEAST_SPEED = 3.0
+"""m/s"""
+
+
+@dataclass
+class _Set:
+    """What is known when the actors are placed."""
+
+    digest: CatalogueDigest
+    road: MapLine
+    recipe: Recipe
+    rng: np.random.Generator
+    speed: float
+    """Of the ego, m/s."""
+    slowed: float
+    """Factor on the speed of other vehicles, where the road's limit slows the ego down."""
+    ego_lane: int
+
+    def draw(self, limits: Range) -> float:
+        return round(float(self.rng.uniform(*limits)), 2)
+
+    def choose(self, options: tuple[str, ...]) -> str:
+        offered = {asset.id for asset in self.digest.assets}
+        fitting = [option for option in options if option in offered] or list(options)
+        return fitting[int(self.rng.integers(len(fitting)))]
+
+
+class Stager:
+    """Answers `StageScene`."""
+
+    def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
+        """Stage with the recipes of a knowledge base."""
+        self.knowledge = knowledge
+        self.recogniser = recogniser
+
+    def stage(self, prompt: StageScene, seed: int, attempt: int) -> SceneDraft:
+        """Set up a scene for a text.
+
+        Args:
+            prompt: The text and what the simulator offers.
+            seed: Of the author.
+            attempt: 0 at first; another attempt draws other values.
+
+        Raises:
+            LLMError: When the text shows nothing that the author can stage.
+        """
+        hazard = self._hazard(prompt)
+        recipe = hazard.stage
+        assert recipe is not None
+        rng = stream(seed, "stage", prompt.text, attempt)
+        place = self._place(prompt.text, hazard, rng)
+        road = _map_for(place, hazard, prompt.catalogue)
+        told = self.recogniser.conditions(prompt.text, hazard)
+        limits = WeatherLimits.of(prompt.catalogue.weather)
+        weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng)
+        distance = _distance(prompt.text)
+        scene = _set(prompt.catalogue, road, recipe, place, rng)
+        shift, decision = _timing(scene, hazard, place, weather.friction, distance)
+        actors: list[Actor] = []
+        unusual: dict[str, Actor | None] = {}
+        for part in recipe.actors:
+            for actor, counterpart in _actors(part, scene, shift):
+                actors.append(actor)
+                if part.hazard:
+                    unusual[actor.id] = counterpart
+        traffic = self.recogniser.traffic(prompt.text)
+        if traffic is not None and traffic.actor is not None and attempt < 2:
+            actors += _traffic(traffic.actor, scene)
+        if ordinary is None and not unusual:
+            raise LLMError(f"the recipe for {hazard.label!r} has no hazard", model="builtin")
+        return SceneDraft(
+            reasoning=(
+                f"The text is about: {hazard.label}. It fits {road.description}; the ego drives "
+                f"at {scene.speed:g} m/s."
+            ),
+            map=road.id,
+            ego=Ego(speed=scene.speed, lane=scene.ego_lane),
+            weather=weather,
+            actors=actors,
+            hazard=Unusual(actors=unusual, weather=ordinary),
+            decision=decision,
+            horizon_s=recipe.horizon,
+        )
+
+    def _hazard(self, prompt: StageScene) -> Hazard:
+        """Recognise the hazard from the text, or failing that from its kind."""
+        hazard = self.recogniser.recognise(prompt.text).hazard
+        if hazard is None and prompt.path:
+            hazard, _ = self.recogniser.label(prompt.path[-1])
+        if hazard is None:
+            raise LLMError("the built-in author does not recognise the text", model="builtin")
+        if hazard.stage is None:
+            raise LLMError(
+                f"the built-in author has no recipe to stage {hazard.label!r}", model="builtin"
+            )
+        return hazard
+
+    def _place(self, text: str, hazard: Hazard, rng: np.random.Generator) -> Place:
+        told = self.recogniser.place(text, hazard.places)
+        if told is not None and told.key in hazard.places:
+            return told
+        fitting = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
+        if told is not None:
+            alike = max(len(set(told.traits) & set(p.traits)) for p in fitting)
+            fitting = [p for p in fitting if len(set(told.traits) & set(p.traits)) == alike]
+        return fitting[int(rng.integers(len(fitting)))]
+
+
+def _distance(text: str) -> float | None:
+    found = _DISTANCE.search(text)
+    return float(found.group(1)) if found else None
+
+
+def _map_for(place: Place, hazard: Hazard, digest: CatalogueDigest) -> MapLine:
+    """Return the map that shares most traits with the place."""
+    needed = set(hazard.needs.traits)
+    fitting = [road for road in digest.maps if needed <= set(road.traits)]
+    if not fitting:
+        raise LLMError("no map of the simulator fits the text", model="builtin")
+    return max(fitting, key=lambda road: len(set(place.traits) & set(road.traits)))
+
+
+def _set(
+    digest: CatalogueDigest,
+    road: MapLine,
+    recipe: Recipe,
+    place: Place,
+    rng: np.random.Generator,
+) -> _Set:
+    """Choose the ego's lane and speed."""
+    lowest = min((min(actor.lane) for actor in recipe.actors if len(actor.lane) == 1), default=0)
+    limits = place.speed if approach.scales(recipe) else recipe.speed
+    wanted = round(float(rng.uniform(*limits)), 2)
+    speed = round(min(wanted, road.speed_limit), 2)
+    return _Set(
+        digest=digest,
+        road=road,
+        recipe=recipe,
+        rng=rng,
+        speed=speed,
+        slowed=speed / wanted,
+        ego_lane=min(max(0, -lowest), road.lanes - 1),
+    )
+
+
+def _timing(
+    scene: _Set, hazard: Hazard, place: Place, friction: float, distance: float | None
+) -> tuple[float, Trigger]:
+    """Return by how far all actors move along the road, and the decision's trigger.
+
+    A distance in the text is where the scene starts: the decision comes later, where there is
+    just room enough to stop or to change lane.
+    """
+    recipe, decision = scene.recipe, scene.recipe.decision
+    value = scene.draw(decision.value)
+    actor = approach.decisive(recipe)
+    shift = 0.0
+    if actor is not None and approach.scales(recipe):
+        spare = approach.spare(recipe) * float(scene.rng.uniform(0.9, 1.3))
+        middle = 0.5 * sum(actor.ahead)
+        if distance is not None:
+            while scene.speed > _LEAST_SPEED:
+                value = approach.room(scene.speed, friction) + spare
+                if value + 0.7 * scene.speed <= distance:
+                    break
+                scene.speed = round(0.95 * scene.speed, 2)
+            value = min(value, max(distance - 2.0, 1.0))
+            shift = distance - middle
+        else:
+            value = approach.room(scene.speed, friction) + spare
+            shift = value + scene.speed * float(scene.rng.uniform(1.6, 3.0)) - middle
+    elif actor is not None and distance is not None:
+        low, high = actor.ahead
+        shift = min(max(distance, low), high) - 0.5 * (low + high)
+    return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
+
+
+def _actors(part: RecipeActor, scene: _Set, shift: float) -> list[tuple[Actor, Actor | None]]:
+    """Draw an actor, or a row of them, each with its ordinary counterpart."""
+    decides = approach.decisive(scene.recipe) is part
+    low, high = part.ahead
+    if shift and decides:
+        low = high = 0.5 * (low + high)
+    elif shift:
+        middle = 0.5 * (low + high)
+        low, high = middle - 0.25 * (high - low), middle + 0.25 * (high - low)
+    first = scene.draw((low, high)) + shift
+    aside, asset = scene.draw(part.offset), scene.choose(part.asset)
+    lane = _lane(part.lane, scene)
+    drawn = []
+    for number, name in enumerate(part.names):
+        actor = Actor(
+            id=name,
+            asset=asset if part.count == 1 else scene.choose(part.asset),
+            placement=Placement(
+                ahead_m=round(first + number * part.spread_ahead, 2),
+                lane=lane,
+                offset_m=round(aside + number * part.spread_offset, 2),
+                heading_deg=scene.draw(part.heading_deg),
+            ),
+            behaviour=Behaviour(
+                name=part.behaviour,
+                trigger=_trigger(part.trigger, scene),
+                parameters=_parameters(part.behaviour, part.parameters, scene),
+            ),
+            state=_state(asset, part.state, scene.digest),
+        )
+        ordinary = part.ordinary
+        counterpart = None if ordinary == "remove" else _ordinary(actor, ordinary, scene)
+        drawn.append((actor, counterpart))
+    return drawn
+
+
+def _lane(options: tuple[int, ...], scene: _Set) -> int:
+    """Choose a lane that the road has."""
+    lanes = scene.road.lanes + scene.road.oncoming_lanes
+    fitting = [lane for lane in options if 0 <= scene.ego_lane + lane < lanes] or list(options)
+    return fitting[int(scene.rng.integers(len(fitting)))]
+
+
+def _trigger(trigger: RecipeTrigger, scene: _Set) -> Trigger:
+    return Trigger(kind=trigger.kind, value=scene.draw(trigger.value), actor=trigger.actor)
+
+
+def _ordinary(actor: Actor, change: Counterpart, scene: _Set) -> Actor:
+    """Return what stands in an actor's place in the ordinary twin."""
+    old, behaviour = actor.placement, actor.behaviour
+    name = change.behaviour or behaviour.name
+    trigger = behaviour.trigger if name == behaviour.name else Trigger()
+    if change.trigger is not None:
+        trigger = _trigger(change.trigger, scene)
+    kept: dict[str, Range] = {key: (v, v) for key, v in behaviour.parameters.items()}
+    parameters = _parameters(name, kept, scene, again=True)
+    parameters.update(_parameters(name, change.parameters or {}, scene))
+    asset = scene.choose(change.asset) if change.asset else actor.asset
+    state = actor.state if change.state is None else change.state
+    return Actor(
+        id=actor.id,
+        asset=asset,
+        placement=Placement(
+            ahead_m=old.ahead_m if change.ahead is None else scene.draw(change.ahead),
+            lane=old.lane if change.lane is None else change.lane,
+            offset_m=old.offset_m if change.offset is None else scene.draw(change.offset),
+            heading_deg=(
+                old.heading_deg if change.heading_deg is None else scene.draw(change.heading_deg)
+            ),
+        ),
+        behaviour=Behaviour(name=name, trigger=trigger, parameters=parameters),
+        state=_state(asset, state, scene.digest),
+    )
+
+
+def _parameters(
+    name: str, limits: dict[str, Range], scene: _Set, *, again: bool = False
+) -> dict[str, float]:
+    """Draw the parameters that a behaviour has, within what the catalogue allows.
+
+    Args:
+        name: Of the behaviour.
+        limits: Ranges to draw from; what the behaviour does not have is left out.
+        scene: Gives the draws.
+        again: Whether the values were slowed down before.
+    """
+    line = next((b.parameters for b in scene.digest.behaviours if b.id == name), "")
+    allowed = {
+        key: (float(low), float(high))
+        for key, low, high in re.findall(r"(\w+) (-?[\d.e+]+?)\.\.(-?[\d.e+]+) ", line)
+    }
+    drawn = {}
+    for key, limit in limits.items():
+        value = scene.draw(limit)
+        if key not in allowed:
+            continue
+        if key == "speed" and scene.slowed < 1.0 and not again:
+            value = round(value * scene.slowed, 2)
+        low, high = allowed[key]
+        drawn[key] = min(max(value, low), high)
+    return drawn
+
+
+def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
+    known = next((line.states for line in digest.assets if line.id == asset), ())
+    return state if state in known else ""
+
+
+def _traffic(part: TrafficActor, scene: _Set) -> list[Actor]:
+    """Add the ordinary road user that the text mentions, where the road has a lane for it."""
+    lane = scene.road.lanes - scene.ego_lane if part.side == "oncoming" else 1
+    there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else lane < scene.road.lanes
+    if not there:
+        return []
+    limits = {
+        key: (scene.speed, scene.speed) if value == "ego" else value
+        for key, value in part.parameters.items()
+    }
+    return [
+        Actor(
+            id=part.id,
+            asset=scene.choose(part.asset),
+            placement=Placement(ahead_m=scene.draw(part.ahead), lane=lane),
+            behaviour=Behaviour(
+                name=part.behaviour,
+                parameters=_parameters(part.behaviour, limits, scene, again=True),
+            ),
+        )
+    ]
