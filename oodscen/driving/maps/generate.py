@@ -59,12 +59,12 @@ _HIGHWAY = (
     LaneDesign("driving", 3.75, "broken"),
     LaneDesign("driving", 3.75, "solid"),
     LaneDesign("shoulder", 3.0),
-    LaneDesign("border", 3.0),
+    LaneDesign("border", 5.0),
 )
 _RURAL = (
     LaneDesign("driving", 3.25, "solid"),
     LaneDesign("shoulder", 1.0),
-    LaneDesign("border", 3.0),
+    LaneDesign("border", 6.0),
 )
 
 DESIGNS: tuple[MapDesign, ...] = (

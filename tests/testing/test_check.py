@@ -1,0 +1,142 @@
+import itertools
+
+import numpy as np
+import pytest
+
+from oodscen.driving import SHIPPED_MAPS
+from oodscen.errors import SpawnError
+from oodscen.protocols import Frame, State
+from oodscen.testing import FlatSimulator, check_simulator
+from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
+from tests.driving.staging import actor, scene
+
+SMALL = FLAT_CATALOGUE.model_copy(
+    update={
+        "assets": FLAT_CATALOGUE.assets[:1] + FLAT_CATALOGUE.assets[12:14],
+        "behaviours": FLAT_CATALOGUE.behaviours[:2],
+        "maps": SHIPPED_MAPS[:1],
+    }
+)
+
+
+class Small(FlatSimulator):
+    """Offers little, so that the check is quick."""
+
+    def catalogue(self):
+        return SMALL
+
+
+def replaced(state: State, **fields: object) -> State:
+    return State(**{**vars(state), **fields})
+
+
+class WrongTime(Small):
+    def step(self, control):
+        super().step(control)
+        return replaced(super().step(control))
+
+
+class WrongTypes(Small):
+    def _publish(self):
+        state = super()._publish()
+        return replaced(state, speeds=state.speeds.astype(np.float32))
+
+
+class WrongIds(Small):
+    def _publish(self):
+        state = super()._publish()
+        return replaced(state, ids=tuple(reversed(state.ids)))
+
+
+class Remembers(Small):
+    resets = itertools.count()
+
+    def reset(self, scene, seed):
+        return super().reset(scene, seed + next(self.resets))
+
+
+class Blank(Small):
+    def draw(self, camera):
+        frame = super().draw(camera)
+        return Frame(np.zeros_like(frame.rgb), frame.depth, frame.ids)
+
+
+class FlippedIds(Small):
+    def draw(self, camera):
+        frame = super().draw(camera)
+        return Frame(frame.rgb, frame.depth, np.where(frame.ids > 1, 0, frame.ids))
+
+
+class Refuses(Small):
+    def spawn(self, actor_id, asset, state, pose):
+        if asset.id == "cyclist":
+            raise SpawnError(actor_id, asset.id, pose, "no mesh")
+        super().spawn(actor_id, asset, state, pose)
+
+
+class ClosesOnce(Small):
+    closed = 0
+
+    def release(self):
+        self.closed += 1
+        if self.closed > 1:
+            raise RuntimeError("already closed")
+
+
+class Untyped(Small):
+    def reset(self, scene, seed):
+        if scene.map not in [road.id for road in SMALL.maps]:
+            raise KeyError(scene.map)
+        return super().reset(scene, seed)
+
+
+class Boastful(Small):
+    def catalogue(self):
+        road = SHIPPED_MAPS[0].model_copy(update={"lanes": 2, "length_m": 5000.0})
+        return SMALL.model_copy(update={"maps": (road,)})
+
+
+class ForgetsSpeed(Small):
+    def restore(self, snapshot):
+        state = super().restore(snapshot)
+        self.world.ego.speed = 0.0
+        return state
+
+
+def test_the_flat_simulator_keeps_the_protocol() -> None:
+    check_simulator(FlatSimulator)
+
+
+@pytest.mark.parametrize(
+    ("factory", "words"),
+    [
+        (WrongTime, ["step is 2, not 1", "time is 0.1"]),
+        (WrongTypes, ["speeds is float32"]),
+        (WrongIds, ["ids are"]),
+        (Remembers, ["another result"]),
+        (Blank, ["blank"]),
+        (FlippedIds, ["no pixel with id 2"]),
+        (Refuses, ["cyclist", "no mesh"]),
+        (ClosesOnce, ["close may be called twice"]),
+        (Untyped, ["an unknown map is refused by a KeyError"]),
+        (Boastful, ["has 1 lanes, not 2", "lie ahead"]),
+        (ForgetsSpeed, ["snapshot"]),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_broken_promises_are_found(factory, words: list[str]) -> None:
+    weaving = scene(actor("a", "cyclist", "follow_lane"), map="residential_two_lane")
+    if factory is Remembers:
+        factory = type("Remembers", (Remembers,), {"catalogue": FlatSimulator.catalogue})
+        weaving = scene(actor("a", "cyclist", "wobble"), map="residential_two_lane")
+    with pytest.raises(AssertionError) as caught:
+        check_simulator(factory, scenes=[weaving])
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_all_findings_are_listed() -> None:
+    broken = type("Broken", (Blank, WrongTypes, ClosesOnce), {})
+    with pytest.raises(AssertionError) as caught:
+        check_simulator(broken)
+    assert str(caught.value).count("\n  - ") >= 3
