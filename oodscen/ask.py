@@ -122,6 +122,8 @@ def find_objects(text: str) -> Iterator[tuple[dict[str, Any], int]]:
             yield ended, len(part) - broken_off
 
 
+_DECODER = json.JSONDecoder(strict=False)
+
 _STARTS = 40
 """How many things that begin like an object and are none are tried before the rest is given up."""
 
@@ -162,12 +164,9 @@ def _end(text: str) -> dict[str, Any] | None:
 
 def _strict(text: str) -> Any:
     try:
-        return json.loads(text)
+        return _DECODER.decode(text)
     except (ValueError, RecursionError):
         return None
-
-
-_DECODER = json.JSONDecoder(strict=False)
 
 
 def _strict_at(text: str, position: int) -> tuple[Any, int]:
@@ -177,9 +176,15 @@ def _strict_at(text: str, position: int) -> tuple[Any, int]:
         return None, 0
 
 
+_TRAILING_COMMA = re.compile(r'("(?:[^"\\]|\\.)*")|,(?=\s*[}\]])', re.DOTALL)
+
+
 def _mended(text: str) -> dict[str, Any] | None:
     if len(text) > _MENDABLE:
         return None
+    plain = _TRAILING_COMMA.sub(lambda match: match[1] or "", text)
+    if isinstance(value := _strict(plain), dict):
+        return value
     try:
         value = json_repair.loads(text, skip_json_loads=True)
     # Written for broken input, and itself broken by some of it.

@@ -1,0 +1,78 @@
+"""One question of every kind, with every field filled."""
+
+from oodscen.messages import Image
+from oodscen.prompts import (
+    ActionOption,
+    CatalogueDigest,
+    ChooseAction,
+    ClassifyExamples,
+    DescribeFrame,
+    DescribePath,
+    GiveExamples,
+    ImagineScenario,
+    JudgeBranch,
+    NameAspect,
+    PlaceScenario,
+    ProposeTree,
+    StageScene,
+)
+from oodscen.prompts.digest import AssetLine, BehaviourLine, MapLine
+from oodscen.tree import Node
+
+DIGEST = CatalogueDigest(
+    assets=(
+        AssetLine(id="car", category="vehicle", description="a car", states=("off", "brake")),
+        AssetLine(id="deer", category="animal", description="a deer"),
+    ),
+    behaviours=(
+        BehaviourLine(
+            id="bolt", description="runs", categories=("animal",), parameters="speed 1..15 (8)"
+        ),
+    ),
+    maps=(
+        MapLine(
+            id="avenue",
+            description="an avenue",
+            lanes=2,
+            oncoming_lanes=1,
+            speed_limit=13.9,
+            traits=("urban",),
+        ),
+    ),
+    weather="no night; no fog",
+)
+
+NODES = (
+    Node(id="root", parent=None, label="Out of distribution"),
+    Node(id="environmental", parent="root", label="Environmental"),
+    Node(id="interactional", parent="root", label="Interactional"),
+    Node(id="animals", parent="interactional", label="Animals"),
+    Node(id="deer", parent="animals", label="Deer on the road"),
+)
+
+FRAMES = tuple(Image(name=f"{name}.jpg", sha256=f"{name:0<64}") for name in ("a", "b", "c"))
+SEEN = ("An empty street.", "A deer beside the street.", "A deer on the street.")
+PATH = ("Out of distribution", "Interactional", "Animals", "Deer on the road")
+EXAMPLES = GiveExamples(shown=("A deer crosses.", "Thick fog."), count=2)
+CLASSES = ClassifyExamples(asked=EXAMPLES, given=("A sofa lies on the road.", "A car reverses."))
+
+SAMPLES = (
+    EXAMPLES,
+    CLASSES,
+    ProposeTree(asked=CLASSES, classes=("environmental", "interactional"), nodes=5),
+    ImagineScenario(shown=("A deer crosses.",), covered=("Fog", "Deer on the road")),
+    PlaceScenario(text="A stag leaps onto the road.", nodes=NODES),
+    JudgeBranch(path=PATH, catalogue=DIGEST),
+    DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",)),
+    StageScene(text="A stag leaps onto the road.", path=PATH, catalogue=DIGEST),
+    DescribeFrame(frames=FRAMES, descriptions=SEEN[:2]),
+    NameAspect(frames=FRAMES, descriptions=SEEN),
+    ChooseAction(
+        frames=FRAMES,
+        descriptions=SEEN,
+        options=(
+            ActionOption(id="stop", description="brake to a stop"),
+            ActionOption(id="keep_speed", description="drive on"),
+        ),
+    ),
+)

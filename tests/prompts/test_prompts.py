@@ -1,0 +1,165 @@
+"""Laws that hold for every question."""
+
+import re
+from typing import get_args
+
+import jinja2.meta
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import BaseModel, ValidationError
+
+from oodscen.messages import Image
+from oodscen.prompts import QUESTIONS, DescribePath, PlaceScenario, StageScene, base
+from oodscen.prompts.base import data_block
+from oodscen.tree import Node
+from tests.prompts.samples import DIGEST, NODES, PATH, SAMPLES
+
+UNSHOWN = {(Node, "attested"), (Image, "path")}
+"""Provenance of a label, and where a picture's bytes lie: neither is part of a question."""
+
+
+def changed(value, annotation=None):
+    """Yield the values that differ from this one in a single place, however deep."""
+    if isinstance(value, BaseModel):
+        for name, field in type(value).model_fields.items():
+            if (type(value), name) not in UNSHOWN:
+                for other in changed(getattr(value, name), field.annotation):
+                    yield {**dict(value), name: other}
+    elif isinstance(value, tuple):
+        if value:
+            yield value[:-1]
+        for index, item in enumerate(value):
+            for other in changed(item):
+                yield (*value[:index], other, *value[index + 1 :])
+    elif isinstance(value, str):
+        words = [word for word in get_args(annotation) if isinstance(word, str)]
+        yield from [word for word in words if word != value] or [f"{value}x"]
+    elif isinstance(value, (int, float)):
+        yield value + 1
+
+
+def variants(prompt):
+    for name, field in type(prompt).model_fields.items():
+        for other in changed(getattr(prompt, name), field.annotation):
+            yield name, type(prompt)(**{**dict(prompt), name: other})
+
+
+def test_there_is_a_sample_of_every_question_with_every_field_filled():
+    assert tuple(map(type, SAMPLES)) == QUESTIONS
+    for prompt in SAMPLES:
+        assert all(getattr(prompt, name) for name in type(prompt).model_fields)
+
+
+@pytest.mark.parametrize("prompt", SAMPLES, ids=lambda p: p.purpose)
+def test_every_input_changes_the_rendered_messages(prompt):
+    rendered = prompt.messages()
+    touched = set()
+    for name, other in variants(prompt):
+        try:
+            messages = other.messages()
+        except ValidationError:  # the changed nodes are no tree
+            continue
+        assert messages != rendered, other
+        touched.add(name)
+    assert touched == set(type(prompt).model_fields)
+
+
+def test_the_place_of_a_node_is_shown():
+    moved = NODES[-1].model_copy(update={"parent": "environmental"})
+    prompt = PlaceScenario(text=SAMPLES[4].text, nodes=(*NODES[:-1], moved))
+    assert prompt.messages() != SAMPLES[4].messages()
+
+
+@pytest.mark.parametrize("prompt", SAMPLES, ids=lambda p: p.purpose)
+def test_a_question_is_a_function_of_its_fields(prompt):
+    again = type(prompt).parse(prompt.to_json())
+    assert again.messages() == prompt.messages()
+    first, *_, last = prompt.messages()
+    assert first.role == "system"
+    assert last.role == "user"
+    assert last.text == prompt.question()
+
+
+@pytest.mark.parametrize("prompt", SAMPLES, ids=lambda p: p.purpose)
+def test_turns_alternate_and_the_question_states_the_answer(prompt):
+    roles = [message.role for message in prompt.messages()[1:]]
+    assert roles == ["user", "assistant"] * (len(roles) // 2) + ["user"]
+    shape = prompt.question().rpartition("Answer with JSON")[2]
+    required = prompt.answer_schema().get("required", [])
+    assert required
+    assert all(f'"{name}"' in shape for name in required)
+
+
+def test_earlier_turns_repeat_the_conversation_word_for_word():
+    give, classify, propose, *_ = SAMPLES
+    assert classify.earlier()[0].text == give.question()
+    assert propose.earlier()[: len(classify.earlier())] == classify.earlier()
+    assert propose.earlier()[-2].text == classify.question()
+    describe, name = SAMPLES[-3], SAMPLES[-2]
+    assert describe.messages()[:-1] == name.messages()[: len(describe.messages()) - 1]
+    assert describe.messages()[-1] == name.messages()[len(describe.messages()) - 1]
+
+
+def test_versions_are_stable_and_tell_questions_apart():
+    versions = [question.version() for question in QUESTIONS]
+    assert versions == [question.version() for question in QUESTIONS]
+    assert len(set(versions)) == len(QUESTIONS)
+    assert all(re.fullmatch(r"[0-9a-f]{12}", version) for version in versions)
+
+
+@pytest.mark.parametrize("template", ["_catalogue.md", "stage_scene.md", "describe_frame.md"])
+def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
+    before = {question: question.version() for question in QUESTIONS}
+    source = base._source
+    monkeypatch.setattr(
+        base, "_source", lambda name: source(name) + ("changed" if name == template else "")
+    )
+    base._version.cache_clear()
+    try:
+        after = {question: question.version() for question in QUESTIONS}
+    finally:
+        base._version.cache_clear()
+    differing = {question.purpose for question in QUESTIONS if before[question] != after[question]}
+    assert (
+        differing
+        == {
+            "_catalogue.md": {"judge-branch", "stage-scene"},
+            "stage_scene.md": {"stage-scene"},
+            "describe_frame.md": {"describe-frame", "name-aspect", "choose-action"},
+        }[template]
+    )
+
+
+def test_templates_use_no_variable_that_the_question_lacks():
+    for prompt in SAMPLES:
+        tree = base._environment().parse(base._source(prompt.template))
+        assert jinja2.meta.find_undeclared_variables(tree) <= set(prompt.variables())
+
+
+hostile = st.one_of(
+    st.text(),
+    st.lists(
+        st.sampled_from(["<data>", "</data>", "</ DATA >", "<", "/", "data", ">", "\n", "{{", "%}"])
+    ).map("".join),
+)
+
+
+@given(hostile)
+def test_a_text_cannot_leave_its_fence(text):
+    block = data_block(text)
+    marks = re.findall(r"<[\s/]*data\b", block, re.IGNORECASE)
+    assert marks == ["<data", "</data"]
+    assert block.startswith("<data>")
+    assert block.endswith("</data>")
+
+
+@given(hostile)
+def test_fenced_inputs_change_nothing_outside_their_fence(text):
+    def outside(prompt):
+        return re.sub(r"<data>.*?</data>", "<data></data>", prompt.question(), flags=re.DOTALL)
+
+    assert outside(PlaceScenario(text=text, nodes=NODES)) == outside(SAMPLES[4])
+    assert outside(StageScene(text=text, path=(text,), catalogue=DIGEST)) == outside(SAMPLES[7])
+    asked = DescribePath(path=(*PATH, text), count=3, avoid=(text,))
+    assert outside(asked) == outside(SAMPLES[6])
