@@ -90,7 +90,7 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
         marker: A value to mark across all of them.
         marked: What that value is.
     """
-    left, right, row, gap = 104, _WIDTH - 12, 40, 10
+    left, right, row, gap = 104, _WIDTH - 18, 40, 10
     values = [value for strip in strips for value in strip.values]
     edges = [*values, *([marker] if marker is not None else [])]
     low, high = min(edges), max(edges)

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from oodscen.episode import MOMENTS, Episode
+from oodscen.episode import ACTIONS, MOMENTS, Episode
 from oodscen.report import charts, leaderboard, measures, words
 from oodscen.report.reading import Material, by_key
 from oodscen.report.thumbnails import Thumbnail, Thumbnails
@@ -59,6 +59,8 @@ class Card:
     """What is not there yet, for a scene that did not fail; empty where all is there."""
     frames: tuple[Frame, ...]
     setting: str
+    """Map, weather and the ego's speed."""
+    weather_is_hazard: bool
     players: tuple[Player, ...]
     decision: str
     chips: tuple[Chip, ...]
@@ -169,6 +171,7 @@ def _card(
         state="" if error else _state(scene, episode),
         frames=_frames(name, episode, thumbnails),
         setting=_setting(scene),
+        weather_is_hazard=scene is not None and scene.hazard.weather is not None,
         players=_players(scene),
         decision=_decision(scene, episode, names),
         chips=_chips(episode, names),
@@ -261,14 +264,19 @@ def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, 
 def _chips(episode: Episode | None, names: Mapping[str, str]) -> tuple[Chip, ...]:
     if episode is None:
         return ()
+    outcomes = dict(sorted(episode.actions.items(), key=lambda item: _rank(item[0])))
     return tuple(
         Chip(
             action=words.plain(action),
             kind="unavailable" if outcome.unavailable else "safe" if outcome.safe else "unsafe",
             note=words.outcome(outcome, names),
         )
-        for action, outcome in episode.actions.items()
+        for action, outcome in outcomes.items()
     )
+
+
+def _rank(action: str) -> int:
+    return ACTIONS.index(action) if action in ACTIONS else len(ACTIONS)
 
 
 def _facts(episode: Episode | None) -> tuple[tuple[str, str], ...]:

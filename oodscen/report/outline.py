@@ -68,18 +68,20 @@ def _fate(decision: PruneDecision | None) -> str:
 
 
 def _origins(edits: Sequence[TreeEdit]) -> Mapping[str, str]:
-    """Say for nodes that red teaming added or changed when that was."""
+    """Say for nodes that red teaming added or changed when that was, and what they were called."""
     labels: dict[str, str] = {}
-    found: dict[str, str] = {}
+    born: dict[str, int | None] = {}
+    changed: dict[str, list[str]] = {}
     for edit in edits:
-        moment = f"in round {edit.round}" if edit.round is not None else "later"
-        if edit.op == "add" and edit.stage == "redteam":
-            found[edit.node] = f"new {moment}"
-        elif edit.op == "broaden":
-            earlier = labels.get(edit.node, "")
-            first = found.get(edit.node, "")
-            change = f"broadened {moment} from “{earlier}”"
-            found[edit.node] = f"{first}; {change}" if first else change
-        if edit.op in ("add", "broaden"):
+        if edit.op == "add":
             labels[edit.node] = edit.label or ""
+            if edit.stage == "redteam":
+                born[edit.node] = edit.round
+        elif edit.op == "broaden":
+            changed.setdefault(edit.node, []).append("?" if edit.round is None else str(edit.round))
+    found = {name: f"new in round {moment}" for name, moment in born.items()}
+    for name, moments in changed.items():
+        when = f"broadened in round{'s' if len(moments) > 1 else ''} {', '.join(moments)}"
+        first = f"{found[name]}, " if name in found else ""
+        found[name] = f"{first}{when}, at first “{labels.get(name, '')}”"
     return found

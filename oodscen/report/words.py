@@ -8,7 +8,7 @@ from oodscen.scene import Actor, Behaviour, Placement, Trigger, Weather
 BEHAVIOURS = {
     "stand": "stands still",
     "follow_lane": "keeps its lane",
-    "wrong_way": "drives against its lane's direction",
+    "wrong_way": "drives against its lane’s direction",
     "cut_in": "changes lane",
     "hard_brake": "brakes hard to a stop",
     "stall": "coasts to a stop",
@@ -94,7 +94,7 @@ def place(value: Placement) -> str:
         else f"{amount(-value.ahead_m)} m behind"
     )
     if value.lane == 0:
-        lane = "in the ego's lane"
+        lane = "in the ego’s lane"
     else:
         count = "one lane" if abs(value.lane) == 1 else f"{abs(value.lane)} lanes"
         lane = f"{count} to the {'left' if value.lane > 0 else 'right'}"

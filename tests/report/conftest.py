@@ -1,0 +1,360 @@
+"""A small study on disk, made of the real data types."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
+from oodscen.prune import PruneDecision, all_decisions
+from oodscen.redteam import Round
+from oodscen.scenario import Scenario
+from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.study import Study, StudyConfig
+from oodscen.tree import ScenarioTree, TreeEdit
+from oodscen.verdict import Verdict
+
+LEAVES = {
+    "thick-fog-at-night": ("environmental", "Thick fog at night with a vehicle ahead"),
+    "cardboard-box": ("environmental", "Large cardboard box on the lane"),
+    "wrong-way": ("interactional", "Vehicle driving the wrong way"),
+    "dead-signals": ("environmental", "All traffic signals fail in rush hour"),
+}
+
+
+def initial_tree() -> ScenarioTree:
+    return ScenarioTree.planted().apply(
+        *(
+            TreeEdit(op="add", node=leaf, parent=parent, label=label, stage="grow", attested=mark)
+            for (leaf, (parent, label)), mark in zip(
+                LEAVES.items(), ("paper", "paper", "paper", None), strict=True
+            )
+        )
+    )
+
+
+def rounds(tree: ScenarioTree, count: int = 6) -> list[Round]:
+    found = []
+    for number in range(1, count + 1):
+        text = f"The ego meets situation {number} that nobody expected."
+        why: dict[str, Any] = {"stage": "redteam", "round": number, "source": text}
+        if number % 3 == 1:
+            edit = TreeEdit(
+                op="add",
+                node=f"novel-{number}",
+                parent="interactional",
+                label=f"Novel act {number} of a road user",
+                reason="no branch covers it",
+                **why,
+            )
+            decision = "add"
+        elif number % 3 == 2:
+            label = f"Large cardboard box or other carton on the lane ({number})"
+            edit = TreeEdit(op="broaden", node="cardboard-box", label=label, **why)
+            decision = "broaden"
+        else:
+            edit = TreeEdit(op="keep", node="wrong-way", **why)
+            decision = "covered"
+        tree = tree.apply(edit)
+        found.append(
+            Round(
+                round=number,
+                text=text,
+                decision=decision,
+                reason=f"reason of round {number}",
+                edits=(edit,),
+                nodes=len(tree),
+            )
+        )
+    failed = Round(round=count + 1, status="failed", error="the model timed out", nodes=len(tree))
+    return [*found, failed]
+
+
+def scene_of(scenario: Scenario) -> Scene:
+    index = int(scenario.id[-3:])
+    if scenario.leaf == "thick-fog-at-night":
+        return Scene(
+            id=scenario.id,
+            scenario_id=scenario.id,
+            map="rural_curve",
+            ego=Ego(speed=16.7),
+            weather=Weather(sun_elevation_deg=-20, fog_visual_range_m=45, friction=0.7),
+            actors=(
+                Actor(
+                    id="lead",
+                    asset="car",
+                    placement=Placement(ahead_m=60.0 + index),
+                    behaviour=Behaviour(name="follow_lane", parameters={"speed": 6.0}),
+                ),
+            ),
+            hazard=Hazard(weather=Weather()),
+            decision=Trigger(kind="distance", value=30, actor="lead"),
+        )
+    wrong_way = scenario.leaf == "wrong-way"
+    hazard = Actor(
+        id="hazard",
+        asset="van" if wrong_way else "cardboard_box",
+        placement=Placement(
+            ahead_m=80.0 + index, offset_m=0.4, heading_deg=180 if wrong_way else 35
+        ),
+        behaviour=Behaviour(name="wrong_way", parameters={"speed": 12.0})
+        if wrong_way
+        else Behaviour(),
+    )
+    follower = Actor(
+        id="follower",
+        asset="truck",
+        placement=Placement(ahead_m=-25, lane=1),
+        behaviour=Behaviour(name="follow_lane", parameters={"speed": 13.0}),
+    )
+    return Scene(
+        id=scenario.id,
+        scenario_id=scenario.id,
+        map="urban_three_lane",
+        ego=Ego(speed=13.9, lane=1),
+        actors=(follower, hazard),
+        hazard=Hazard(actors={"hazard": None}),
+        decision=Trigger(kind="ttc", value=2.5),
+    )
+
+
+def outcomes(index: int) -> dict[str, ActionOutcome]:
+    hit = ActionOutcome(safe=False, margin_m=0.0, contacts=("hazard",), final_speed=11.0)
+    off = ActionOutcome(safe=False, margin_m=1.2, off_road=True)
+    good = ActionOutcome(safe=True, margin_m=1.0 + index / 10, final_speed=0.0)
+    none = ActionOutcome(safe=False, unavailable=True)
+    return dict(zip(ACTIONS, (hit, hit, good, good, good, none, off), strict=True))
+
+
+def frame(index: int, moment: int, size: tuple[int, int] = (640, 480)) -> bytes:
+    """Draw a road, with the grain that makes real frames hard to compress."""
+    width, height = size
+    picture = np.full((height, width, 3), (214, 190, 160), np.uint8)
+    picture[height // 2 :] = (92, 96, 98)
+    centre = (width // 2, height // 2)
+    for x in (-0.2, 0.35, 0.65, 1.2):
+        cv2.line(picture, centre, (int(x * width), height), (240, 240, 240), 3, cv2.LINE_AA)
+    half = 12 + 16 * moment + index % 9
+    top, foot = (width // 2 - half, height // 2), (width // 2 + half, height // 2 + 2 * half)
+    cv2.rectangle(picture, top, foot, (40 + 20 * index % 150, 90, 150), -1)
+    grain = np.random.default_rng(index * 3 + moment).normal(0, 5, picture.shape)
+    picture = np.clip(picture + grain, 0, 255).astype(np.uint8)
+    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 90])[1].tobytes()
+
+
+def measured(count: int, seed: int) -> dict[str, Any]:
+    values = np.round(np.random.default_rng(seed).normal(-0.62, 0.07, count), 6).tolist()
+    mean = sum(values) / count
+    interval = {"low": mean - 0.02, "high": mean + 0.02, "level": 0.95}
+    return {
+        "n": count,
+        "N": 1200,
+        "oodness": {
+            "mean": mean,
+            "per_text": values,
+            "interval": interval,
+            "nearest": [
+                {"index": i, "text": f"The ego follows car {i} in its lane.", "cosine": -value}
+                for i, value in enumerate(values)
+            ],
+        },
+        "diversity": {
+            "nearest": -0.74,
+            "pairwise": -0.45,
+            "nearest_interval": {"low": -0.76, "high": -0.72},
+            "pairwise_interval": None,
+        },
+    }
+
+
+def build_study(folder: Path, *, per_path: int = 2, frames: int = 10_000, **config: Any) -> Study:
+    """Write a finished study with one scene and one text that failed.
+
+    Args:
+        folder: Where.
+        per_path: Texts per path.
+        frames: How many scenes get frame files of their own; the others share the first one's.
+        config: Changes of the configuration.
+    """
+    study = Study(folder)
+    store = study.store
+    store.prepare()
+    initial = initial_tree()
+    played = rounds(initial)
+    diverse = initial.apply(*(edit for item in played for edit in item.edits))
+    judged = [
+        PruneDecision(
+            id=leaf.id,
+            path=diverse.path(leaf.id),
+            keep=leaf.id in LEAVES and leaf.id != "dead-signals",
+            reason=f"judged {leaf.id}",
+            assets=("car",) if leaf.id in LEAVES else (),
+            missing=() if leaf.id in LEAVES and leaf.id != "dead-signals" else ("traffic_signal",),
+        )
+        for leaf in diverse.leaves
+    ]
+    decisions = all_decisions(diverse, judged)
+    simulatable = diverse.apply(
+        *(
+            TreeEdit(op="keep" if item.keep else "remove", node=item.id, stage="prune")
+            for item in reversed(decisions)
+        )
+    )
+    for name, tree in (("initial", initial), ("diverse", diverse), ("simulatable", simulatable)):
+        store.write(f"tree.{name}.json", tree.to_json())
+    store.write_lines("redteam.jsonl", played)
+    store.write_lines("pruned.jsonl", decisions)
+    scenarios = [
+        Scenario(
+            id=f"{leaf}-{index:03d}",
+            text=f"The ego drives along when it meets case {index} of {leaf}, in plain view.",
+            leaf=leaf,
+            path=path,
+        )
+        for leaf, path in simulatable.paths.items()
+        for index in range(1, per_path + 1)
+    ]
+    store.write_lines("scenarios.jsonl", scenarios)
+    sets = {
+        size: [
+            s.model_copy(update={"id": f"d-{i}"}) for i, s in enumerate((scenarios * size)[:size])
+        ]
+        for size in (10, 20)
+    }
+    for size, texts in sets.items():
+        store.write_lines(f"texts.diverse.{size}.jsonl", texts)
+    scenes: list[Any] = [scene_of(scenario) for scenario in scenarios]
+    scenes[-1] = {
+        "id": scenarios[-1].id,
+        "scenario_id": scenarios[-1].id,
+        "status": "failed",
+        "error": "no valid answer to 'stage-scene' in 3 attempts",
+    }
+    store.write_lines("scenes.jsonl", scenes)
+    episodes = [
+        Episode(
+            id=scene.id,
+            scene_id=scene.id,
+            status="ok",
+            simulator="flat",
+            dt=0.05,
+            decision_s=3.2,
+            decision_fired=index % 3 != 1,
+            frames={
+                moment: f"frames/{scenes[min(index, frames - 1)].id}/{moment}.jpg"
+                for moment in MOMENTS
+            },
+            visible={"last": {"hazard": 400 + index}},
+            trace_sha256="ab" * 32,
+            actions=outcomes(index),
+        )
+        for index, scene in enumerate(scenes[:-1])
+    ]
+    episodes[1] = Episode(
+        id=episodes[1].id,
+        scene_id=episodes[1].scene_id,
+        status="failed",
+        error="cannot spawn 'hazard' (van): it overlaps 'follower'",
+    )
+    store.write_lines("episodes.jsonl", episodes)
+    for index, episode in enumerate(episodes[:frames]):
+        for number, name in enumerate(episode.frames.values()):
+            store.write(name, frame(index, number))
+    store.write_lines("verdicts.jsonl", _verdicts(episodes))
+    store.write_lines(
+        "calls.jsonl",
+        [
+            {
+                "purpose": purpose,
+                "model": "builtin",
+                "status": "ok",
+                "input_tokens": 900 + index,
+                "output_tokens": 80,
+                "cost_usd": 0.0,
+                "seconds": 0.25,
+            }
+            for index, purpose in enumerate(("propose-tree", "stage-scene", "stage-scene"))
+        ],
+    )
+    store.write(
+        "metrics.json",
+        _json(
+            {
+                "encoder": "minilm@0123456789ab",
+                "baseline": {"name": "ordinary-driving", "N": 1200, "digest": "cd" * 32},
+                "sets": {
+                    **{str(size): measured(size, size) for size in sets},
+                    "simulatable": measured(len(scenarios), 7),
+                },
+                "baseline_batch": {
+                    "mean": -0.93,
+                    "spread": 0.004,
+                    "size": 100,
+                    "repeats": 10,
+                    "N": 1200,
+                },
+                "baseline_diversity": {"n": 1200, "nearest": -0.95, "pairwise": -0.41},
+            }
+        ),
+    )
+    store.write(
+        "study.json",
+        _json(
+            {
+                "status": "incomplete",
+                "config": StudyConfig(simulator="flat", sets=(10, 20), **config).model_dump(
+                    mode="json"
+                ),
+                "versions": {"oodscen": "0.1.0", "python": "3.11.9"},
+                "seconds": {"grow": 0.4, "total": 131.4},
+            }
+        ),
+    )
+    return study
+
+
+def _verdicts(episodes: list[Episode]) -> list[Verdict]:
+    found = []
+    for model, kind in (("constant:stop", "reference"), ("gpt-4o", "model")):
+        for index, episode in enumerate(episode for episode in episodes if episode.status == "ok"):
+            action = "stop" if kind == "reference" or index % 2 else "keep_speed"
+            found.append(
+                Verdict(
+                    id=f"{episode.scene_id}@{model}",
+                    scene_id=episode.scene_id,
+                    model=model,
+                    kind=kind,
+                    descriptions=("A road.", "A road, something ahead.", "It is close."),
+                    is_ood=True,
+                    aspect="a carton in the lane",
+                    aspect_is_right=index % 2 == 0,
+                    action=action,
+                    action_is_safe=action == "stop",
+                )
+            )
+    lost = episodes[0].scene_id
+    error = "gpt-4o: 429 too many requests"
+    found[-1] = Verdict(
+        id=f"{lost}@gpt-4o", scene_id=lost, model="gpt-4o", status="failed", error=error
+    )
+    return found
+
+
+def _json(value: Any) -> str:
+
+    return json.dumps(value)
+
+
+@pytest.fixture
+def make_study(tmp_path: Path) -> Callable[..., Study]:
+    """Return a function that writes a synthetic study; its arguments are those of `build_study`."""
+    return lambda **options: build_study(tmp_path / "study", **options)
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Study:
+    return build_study(tmp_path / "study")
