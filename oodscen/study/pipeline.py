@@ -57,6 +57,7 @@ class Pipeline:
         workers: Processes that simulate; not part of the study's identity.
         executor: Runs the simulation jobs instead of local processes, e.g. a cluster's.
         progress: Told about finished items.
+        models: Objects that answer for model names of the configuration.
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
@@ -71,6 +72,7 @@ class Pipeline:
         workers: int = 1,
         executor: Executor | None = None,
         progress: Progress | None = None,
+        models: Mapping[str, LLM] | None = None,
     ) -> None:
         self.study = Study(out)
         self.store = self.study.store
@@ -78,6 +80,7 @@ class Pipeline:
         self.workers = workers
         self.executor = executor
         self.progress = progress or (lambda stage, done, total: None)
+        self.models = models or {}
         self.seconds: dict[str, float] = {}
         self._log_lock = Lock()
 
@@ -86,14 +89,10 @@ class Pipeline:
         began = time.perf_counter()
         self.simulator = make_simulator(self.config.simulator)
         self.encoder = CachedEncoder(make_encoder(self.config.encoder))
-        self.llm = self._logged(
-            make_llm(self.config.llm, seed=self.config.seed, api_base=self.config.api_base)
+        self.llm = self._logged(self._model(self.config.llm))
+        self.red_llm = (
+            self._logged(self._model(self.config.red_llm)) if self.config.red_llm else self.llm
         )
-        self.red_llm = self.llm
-        if self.config.red_llm:
-            self.red_llm = self._logged(
-                make_llm(self.config.red_llm, seed=self.config.seed, api_base=self.config.api_base)
-            )
         self.threads = 1 if self.config.llm == DEFAULT_LLM else REMOTE_THREADS
         self._claim()
         with self._timed("grow"):
@@ -266,7 +265,7 @@ class Pipeline:
             "baseline": {
                 "name": metrics.baseline.name,
                 "N": len(metrics.baseline.texts),
-                "digest": metrics.baseline.digest,
+                "digest": metrics.baseline.digest(),
             },
             "sets": {
                 name: metrics.report(
@@ -322,7 +321,7 @@ class Pipeline:
         ready = [episode for episode in episodes if episode.status == "ok" and episode.frames]
         models: dict[str, tuple[LLM, int]] = {}
         for name in (*references, *self.config.vlms):
-            model = make_llm(name, seed=self.config.seed, api_base=self.config.api_base)
+            model = self._model(name)
             is_reference = getattr(model, "kind", "model") == "reference"
             models[name] = (model, 1) if is_reference else (self._logged(model), REMOTE_THREADS)
         items = {
@@ -368,6 +367,11 @@ class Pipeline:
         rows = [done[name] for name in items]
         self.store.write_lines(file, rows)
         return rows
+
+    def _model(self, name: str) -> LLM:
+        return make_llm(
+            self.models.get(name, name), seed=self.config.seed, api_base=self.config.api_base
+        )
 
     def _logged(self, llm: LLM) -> LLM:
         def log(call: Data) -> None:
@@ -446,6 +450,7 @@ def run_study(
     workers: int = 1,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    models: Mapping[str, LLM] | None = None,
 ) -> Study:
     """Run the whole paper into a folder, or continue where a run into it stopped.
 
@@ -455,13 +460,20 @@ def run_study(
         workers: Processes that simulate.
         executor: Runs the simulation jobs instead of local processes.
         progress: Told about finished items.
+        models: Objects that answer for model names of the configuration; other names are looked
+            up by `make_llm`.
 
     Raises:
         UsageError: For an unknown component, a missing extra or a folder of another study.
         StudyError: When the folder cannot be written.
     """
     pipeline = Pipeline(
-        out, config or StudyConfig(), workers=workers, executor=executor, progress=progress
+        out,
+        config or StudyConfig(),
+        workers=workers,
+        executor=executor,
+        progress=progress,
+        models=models,
     )
     return pipeline.run()
 

@@ -1,0 +1,210 @@
+"""The whole run: complete, repeatable, resumable, refusing what does not belong together."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen import Study
+from oodscen.errors import StudyError, StudyMismatch, UnknownComponent
+from oodscen.study import StudyConfig, run_study
+from oodscen.testing import AnsweringServer, ScriptedLLM
+
+CONFIG = StudyConfig.quick(simulator="flat", encoder="hash", seed=3)
+TIMED = {"study.json", "calls.jsonl", "report.html"}
+
+
+def content(folder):
+    """Return every file that must not depend on anything but the configuration."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(Path(folder).rglob("*"))
+        if path.is_file() and path.name not in TIMED
+    }
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("study") / "out"
+    run_study(out, CONFIG)
+    return out
+
+
+@pytest.fixture
+def study(folder):
+    return Study.open(folder)
+
+
+def test_a_study_is_complete(folder, study):
+    assert study.info["status"] == "success"
+    assert study.info["config"] == CONFIG.model_dump(mode="json")
+    assert "not a language model" in study.info["authors"]["llm"]
+    assert len(study.tree("initial")) == CONFIG.nodes
+    assert [item.round for item in study.rounds] == list(range(1, CONFIG.iterations + 1))
+    scenarios, scenes, episodes = study.scenarios, study.scenes, study.episodes
+    assert [s.id for s in scenarios] == [s.scenario_id for s in scenes] == [e.id for e in episodes]
+    assert len(scenes) == CONFIG.max_paths * CONFIG.per_path
+    assert len(study.texts(10)) == 10
+    assert {verdict.scene_id for verdict in study.verdicts} == {scene.id for scene in scenes}
+    for episode in episodes:
+        for name in episode.frames.values():
+            picture = cv2.imdecode(
+                np.frombuffer((folder / name).read_bytes(), np.uint8), cv2.IMREAD_COLOR
+            )
+            assert picture.std() > 4
+    assert (folder / "report.html").stat().st_size > 1_000
+    assert len(list(study.to_pandas("episodes").id)) == len(episodes)
+
+
+def test_every_node_of_the_diverse_tree_has_a_decision_with_a_reason(study):
+    decisions = {item.id: item for item in study.decisions}
+    assert set(decisions) == set(study.tree("diverse").by_id)
+    assert all(item.reason for item in decisions.values())
+    assert set(study.tree("simulatable").by_id) == {i for i, d in decisions.items() if d.keep}
+
+
+def test_another_folder_and_more_workers_give_the_same_bytes(folder, tmp_path):
+    run_study(tmp_path / "again", CONFIG, workers=2)
+    assert content(tmp_path / "again") == content(folder)
+
+
+def test_running_again_changes_nothing(folder):
+    before = content(folder)
+    calls = (folder / "calls.jsonl").read_bytes()
+    run_study(folder, CONFIG)
+    assert content(folder) == before
+    assert (folder / "calls.jsonl").read_bytes() == calls
+
+
+KILLED = """
+import os, signal, sys
+from oodscen.study import StudyConfig, run_study
+
+stage, number = sys.argv[2], int(sys.argv[3])
+
+def progress(at, done, total):
+    if at == stage and done >= number:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+config = StudyConfig.quick(simulator="flat", encoder="hash", seed=3)
+run_study(sys.argv[1], config, progress=progress)
+"""
+
+
+def test_killed_at_five_moments_and_continued_it_ends_the_same(folder, tmp_path):
+    out = tmp_path / "killed"
+    moments = [("redteam", 4), ("prune", 3), ("describe sets", 5), ("augment", 2), ("simulate", 1)]
+    for stage, number in moments:
+        process = subprocess.run([sys.executable, "-c", KILLED, str(out), stage, str(number)])
+        assert process.returncode == -signal.SIGKILL, stage
+        assert json.loads((out / "study.json").read_text())["status"] == "running"
+    run_study(out, CONFIG)
+    assert content(out) == content(folder)
+
+
+def test_a_torn_line_is_done_again(folder, tmp_path):
+    out = tmp_path / "torn"
+    run_study(out, CONFIG)
+    for name in ("scenes.jsonl", "episodes.jsonl", "redteam.jsonl", "scenarios.jsonl"):
+        path = out / name
+        path.write_bytes(path.read_bytes()[:-20])
+    (out / "tree.diverse.json").unlink()
+    run_study(out, CONFIG)
+    assert content(out) == content(folder)
+
+
+def test_a_folder_of_another_configuration_is_refused_with_the_difference(folder):
+    before = content(folder)
+    with pytest.raises(StudyMismatch) as caught:
+        run_study(folder, CONFIG.model_copy(update={"seed": 4, "per_path": 2}))
+    assert caught.value.differences == {"seed": (3, 4), "per_path": (1, 2)}
+    assert content(folder) == before
+
+
+def test_unknown_components_are_refused_before_anything_is_written(tmp_path):
+    for change in ({"simulator": "pybulet"}, {"encoder": "minilmm"}):
+        with pytest.raises(UnknownComponent) as caught:
+            run_study(tmp_path / "out", CONFIG.model_copy(update=change))
+        assert caught.value.matches
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unwritable_folder_is_a_study_error(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StudyError):
+        run_study(tmp_path / "file" / "out", CONFIG)
+
+
+def test_a_band_leaves_only_texts_inside_it(folder, tmp_path, study):
+    values = study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
+    middle = sorted(values)[len(values) // 2]
+    config = CONFIG.model_copy(update={"band": (middle - 1e-6, 1.0)})
+    banded = run_study(tmp_path / "band", config)
+    kept = [s.id for s, v in zip(study.scenarios, values, strict=True) if v >= middle - 1e-6]
+    assert [scene.id for scene in banded.scenes] == kept
+    assert 0 < len(kept) < len(values)
+
+
+@pytest.fixture(scope="module")
+def author():
+    from oodscen import make_llm
+
+    return make_llm("builtin", seed=CONFIG.seed)
+
+
+def served(out, server, **changes):
+    config = CONFIG.model_copy(update={"llm": "served", **changes})
+    return run_study(out, config, models={"served": server.client(seed=CONFIG.seed)})
+
+
+def test_through_litellm_and_http_the_study_is_the_same(folder, tmp_path, author):
+    with AnsweringServer(author) as server:
+        study = served(tmp_path / "served", server)
+    assert study.info["status"] == "success"
+    assert content(tmp_path / "served") == content(folder)
+    assert len(server.received) == len(study.table("calls"))
+
+
+def test_malformed_answers_are_repaired_or_cost_one_item(folder, tmp_path, author):
+    def faults(number, request):
+        if request is not None and request.prompt.purpose == "stage-scene":
+            first = request.prompt.text == first_text
+            return (
+                "malformed" if first else ("wrong_schema" if len(request.messages) == 2 else None)
+            )
+        return None
+
+    whole = Study.open(folder)
+    first_text = whole.scenarios[0].text
+    with AnsweringServer(author, faults=faults) as server:
+        study = served(tmp_path / "faulty", server)
+    assert study.info["status"] == "incomplete"
+    assert study.info["failures"]["scenes"] == 1
+    (failure,) = study.failures("scenes")
+    assert failure["id"] == whole.scenes[0].id
+    assert "stage-scene" in failure["error"]
+    assert len(study.scenes) == len(study.episodes) == len(whole.scenes) - 1
+
+
+def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
+    answers = {
+        "describe-frame": {"description": "a road"},
+        "name-aspect": {"is_ood": True, "aspect": "something odd"},
+        "choose-action": {"action": "stop"},
+    }
+    with AnsweringServer(ScriptedLLM(answers)) as server:
+        config = CONFIG.model_copy(update={"vlms": ("served",)})
+        study = run_study(tmp_path / "out", config, models={"served": server.client()})
+    pictures = [image for request in server.received for image in request.images]
+    assert pictures
+    for data in pictures[:6]:
+        decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+        assert decoded.shape == (480, 640, 3)
+    judged = [verdict for verdict in study.verdicts if verdict.model == "served"]
+    safe = {episode.id: episode.actions["stop"].safe for episode in study.episodes}
+    assert {v.scene_id: v.action_is_safe for v in judged} == safe
