@@ -1,0 +1,79 @@
+import re
+import subprocess
+import sys
+
+import pytest
+
+from oodscen.baselines import ordinary_driving
+from oodscen.baselines.ordinary import bare, draw
+from oodscen.errors import UsageError
+
+TEXTS = ordinary_driving().texts
+
+
+def test_there_are_enough_and_all_differ():
+    assert len(TEXTS) == 2000
+    assert len({bare(text) for text in TEXTS}) == 2000
+
+
+def test_another_process_draws_the_same():
+    program = "from oodscen.baselines import ordinary_driving as o; print(o().digest())"
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    assert run.stdout.decode().strip() == ordinary_driving().digest()
+
+
+def test_a_shorter_draw_is_the_beginning_and_a_seed_another_draw():
+    assert draw(50) == TEXTS[:50]
+    assert len(set(draw(50, seed=1)) & set(TEXTS[:50])) < 25
+
+
+def test_more_than_there_is_cannot_be_drawn(monkeypatch):
+    rules = {
+        "words": {"subject": ["ego"]},
+        "american": {"x": "y"},
+        "sky": [{"tags": []}],
+        "road": [],
+        "situation": [{"name": "s", "on": ["a road"], "bare": True, "captions": ["A car waits"]}],
+    }
+    monkeypatch.setattr("oodscen.baselines.ordinary._rules", lambda: rules)
+    assert draw(1) == ("A car waits.",)
+    with pytest.raises(UsageError):
+        draw(2)
+
+
+def test_every_text_is_written_as_an_editor_would():
+    for text in TEXTS:
+        _is_edited(text)
+
+
+def _is_edited(text):
+    assert re.fullmatch(r"[A-Z0-9].*(?:[a-z]|SUV|MPV)\.", text)
+    assert not re.search(r"[{}]|  |\.\.|,,| ,", text)
+    assert not re.search(r"\ba (?!one-|uni|use)[aeiou]", text, re.IGNORECASE)
+    assert not re.search(r"\ban (?!SUV|MPV)[^aeiou]", text, re.IGNORECASE)
+    assert not re.search(r"\b(\w+) \1\b", text)
+    assert all(part[0].isupper() or part[0].isdigit() for part in text.split(". "))
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (r"night|dusk|evening|sunset|dark and", r"sunny|bright|sunshine|afternoon|morning"),
+        (r"rain is|rainy|drizzl|in light rain", r"sunny|dry|clear (weather|morning|night)"),
+        (r"one-way", r"oncoming|opposite|other way"),
+        (r"motorway|freeway|highway", r"zebra|crosswalk|pedestrian|cyclist|school|tram|bus stop"),
+        (r"at night|late in", r"rush hour|rush-hour|school|garbage|bin lorry"),
+    ],
+)
+def test_no_text_contradicts_itself(one, other):
+    both = [
+        t
+        for t in draw(6000, seed=3)
+        if re.search(rf"\b(?:{one})", t) and re.search(rf"\b(?:{other})", t)
+    ]
+    assert both == []
+
+
+def test_no_text_tells_of_anything_out_of_the_ordinary():
+    strange = r"accident|crash|suddenly|fog|snow|\bice\b|flood|overturned|debris|wrong way|police|ambulance|construction|road works|animal|deer"
+    assert [text for text in TEXTS if re.search(strange, text, re.IGNORECASE)] == []

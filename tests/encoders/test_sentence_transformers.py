@@ -1,0 +1,32 @@
+import numpy as np
+import pytest
+
+from oodscen.encoders import SentenceTransformerEncoder, minilm
+from oodscen.errors import EncoderError
+
+
+def test_a_local_folder_is_a_model():
+    encoder = SentenceTransformerEncoder(minilm._packaged(), batch_size=2)
+    texts = ["a car waits", "a deer jumps onto the road", "a van"]
+    assert encoder.dimension == 384
+    assert encoder.name.startswith("model@")
+    assert encoder.cacheable
+    vectors = encoder.encode(texts)
+    np.testing.assert_allclose(np.linalg.norm(vectors, axis=1), 1.0, atol=1e-6)
+    assert vectors[0] @ vectors[2] > vectors[0] @ vectors[1]
+    assert encoder.encode([]).shape == (0, 384)
+
+
+def test_a_hub_name_is_cacheable_only_with_its_revision():
+    assert not SentenceTransformerEncoder("some/model").cacheable
+    pinned = SentenceTransformerEncoder("some/model", revision="abc")
+    assert pinned.cacheable
+    assert pinned.name == "some/model@abc"
+
+
+def test_a_folder_without_a_model_is_an_encoder_error(tmp_path):
+    encoder = SentenceTransformerEncoder(tmp_path)
+    with pytest.raises(EncoderError):
+        _ = encoder.name
+    with pytest.raises(EncoderError):
+        encoder.encode(["text"])

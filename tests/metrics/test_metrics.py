@@ -1,0 +1,277 @@
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen.baselines import Baseline, ordinary_driving
+from oodscen.encoders import MiniLM
+from oodscen.errors import DataError, EncoderError, UsageError
+from oodscen.metrics import Metrics, Report
+from oodscen.scenario import Scenario
+from oodscen.seeding import stream
+from oodscen.testing.encoder import HashEncoder
+
+
+class Directions:
+    """Every text is a random direction of its own; "zero" has none."""
+
+    name = "directions"
+    dimension = 7
+
+    def encode(self, texts):
+        rows = [np.zeros(7) if t == "zero" else stream(0, t).normal(0.3, 1.0, 7) for t in texts]
+        return np.array(rows, np.float32).reshape(-1, 7)
+
+    def exact(self, texts):
+        rows = self.encode(texts).astype(np.float64)
+        lengths = np.linalg.norm(rows, axis=1)[:, None]
+        return np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
+
+
+ENCODER = Directions()
+words = st.lists(
+    st.text("abcdefgh", min_size=1, max_size=3) | st.just("zero"), min_size=2, max_size=12
+)
+quick = settings(deadline=None, max_examples=40)
+
+
+@quick
+@given(words, words)
+def test_figures_agree_with_an_independent_float64_computation(texts, ordinary):
+    metrics = Metrics(ENCODER, ordinary)
+    a, b = ENCODER.exact(texts), ENCODER.exact(ordinary)
+    cosines, own = a @ b.T, a @ a.T
+    report = metrics.report(texts)
+    np.testing.assert_allclose(report.oodness.per_text, -cosines.max(axis=1), atol=1e-6)
+    assert report.oodness.mean == pytest.approx(-cosines.max(axis=1).mean(), abs=1e-6)
+    printed = metrics.oodness(texts, "printed")
+    np.testing.assert_allclose(printed.per_text, cosines.min(axis=1), atol=1e-6)
+    pairs = own[np.triu_indices(len(texts), 1)]
+    assert report.diversity.pairwise == pytest.approx(-pairs.mean(), abs=1e-6)
+    np.fill_diagonal(own, -np.inf)
+    assert report.diversity.nearest == pytest.approx(-own.max(axis=1).mean(), abs=1e-6)
+
+
+@quick
+@given(words, words, st.randoms(use_true_random=False))
+def test_the_order_of_texts_and_baseline_plays_no_part(texts, ordinary, random):
+    mixed, shuffled = random.sample(texts, len(texts)), random.sample(ordinary, len(ordinary))
+    one = Metrics(ENCODER, ordinary).report(texts)
+    other = Metrics(ENCODER, shuffled).report(mixed)
+    assert one.oodness.mean == pytest.approx(other.oodness.mean, abs=1e-6)
+    assert one.diversity.nearest == pytest.approx(other.diversity.nearest, abs=1e-6)
+    assert one.diversity.pairwise == pytest.approx(other.diversity.pairwise, abs=1e-6)
+
+
+@quick
+@given(words, words, words)
+def test_a_larger_baseline_makes_nothing_more_ood(texts, ordinary, more):
+    small = Metrics(ENCODER, ordinary).oodness(texts)
+    large = Metrics(ENCODER, ordinary + more).oodness(texts)
+    assert np.all(np.array(large.per_text) <= np.array(small.per_text) + 1e-6)
+
+
+@quick
+@given(words, st.text("xyz", min_size=1, max_size=4))
+def test_more_texts_lower_the_nearest_diversity_of_those_there(texts, more):
+    metrics = Metrics(ENCODER, ["b"])
+    few, many = metrics.diversity(texts), metrics.diversity([*texts, more])
+    similarity = ENCODER.exact([*texts, more])
+    cosines = similarity @ similarity.T
+    np.fill_diagonal(cosines, -np.inf)
+    before = cosines[:-1, :-1].max(axis=1).mean()
+    assert few.nearest == pytest.approx(-before, abs=1e-6)
+    assert many.nearest * many.n <= few.nearest * few.n + 1.0 + 1e-6
+
+
+def test_a_text_of_the_baseline_is_not_ood_and_a_copy_not_diverse():
+    texts = ["alpha", "beta", "gamma"]
+    metrics = Metrics(ENCODER, texts)
+    assert metrics.oodness(texts).mean == pytest.approx(-1.0, abs=1e-6)
+    assert [n.text for n in metrics.oodness(texts).nearest] == texts
+    twice = metrics.diversity(["alpha", "alpha"])
+    assert twice.nearest == pytest.approx(-1.0, abs=1e-6)
+    assert twice.pairwise == pytest.approx(-1.0, abs=1e-6)
+    assert twice.nearest_index == (1, 0)
+
+
+def test_pairwise_diversity_does_not_depend_on_the_size_but_nearest_does():
+    metrics = Metrics(ENCODER, ["b"])
+    small = metrics.diversity([f"t{i}" for i in range(30)])
+    large = metrics.diversity([f"t{i}" for i in range(600)])
+    assert abs(small.pairwise - large.pairwise) < 0.1
+    assert large.nearest < small.nearest - 0.1
+
+
+def test_one_text_has_oodness_and_no_diversity():
+    report = Metrics(ENCODER, ["b"]).report(["a"])
+    assert report.oodness.interval is None
+    assert (report.diversity.nearest, report.diversity.pairwise) == (None, None)
+    assert report.diversity.reason
+
+
+@pytest.mark.parametrize(
+    ("texts", "places"),
+    [
+        ([], [""]),
+        ("a text", [""]),
+        (["a", "", "b", " \n"], ["[1]", "[3]"]),
+        (["a", None, 3], ["[1]", "[2]"]),
+        (["half a \ud83d"], ["[0]"]),
+    ],
+)
+def test_bad_texts_are_refused_each_with_its_place(texts, places):
+    metrics = Metrics(ENCODER, ["b"])
+    for ask in (metrics.oodness, metrics.diversity, metrics.report):
+        with pytest.raises(DataError) as caught:
+            ask(texts)
+        assert [issue.path for issue in caught.value.issues] == places
+
+
+def test_an_empty_baseline_is_refused():
+    with pytest.raises(DataError):
+        Metrics(ENCODER, [])
+
+
+@pytest.mark.parametrize("result", [np.ones((1, 7)), np.ones((1, 6), np.float32), [[0.0] * 7]])
+def test_an_encoder_that_breaks_its_contract_is_named(monkeypatch, result):
+    monkeypatch.setattr(Directions, "encode", lambda self, texts: result)
+    with pytest.raises(EncoderError, match="directions"):
+        Metrics(Directions(), ["b"]).oodness(["a"])
+
+
+def test_a_report_round_trips_and_reads_like_a_mapping():
+    report = Metrics(ENCODER, ["b", "c"], seed=4).report(["a", "d", "e"], ["p", "p", "q"])
+    assert Report.parse(report.to_json()) == report
+    plain = json.loads(report.to_json())
+    assert dict(report) == plain
+    assert plain["oodness"]["mean"] == report.oodness.mean
+    assert (plain["n"], plain["N"], plain["encoder"]) == (3, 2, "directions")
+    assert {label: group["n"] for label, group in plain["groups"].items()} == {"p": 2, "q": 1}
+    assert report.oodness.interval.is_clustered
+    with pytest.raises(KeyError):
+        report["nothing"]
+
+
+def test_the_same_seed_gives_the_same_report():
+    texts = [f"t{i}" for i in range(20)]
+    one, same, other = (Metrics(ENCODER, ["b", "c"], seed=seed).report(texts) for seed in (1, 1, 2))
+    assert one.to_json() == same.to_json()
+    assert one.oodness.interval != other.oodness.interval
+
+
+def test_scenarios_are_resampled_by_their_paths():
+    scenarios = [Scenario(id=f"s-{i}", text=f"t{i}", path=("root", f"p{i % 3}")) for i in range(9)]
+    report = Metrics(ENCODER, ["b"]).report(scenarios)
+    assert report.oodness.interval.units == 3
+    assert set(report.groups) == {"root / p0", "root / p1", "root / p2"}
+    assert (
+        report.oodness.per_text
+        == Metrics(ENCODER, ["b"]).oodness([f"t{i}" for i in range(9)]).per_text
+    )
+
+
+def test_labels_that_do_not_fit_are_refused():
+    with pytest.raises(DataError):
+        Metrics(ENCODER, ["b"]).report(["a", "c"], ["p"])
+
+
+@quick
+@given(words, st.floats(-1, 1), st.floats(-1, 1))
+def test_a_band_keeps_what_lies_in_it(texts, x, y):
+    low, high = min(x, y), max(x, y)
+    band = Metrics(ENCODER, ["b", "c"]).band(texts, low, high)
+    kept = [i for i, score in enumerate(band.scores) if low <= score <= high]
+    assert list(band.indices) == kept
+    assert list(band.texts) == [texts[i] for i in kept]
+    assert band.below + band.above + len(kept) == len(texts)
+
+
+def test_a_band_may_be_open_but_not_reversed():
+    metrics = Metrics(ENCODER, ["b"])
+    band = metrics.band(["a", "c"], -math.inf, math.inf)
+    assert (band.low, band.high, band.indices) == (None, None, (0, 1))
+    for low, high in ((0.5, 0.1), (math.nan, 0.0), (0.0, math.nan)):
+        with pytest.raises(UsageError):
+            metrics.band(["a"], low, high)
+
+
+def test_a_batch_of_the_baseline_is_measured_against_its_rest():
+    ordinary = [f"t{i}" for i in range(40)]
+    metrics = Metrics(ENCODER, ordinary)
+    batch = metrics.baseline_batch(size=39, repeats=200)
+    rows = ENCODER.exact(ordinary)
+    cosines = rows @ rows.T
+    expected = np.mean(
+        [-np.delete(cosines[:, i], i).mean() for i in range(40)]  # one text is the rest of 39
+    )
+    assert batch.mean == pytest.approx(expected, abs=0.03)
+    assert batch == metrics.baseline_batch(size=39, repeats=200)
+    assert (batch.N, len(batch.per_repeat)) == (40, 200)
+    for size in (0, 40, 100):
+        with pytest.raises(UsageError):
+            metrics.baseline_batch(size=size)
+
+
+def test_copies_in_the_baseline_bring_a_batch_to_minus_one():
+    assert Metrics(ENCODER, ["a", "b"] * 20).baseline_batch(5).mean == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_the_diversity_of_the_baseline_may_be_sampled():
+    ordinary = [f"t{i}" for i in range(40)]
+    metrics = Metrics(ENCODER, ordinary)
+    assert metrics.baseline_diversity() == metrics.diversity(ordinary)
+    assert metrics.baseline_diversity(10).n == 10
+    with pytest.raises(UsageError):
+        metrics.baseline_diversity(41)
+
+
+def test_sets_are_compared_at_equal_size():
+    metrics = Metrics(ENCODER, ["b", "c"])
+    large, small = [f"t{i}" for i in range(60)], [f"u{i}" for i in range(12)]
+    found = metrics.compare(large, small)
+    assert (found.size, found.n_a, found.n_b) == (12, 60, 12)
+    assert found.nearest.b == pytest.approx(metrics.diversity(small).nearest, abs=1e-6)
+    assert found.nearest.a > metrics.diversity(large).nearest
+    assert found.pairwise.a == pytest.approx(metrics.diversity(large).pairwise, abs=0.05)
+    assert found.nearest.low <= found.nearest.difference <= found.nearest.high
+    assert found == metrics.compare(large, small)
+    with pytest.raises(UsageError):
+        metrics.compare(large, small, size=13)
+    with pytest.raises(UsageError):
+        metrics.compare(["a"], small)
+
+
+def test_a_baseline_is_kept_on_disk_only_for_encoders_that_allow_it(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    Metrics(HashEncoder(), ["b"]).oodness(["a"])
+    assert not list(tmp_path.rglob("*"))
+
+    class Slow(HashEncoder):
+        cacheable = True
+
+    baseline = Baseline(texts=("b", "c"))
+    Metrics(Slow(), baseline).oodness(["a"])
+    (file,) = tmp_path.rglob("*.npz")
+    assert file.parent.name == baseline.digest()[:16]
+    file.write_bytes(b"rubbish")
+    assert Metrics(Slow(), baseline).oodness(["b"]).mean == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_what_is_out_of_distribution_scores_higher_than_ordinary_text():
+    metrics = Metrics(MiniLM(), ordinary_driving().texts[::20])
+    strange = [
+        "Ego is driving on a two-lane residential road in clear weather, and a sofa lies in its lane.",
+        "The ego vehicle is travelling on a highway when a deer leaps over the barrier.",
+        "Ego is moving on a three-lane road, with an overturned vehicle ahead in the same lane.",
+    ]
+    usual = [
+        "Ego is driving on a two-lane residential road in clear weather, and a van drives ahead.",
+        "The ego vehicle is travelling on a highway when a car merges from the ramp.",
+        "Ego is moving on a three-lane road, with another vehicle ahead in the same lane.",
+    ]
+    ood, ordinary = metrics.oodness(strange), metrics.oodness(usual)
+    assert all(x > y for x, y in zip(ood.per_text, ordinary.per_text, strict=True))

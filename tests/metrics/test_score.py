@@ -1,0 +1,57 @@
+import json
+
+import pytest
+
+from oodscen.baselines import Baseline
+from oodscen.errors import DataError, UsageError
+from oodscen.metrics import Metrics, score_file
+from oodscen.testing.encoder import HashEncoder
+
+TEXTS = ["a deer jumps onto the road", "a car waits at the light", "a sofa lies in the lane"]
+ORDINARY = ["a car waits at the light", "a van turns left", "a bus stops"]
+
+
+@pytest.fixture
+def lines(tmp_path):
+    path = tmp_path / "texts.txt"
+    path.write_text("\n".join(TEXTS) + "\n")
+    return path
+
+
+def test_a_file_scores_as_its_texts_do(lines):
+    baseline = Baseline(texts=ORDINARY)
+    report = score_file(lines, baseline=baseline, encoder=HashEncoder(), seed=3)
+    assert report == Metrics(HashEncoder(), baseline, seed=3).report(TEXTS)
+
+
+def test_the_baseline_may_be_a_file(lines, tmp_path):
+    path = tmp_path / "ordinary.jsonl"
+    path.write_text("\n".join(json.dumps({"text": text}) for text in ORDINARY))
+    report = score_file(lines, baseline=path, encoder=HashEncoder())
+    assert (report.baseline, report.N) == ("ordinary.jsonl", 3)
+    assert report.oodness.per_text[1] == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_paths_of_scenarios_cluster_the_intervals(tmp_path):
+    path = tmp_path / "scenarios.jsonl"
+    rows = [{"id": str(i), "text": t, "path": ["r", str(i % 2)]} for i, t in enumerate(TEXTS)]
+    path.write_text("\n".join(map(json.dumps, rows)))
+    report = score_file(path, baseline=Baseline(texts=ORDINARY), encoder=HashEncoder())
+    assert set(report.groups) == {"r / 0", "r / 1"}
+
+
+def test_a_band_narrows_the_report(lines):
+    baseline = Baseline(texts=ORDINARY)
+    report = score_file(lines, baseline=baseline, encoder=HashEncoder(), band=(-0.9, 1.0))
+    assert report.n == 2
+    assert report.band.texts == (TEXTS[0], TEXTS[2])
+    assert report.band.below == 1
+    with pytest.raises(UsageError):
+        score_file(lines, baseline=baseline, encoder=HashEncoder(), band=(0.99, 1.0))
+
+
+def test_a_file_that_is_missing_or_empty_is_a_data_error(tmp_path):
+    (tmp_path / "empty.txt").write_text("\n\n")
+    for name in ("empty.txt", "missing.txt"):
+        with pytest.raises(DataError):
+            score_file(tmp_path / name, encoder=HashEncoder())

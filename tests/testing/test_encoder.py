@@ -1,0 +1,47 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.protocols import Encoder
+from oodscen.testing.encoder import HashEncoder
+
+
+@given(st.lists(st.text(max_size=30), max_size=8), st.integers(1, 64))
+def test_one_row_a_text_of_unit_length_or_zero(texts, dimension):
+    vectors = HashEncoder(dimension).encode(texts)
+    assert vectors.shape == (len(texts), dimension)
+    assert vectors.dtype == np.float32
+    lengths = np.linalg.norm(vectors, axis=1)
+    assert np.all((np.abs(lengths - 1.0) < 1e-5) | (lengths == 0.0))
+
+
+@given(st.permutations(["a", "red", "car", "waits", "here"]))
+def test_word_order_and_case_play_no_part(words):
+    encoder = HashEncoder()
+    rows = encoder.encode([" ".join(words).upper(), "a red car waits here!"])
+    assert np.array_equal(rows[0], rows[1])
+
+
+def test_texts_that_share_words_are_near():
+    rows = HashEncoder().encode(["a red car waits", "a red car turns", "deer jump over fences"])
+    assert rows[0] @ rows[1] > rows[0] @ rows[2]
+
+
+def test_it_is_an_encoder_with_a_name():
+    assert isinstance(HashEncoder(), Encoder)
+    assert HashEncoder().name == "hash-256"
+    with pytest.raises(ValueError):
+        HashEncoder(0)
+
+
+def test_another_process_gives_the_same_bytes():
+    program = (
+        "from oodscen.testing.encoder import HashEncoder as H; import sys;"
+        "sys.stdout.write(H(32).encode(['a car waits']).tobytes().hex())"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    assert run.stdout.decode() == HashEncoder(32).encode(["a car waits"]).tobytes().hex()
