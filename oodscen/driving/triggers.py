@@ -24,7 +24,7 @@ def is_reached(
     if kind == "distance":
         return distance <= value
     closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
-    return distance <= value * closing
+    return distance <= max(0.0, value * closing)
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
