@@ -91,6 +91,8 @@ class _Check:
         chosen = list(scenes or (_plain_scene(catalogue, road) for road in catalogue.maps))
         with self.finding("determinism"):
             self.check_determinism(simulator, factory, chosen)
+        with self.finding("controls"):
+            self.check_controls(simulator, catalogue)
         with self.finding("snapshot"):
             self.check_snapshot(simulator, chosen[0])
         with self.finding("frames"):
@@ -195,13 +197,16 @@ class _Check:
 
     def drive(self, simulator: Simulator, scene: Scene, what: str) -> None:
         """Run a scene for some steps and look at every state."""
-        self.check_state(simulator, scene, simulator.reset(scene, 0), 0, what)
+        first = simulator.reset(scene, 0)
+        self.check_state(simulator, scene, first, 0, what)
+        kept = first.fingerprint()
         for step in range(1, _STEPS + 1):
             control = _follow(simulator.observe())
             before = len(self.findings)
             self.check_state(simulator, scene, simulator.step(control), step, what)
             if len(self.findings) > before:
                 return
+        self.that(first.fingerprint() == kept, f"{what}: a later step changed an earlier state")
 
     def check_state(
         self, simulator: Simulator, scene: Scene, state: State, step: int, what: str
@@ -237,6 +242,33 @@ class _Check:
                 what = f"scene {scene.id}"
                 self.that(again == expected, f"{what}: another result after other scenes had run")
                 self.that(fresh == expected, f"{what}: another result from a fresh simulator")
+
+    def check_controls(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """The ego does what it is told, left is positive, and the observation agrees."""
+        road = max(catalogue.maps, key=lambda road: road.length_m)
+        scene = _scene(catalogue, road, (), speed=8.0)
+        ends = {}
+        for name, control in (
+            ("coasting", Control()),
+            ("accelerating", Control(acceleration=1.0)),
+            ("braking", Control(acceleration=-6.0)),
+            ("steering left", Control(steering=0.03)),
+            ("steering right", Control(steering=-0.03)),
+        ):
+            simulator.reset(scene, 0)
+            for _ in range(_STEPS):
+                state = simulator.step(control)
+            ends[name] = simulator.observe()
+            speed = float(state.speeds[0])
+            agrees = (
+                abs(ends[name].speed - speed) < 1e-6 and abs(ends[name].time - state.time) < 1e-6
+            )
+            self.that(agrees, f"controls: after {name} observation and state disagree")
+        faster = ends["accelerating"].speed > ends["coasting"].speed > ends["braking"].speed
+        self.that(faster, "controls: accelerating and braking do not change the speed so")
+        self.that(ends["braking"].speed >= 0.0, "controls: braking makes the ego reverse")
+        left, right = ends["steering left"].offset_m, ends["steering right"].offset_m
+        self.that(left > ends["coasting"].offset_m > right, "controls: left must be positive")
 
     def check_snapshot(self, simulator: Simulator, scene: Scene) -> None:
         """Where snapshots are offered, what follows a restored one equals what followed then."""
@@ -285,6 +317,8 @@ class _Check:
             self.that(good, what)
         colours = len(np.unique(frame.rgb.reshape(-1, frame.rgb.shape[-1]), axis=0))
         self.that(colours >= 4, f"frames: the picture is blank ({colours} colours)")
+        known = bool((frame.ids >= 0).all() and (frame.ids <= 2).all())
+        self.that(known, "frames: ids are not 0 (scenery), 1 (ego) or 2 + the actor's index")
         good_depth = bool((frame.depth > 0.0).all())
         self.that(good_depth, "frames: depth must be positive, infinite for the sky")
         self.that(bool(np.isfinite(frame.depth).any()), "frames: nothing has a finite depth")

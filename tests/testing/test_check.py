@@ -5,7 +5,7 @@ import pytest
 
 from oodscen.driving import SHIPPED_MAPS
 from oodscen.errors import SpawnError
-from oodscen.protocols import Frame, State
+from oodscen.protocols import Control, Frame, State
 from oodscen.testing import FlatSimulator, check_simulator
 from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
 from tests.driving.staging import actor, scene
@@ -96,6 +96,24 @@ class Boastful(Small):
         return SMALL.model_copy(update={"maps": (road,)})
 
 
+class SteersRight(Small):
+    def step(self, control):
+        return super().step(Control(control.acceleration, -control.steering))
+
+
+class Reuses(Small):
+    kept = None
+
+    def _publish(self):
+        state = super()._publish()
+        if state.step == 0:
+            self.kept = state
+        else:
+            self.kept.poses.setflags(write=True)
+            self.kept.poses[:] = state.poses
+        return state
+
+
 class ForgetsSpeed(Small):
     def restore(self, snapshot):
         state = super().restore(snapshot)
@@ -121,6 +139,8 @@ def test_the_flat_simulator_keeps_the_protocol() -> None:
         (Untyped, ["an unknown map is refused by a KeyError"]),
         (Boastful, ["has 1 lanes, not 2", "lie ahead"]),
         (ForgetsSpeed, ["snapshot"]),
+        (SteersRight, ["left must be positive"]),
+        (Reuses, ["a later step changed an earlier state"]),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
