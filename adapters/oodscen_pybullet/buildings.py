@@ -35,7 +35,8 @@ def city_block(width: int, floors: int, style: int, has_shop: bool) -> Mesh:
                 (x1, -depth / 2, high),
                 (x0, -depth / 2, high),
             ]
-            mesh.picture(front, "shop" if floor == 0 and has_shop else region)
+            shop = f"shop_{(style + floors) % 4}"
+            mesh.picture(front, shop if floor == 0 and has_shop else region)
         for bay in range(2):
             y0 = -depth / 2 + bay * BAY
             y1 = y0 + BAY

@@ -143,8 +143,8 @@ def shadow_mask(view: View, casters: Sequence[Caster], sun: Point, ground: float
                         x + cos * (cx + a) - sin * (cy + b),
                         y + sin * (cx + a) + cos * (cy + b),
                     )
-                    for c in (max(cz - hz, 0.0), cz + hz):
-                        corners.append((px + push[0] * c, py + push[1] * c))
+                    levels = (max(cz - hz, 0.0), cz + hz)
+                    corners += [(px + push[0] * c, py + push[1] * c) for c in levels]
             hull = cv2.convexHull(np.array(corners, np.float32))[:, 0]
             outline = _clip([view.to_camera((float(u), float(v), z)) for u, v in hull])
             if len(outline) < 3:

@@ -58,7 +58,6 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
     across, upwards = view.slopes()
     stretch = np.sqrt(1.0 + across[None, :] ** 2 + upwards[:, None] ** 2).astype(np.float32)
     distance = depth * stretch
-    is_sky = np.isinf(depth)
     rate, air = extinction(weather), air_colour(weather, light)
     ground = _ground(picture)
     image = _shade(image, picture, ground)
@@ -73,7 +72,7 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
         image = image * illumination(view, depth, light, picture.glows, picture.road_height)
     else:
         image = image * np.array(light.tint, np.float32)
-    image[is_sky] = sky(view, weather, light, picture.seed)[is_sky]
+    _paint_sky(image, picture)
     image = veil(image, distance, rate, _lit_air(air, picture, distance))
     add_glows(image, view, depth, picture.glows, light, rate)
     add_glare(image, view, light, depth)
@@ -83,6 +82,16 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
         grain = rng.integers(-4, 5, image.shape[:2], dtype=np.int8)
         image = image + grain[..., None].astype(np.float32)
     return np.asarray(np.clip(image + np.float32(0.5), 0.0, 255.0), np.uint8)
+
+
+def _paint_sky(image: Float, picture: Picture) -> None:
+    """Put the sky wherever nothing else is, in place."""
+    is_sky = np.isinf(picture.depth)
+    lowest = np.flatnonzero(is_sky.any(axis=1))
+    if len(lowest):
+        rows = int(lowest[-1]) + 1
+        painted = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
+        image[:rows][is_sky[:rows]] = painted[is_sky[:rows]]
 
 
 def _smooth(rgb: NDArray[np.uint8], depth: Float) -> NDArray[np.uint8]:

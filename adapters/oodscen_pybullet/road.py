@@ -15,8 +15,10 @@ STEP = 3.0
 """Length of one piece of road, m; also of one dash of a broken mark."""
 KERB = 0.10
 """Height of pavements above the road, m."""
-BEHIND, BEYOND = 60.0, 330.0
-"""How far the road is drawn behind the ego's start and beyond the corridor's end, m."""
+BEHIND = 60.0
+"""How far the road is drawn behind the ego's start, m."""
+SEEN_M, DRIVEN_S = 400.0, 30.0
+"""It is drawn as far as one sees after driving at the speed limit for so long, m and s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +35,10 @@ class Course:
 
     @classmethod
     def of(cls, corridor: Corridor) -> "Course":
-        """Resample a corridor from behind the ego's start to beyond the end."""
+        """Resample a corridor from behind the ego's start to where nobody sees further."""
         first = max(0.0, corridor.start - BEHIND)
-        count = int((corridor.length + BEYOND - first) / STEP)
+        last = corridor.start + DRIVEN_S * corridor.speed_limit + SEEN_M
+        count = int((last - first) / STEP)
         s: Array = first + STEP * np.arange(count + 1, dtype=np.float64)
         inside = np.minimum(s, corridor.length)
         cos, sin = (

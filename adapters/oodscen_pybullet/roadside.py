@@ -12,8 +12,8 @@ from oodscen_pybullet.meshes import asset_mesh, paints_of, plants
 from oodscen_pybullet.meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet.road import Array, Course, Ribbons, extents, lay_road
 
-SEEN_M, DRIVEN_S = 260.0, 30.0
-"""Scenery stands as far as one sees after driving at the speed limit for so long, m and s."""
+SHORT_M = 130.0
+"""Scenery ends so far before the road does: it is small by then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +40,7 @@ class _Site:
     @property
     def end(self) -> float:
         """Where along the road scenery ends, m."""
-        reach = self.corridor.start + DRIVEN_S * self.corridor.speed_limit + SEEN_M
-        return min(reach, float(self.course.s[-1]))
+        return float(self.course.s[-1]) - SHORT_M
 
     def put(
         self, mesh: Mesh, s: float, side: int, out: float, *, yaw: float = 0.0, lift: float = 0.0
@@ -209,8 +208,8 @@ def _front(style: int) -> Mesh:
     if style == 0:
         mesh.box((0, 0, 0.5), (10.0, 0.6, 1.0), "hedge")
     elif style == 1:
-        for index in range(21):
-            mesh.box((-5.0 + 0.5 * index, 0, 0.45), (0.28, 0.05, 0.9), "fence")
+        for index in range(13):
+            mesh.box((-5.0 + 0.83 * index, 0, 0.45), (0.6, 0.05, 0.9), "fence", caps="t")
         mesh.box((0, 0.05, 0.7), (10.0, 0.05, 0.08), "fence")
     else:
         mesh.box((0, 0, 0.3), (10.0, 0.25, 0.6), "wall_brick")
@@ -259,16 +258,25 @@ def _urban(site: _Site, ribbons: Ribbons) -> None:
         site.put(_speed_sign(), s, -1, -2.2, yaw=np.pi, lift=0.1)
 
 
-@lru_cache(maxsize=2)
-def _rail() -> Mesh:
-    """Return twelve metres of guard rail along x; its face looks towards -y."""
+@lru_cache(maxsize=1)
+def _rail_post() -> Mesh:
     mesh = MeshBuilder()
-    for x in (-4.5, -1.5, 1.5, 4.5):
-        mesh.box((x, 0.12, 0.35), (0.1, 0.12, 0.7), "post")
-    for z in (0.5, 0.66):
-        mesh.box((0, 0, z), (12.1, 0.06, 0.13), "rail")
-    mesh.box((0, 0.03, 0.58), (12.1, 0.04, 0.06), "post")
+    mesh.box((0, 0.12, 0.35), (0.1, 0.12, 0.7), "post", caps="")
     return mesh.build(hollow=True)
+
+
+def _guard_rails(site: _Site, ribbons: Ribbons, inwards: float) -> None:
+    """Add a rail with posts on both sides, so far inside the edge of the cross-section."""
+    for t, side in ((site.left - inwards, 1), (site.right + inwards, -1)):
+        for low, high, colour in ((0.44, 0.56, "rail"), (0.56, 0.60, "post"), (0.60, 0.72, "rail")):
+            if side > 0:
+                ribbons.band(t, t + 1e-4, colour, heights=(low, high))
+            else:
+                ribbons.band(t - 1e-4, t, colour, heights=(high, low))
+        ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.72, 0.72))
+    for s in site.spots(4.0):
+        for side in (1, -1):
+            site.put(_rail_post(), s, side, -inwards)
 
 
 @lru_cache(maxsize=2)
@@ -317,9 +325,7 @@ def _highway(site: _Site, ribbons: Ribbons) -> None:
             if strip.direction >= 0:
                 _concrete_barrier(ribbons, middle)
             break
-    for s in site.spots(12.0):
-        for side in (1, -1):
-            site.put(_rail(), s, side, -2.5)
+    _guard_rails(site, ribbons, 2.5)
     for s in site.spots(50.0):
         for side in (1, -1):
             site.put(_post(), s, side, -1.2)

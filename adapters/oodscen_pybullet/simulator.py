@@ -210,8 +210,9 @@ class PyBulletSimulator(MirrorSimulator):
                 glows.append(
                     Glow(place, lamp.colour, (c * fx - s * fy, s * fx + c * fy, fz), lamp.power)
                 )
-        for lamp_head in scenery.lamps:
-            glows.append(Glow(lamp_head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True))
+        glows += [
+            Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
+        ]
         return glows
 
 

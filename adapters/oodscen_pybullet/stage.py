@@ -129,10 +129,10 @@ class Stage:
     def _shape(self, mesh: Mesh) -> int:
         shape: int = self._engine.createVisualShape(
             self._engine.GEOM_MESH,
-            vertices=mesh.vertices.tolist(),
+            vertices=_rows(mesh.vertices),
             indices=mesh.triangles.reshape(-1).tolist(),
-            uvs=mesh.uvs.tolist(),
-            normals=mesh.normals.tolist(),
+            uvs=_rows(mesh.uvs),
+            normals=_rows(mesh.normals),
             rgbaColor=(1, 1, 1, 1),
             physicsClientId=self._client,
         )
@@ -160,6 +160,11 @@ class Stage:
             finally:
                 Path(name).unlink()
         return self._textures[self._is_snowy]
+
+
+def _rows(array: NDArray[np.float64]) -> list[tuple[float, ...]]:
+    """Return an array's rows; tuples burden the garbage collector less than lists."""
+    return list(zip(*array.T.tolist(), strict=True))
 
 
 def _piece(mesh: Mesh, start: int) -> Mesh:

@@ -70,7 +70,7 @@ class View:
         return [
             2 * f / w, 0.0, 0.0, 0.0,
             0.0, 2 * f / h, 0.0, 0.0,
-            1.0 / w, -1.0 / h, -(FAR + NEAR) / depth, -1.0,
+            1.0 / w, 1.0 / h, -(FAR + NEAR) / depth, -1.0,
             0.0, 0.0, -2 * FAR * NEAR / depth, 0.0,
         ]  # fmt: skip
 

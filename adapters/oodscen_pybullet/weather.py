@@ -62,19 +62,21 @@ def veil(image: Float, distance: Float, rate: float, air: Colour | Float) -> Flo
         return image
     import cv2
 
-    through = cv2.exp(np.minimum(distance, np.float32(SKY_M)) * np.float32(-rate))
+    reach = np.where(np.isinf(distance), np.float32(SKY_M), distance)
+    through = cv2.exp(reach * np.float32(-rate))
     target = np.asarray(air, np.float32)
     return np.asarray((image - target) * through[..., None] + target, np.float32)
 
 
-def sky(view: View, weather: Weather, light: Light, seed: int) -> Float:
-    """Paint the sky for every pixel, [height, width, 3], 0 to 255.
+def sky(view: View, weather: Weather, light: Light, seed: int, *, rows: int) -> Float:
+    """Paint the sky for the uppermost rows of pixels, [rows, width, 3], 0 to 255.
 
     Below the horizon it is the haze over distant ground.
     """
     import cv2
 
     across, upwards = view.slopes()
+    upwards = upwards[:rows]
     rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
     high = np.clip(rise * np.float32(1.6), 0.0, 1.0)[:, None, None]
     horizon, zenith = (204.0, 222.0, 240.0), (92.0, 148.0, 222.0)
@@ -91,7 +93,7 @@ def sky(view: View, weather: Weather, light: Light, seed: int) -> Float:
         np.array(bottom, np.float32)
         + (np.array(top, np.float32) - np.array(bottom, np.float32)) * high
     )
-    painted = np.broadcast_to(clear, (view.height, view.width, 3)).astype(np.float32)
+    painted = np.broadcast_to(clear, (rows, view.width, 3)).astype(np.float32)
     cover = max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
     if cover > 0.02:
         sheet = _cloud_sheet(seed)
@@ -101,8 +103,8 @@ def sky(view: View, weather: Weather, light: Light, seed: int) -> Float:
             1024
         )
         row = np.clip(rise * np.float32(420.0), 0.0, 255.0)
-        map_x = np.broadcast_to(column[None, :], (view.height, view.width)).astype(np.float32)
-        map_y = np.broadcast_to(row[:, None], (view.height, view.width)).astype(np.float32)
+        map_x = np.broadcast_to(column[None, :], (rows, view.width)).astype(np.float32)
+        map_y = np.broadcast_to(row[:, None], (rows, view.width)).astype(np.float32)
         cloud = cv2.remap(sheet, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
         edge = np.float32(1.0 - 0.9 * cover)
         share = np.clip((cloud - edge + np.float32(0.12)) * np.float32(3.2), 0.0, 1.0)

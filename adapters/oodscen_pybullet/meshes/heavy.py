@@ -66,7 +66,7 @@ def truck(lights: Lights, paint: str) -> MeshBuilder:
     for x in (-2.6, 2.9):
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.02, 0.5, 0.36, hub="light_grey")
-    return mesh.solid((-1.0, 0, 1.85), (6.1, 2.44, 3.1)).solid((3.0, 0, 1.5), (2.1, 2.4, 2.8))
+    return mesh.solid((-0.98, 0, 1.85), (6.06, 2.44, 3.1)).solid((3.0, 0, 1.5), (2.1, 2.4, 2.8))
 
 
 def overturned_truck(lights: Lights, paint: str) -> MeshBuilder:

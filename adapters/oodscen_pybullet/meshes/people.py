@@ -107,7 +107,7 @@ def worker(lights: Lights, paint: str) -> MeshBuilder:
         )
     mesh.cylinder((0.18, -0.36, 0.05), (0.12, -0.30, 1.35), 0.022, "wood", sides=6)
     mesh.box((0.18, -0.36, 0.13), (0.04, 0.2, 0.26), "metal")
-    return mesh.solid((0, 0, 0.88), (0.45, 0.6, 1.76))
+    return mesh.solid((0.03, 0, 0.88), (0.4, 0.6, 1.76))
 
 
 def police_officer(lights: Lights, paint: str) -> MeshBuilder:
@@ -132,7 +132,7 @@ def police_officer(lights: Lights, paint: str) -> MeshBuilder:
     mesh.cylinder((0.36, -0.28, 1.5), (0.38, -0.28, 1.74), 0.018, "white", sides=6)
     mesh.cylinder((0.365, -0.28, 1.86), (0.395, -0.28, 1.86), 0.15, "white", sides=12)
     mesh.cylinder((0.36, -0.28, 1.86), (0.40, -0.28, 1.86), 0.11, "red", sides=12)
-    return mesh.solid((0.0, 0, 0.88), (0.45, 0.6, 1.76))
+    return mesh.solid((0.06, 0, 0.88), (0.4, 0.6, 1.76))
 
 
 def _two_wheeler_rider(

@@ -141,7 +141,7 @@ def broad_tree(key: int) -> MeshBuilder:
             (size, size, size * 0.86),
             greens[(index + key) % 3],
             around=7,
-            down=5,
+            down=4,
             jitter=0.15,
             key=90 + key * 7 + index,
         )

@@ -240,10 +240,19 @@ def _gantry(patch: Image, _: str, __: dict[str, Colour], ___: np.random.Generato
     cv2.arrowedLine(patch, (206, 78), (206, 20), (250, 250, 250), 8, cv2.LINE_AA, 0, 0.4)
 
 
-def _shop(patch: Image, _: str, __: dict[str, Colour], rng: np.random.Generator) -> None:
+_SHOPS: tuple[tuple[str, Colour], ...] = (
+    ("B A K E R Y", (40, 92, 84)),
+    ("B O O K S", (126, 44, 50)),
+    ("C A F E", (62, 62, 70)),
+    ("P H A R M A C Y", (46, 110, 60)),
+)
+
+
+def _shop(patch: Image, name: str, __: dict[str, Colour], rng: np.random.Generator) -> None:
     _grain(patch, (112, 104, 98), 3.0, rng)
-    patch[6:26] = (40, 92, 84)
-    _text(patch[6:26], "B A K E R Y", (240, 232, 200), size=0.6)
+    words, ground = _SHOPS[int(name[-1])]
+    patch[6:26] = ground
+    _text(patch[6:26], words, (240, 232, 200), size=0.6)
     for left in (0.05, 0.68):
         _window(patch, (left, 0.36, left + 0.27, 0.94), (96, 116, 128), (60, 52, 46), 1.0)
     patch[36:, 78:114] = (58, 46, 40)
