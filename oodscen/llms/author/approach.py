@@ -1,6 +1,5 @@
 """How fast the ego comes and how far away it must decide, for a recipe on a kind of road."""
 
-import math
 from dataclasses import dataclass
 
 from oodscen.llms.author.knowledge import Hazard, Place, Recipe, RecipeActor
@@ -24,12 +23,6 @@ class Approach:
 def room(speed: float, friction: float = 1.0) -> float:
     """Return the distance in which a car can stop calmly or change lane, m."""
     return max(speed * speed / (2.0 * _COMFORTABLE * friction), _LANE_CHANGE_S * speed)
-
-
-def speed_for(distance: float, friction: float = 1.0) -> float:
-    """Return the highest speed whose `room` fits into a distance, m/s."""
-    distance = max(distance, 0.0)
-    return min(math.sqrt(2.0 * _COMFORTABLE * friction * distance), distance / _LANE_CHANGE_S)
 
 
 def spare(recipe: Recipe) -> float:

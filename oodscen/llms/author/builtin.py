@@ -1,6 +1,7 @@
 """The embedded default: a deterministic author over a knowledge base, not a language model."""
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from pydantic import BaseModel
 from oodscen.errors import LLMError
 from oodscen.llms.author.compose import Composer
 from oodscen.llms.author.feasibility import Judge
-from oodscen.llms.author.knowledge import Hazard, load_knowledge
+from oodscen.llms.author.knowledge import Hazard, load_knowledge, stamp_of
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.llms.author.staging import Stager
 from oodscen.llms.author.taxonomy import TreeAuthor
@@ -62,8 +63,9 @@ class BuiltinAuthor:
             DataError: When the knowledge base cannot be read.
         """
         self.seed = seed
+        self.knowledge = None if knowledge is None else Path(knowledge)
         self._knowledge = load_knowledge(knowledge)
-        self._recogniser = Recogniser(self._knowledge)
+        self._recogniser = _recogniser(self.knowledge, stamp_of(self.knowledge))
         self._composer = Composer(self._knowledge)
         self._trees = TreeAuthor(self._knowledge, self._recogniser)
         self._judge = Judge(self._recogniser)
@@ -78,6 +80,9 @@ class BuiltinAuthor:
             DescribePath: self._describe,
             StageScene: self._stage,
         }
+
+    def __reduce__(self) -> tuple[type["BuiltinAuthor"], tuple[int, Path | None]]:
+        return (BuiltinAuthor, (self.seed, self.knowledge))
 
     def complete(self, request: Request) -> Completion:
         """Answer one request as JSON text.
@@ -199,6 +204,13 @@ class BuiltinAuthor:
 
     def _hazard(self, text: str) -> Hazard | None:
         return self._recogniser.recognise(text).hazard
+
+
+@cache
+def _recogniser(path: Path | None, stamp: tuple[tuple[str, int, int], ...]) -> Recogniser:
+    """Index a knowledge base once per process; it holds no state of any author."""
+    del stamp
+    return Recogniser(load_knowledge(path))
 
 
 def _is_as_easy(kin: Hazard, head: Hazard) -> bool:

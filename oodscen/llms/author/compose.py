@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -24,6 +24,7 @@ class Plot:
     """What a text is going to say, before it is worded."""
 
     event: str
+    """With its placeholder until the construction is chosen."""
     place: Place
     where: str
     """Phrase for the place."""
@@ -65,8 +66,9 @@ class Composer:
         while idle < _IDLE_TRIES:
             plot = self._plot(hazard, rng, turns)
             built = turns.next("structure", list(_STRUCTURES))
-            structure = built if _STRUCTURES[built].suits(plot) else "two sentences"
-            text = _STRUCTURES[structure].build(plot)
+            structure = _STRUCTURES[built if _STRUCTURES[built].suits(plot) else "two sentences"]
+            event = self._located(plot, hazard, structure.names_ego, rng)
+            text = structure.build(replace(plot, event=event))
             key = plain(text)
             if key in taken or not 20 <= len(text) <= 600:
                 idle += 1
@@ -84,7 +86,7 @@ class Composer:
             condition = self.knowledge.condition_keys.get(key)
         event = turns.next("event", list(hazard.events))
         return Plot(
-            event=self._located(event, hazard, place, rng),
+            event=event,
             place=place,
             where=turns.next(f"place {place.key}", list(place.phrases)),
             condition=condition,
@@ -104,21 +106,24 @@ class Composer:
         fitting = [t for t in self.knowledge.traffic if _met_on(t, place)]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 
-    def _located(self, event: str, hazard: Hazard, place: Place, rng: np.random.Generator) -> str:
-        """Fill in where it is; the ego is named if the event does not name it yet."""
+    def _located(
+        self, plot: Plot, hazard: Hazard, names_ego: bool, rng: np.random.Generator
+    ) -> str:
+        """Fill in where it is; the ego is named once more where nothing else names it."""
+        event = _NAMED_TWICE.sub(r"\1", plot.event)
         if "{where}" not in event:
             return event
         words = self.knowledge.wording
-        in_metres = rng.random() < 0.6
-        names_ego = re.search(r"\bego\b", event) is not None or "from {where}" in event
-        if in_metres:
-            low, high = approach(hazard, place).ahead
+        named = re.search(r"\bego\b", event) is not None or "from {where}" in event
+        briefly = named or (names_ego and rng.random() < 0.8)
+        if rng.random() < 0.6:
+            low, high = approach(hazard, plot.place).ahead
             steps = [five * 5 for five in range(1, 61) if low <= five * 5 <= high]
-            distance = _pick(rng, steps) if steps else round(0.5 * (low + high))
-            phrases = words.metres if names_ego else words.metres_ego
+            distance = _pick(rng, steps) if steps else 5 * round(0.1 * (low + high))
+            phrases = words.metres if briefly else words.metres_ego
             where = _pick(rng, phrases).format(distance=distance)
         else:
-            where = _pick(rng, words.near if names_ego else words.near_ego)
+            where = _pick(rng, words.near if briefly else words.near_ego)
         return event.replace("{where}", where)
 
 
@@ -146,10 +151,14 @@ def _pick(rng: np.random.Generator, options: Sequence[Option]) -> Option:
 
 # ------------------------------------------------------------------ constructions
 
+_NAMED_TWICE = re.compile(r"((?:in front|ahead) of the ego vehicle) \{where\}", re.IGNORECASE)
 _ADVERBIAL = re.compile(
     r"(On|In|At|Late|By|Within|From|Behind|Without|After|Since|Towards?|Between|While|Under|Beneath|"
     r"Beyond|Although|Coming|Instead|It|Over|Across|Along|Beside|Before|Near|Once|As|With|Every|"
     r"Ahead|Around|Against|Halfway|Suddenly|Seconds|Moments|Just|Only|Where|When|Having|For)\b"
+)
+_PLAIN = re.compile(
+    r"(An?|The|Two|Three|Four|Five|Six|Several|Some|Somebody|Someone|Another|Dozens|Thousands)\b"
 )
 _LASTING = re.compile(
     r"\b(is|are|was|has|have|had|stands?|lies?|sits?|blocks?|holds?|keeps?|occup\w+|remains?|waits?|"
@@ -158,7 +167,10 @@ _LASTING = re.compile(
 
 
 def _starts_plainly(plot: Plot) -> bool:
-    return _ADVERBIAL.match(plot.event) is None
+    """Tell whether the event begins with its subject."""
+    if _PLAIN.match(plot.event) is not None:
+        return True
+    return not plot.is_act and _ADVERBIAL.match(plot.event) is None
 
 
 def _is_short(plot: Plot) -> bool:
@@ -167,6 +179,8 @@ def _is_short(plot: Plot) -> bool:
 
 def _happens(plot: Plot) -> bool:
     """Tell whether the event is something that occurs, so that `when` can introduce it."""
+    if re.search(r"\b(when|while|as|after|before|until|because)\b", plot.event):
+        return False
     return plot.is_act and _LASTING.search(" ".join(plot.event.split()[:9])) is None
 
 
@@ -238,6 +252,8 @@ def _meanwhile(plot: Plot) -> str:
 class _Structure:
     build: Callable[[Plot], str]
     suits: Callable[[Plot], bool]
+    names_ego: bool = True
+    """Whether it has a part of its own about the ego."""
 
 
 _STRUCTURES = {
@@ -255,11 +271,13 @@ _STRUCTURES = {
         _place_first,
         lambda plot: (
             _starts_plainly(plot)
-            and re.search(r"\bego\b", plot.event) is not None
+            and re.search(r"\bego\b|{where}", plot.event) is not None
             and not plot.event.startswith(("The ego vehicle", "Ego"))
+            and plot.where.startswith(("on ", "in ", "along "))
             and not plot.weather.startswith(plot.where.split()[0])
             and not plot.traffic
         ),
+        names_ego=False,
     ),
     "meanwhile": _Structure(
         _meanwhile,
@@ -267,7 +285,7 @@ _STRUCTURES = {
             _starts_plainly(plot)
             and _is_short(plot)
             and not plot.event.startswith(("The ego vehicle", "Ego"))
-            and "while" not in plot.event
+            and re.search(r"\b(when|while|as|until)\b", plot.event) is None
             and not plot.traffic
         ),
     ),

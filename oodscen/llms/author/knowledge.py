@@ -380,11 +380,11 @@ def load_knowledge(path: str | Path | None = None) -> Knowledge:
     Raises:
         DataError: With every entry that cannot be used, each with its file and path.
     """
-    return _cached(None if path is None else str(Path(path)), _stamp(path))
+    return _cached(None if path is None else str(Path(path)), stamp_of(path))
 
 
-def _stamp(path: str | Path | None) -> tuple[Any, ...]:
-    """Return what changes when a user's files change."""
+def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
+    """Return what changes when a user's files change: path, time and size of each."""
     if path is None:
         return ()
     files = sorted(Path(path).glob("*.toml")) if Path(path).is_dir() else [Path(path)]

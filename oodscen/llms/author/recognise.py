@@ -30,6 +30,8 @@ _ACCEPTED_SHARE = 0.5
 """Share of a phrase's weight that a text must contain to be taken for it."""
 _ACCEPTED_WEIGHT = 7.0
 """Weight of what a text shares with a phrase, or with a hazard's words, to be taken for it."""
+_LABEL_WEIGHT = 4.0
+"""The same for a label, which has fewer words and is known to name a hazard."""
 
 
 def stem(word: str) -> str:
@@ -122,7 +124,7 @@ class Recogniser:
             return 0.0
         return 0.6 * value if " " in feature else value
 
-    def _recognise(self, text: str) -> Recognition:
+    def _recognise(self, text: str, least: float = _ACCEPTED_WEIGHT) -> Recognition:
         tokens = stems(text)
         shared: dict[int, float] = {}
         for feature in dict.fromkeys(_features(tokens)):
@@ -147,7 +149,7 @@ class Recogniser:
         share = shares.get(best, 0.0)
         weight = scores[best]
         sure = share >= _ACCEPTED_SHARE or named.get(best, 0.0) >= 4.0
-        accepted = sure and (weight >= _ACCEPTED_WEIGHT or share >= 0.8)
+        accepted = sure and (weight >= least or share >= 0.8)
         hazard = self.knowledge.hazards[best] if accepted else None
         return Recognition(hazard, weight, share, is_driving)
 
@@ -157,7 +159,7 @@ class Recogniser:
             return exact
         if plain(label) in self._families:
             return None, False
-        return self.recognise(label).hazard, False
+        return self._recognise(label, _LABEL_WEIGHT).hazard, False
 
     def covered_by(self, label: str) -> tuple[Hazard, ...]:
         """Return the hazards that a leaf's label stands for: one, or with its kin if widened."""

@@ -1,0 +1,165 @@
+import re
+
+import pytest
+
+from oodscen.catalogue import Catalogue
+from oodscen.driving import check_scene
+from oodscen.errors import LLMError
+from oodscen.llms.author import BuiltinAuthor, Knowledge
+from oodscen.llms.author.compose import Composer
+from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
+from oodscen.scene import Scene
+from oodscen.seeding import stream
+
+
+def scene_of(draft: SceneDraft) -> Scene:
+    fields = {name: getattr(draft, name) for name in SceneDraft.model_fields if name != "reasoning"}
+    return Scene(id="x", scenario_id="x", **fields)
+
+
+def texts_of(knowledge: Knowledge, count: int) -> list[tuple[str, str]]:
+    composer = Composer(knowledge)
+    return [
+        (hazard.id, text)
+        for hazard in knowledge.hazards
+        if hazard.stage is not None
+        for text, _ in zip(
+            composer.texts(hazard, stream(5, hazard.label), set()), range(count), strict=False
+        )
+    ]
+
+
+def test_drafts_pass_the_check_at_once_or_after_a_refusal(
+    author: BuiltinAuthor, ask, knowledge: Knowledge, catalogue: Catalogue, digest: CatalogueDigest
+) -> None:
+    refused = []
+    texts = texts_of(knowledge, 2)
+    for name, text in texts:
+        for turns in (2, 4, 6):
+            draft = ask(author, StageScene(text=text, path=(), catalogue=digest), turns=turns)
+            issues = check_scene(scene_of(draft), catalogue)
+            if not issues:
+                break
+            refused.append((name, turns, issues))
+        else:
+            pytest.fail(f"{name}: {text} {refused[-1]}")
+    assert len(refused) <= 0.05 * len(texts), refused
+
+
+def test_a_refused_scene_is_drawn_again(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest
+) -> None:
+    text = "Ego drives on a two-lane residential road. A fallen tree blocks the ego's lane ahead."
+    question = StageScene(text=text, path=(), catalogue=digest)
+    first, again, second = (ask(author, question, turns=turns) for turns in (2, 2, 4))
+    assert first == again
+    assert first.actors != second.actors
+    assert [a.asset for a in first.actors] == [a.asset for a in second.actors]
+
+
+@pytest.mark.parametrize("metres", [35, 45, 60, 80])
+@pytest.mark.parametrize("hazard", ["An overturned car lies on its roof", "An old sofa stands"])
+def test_a_distance_in_the_text_is_kept(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, metres: int, hazard: str
+) -> None:
+    text = f"Ego drives on a two-lane residential road. {hazard} in its lane {metres} metres ahead."
+    draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+    assert draft.actors[0].placement.ahead_m == pytest.approx(metres)
+    assert draft.decision.value < metres
+
+
+@pytest.mark.parametrize(
+    ("road", "trait"),
+    [
+        ("on a two-lane residential street", "residential"),
+        ("on a three-lane urban road", "three_lane"),
+        ("on a four-lane urban avenue", "four_lane"),
+        ("on a highway with two lanes in each direction", "highway"),
+        ("along a winding country road", "rural"),
+    ],
+)
+def test_the_map_fits_the_road(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, road: str, trait: str
+) -> None:
+    text = f"Ego is travelling {road}. A large cardboard box lies in its lane."
+    draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+    assert trait in next(line.traits for line in digest.maps if line.id == draft.map)
+
+
+@pytest.mark.parametrize(
+    ("told", "holds"),
+    [
+        ("at night", lambda w: w.sun_elevation_deg < -6 and w.precipitation == "none"),
+        ("on a sunny day", lambda w: w.sun_elevation_deg > 20 and w.fog_visual_range_m >= 10_000),
+        ("in steady rain", lambda w: w.precipitation == "rain" and w.friction < 0.8),
+        ("at night in the rain", lambda w: w.precipitation == "rain" and w.sun_elevation_deg < -6),
+        ("on a snowy day", lambda w: w.precipitation == "snow" and w.friction < 0.7),
+        ("in light fog", lambda w: w.fog_visual_range_m < 400),
+    ],
+)
+def test_the_weather_is_that_of_the_text(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, told: str, holds
+) -> None:
+    text = (
+        f"Ego drives on a two-lane residential road {told}. A large cardboard box lies in its lane."
+    )
+    draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+    assert holds(draft.weather)
+    assert draft.hazard.weather is None
+
+
+def test_weather_as_hazard_has_an_ordinary_counterpart(
+    author: BuiltinAuthor, ask, knowledge: Knowledge, digest: CatalogueDigest
+) -> None:
+    seen = 0
+    for hazard in knowledge.of_class("environmental"):
+        if hazard.stage is None or not hazard.stage.ordinary_weather:
+            continue
+        text = Composer(knowledge).text(hazard, stream(0, hazard.id))
+        draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+        assert draft.hazard.weather is not None
+        assert draft.hazard.weather != draft.weather
+        assert draft.decision.actor in {actor.id for actor in draft.actors}
+        seen += 1
+    assert seen >= 5
+
+
+def test_traffic_in_the_text_is_on_the_road(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest
+) -> None:
+    text = (
+        "Ego drives on a two-lane residential road, with another car approaching in the oncoming "
+        "lane. A large cardboard box lies in its lane."
+    )
+    draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+    other = next(actor for actor in draft.actors if actor.id == "oncoming")
+    assert other.placement.lane == 1
+    assert "oncoming" not in draft.hazard.actors
+
+
+def test_texts_on_their_own_decide(author: BuiltinAuthor, ask, digest: CatalogueDigest) -> None:
+    text = "Ego drives on a two-lane residential road. A large cardboard box lies in its lane."
+    one = ask(author, StageScene(text=text, path=("x", "Large cardboard box"), catalogue=digest))
+    other = ask(author, StageScene(text=text, path=("x", "Fallen tree"), catalogue=digest))
+    assert one == other
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["A sinkhole has opened in the road and swallowed the ego's lane.", "Nothing to see here."],
+)
+def test_what_cannot_be_staged_is_refused(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, text: str
+) -> None:
+    with pytest.raises(LLMError):
+        ask(author, StageScene(text=text, path=(), catalogue=digest))
+
+
+def test_speeds_stay_within_the_limit(
+    author: BuiltinAuthor, ask, knowledge: Knowledge, digest: CatalogueDigest
+) -> None:
+    limits = {line.id: line.speed_limit for line in digest.maps}
+    for _, text in texts_of(knowledge, 1):
+        draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+        assert draft.ego.speed <= limits[draft.map]
+        assert not re.search(r"[A-Z]{3}", draft.reasoning)
