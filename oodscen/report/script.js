@@ -51,8 +51,8 @@
     };
     let waiting = 0;
     filters.addEventListener("input", () => {
-      cancelAnimationFrame(waiting);
-      waiting = requestAnimationFrame(apply);
+      clearTimeout(waiting);
+      waiting = setTimeout(apply, 40);
     });
     reset = () => {
       text.value = kind.value = choice.value = "";

@@ -1,0 +1,36 @@
+from oodscen.report.page import context
+from oodscen.report.reading import Material, read
+from oodscen.study import Study
+
+
+def test_calls_are_summed_by_purpose(study: Study) -> None:
+    rows = context(study, read(study))["call_rows"]
+    assert [(row.purpose, row.calls, row.input_tokens) for row in rows] == [
+        ("propose-tree", 1, 900),
+        ("stage-scene", 2, 1803),
+        ("all", 3, 2703),
+    ]
+    assert all(row.cost_usd == 0 for row in rows)
+
+
+def test_an_unknown_price_makes_the_sum_unknown(study: Study) -> None:
+    study.store.append(
+        "calls.jsonl", {"purpose": "x", "model": "m", "status": "failed", "cost_usd": None}
+    )
+    last = context(study, read(study))["call_rows"][-1]
+    assert last.cost_usd is None
+    assert last.failed == 1
+
+
+def test_nothing_at_all_still_makes_a_page(study: Study) -> None:
+    found = context(study, Material())
+    assert found["summary"] == ["This study has not got anywhere yet."]
+    assert found["authorship"] == ["Which model wrote the trees, texts and scenes is not recorded."]
+    assert dict(found["key_figures"])["paths"] == "–"
+
+
+def test_counts_beside_the_papers(study: Study) -> None:
+    rows = {row.what: (row.here, row.paper) for row in context(study, read(study))["count_rows"]}
+    assert rows["Nodes of the initial tree"] == ("7", "40")
+    assert rows["Paths whose scenario the paper simulated"] == ("3", "9")
+    assert rows["Texts in the set of 20"] == ("20", "")
