@@ -285,7 +285,7 @@ _STRUCTURES = {
             _starts_plainly(plot)
             and _is_short(plot)
             and not plot.event.startswith(("The ego vehicle", "Ego"))
-            and re.search(r"\b(when|while|as|until)\b", plot.event) is None
+            and re.search(r"\b(when|while|where|as|until|although)\b", plot.event) is None
             and not plot.traffic
         ),
     ),
