@@ -1,6 +1,7 @@
 """A small study on disk, made of the real data types."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -130,7 +131,7 @@ def outcomes(index: int) -> dict[str, ActionOutcome]:
     return dict(zip(ACTIONS, (hit, hit, good, good, good, none, off), strict=True))
 
 
-def frame(index: int, moment: int, size: tuple[int, int] = (640, 480)) -> bytes:
+def frame(index: int, moment: int, size: tuple[int, int] = (320, 240)) -> bytes:
     """Draw a road, with the grain that makes real frames hard to compress."""
     width, height = size
     picture = np.full((height, width, 3), (214, 190, 160), np.uint8)
@@ -355,6 +356,13 @@ def make_study(tmp_path: Path) -> Callable[..., Study]:
     return lambda **options: build_study(tmp_path / "study", **options)
 
 
+@pytest.fixture(scope="session")
+def pristine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study that no test may change."""
+    return build_study(tmp_path_factory.mktemp("pristine") / "study").folder
+
+
 @pytest.fixture
-def study(tmp_path: Path) -> Study:
-    return build_study(tmp_path / "study")
+def study(pristine: Path, tmp_path: Path) -> Study:
+    """Return a study of the test's own."""
+    return Study(shutil.copytree(pristine, tmp_path / "copy"))
