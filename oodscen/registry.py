@@ -2,6 +2,7 @@
 
 import importlib.util
 import inspect
+import sys
 import warnings
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
@@ -77,7 +78,7 @@ def make_encoder(encoder: str | Encoder) -> Encoder:
     """
     if not isinstance(encoder, str):
         return encoder
-    if encoder not in names("encoder") and Path(encoder).is_dir():
+    if encoder and encoder not in names("encoder") and Path(encoder).is_dir():
         encoder = f"sentence-transformers:{encoder}"
     return cast(Encoder, _made("encoder", encoder))
 
@@ -141,8 +142,10 @@ def _is_reference(name: str) -> bool:
     """Whether a name reads as `module:attr` and there is such a module."""
     module, colon, attribute = name.partition(":")
     names_both = all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
+    if not colon or not names_both:
+        return False
     try:
-        return bool(colon) and names_both and importlib.util.find_spec(module) is not None
+        return module in sys.modules or importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
 

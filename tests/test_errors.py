@@ -1,0 +1,104 @@
+"""All errors are one family, survive pickling, and carry their facts."""
+
+import inspect
+import pickle
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen import errors
+from oodscen.errors import Issue, OodscenError, UnknownComponent, close_matches
+
+ISSUES = (Issue("a.b", "wrong"), Issue("", "worse"))
+
+EXAMPLES = (
+    errors.OodscenError("message"),
+    errors.UsageError("message"),
+    errors.UnknownComponent("simulator", "pybulet", ["pybullet", "flat"]),
+    errors.MissingExtra("the simulator", "pybullet", "pybullet"),
+    errors.DataError("tree", ISSUES, source="tree.json"),
+    errors.StudyMismatch("out", {"seed": (0, 1)}),
+    errors.LLMError("message", model="gpt", retryable=True),
+    errors.AnswerError("gpt", "stage-scene", ISSUES, "raw", 3),
+    errors.SceneError("deer-001", ISSUES),
+    errors.SimulatorError("message"),
+    errors.SpawnError("deer", "deer", (1.0, 2.0, 0.0, 0.5), "no room"),
+    errors.EncoderError("message"),
+    errors.StudyError("message"),
+    errors.BudgetExceeded("message"),
+)
+
+FACTS = {
+    "UnknownComponent": {
+        "kind": "simulator",
+        "name": "pybulet",
+        "known": ("flat", "pybullet"),
+        "matches": ("pybullet",),
+    },
+    "MissingExtra": {
+        "what": "the simulator",
+        "extra": "pybullet",
+        "module": "pybullet",
+        "pip": "pip install 'oodscen[pybullet]'",
+    },
+    "DataError": {"noun": "tree", "issues": ISSUES, "source": "tree.json"},
+    "StudyMismatch": {"folder": "out", "differences": {"seed": (0, 1)}},
+    "LLMError": {"model": "gpt", "retryable": True},
+    "AnswerError": {
+        "model": "gpt",
+        "retryable": False,
+        "purpose": "stage-scene",
+        "issues": ISSUES,
+        "raw": "raw",
+        "attempts": 3,
+    },
+    "SceneError": {"scene_id": "deer-001", "issues": ISSUES},
+    "SpawnError": {
+        "actor": "deer",
+        "asset": "deer",
+        "pose": (1.0, 2.0, 0.0, 0.5),
+        "reason": "no room",
+    },
+}
+
+
+def test_there_is_an_example_of_every_error():
+    kinds = {
+        kind
+        for _, kind in inspect.getmembers(errors, inspect.isclass)
+        if issubclass(kind, OodscenError) and kind.__module__ == errors.__name__
+    }
+    assert set(map(type, EXAMPLES)) == kinds
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=lambda error: type(error).__name__)
+def test_an_error_survives_pickling_with_its_facts(error):
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert str(again) == str(error)
+    assert vars(again) == vars(error) == FACTS.get(type(error).__name__, {})
+
+
+def test_an_issue_reads_as_a_line():
+    assert [str(issue) for issue in ISSUES] == ["a.b: wrong", "worse"]
+
+
+def test_the_message_helps():
+    assert "did you mean pybullet?" in str(UnknownComponent("simulator", "pybulet", ["pybullet"]))
+    assert "known: a, b" in str(UnknownComponent("encoder", "zzz", ["b", "a"]))
+    assert "pip install 'oodscen[llm]'" in str(errors.MissingExtra("x", "llm", "litellm"))
+
+
+@given(st.text(max_size=8), st.lists(st.text(max_size=8), max_size=8))
+def test_matches_come_from_what_is_known(name, known):
+    matches = close_matches(name, known)
+    assert len(matches) <= 3
+    assert set(matches) <= set(known)
+
+
+@given(st.lists(st.text(min_size=1, max_size=8), min_size=1))
+def test_a_name_in_another_case_is_matched(known):
+    assert (
+        close_matches(known[0].upper(), known) or known[0].upper().casefold() != known[0].casefold()
+    )

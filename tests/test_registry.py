@@ -1,0 +1,146 @@
+"""Components by name: entry points, `module:attr`, objects as they are."""
+
+import sys
+import types
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from oodscen import registry
+from oodscen.encoders import SentenceTransformerEncoder
+from oodscen.errors import MissingExtra, UnknownComponent, UsageError
+from oodscen.llms.reference import ConstantAnswerer, RandomAnswerer
+from oodscen.registry import find, make_encoder, make_llm, make_simulator, names, survey
+from oodscen.testing import HashEncoder, ScriptedLLM
+
+
+class Plain:
+    """A model that takes no settings."""
+
+    name = "plain"
+
+
+class Seeded:
+    """A model that takes everything."""
+
+    def __init__(self, **settings):
+        self.name = "seeded"
+        self.settings = settings
+
+
+@pytest.fixture
+def plugins(monkeypatch):
+    """Register `plain`, `broken` and `number` as further models."""
+    module = types.ModuleType("toy_models")
+    module.Plain, module.Seeded, module.number = Plain, Seeded, 3
+    monkeypatch.setitem(sys.modules, "toy_models", module)
+    real = registry.entry_points
+
+    def with_plugins(*, group):
+        extra = [
+            EntryPoint("plain", "toy_models:Plain", group),
+            EntryPoint("broken", "toy_models:Missing", group),
+            EntryPoint("gone", "toy_models_gone:Missing", group),
+            EntryPoint("number", "toy_models:number", group),
+        ]
+        return [*real(group=group), *(extra if group == "oodscen.llms" else [])]
+
+    monkeypatch.setattr(registry, "entry_points", with_plugins)
+
+
+def test_the_shipped_components_are_registered():
+    assert {"builtin", "litellm", "constant", "random"} <= set(names("llm"))
+    assert {"minilm", "sentence-transformers", "hash"} <= set(names("encoder"))
+    assert {"pybullet", "flat"} <= set(names("simulator"))
+
+
+def test_an_object_is_taken_as_it_is():
+    llm, encoder, simulator = ScriptedLLM([]), HashEncoder(), object()
+    assert make_llm(llm) is llm
+    assert make_encoder(encoder) is encoder
+    assert make_simulator(simulator) is simulator
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "match"),
+    [
+        (make_simulator, "pybulet", "pybullet"),
+        (make_encoder, "mini-lm", "minilm"),
+        (make_llm, "bultin", "builtin"),
+        (make_llm, "gpt-4oo", "gpt-4o"),
+        (make_llm, "opnai/gpt-4o", "openai/gpt-4o"),
+        (make_llm, "Constant", "constant"),
+        (make_llm, "constant:stopp", "stop"),
+    ],
+)
+def test_an_unknown_name_comes_with_close_matches(make, name, match):
+    with pytest.raises(UnknownComponent) as caught:
+        make(name)
+    assert match in caught.value.matches
+
+
+def test_a_misspelt_own_name_is_matched_without_litellm(monkeypatch):
+    monkeypatch.setitem(sys.modules, "litellm", None)
+    with pytest.raises(UnknownComponent) as caught:
+        make_llm("bultin")
+    assert caught.value.matches[0] == "builtin"
+    with pytest.raises(MissingExtra) as missing:
+        make_llm("gpt-4o")
+    assert (missing.value.extra, missing.value.module) == ("llm", "litellm")
+
+
+def test_a_name_may_carry_an_argument():
+    assert make_llm("constant:slow_down").name == "constant:slow_down"
+    assert isinstance(make_llm("constant"), ConstantAnswerer)
+    encoder = make_encoder("sentence-transformers:some/model")
+    assert isinstance(encoder, SentenceTransformerEncoder)
+    for make, name in (
+        (make_llm, "random:7"),
+        (make_encoder, "hash:many"),
+        (make_encoder, "sentence-transformers"),
+        (make_simulator, "flat:1"),
+    ):
+        with pytest.raises(UsageError):
+            make(name)
+
+
+def test_the_seed_reaches_a_model_that_takes_one(plugins):
+    assert make_llm("random", seed=5).seed == 5
+    assert make_llm("oodscen.llms.reference:RandomAnswerer", seed=5).seed == 5
+    assert make_llm("toy_models:Seeded", seed=5).settings == {"seed": 5}
+    assert make_llm("plain", seed=5).name == "plain"
+
+
+def test_a_reference_to_a_module_works_for_every_kind():
+    assert find("llm", "oodscen.llms.reference:RandomAnswerer") is RandomAnswerer
+    assert isinstance(make_encoder("oodscen.testing:HashEncoder"), HashEncoder)
+    with pytest.raises(UsageError, match="Missing"):
+        make_encoder("oodscen.testing:Missing")
+    with pytest.raises(UnknownComponent):
+        make_encoder("no_such_module_anywhere:Thing")
+
+
+def test_a_folder_is_an_encoder(tmp_path):
+    assert isinstance(make_encoder(str(tmp_path)), SentenceTransformerEncoder)
+
+
+@pytest.mark.parametrize("name", ["broken", "gone", "number"])
+def test_a_broken_plugin_is_a_usage_error_that_names_it(plugins, name):
+    with pytest.raises(UsageError, match=name):
+        make_llm(name)
+
+
+def test_the_survey_warns_of_what_is_broken_and_lists_the_rest(plugins):
+    with pytest.warns(RuntimeWarning, match="broken|gone|number"):
+        rows = survey()
+    states = {row["name"]: row["state"] for row in rows if row["kind"] == "llm"}
+    assert states["random"] == states["plain"] == "ok"
+    assert states["broken"] != "ok"
+    assert states["gone"] != "ok"
+
+
+@pytest.mark.parametrize("name", ["", ":", "a:", ":b", "a b:c", "..:x", "../x", "os", "\n"])
+def test_nonsense_is_an_unknown_name(name):
+    for make in (make_encoder, make_simulator, make_llm):
+        with pytest.raises(UsageError):
+            make(name)
