@@ -1,8 +1,7 @@
 """The knowledge base: what the built-in author knows of hazards, and how it is read and checked."""
 
 import tomllib
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache, cached_property
 from importlib import resources
 from pathlib import Path
@@ -12,7 +11,6 @@ from pydantic import BeforeValidator, ConfigDict, Field
 
 from oodscen._data import Data
 from oodscen.errors import DataError, Issue
-from oodscen.scene import Weather
 from oodscen.tree import MAX_LABEL
 
 
@@ -285,15 +283,17 @@ _TABLES: dict[str, type[Data]] = {
 _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
 
-class _Shelf:
+class Shelf:
     """What the files read so far contain, and what is wrong with them."""
 
     def __init__(self) -> None:
+        """Start with nothing."""
         self.entries: dict[str, list[Any]] = {name: [] for name in _TABLES}
         self.single: dict[str, Any] = {}
         self.issues: list[Issue] = []
 
     def read(self, name: str, text: str) -> None:
+        """Add the content of a file."""
         try:
             content = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
@@ -360,8 +360,13 @@ def _own(path: Path) -> list[tuple[str, str]]:
         raise DataError("knowledge base", [Issue("", str(error))], source=str(path)) from None
 
 
-def _gather(path: str | Path | None) -> tuple[_Shelf, Knowledge | None]:
-    shelf = _Shelf()
+def gather(path: str | Path | None) -> tuple[Shelf, Knowledge | None]:
+    """Read the shipped files and a user's own, keeping note of every fault.
+
+    Raises:
+        DataError: When a file cannot be read at all.
+    """
+    shelf = Shelf()
     for name, text in _shipped():
         shelf.read(name, text)
     if path is not None:
@@ -394,129 +399,7 @@ def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
 @cache
 def _cached(path: str | None, stamp: tuple[Any, ...]) -> Knowledge:
     del stamp
-    shelf, knowledge = _gather(path)
+    shelf, knowledge = gather(path)
     if shelf.issues or knowledge is None:
         raise DataError("knowledge base", shelf.issues, source=path or "shipped")
     return knowledge
-
-
-# ------------------------------------------------------------------ checking
-
-
-def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
-    """Find everything that is wrong with the shipped knowledge base and a user's own.
-
-    Besides what keeps an entry from being read these are references to nothing, labels that occur
-    twice, phrasings that break the rules of composition, and recipes that cannot be staged.
-
-    Args:
-        path: As for `load_knowledge`.
-
-    Returns:
-        One issue per fault, with file and path; empty where all is well.
-    """
-    try:
-        shelf, knowledge = _gather(path)
-    except DataError as error:
-        return list(error.issues)
-    issues = list(shelf.issues)
-    if knowledge is None:
-        return issues
-    entries: list[tuple[str, Hazard]] = shelf.entries["hazard"]
-    issues += _repetitions(entries)
-    for where, hazard in entries:
-        issues += [Issue(f"{where}: {i.path}", i.message) for i in _faults(hazard, knowledge)]
-    return issues
-
-
-def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:
-    issues = []
-    latest = {hazard.id: hazard for _, hazard in entries}
-    labels = Counter(
-        label.casefold() for h in latest.values() for label in (h.label, h.wider) if label
-    )
-    classes: dict[str, str] = {}
-    for where, hazard in entries:
-        issues += [
-            Issue(f"{where}: {field}", "another hazard has the same")
-            for field in ("label", "wider")
-            if labels[getattr(hazard, field).casefold()] > 1
-        ]
-        if labels[hazard.family.casefold()]:
-            issues.append(Issue(f"{where}: family", "is the label of a hazard as well"))
-        if classes.setdefault(hazard.family, hazard.class_name) != hazard.class_name:
-            issues.append(Issue(f"{where}: family", "belongs to the other class elsewhere"))
-    return issues
-
-
-def _faults(hazard: Hazard, knowledge: Knowledge) -> Iterable[Issue]:
-    """Find what is wrong with one hazard that could be read."""
-    for index, key in enumerate(hazard.places):
-        if key not in knowledge.place_keys:
-            yield Issue(f"places[{index}]", f"there is no place {key!r}")
-    for index, key in enumerate(hazard.conditions):
-        if key not in knowledge.condition_keys:
-            yield Issue(f"conditions[{index}]", f"there is no condition {key!r}")
-    for index, name in enumerate(hazard.kin):
-        other = knowledge.by_id.get(name)
-        if other is None:
-            yield Issue(f"kin[{index}]", f"there is no hazard {name!r}")
-        elif other.class_name != hazard.class_name:
-            yield Issue(f"kin[{index}]", f"{name!r} belongs to the other class")
-    if hazard.kin and not hazard.wider:
-        yield Issue("wider", "kin can be covered only by a wider label")
-    if len(hazard.events) < 5:
-        yield Issue("events", f"{len(hazard.events)} phrasings; at least 5 are wanted")
-    for index, event in enumerate(hazard.events):
-        for message in _phrasing(event):
-            yield Issue(f"events[{index}]", message)
-    if len(set(hazard.events)) < len(hazard.events):
-        yield Issue("events", "a phrasing occurs twice")
-    if hazard.stage is not None:
-        yield from _recipe_faults(hazard.stage)
-
-
-def _phrasing(event: str) -> Iterable[str]:
-    if not event[:1].isupper():
-        yield "start with a capital"
-    if event.rstrip()[-1:] in ".!?":
-        yield "end without a stop"
-    if event.count("{where}") > 1 or "{" in event.replace("{where}", ""):
-        yield "the only placeholder is {where}, at most once"
-    if not 20 <= len(event) <= 260:
-        yield "use 20 to 260 characters"
-
-
-def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
-    names = [name for actor in recipe.actors for name in actor.names]
-    unusual = [a for a in recipe.actors if a.hazard]
-    if len(set(names)) < len(names):
-        yield Issue("stage.actors", "two actors have the same id")
-    if not unusual and not recipe.ordinary_weather:
-        yield Issue("stage", "name a hazard actor, or the ordinary weather")
-    if recipe.decision.actor is not None and recipe.decision.actor not in names:
-        yield Issue("stage.decision.actor", f"there is no actor {recipe.decision.actor!r}")
-    if recipe.decision.kind != "time" and recipe.decision.actor is None and not unusual:
-        yield Issue("stage.decision.actor", "say to which actor it is measured")
-    for index, actor in enumerate(recipe.actors):
-        target = actor.trigger.actor
-        if target is not None and target not in names:
-            yield Issue(f"stage.actors[{index}].trigger.actor", f"there is no actor {target!r}")
-    for field in ("weather", "ordinary_weather"):
-        for key in getattr(recipe, field):
-            if key not in Weather.model_fields:
-                yield Issue(f"stage.{field}.{key}", "is no field of the weather")
-    for path, low, high in _ranges(recipe):
-        if low > high:
-            yield Issue(f"stage.{path}", f"{low:g} is more than {high:g}")
-
-
-def _ranges(recipe: Recipe) -> Iterable[tuple[str, float, float]]:
-    yield ("speed", *recipe.speed)
-    yield ("decision.value", *recipe.decision.value)
-    for index, actor in enumerate(recipe.actors):
-        for field in ("ahead", "offset", "heading_deg"):
-            yield (f"actors[{index}].{field}", *getattr(actor, field))
-        yield (f"actors[{index}].trigger.value", *actor.trigger.value)
-        for name, limits in actor.parameters.items():
-            yield (f"actors[{index}].parameters.{name}", *limits)
