@@ -1,7 +1,6 @@
 """What touches what: a PyBullet world of collision shapes only."""
 
 import math
-from collections.abc import Sequence
 from types import ModuleType
 
 from oodscen_pybullet.meshes import asset_mesh
@@ -13,7 +12,6 @@ class Bodies:
     """Boxes and compounds of boxes that are moved by hand and asked for their distances.
 
     Massless bodies never report contacts in PyBullet, so distances are queried pair by pair.
-    Shapes outlive a reset of the simulation and are made once per asset.
     """
 
     def __init__(self, engine: ModuleType) -> None:
@@ -82,10 +80,3 @@ class Bodies:
             return math.inf
         points = self._engine.getClosestPoints(one, two, reach, physicsClientId=self._client)
         return max(0.0, min((float(point[8]) for point in points), default=math.inf))
-
-    def __len__(self) -> int:
-        return len(self._bodies)
-
-    def rows(self) -> Sequence[int]:
-        """Return the rows of all bodies."""
-        return range(len(self._bodies))

@@ -22,13 +22,15 @@ from oodscen_pybullet.meshes import Mesh, asset_ids, asset_mesh, paints_of
 from oodscen_pybullet.meshes.cars import bonnet
 from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.road import KERB
-from oodscen_pybullet.roadside import Scenery, build_scenery
+from oodscen_pybullet.roadside import build_scenery
 from oodscen_pybullet.stage import Look, Stage
-from oodscen_pybullet.view import View
+from oodscen_pybullet.view import Point, View
+
+Lamps = tuple[Point, ...]
 
 REACH = 20.0
 """Gaps are measured up to this distance, m."""
-STAGES = 5
+STAGES = 6
 """Roads whose scenery stays loaded."""
 LYING_SNOW_MM_H = 1.0
 """Snowfall from which on the ground is white."""
@@ -48,7 +50,7 @@ class PyBulletSimulator(MirrorSimulator):
         super().__init__()
         self._engine: Any = None
         self._bodies: Bodies | None = None
-        self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
+        self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Lamps]] = OrderedDict()
         self._loaded: tuple[Corridor, Scene, int] | None = None
         self._cast: list[tuple[str, Asset, str]] = []
         self._poses: list[Pose] = []
@@ -110,7 +112,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Take the dash camera's picture of the current state."""
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
-        stage, scenery = self._set(corridor, scene, seed)
+        stage, lamps = self._set(corridor, scene, seed)
         view = View.of(camera, self._poses[0])
         is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
         looks = self._looks(scene, seed, is_inside=is_inside)
@@ -130,8 +132,8 @@ class PyBulletSimulator(MirrorSimulator):
             view=view,
             weather=scene.weather,
             light=light,
-            casters=self._casters(poses, rows),
-            glows=self._glows(scene, seed, poses, scenery),
+            casters=self._casters(poses),
+            glows=self._glows(scene, poses, lamps),
             time=self.world.time,
             seed=seed,
             road_height=poses[0][2],
@@ -150,7 +152,7 @@ class PyBulletSimulator(MirrorSimulator):
 
     # ------------------------------------------------------------------ the picture's parts
 
-    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Scenery]:
+    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Lamps]:
         """Return the stage with this road's scenery, built if it is new."""
         road = find_map(scene.map, self.catalogue())
         key = (road.id, id(corridor), seed, _is_snowy(scene))
@@ -163,8 +165,8 @@ class PyBulletSimulator(MirrorSimulator):
         scenery = build_scenery(corridor, frozenset(road.traits), seed, road.id)
         stage = Stage(self._engine)
         stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene))
-        self._stages[key] = (stage, scenery)
-        return stage, scenery
+        self._stages[key] = (stage, scenery.lamps)
+        return stage, scenery.lamps
 
     def _looks(self, scene: Scene, seed: int, *, is_inside: bool) -> list[Look | Mesh]:
         """Return what every body looks like, the ego first."""
@@ -189,13 +191,13 @@ class PyBulletSimulator(MirrorSimulator):
             poses.append((x, y, z + (KERB if on_kerb else 0.0), yaw))
         return poses
 
-    def _casters(self, poses: list[Pose], rows: NDArray[np.int32]) -> list[Caster]:
+    def _casters(self, poses: list[Pose]) -> list[Caster]:
         return [
             Caster(pose, asset_mesh(asset.id).solids)
             for (_, asset, _), pose in zip(self._cast[1:], poses[1:], strict=True)
         ]
 
-    def _glows(self, scene: Scene, seed: int, poses: list[Pose], scenery: Scenery) -> list[Glow]:
+    def _glows(self, scene: Scene, poses: list[Pose], street_lamps: Lamps) -> list[Glow]:
         """Return every lamp that is on, in world coordinates."""
         glows = []
         for row, (actor_id, asset, state) in enumerate(self._cast):
@@ -211,7 +213,7 @@ class PyBulletSimulator(MirrorSimulator):
                     Glow(place, lamp.colour, (c * fx - s * fy, s * fx + c * fy, fz), lamp.power)
                 )
         glows += [
-            Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
+            Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in street_lamps
         ]
         return glows
 

@@ -1,7 +1,6 @@
 """What the camera sees: a PyBullet world of visual shapes only."""
 
 import math
-import os
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from oodscen_pybullet.meshes import Mesh, asset_mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.view import View, metres
+from oodscen_pybullet.wavefront import wavefront
 
 Look = tuple[str, str, str, bool]
 """Asset, state, paint, and whether its running lamps are on."""
@@ -30,6 +30,8 @@ class Stage:
     def __init__(self, engine: ModuleType) -> None:
         self._engine = engine
         self._client: int = engine.connect(engine.DIRECT)
+        self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
+        self._written = 0
         self._textures: dict[bool, int] = {}
         self._shapes: dict[object, int] = {}
         self._scenery_key: object = None
@@ -42,6 +44,7 @@ class Stage:
         if self._client >= 0:
             self._engine.disconnect(self._client)
             self._client = -1
+            self._folder.cleanup()
 
     def clear(self) -> None:
         """Remove every body; shapes and textures stay."""
@@ -55,10 +58,12 @@ class Stage:
     def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
         """Put up scenery in place of everything that is there."""
         self.clear()
+        self._engine.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=self._client)
         self._is_snowy = is_snowy
         for mesh in meshes:
             for start in range(0, len(mesh.triangles), _MOST_TRIANGLES):
                 self._body(self._shape(_piece(mesh, start)))
+        self._engine.setPhysicsEngineParameter(enableFileCaching=1, physicsClientId=self._client)
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
         """Put up the actors in place of earlier ones; row i of `pose_actors` is look i.
@@ -127,12 +132,13 @@ class Stage:
         return rgb, depth, rows[seen]
 
     def _shape(self, mesh: Mesh) -> int:
+        """Make a shape by way of a file: PyBullet never frees the lists that it is handed."""
+        self._written += 1
+        path = Path(self._folder.name) / f"{self._written}.obj"
+        path.write_text(wavefront(mesh), encoding="ascii")
         shape: int = self._engine.createVisualShape(
             self._engine.GEOM_MESH,
-            vertices=_rows(mesh.vertices),
-            indices=mesh.triangles.reshape(-1).tolist(),
-            uvs=_rows(mesh.uvs),
-            normals=_rows(mesh.normals),
+            fileName=str(path),
             rgbaColor=(1, 1, 1, 1),
             physicsClientId=self._client,
         )
@@ -149,22 +155,12 @@ class Stage:
         if self._is_snowy not in self._textures:
             import cv2
 
-            descriptor, name = tempfile.mkstemp(suffix=".png")
-            os.close(descriptor)
-            try:
-                _, encoded = cv2.imencode(".png", draw_atlas(self._is_snowy)[:, :, ::-1])
-                Path(name).write_bytes(encoded.tobytes())
-                self._textures[self._is_snowy] = self._engine.loadTexture(
-                    name, physicsClientId=self._client
-                )
-            finally:
-                Path(name).unlink()
+            name = str(Path(self._folder.name) / f"atlas{int(self._is_snowy)}.png")
+            cv2.imwrite(name, draw_atlas(self._is_snowy)[:, :, ::-1])
+            self._textures[self._is_snowy] = self._engine.loadTexture(
+                name, physicsClientId=self._client
+            )
         return self._textures[self._is_snowy]
-
-
-def _rows(array: NDArray[np.float64]) -> list[tuple[float, ...]]:
-    """Return an array's rows; tuples burden the garbage collector less than lists."""
-    return list(zip(*array.T.tolist(), strict=True))
 
 
 def _piece(mesh: Mesh, start: int) -> Mesh:

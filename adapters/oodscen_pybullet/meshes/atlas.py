@@ -153,6 +153,8 @@ SNOWED: dict[str, tuple[int, int, int]] = {
     "earth": (222, 226, 232),
     "leaf": (176, 190, 188),
     "leaf_light": (214, 222, 226),
+    "leaf_dark": (148, 168, 160),
+    "concrete": (214, 217, 222),
     "hedge": (196, 206, 206),
     "needle": (120, 144, 140),
     "roof_red": (234, 238, 244),
