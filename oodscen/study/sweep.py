@@ -12,8 +12,8 @@ from oodscen.registry import make_simulator
 from oodscen.scene import Scene
 from oodscen.simulation import simulate
 
-CHUNK = 4
-"""Scenes per job: one simulator is started for each job."""
+CHUNK = 16
+"""Most scenes per job. Each job starts one simulator, and all its scenes are on one map."""
 
 JPEG_QUALITY = 90
 
@@ -56,7 +56,7 @@ def sweep(
         workers: Local processes; 1 runs here.
         executor: Used instead of local processes.
     """
-    chunks = [tuple(scenes[i : i + CHUNK]) for i in range(0, len(scenes), CHUNK)]
+    chunks = _chunks(scenes)
     if executor is None and workers <= 1:
         for chunk in chunks:
             yield from run_chunk(job, chunk)
@@ -106,6 +106,18 @@ def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:
         raise MissingExtra("writing frames", "pybullet", "opencv-python-headless") from None
     _, data = cv2.imencode(".jpg", frame.rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
     return data.tobytes()
+
+
+def _chunks(scenes: Sequence[Scene]) -> list[Chunk]:
+    """Gather the scenes of each map: building a map's scenery costs more than running a scene."""
+    by_map: dict[str, list[Scene]] = {}
+    for scene in scenes:
+        by_map.setdefault(scene.map, []).append(scene)
+    return [
+        tuple(group[start : start + CHUNK])
+        for group in by_map.values()
+        for start in range(0, len(group), CHUNK)
+    ]
 
 
 def _collect(
