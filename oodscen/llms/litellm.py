@@ -25,6 +25,9 @@ NO_KEY = "none"
 _SHOWN = 500
 """Longest error text passed on, in characters; some servers answer with whole web pages."""
 
+_READ = 20_000
+"""How much of an error text is looked at; far more than is passed on, so that no key is cut in two."""
+
 _ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
 """litellm's names of errors with status 400 that another answer format would not mend."""
 
@@ -290,7 +293,7 @@ def _json_ability(sdk: ModuleType, model: str) -> str:
 
 def _failure(model: str, error: Exception, key: str) -> _Failure:
     status = getattr(error, "status_code", None)
-    text = str(error).partition("Traceback (most recent call last)")[0]
+    text = str(error)[:_READ].partition("Traceback (most recent call last)")[0]
     text = " ".join(redact(text, [key]).split())
     text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
     # A response that litellm could not read carries no status: the server may do better next time.

@@ -1,0 +1,27 @@
+"""Importing costs little: heavy packages are loaded by what needs them, when it needs them."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ("torch", "litellm", "numba", "pybullet", "cv2", "sentence_transformers", "matplotlib")
+
+EVERYTHING = """
+import importlib, pkgutil
+for found in pkgutil.walk_packages(oodscen.__path__, "oodscen."):
+    if found.name != "oodscen.__main__":
+        importlib.import_module(found.name)
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "unwanted"),
+    [("", (*HEAVY, "pydantic", "numpy", "jinja2")), (EVERYTHING, HEAVY)],
+    ids=["oodscen", "every module"],
+)
+def test_importing_loads_nothing_heavy(code, unwanted):
+    script = f"import sys, oodscen\n{code}\nprint([m for m in {unwanted} if m in sys.modules])"
+    command = [sys.executable, "-W", "error", "-c", script]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr

@@ -1,0 +1,125 @@
+"""The answering server recognises what it was told of, and refuses the rest."""
+
+import json
+import threading
+import urllib.error
+import urllib.request
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen.ask import ask
+from oodscen.concurrency import as_finished
+from oodscen.errors import LLMError
+from oodscen.llms.litellm import LiteLLM
+from oodscen.messages import Image
+from oodscen.prompts import DescribeFrame
+from oodscen.testing import AnsweringServer, FunctionLLM
+from tests.prompts.samples import SAMPLES
+
+IMAGINE = SAMPLES[3]
+
+
+def post(server, body, path="/chat/completions"):
+    asked = urllib.request.Request(server.api_base + path, json.dumps(body).encode())
+    try:
+        with urllib.request.urlopen(asked) as answer:
+            return answer.status, json.load(answer)
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, json.load(error)
+
+
+def echo(asked):
+    return {"text": f"{asked.prompt.shown[0]} Draw number {asked.sample}."}
+
+
+def test_many_threads_get_their_own_answers():
+    prompts = [IMAGINE.model_copy(update={"shown": (f"Example {n}.",)}) for n in range(12)]
+    with AnsweringServer(FunctionLLM(echo)) as server:
+        llm = server.client("m")
+        pairs = as_finished(lambda p: ask(llm, p, sample=3).text, prompts, threads=6)
+        assert {p.shown[0]: text for p, text in pairs} == {
+            p.shown[0]: f"{p.shown[0]} Draw number 3." for p in prompts
+        }
+    assert len(server.received) == 12
+
+
+def test_the_same_words_with_other_pictures_are_another_question(tmp_path):
+    images = []
+    for level in (0, 255):
+        file = tmp_path / f"{level}.jpg"
+        assert cv2.imwrite(str(file), np.full((8, 8, 3), level, np.uint8))
+        images.append(Image.from_file(file))
+    with AnsweringServer(
+        FunctionLLM(lambda asked: {"description": asked.prompt.frames[0].name})
+    ) as server:
+        llm = server.client("m")
+        for image in (*images, *images):
+            assert ask(llm, DescribeFrame(frames=(image,))).description == image.name
+
+
+def test_a_picture_that_changed_since_it_was_named_is_refused(tmp_path):
+    file = tmp_path / "a.jpg"
+    assert cv2.imwrite(str(file), np.zeros((8, 8, 3), np.uint8))
+    image = Image.from_file(file)
+    assert cv2.imwrite(str(file), np.full((8, 8, 3), 99, np.uint8))
+    llm = FunctionLLM(lambda asked: {"description": "x"})
+    with AnsweringServer(llm) as server, pytest.raises(LLMError, match="changed"):
+        ask(server.client("m"), DescribeFrame(frames=(image,)))
+
+
+def test_what_was_not_announced_is_refused():
+    with AnsweringServer(FunctionLLM(echo)) as server:
+        with pytest.raises(LLMError, match="announced"):
+            ask(LiteLLM("m", api_base=server.api_base), IMAGINE)
+        hello = {"model": "m", "messages": [{"role": "user", "content": "hello"}]}
+        assert post(server, hello)[0] == 400
+        assert post(server, hello, "/embeddings")[0] == 404
+
+
+@pytest.mark.parametrize(
+    "url", ["https://example.com/a.jpg", "data:image/jpeg;base64,AAAA", "data:text/plain,x", "!"]
+)
+def test_only_pictures_are_pictures(url):
+    content = [{"type": "image_url", "image_url": {"url": url}}]
+    with AnsweringServer(FunctionLLM(echo)) as server:
+        status, body = post(
+            server, {"model": "m", "messages": [{"role": "user", "content": content}]}
+        )
+    assert status == 400
+    assert "unreadable" in body["error"]["message"]
+
+
+def test_faults_are_chosen_by_number_and_question():
+    seen = []
+
+    def faults(index, asked):
+        seen.append((index, asked.prompt.purpose))
+        return "malformed" if index == 0 else None
+
+    with AnsweringServer(FunctionLLM(echo), faults=faults) as server:
+        ask(server.client("m"), IMAGINE)
+    assert seen == [(0, "imagine-scenario"), (1, "imagine-scenario")]
+
+
+def test_a_failure_of_the_model_is_an_error_of_the_server():
+    def fail(asked):
+        raise LLMError("the author is out")
+
+    server = AnsweringServer(FunctionLLM(fail))
+    with server, pytest.raises(LLMError, match="the author is out"):
+        ask(server.client("m"), IMAGINE)
+
+
+def test_the_address_is_gone_with_the_context():
+    threads = threading.active_count()
+    with AnsweringServer(FunctionLLM(echo)) as server:
+        address = server.api_base
+        assert address.startswith("http://127.0.0.1:")
+    with pytest.raises(RuntimeError):
+        server.api_base  # noqa: B018
+    with pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(address)
+    assert threading.active_count() <= threads + 1
