@@ -2,10 +2,11 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from oodscen.episode import ACTIONS, MOMENTS, Episode
 from oodscen.report import charts, leaderboard, measures, words
-from oodscen.report.reading import Material, by_key
+from oodscen.report.reading import Material, by_key, number
 from oodscen.report.thumbnails import Thumbnail, Thumbnails
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
@@ -126,6 +127,7 @@ def _cards(found: Material, thumbnails: Thumbnails) -> list[tuple[str, Card]]:
         if verdict.kind == "model":
             judged.setdefault(verdict.scene_id, []).append(verdict)
     scores = _scores(found)
+    band = _band(found.config)
     tree = found.trees.get("simulatable")
     leaves = {leaf.id for leaf in tree.leaves} if tree else set()
     ids = dict.fromkeys((*scenarios, *scenes, *episodes, *errors))
@@ -137,7 +139,7 @@ def _cards(found: Material, thumbnails: Thumbnails) -> list[tuple[str, Card]]:
         scenario = scenarios.get(scene.scenario_id if scene else name)
         card = _card(
             name, scenario, scene, episodes.get(name), errors.get(name, ""), thumbnails,
-            scores.get(scenario.id if scenario else name, ("", "")), tuple(judged.get(name, ())),
+            scores.get(scenario.id if scenario else name, (None, "")), tuple(judged.get(name, ())), band,
         )  # fmt: skip
         cards.append((_leaf(name, scenario, leaves), card))
     return cards
@@ -157,18 +159,19 @@ def _card(
     episode: Episode | None,
     error: str,
     thumbnails: Thumbnails,
-    score: tuple[str, str],
+    score: tuple[float | None, str],
     verdicts: tuple[Verdict, ...],
+    band: tuple[float, float] | None,
 ) -> Card:
     names = {actor.id: words.called(actor) for actor in scene.actors} if scene else {}
     return Card(
         id=name,
         path=scenario.path if scenario else (),
         text=scenario.text if scenario else "",
-        oodness=score[0],
+        oodness="" if score[0] is None else charts.signed(score[0]),
         nearest=score[1],
         error=error,
-        state="" if error else _state(scene, episode),
+        state="" if error else _state(scene, episode, score[0], band),
         frames=_frames(name, episode, thumbnails),
         setting=_setting(scene),
         weather_is_hazard=scene is not None and scene.hazard.weather is not None,
@@ -181,7 +184,7 @@ def _card(
     )
 
 
-def _scores(found: Material) -> dict[str, tuple[str, str]]:
+def _scores(found: Material) -> dict[str, tuple[float, str]]:
     """Return OOD-ness and nearest ordinary text by scenario, where scores and texts agree."""
     values = measures.scores(found.metrics, "simulatable")
     if len(values) != len(found.scenarios):
@@ -189,15 +192,31 @@ def _scores(found: Material) -> dict[str, tuple[str, str]]:
     near = measures.neighbours(found.metrics, "simulatable")
     near = near if len(near) == len(values) else [""] * len(values)
     return {
-        scenario.id: (charts.signed(value), text)
+        scenario.id: (value, text)
         for scenario, value, text in zip(found.scenarios, values, near, strict=True)
     }
 
 
-def _state(scene: Scene | None, episode: Episode | None) -> str:
+def _state(
+    scene: Scene | None,
+    episode: Episode | None,
+    score: float | None,
+    band: tuple[float, float] | None,
+) -> str:
     if scene is None:
-        return "Not staged: there is no scene for this text (yet), or it lies outside the band."
+        if band and score is not None and not band[0] <= score <= band[1]:
+            low, high = map(charts.signed, band)
+            return f"Not staged: its OOD-ness lies outside the band from {low} to {high}."
+        return "Not staged yet."
     return "Not simulated yet." if episode is None else ""
+
+
+def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
+    bounds = config.get("band")
+    if not isinstance(bounds, list) or len(bounds) != 2:
+        return None
+    low, high = number(bounds[0]), number(bounds[1])
+    return None if low is None or high is None else (low, high)
 
 
 def _frames(name: str, episode: Episode | None, thumbnails: Thumbnails) -> tuple[Frame, ...]:

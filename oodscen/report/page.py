@@ -150,8 +150,11 @@ def _summary(found: Material, counts: Counts) -> list[str]:
             f"can be shown in {simulator}."
         )
     if found.scenarios:
-        line = f"{_plural(len(found.scenarios), 'text')} along those paths became {_plural(counts.scenes, 'scene')}"
-        line += f" and {_plural(counts.ran, 'simulated episode')}"
+        line = f"{_plural(len(found.scenarios), 'text')} along those paths"
+        if counts.scenes:
+            line += f" became {_plural(counts.scenes, 'scene')} and {_plural(counts.ran, 'simulated episode')}"
+        else:
+            line += f" {'is' if len(found.scenarios) == 1 else 'are'} written"
         sentences.append(f"{line}; {_failed(counts.failed)}.")
     if counts.ran:
         share = f"{100 * counts.mixed / counts.ran:.0f} %"

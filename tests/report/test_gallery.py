@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 from oodscen.report.gallery import Card, sections
 from oodscen.report.reading import read
 from oodscen.report.thumbnails import Thumbnails
@@ -65,3 +67,11 @@ def test_items_without_a_text_are_not_lost(study: Study) -> None:
     (study.folder / "scenarios.jsonl").unlink()
     shown = cards(study)
     assert set(shown) == {scene["id"] for scene in study.table("scenes")}
+
+
+def test_a_text_outside_the_band_says_so(make_study: Callable[..., Study]) -> None:
+    study = make_study(band=(-0.1, 0.0))
+    for name in ("scenes.jsonl", "episodes.jsonl"):
+        (study.folder / name).unlink()
+    for card in cards(study).values():
+        assert card.state.endswith("outside the band from −0.100 to 0.000.")
