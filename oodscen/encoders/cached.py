@@ -56,6 +56,11 @@ class CachedEncoder:
         return self._encoder.dimension
 
     @property
+    def cacheable(self) -> bool:
+        """Whether the wrapped encoder says that its name decides its values."""
+        return bool(getattr(self._encoder, "cacheable", False))
+
+    @property
     def path(self) -> Path | None:
         """The file that holds this encoder's vectors, if there is a folder."""
         if self._folder is None:

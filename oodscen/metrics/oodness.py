@@ -8,7 +8,7 @@ fits the table in sign and order is `-max_i cos`: the minimum was taken of the *
 the minus sign was lost. Hence two definitions:
 
     tabulated   -max_i cos(e_b,i, e_o,j)    in [-1, 1]; -1 for a text of the baseline; higher is more OOD
-    printed      min_i cos(e_b,i, e_o,j)    in [-1, 1]; equation 1 to the letter, ranks backwards
+    printed      min_i cos(e_b,i, e_o,j)    in [-1, 1]; equation 1 to the letter, ranks nothing of use
 
 A set's OOD-ness is the mean over its texts.
 

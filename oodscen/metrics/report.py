@@ -8,6 +8,7 @@ from pydantic import Field
 from oodscen._data import Data
 from oodscen.metrics.diversity import Diversity
 from oodscen.metrics.oodness import Definition, Oodness
+from oodscen.metrics.statistics import Interval
 
 
 class Band(Data):
@@ -70,6 +71,22 @@ class Report(Data):
     band: Band | None = None
     """The filter that the texts passed, where one was asked for; `n` counts what is inside."""
 
+    def __str__(self) -> str:
+        oodness, diversity = self.oodness, self.diversity
+        lines = [
+            f"{self.n} texts against {self.N} of {self.baseline} by {self.encoder}",
+            f"OOD-ness ({oodness.definition})  {_figure(oodness.mean, oodness.interval)}",
+            f"diversity, nearest     {_figure(diversity.nearest, diversity.nearest_interval)}",
+            f"diversity, pairwise    {_figure(diversity.pairwise, diversity.pairwise_interval)}",
+        ]
+        if self.band is not None:
+            lines.insert(
+                1,
+                f"in the band [{self.band.low}, {self.band.high}]: {self.band.below} texts are below, "
+                f"{self.band.above} above",
+            )
+        return "\n".join(lines)
+
     def keys(self) -> Iterator[str]:
         """Return the names of the fields."""
         return iter(type(self).model_fields)
@@ -77,6 +94,12 @@ class Report(Data):
     def __getitem__(self, key: str) -> Any:
         """Return one field as plain data."""
         return self.model_dump(mode="json", include={key})[key]
+
+
+def _figure(value: float | None, interval: Interval | None) -> str:
+    if value is None:
+        return "none: one text has no other to differ from"
+    return f"{value:+.3f}" + (f"  [{interval.low:+.3f}, {interval.high:+.3f}]" if interval else "")
 
 
 class BaselineBatch(Data):

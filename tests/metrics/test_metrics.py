@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.baselines import Baseline, ordinary_driving
-from oodscen.encoders import MiniLM
+from oodscen.encoders import CachedEncoder, MiniLM
 from oodscen.errors import DataError, EncoderError, UsageError
 from oodscen.metrics import Metrics, Report
 from oodscen.scenario import Scenario
@@ -156,6 +156,13 @@ def test_a_report_round_trips_and_reads_like_a_mapping():
         report["nothing"]
 
 
+def test_a_report_prints_its_figures():
+    report = Metrics(ENCODER, ["b", "c"]).report(["a", "d"])
+    assert f"{report.oodness.mean:+.3f}" in str(report)
+    assert f"{report.diversity.pairwise:+.3f}" in str(report)
+    assert "none" in str(Metrics(ENCODER, ["b"]).report(["a"]))
+
+
 def test_the_same_seed_gives_the_same_report():
     texts = [f"t{i}" for i in range(20)]
     one, same, other = (Metrics(ENCODER, ["b", "c"], seed=seed).report(texts) for seed in (1, 1, 2))
@@ -254,7 +261,7 @@ def test_a_baseline_is_kept_on_disk_only_for_encoders_that_allow_it(monkeypatch,
         cacheable = True
 
     baseline = Baseline(texts=("b", "c"))
-    Metrics(Slow(), baseline).oodness(["a"])
+    Metrics(CachedEncoder(Slow()), baseline).oodness(["a"])
     (file,) = tmp_path.rglob("*.npz")
     assert file.parent.name == baseline.digest()[:16]
     file.write_bytes(b"rubbish")
