@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
-from oodscen.errors import OodscenError
+from oodscen.errors import DataError, MissingExtra, OodscenError
 
 
 class Finding(NamedTuple):
@@ -37,9 +37,12 @@ def _tried(what: str, check: Callable[[], str]) -> Finding:
 
 
 def _author() -> str:
-    from oodscen.llms.author import BuiltinAuthor
+    from oodscen.llms.author import load_knowledge, validate_knowledge
 
-    return f"{len(BuiltinAuthor().knowledge.hazards)} hazards"
+    issues = validate_knowledge()
+    if issues:
+        raise DataError("knowledge base", issues)
+    return f"{len(load_knowledge().hazards)} hazards"
 
 
 def _encoder() -> str:
@@ -64,8 +67,6 @@ def _simulator() -> str:
 
 
 def _litellm() -> str:
-    from oodscen.errors import MissingExtra
-
     try:
         importlib.import_module("litellm")
     except ImportError:

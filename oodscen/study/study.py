@@ -19,6 +19,7 @@ from oodscen.verdict import Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
 Row = TypeVar("Row", bound=Data)
 
@@ -129,8 +130,16 @@ class Study:
             raise UnknownComponent("table", name, TABLES)
         return list(self.store.lines(TABLES[name]))
 
+    def to_arrow(self, name: str) -> "pa.Table":
+        """Return a table as an Arrow table, one row per line; mappings become structs."""
+        try:
+            import pyarrow as pa
+        except ImportError:
+            raise MissingExtra("a table in Arrow's format", "tables", "pyarrow") from None
+        return pa.Table.from_pylist(self.table(name))
+
     def to_pandas(self, name: str) -> "pd.DataFrame":
-        """Return a table as a data frame, one row per line."""
+        """Return a table as a data frame, one row per line; fields of mappings are joined by dots."""
         try:
             import pandas as pd
         except ImportError:

@@ -200,7 +200,7 @@ class BuiltinAuthor:
         return (head, *(kin for kin in covered[1:] if _is_as_easy(kin, head)))
 
     def _stage(self, prompt: StageScene, request: Request) -> BaseModel:
-        return self._stager.stage(prompt, self.seed, max(0, len(request.messages) - 2))
+        return self._stager.stage(prompt, self.seed, request.attempt - 1)
 
     def _hazard(self, text: str) -> Hazard | None:
         return self._recogniser.recognise(text).hazard

@@ -1,0 +1,59 @@
+"""Reading a study: every table in one call, clear errors where something is missing."""
+
+import pytest
+
+from oodscen import Scenario, Study
+from oodscen.errors import DataError, StudyError, UnknownComponent
+from oodscen.redteam import Round
+from oodscen.study import Store
+
+
+@pytest.fixture
+def study(tmp_path):
+    store = Store(tmp_path)
+    store.write("study.json", '{"status":"running","config":{"seed":3}}')
+    store.write_lines(
+        "scenarios.jsonl",
+        [
+            Scenario(id="a-001", text="A tree lies across the road.", leaf="a", path=("x", "a")),
+            {"id": "b", "leaf": "b", "path": ["x", "b"], "status": "failed", "error": "no answer"},
+        ],
+    )
+    store.write_lines(
+        "redteam.jsonl", [Round(round=1, text="t", nodes=4), Round(round=2, status="failed")]
+    )
+    return Study.open(tmp_path)
+
+
+def test_rows_come_as_their_types_and_failures_apart(study):
+    assert [scenario.id for scenario in study.scenarios] == ["a-001"]
+    assert [row["error"] for row in study.failures("scenarios")] == ["no answer"]
+    assert [item.status for item in study.rounds] == ["ok", "failed"]
+    assert study.config.seed == 3
+    assert study.metrics == {}
+
+
+def test_tables_come_as_data_frame_and_as_arrow(study):
+    assert list(study.to_pandas("redteam")["round"]) == [1, 2]
+    assert study.to_arrow("redteam").column("nodes").to_pylist() == [4, 0]
+
+
+def test_a_folder_without_a_study_says_so(tmp_path):
+    with pytest.raises(StudyError, match="no study"):
+        Study.open(tmp_path / "nowhere")
+
+
+def test_unknown_names_have_close_matches(study):
+    with pytest.raises(UnknownComponent) as caught:
+        study.table("scenario")
+    assert caught.value.matches[0] == "scenarios"
+    with pytest.raises(UnknownComponent):
+        study.tree("simulated")
+
+
+def test_a_malformed_line_is_named(study, tmp_path):
+    Store(tmp_path).append("scenarios.jsonl", {"id": "c-001", "text": ""})
+    with pytest.raises(DataError) as caught:
+        _ = study.scenarios
+    assert caught.value.source.endswith("line 3")
+    assert [issue.path for issue in caught.value.issues] == ["text"]
