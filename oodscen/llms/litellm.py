@@ -42,8 +42,8 @@ class LiteLLM:
 
     The answer's JSON schema is sent natively where litellm knows that the model takes one, JSON mode
     is asked for where the provider has it, and a server that refuses either is asked without;
-    the templates state the format in any case. Each sample is sent with the provider seed
-    `(seed * 1_000_003 + sample) % 2**31` where the provider takes seeds.
+    the templates state the format in any case. Each call is sent with a `provider_seed` of its own where
+    the provider takes seeds: `(seed * 1_000_003 + sample) % 2**31` for the question itself.
 
     Rate limits, timeouts, lost connections and server errors are retried here and nowhere else, after
     the time the server names in `Retry-After`, or 1, 2, 4 ... seconds with jitter.
@@ -115,7 +115,7 @@ class LiteLLM:
         arguments = {
             **self._arguments,
             "messages": [wire_message(message, self.name) for message in request.messages],
-            "seed": provider_seed(self.seed, request.sample),
+            "seed": provider_seed(self.seed, request.sample, request.attempt),
         }
         purpose = request.prompt.purpose
         form = None if purpose in self._refused else self._response_format(request)
@@ -217,9 +217,12 @@ def load_litellm() -> ModuleType:
         return module
 
 
-def provider_seed(seed: int, sample: int) -> int:
-    """Return the seed that a provider is given for one sample: below 2**31, as some demand."""
-    return (seed * 1_000_003 + sample) % 2**31
+def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
+    """Return the seed that a provider is given for one call: below 2**31, as some demand.
+
+    A repair has another seed than the question, or a model might repeat its fault word for word.
+    """
+    return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003) % 2**31
 
 
 def wire_message(message: Message, model: str = "") -> dict[str, Any]:

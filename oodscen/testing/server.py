@@ -155,7 +155,8 @@ class _Announcing:
         self._server = server
 
     def complete(self, request: Request) -> Completion:
-        self._server.announce(request, provider_seed(self.client.seed, request.sample))
+        seed = provider_seed(self.client.seed, request.sample, request.attempt)
+        self._server.announce(request, seed)
         return self.client.complete(request)
 
 

@@ -225,7 +225,7 @@ def test_every_form_of_retry_after_is_understood():
 def test_a_bad_answer_is_repaired_or_ends_as_one_typed_error(fault):
     with serving(fault) as server:
         assert ask(server.client("m"), QUESTION).text == f"{TEXT} (0)"
-    assert len(server.received) == 2
+    assert len({received.body["seed"] for received in server.received}) == 2
     with serving(*[fault] * 9) as server, pytest.raises(AnswerError) as caught:
         ask(server.client("m"), QUESTION)
     assert caught.value.attempts == len(server.received) == 3
