@@ -1,12 +1,24 @@
-"""Settings of the whole suite: no network, no chance, no clock."""
+"""Settings of the whole suite: no network, no chance, no clock, one thread per process."""
 
 import os
+from pathlib import Path
 
+import pytest
 from hypothesis import settings
 
 os.environ["OODSCEN_OFFLINE"] = "1"
 os.environ.setdefault("HF_HUB_OFFLINE", "1")
+# Test processes share the cores; encoders that each take all of them wait for each other.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 settings.register_profile("suite", derandomize=True, deadline=None, database=None)
 settings.register_profile("thorough", max_examples=5_000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "suite"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Keep cached embeddings out of the user's folder; return where they are kept."""
+    folder = tmp_path_factory.mktemp("cache")
+    os.environ["XDG_CACHE_HOME"] = str(folder)
+    return folder

@@ -26,7 +26,6 @@ def study(tmp_path_factory):
 def workplace(tmp_path, monkeypatch, study):
     (tmp_path / "out").symlink_to(study)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
@@ -39,7 +38,8 @@ def test_the_code_of_a_page_runs(page, workplace, capsys):
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
-def test_an_example_runs(example, workplace, capsys):
+def test_an_example_runs(example, workplace, capsys, monkeypatch):
+    monkeypatch.setattr("sys.argv", [str(example)])
     runpy.run_path(str(example), run_name="__main__")
     assert capsys.readouterr().out.strip()
 

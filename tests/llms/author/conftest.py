@@ -39,8 +39,8 @@ def digest(catalogue: Any) -> CatalogueDigest:
 def ask() -> Callable[..., Any]:
     """Ask as the core does: parse the text, and insist that the answer is a good one."""
 
-    def asking(llm: BuiltinAuthor, prompt: Prompt[Any], sample: int = 0, turns: int = 2) -> Any:
-        request = Request(prompt=prompt, messages=(None,) * turns, schema={}, sample=sample)  # type: ignore[arg-type]
+    def asking(llm: BuiltinAuthor, prompt: Prompt[Any], sample: int = 0, attempt: int = 1) -> Any:
+        request = Request(prompt, prompt.messages(), {}, sample, attempt)
         answer = type(prompt).answer.model_validate_json(llm.complete(request).text)
         assert prompt.check(answer) == []
         return answer

@@ -35,12 +35,12 @@ def test_drafts_pass_the_check_at_once_or_after_a_refusal(
     refused = []
     texts = texts_of(knowledge, 2)
     for name, text in texts:
-        for turns in (2, 4, 6):
-            draft = ask(author, StageScene(text=text, path=(), catalogue=digest), turns=turns)
+        for attempt in (1, 2, 3):
+            draft = ask(author, StageScene(text=text, path=(), catalogue=digest), attempt=attempt)
             issues = check_scene(scene_of(draft), catalogue)
             if not issues:
                 break
-            refused.append((name, turns, issues))
+            refused.append((name, attempt, issues))
         else:
             pytest.fail(f"{name}: {text} {refused[-1]}")
     assert len(refused) <= 0.05 * len(texts), refused
@@ -51,7 +51,7 @@ def test_a_refused_scene_is_drawn_again(
 ) -> None:
     text = "Ego drives on a two-lane residential road. A fallen tree blocks the ego's lane ahead."
     question = StageScene(text=text, path=(), catalogue=digest)
-    first, again, second = (ask(author, question, turns=turns) for turns in (2, 2, 4))
+    first, again, second = (ask(author, question, attempt=attempt) for attempt in (1, 1, 2))
     assert first == again
     assert first.actors != second.actors
     assert [a.asset for a in first.actors] == [a.asset for a in second.actors]
