@@ -103,6 +103,18 @@ def standings(verdicts: Sequence[Verdict]) -> list[Standing]:
     return sorted(rows, key=lambda row: (row.is_reference, -row.action.value, row.model))
 
 
+def floor(rows: Sequence[Standing]) -> Standing | None:
+    """Return the reference that does best in task 2: what can be had without seeing anything."""
+    seen = [row for row in rows if row.is_reference and row.action.n]
+    return max(seen, key=lambda row: row.action.value, default=None)
+
+
+def names_nothing(rows: Sequence[Standing]) -> bool:
+    """Whether no reference ever named an aspect, so that task 1 has no floor to compare with."""
+    references = [row for row in rows if row.is_reference and row.aspect.n]
+    return bool(references) and not any(row.aspect.hits for row in references)
+
+
 def papers_table() -> list[Paper]:
     """Return what the paper reports, of 130 scenes per model."""
     n = paper.PATHS * paper.PER_PATH

@@ -103,6 +103,17 @@ def rows(metrics: Mapping[str, Any]) -> list[MeasureRow]:
     return found
 
 
+def margins(metrics: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return by how much the OOD-ness of every set exceeds that of ordinary driving itself."""
+    ordinary = number(metrics, "baseline_batch", "mean")
+    found = []
+    for name in set_names(metrics):
+        mean = number(metrics, "sets", name, "oodness", "mean")
+        if ordinary is not None and mean is not None:
+            found.append((label_of(name), charts.signed(mean - ordinary)))
+    return found
+
+
 def chart(metrics: Mapping[str, Any]) -> Markup:
     """Draw the OOD-ness of every text, one strip per set; empty where nothing was measured."""
     strips = []

@@ -66,6 +66,7 @@ def context(study: Study, found: Material) -> dict[str, Any]:
     sections = gallery.sections(found, thumbnails)
     counts = _counts(found, [leaderboard.choice(episode) for episode in episodes])
     scene_verdicts = [row for row in found.verdicts if not gallery.is_twin(row.scene_id)]
+    standings = leaderboard.standings(scene_verdicts)
     return {
         "title": "Out-of-distribution driving scenarios",
         "status": str(found.info.get("status") or "unknown"),
@@ -75,6 +76,7 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "gaps": found.gaps,
         "count_rows": _count_rows(found, counts),
         "measure_rows": measures.rows(found.metrics),
+        "margins": measures.margins(found.metrics),
         "measure_chart": measures.chart(found.metrics),
         "examples": measures.examples(
             found.metrics, {**found.texts, "simulatable": found.scenarios}
@@ -96,7 +98,9 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "rounds": found.rounds,
         "round_tally": Counter(row.decision or row.status for row in found.rounds),
         "growth": _growth(found),
-        "standings": leaderboard.standings(scene_verdicts),
+        "standings": standings,
+        "floor": leaderboard.floor(standings),
+        "names_nothing": leaderboard.names_nothing(standings),
         "paper_standings": leaderboard.papers_table(),
         "paper_scenes": paper.PATHS * paper.PER_PATH,
         "action_rows": leaderboard.action_counts(episodes) if episodes else [],
@@ -197,7 +201,7 @@ def _authorship(found: Material) -> list[str]:
         sentences.append("No vision-language model was judged.")
     if any(row.kind == "reference" for row in found.verdicts):
         sentences.append(
-            "Rows marked “reference” are answerers that see nothing: constants and chance. They show what a score is worth."
+            "Rows marked “reference” are answerers that see nothing: constants and chance. They show what an action score is worth."
         )
     return sentences
 

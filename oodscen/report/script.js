@@ -78,7 +78,9 @@
     if (!target || !location.hash) return;
     if (target.closest("[hidden]")) reset();
     for (let box = target.closest("details"); box; box = box.parentElement.closest("details")) box.open = true;
+    // Cards above the target get their true heights only once they have been near the screen.
     target.scrollIntoView();
+    for (const delay of [50, 250]) setTimeout(() => target.scrollIntoView(), delay);
   };
   addEventListener("hashchange", reveal);
   reveal();

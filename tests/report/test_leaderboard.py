@@ -7,6 +7,8 @@ from oodscen.report.leaderboard import (
     action_counts,
     chance,
     choice,
+    floor,
+    names_nothing,
     papers_table,
     standings,
     wilson,
@@ -83,3 +85,25 @@ def test_failures_are_counted_apart_and_never_as_wrong() -> None:
     assert (model.answered, model.failed, model.aspect.n, model.action.value) == (1, 1, 1, 0.0)
     assert reference.is_reference
     assert reference.aspect.n == 0
+
+
+def test_the_floor_is_the_best_reference_and_never_a_model() -> None:
+    verdicts = [
+        Verdict(id="a@m", scene_id="a", model="m", aspect_is_right=True, action_is_safe=True),
+        Verdict(
+            id="a@r",
+            scene_id="a",
+            model="r",
+            kind="reference",
+            aspect_is_right=False,
+            action_is_safe=True,
+        ),
+        Verdict(id="a@s", scene_id="a", model="s", kind="reference", action_is_safe=False),
+    ]
+    rows = standings(verdicts)
+    best = floor(rows)
+    assert best is not None
+    assert best.model == "r"
+    assert names_nothing(rows)
+    assert floor(standings(verdicts[:1])) is None
+    assert not names_nothing(standings(verdicts[:1]))

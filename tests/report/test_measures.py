@@ -50,5 +50,12 @@ def test_scores_that_do_not_fit_the_texts_are_not_shown(study: Study) -> None:
 
 def test_nothing_measured_is_nothing_shown() -> None:
     assert measures.rows({}) == []
+    assert measures.margins({}) == []
     assert measures.chart({}) == ""
     assert measures.scores({"sets": {"10": {"oodness": {"per_text": [1, None]}}}}, "10") == []
+
+
+def test_margins_are_measured_from_ordinary_driving(study: Study) -> None:
+    metrics = read(study).metrics
+    mean = metrics["sets"]["10"]["oodness"]["mean"]
+    assert measures.margins(metrics)[0] == ("Diverse tree, 10 texts", f"{mean + 0.93:.3f}")
