@@ -34,6 +34,8 @@ OODNESS = {
 }
 """Table I and section V-B; MiniLM embeddings against nuScenes texts."""
 DIVERSITY = {"baseline": -0.781, "10": -0.635, "100": -0.638, "1000": -0.642, "simulatable": -0.762}
+BATCH = 100
+"""Size of a random baseline batch (section V-A); it is drawn ten times."""
 VLM_SUCCESS = {
     "GPT-4o": (110, 86),
     "Claude 3.5 Sonnet": (100, 66),

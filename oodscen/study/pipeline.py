@@ -260,6 +260,7 @@ class Pipeline:
     def _metrics(self, groups: Mapping[str, Sequence[Scenario]]) -> dict[str, Any]:
         baseline = load_baseline(self.config.baseline) if self.config.baseline else None
         metrics = Metrics(self.encoder, baseline, seed=self.config.seed)
+        size = min(paper.BATCH, max(1, len(metrics.baseline.texts) // 2))
         return {
             "encoder": metrics.encoder.name,
             "baseline": {
@@ -275,7 +276,7 @@ class Pipeline:
                 for name, chosen in groups.items()
                 if chosen
             },
-            "baseline_batch": metrics.baseline_batch().model_dump(mode="json"),
+            "baseline_batch": metrics.baseline_batch(size).model_dump(mode="json"),
             "baseline_diversity": metrics.baseline_diversity().model_dump(mode="json"),
         }
 

@@ -208,3 +208,12 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
     judged = [verdict for verdict in study.verdicts if verdict.model == "served"]
     safe = {episode.id: episode.actions["stop"].safe for episode in study.episodes}
     assert {v.scene_id: v.action_is_safe for v in judged} == safe
+
+
+def test_a_small_baseline_of_ones_own_is_enough(tmp_path):
+    texts = tmp_path / "own.txt"
+    texts.write_text("A car waits at a red light.\nA bus stops at its stop.\nEgo follows a van.\n")
+    config = CONFIG.model_copy(update={"baseline": str(texts), "max_paths": 1})
+    study = run_study(tmp_path / "out", config)
+    assert study.metrics["baseline"]["N"] == 3
+    assert study.metrics["baseline_batch"]["size"] == 1
