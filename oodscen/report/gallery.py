@@ -163,7 +163,7 @@ def _card(
     verdicts: tuple[Verdict, ...],
     band: tuple[float, float] | None,
 ) -> Card:
-    names = {actor.id: words.called(actor) for actor in scene.actors} if scene else {}
+    names = {actor.id: words.plain(actor.asset) for actor in scene.actors} if scene else {}
     return Card(
         id=name,
         path=scenario.path if scenario else (),

@@ -73,25 +73,32 @@ class Thumbnails:
 
     def _shrunk(self, moment: str, href: str, path: Path) -> Thumbnail:
         cv2 = self._cv2
-        try:
-            picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
-        except cv2.error:
-            picture = None
+        picture = self._read(path)
         if picture is None:
             return Thumbnail(moment, href=href, problem="frame file is not a picture")
-        height, width = picture.shape[:2]
-        encoded, size = "", (width, height)
+        encoded, small = "", picture
         for wide, quality in _STEPS:
+            height, width = small.shape[:2]
             if wide < width:
                 size = (wide, max(round(height * wide / width), 1))
-                small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-            else:
-                size, small = (width, height), picture
+                small = cv2.resize(small, size, interpolation=cv2.INTER_AREA)
             _, data = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, quality])
             encoded = base64.b64encode(data.tobytes()).decode("ascii")
             if len(encoded) <= self.limit:
                 break
-        return Thumbnail(moment, href, f"data:image/jpeg;base64,{encoded}", *size)
+        height, width = small.shape[:2]
+        return Thumbnail(moment, href, f"data:image/jpeg;base64,{encoded}", width, height)
+
+    def _read(self, path: Path) -> Any:
+        """Decode a picture, at half its size where that is enough (four times as quick)."""
+        cv2 = self._cv2
+        try:
+            half = cv2.imread(str(path), cv2.IMREAD_REDUCED_COLOR_2)
+            if half is not None and half.shape[1] < _STEPS[0][0]:
+                return cv2.imread(str(path), cv2.IMREAD_COLOR)
+        except cv2.error:
+            return None
+        return half
 
 
 def is_inside(name: str) -> bool:

@@ -26,6 +26,14 @@ BEHAVIOURS = {
 }
 """What an actor does, by behaviour id; other behaviours are called by their id."""
 
+_STATES = {
+    "brake": "brake lights",
+    "hazard": "hazard lights",
+    "beacon": "beacon on",
+    "indicate_left": "indicating left",
+    "indicate_right": "indicating right",
+}
+
 _UNITS = {
     "speed": "m/s",
     "deceleration": "m/s²",
@@ -143,8 +151,9 @@ def trigger(value: Trigger, ego: str, target: str) -> str:
 
 def called(actor: Actor) -> str:
     """Name an actor by its asset, and its state where it has one."""
-    state = f" ({plain(actor.state)})" if actor.state and actor.state != "off" else ""
-    return plain(actor.asset) + state
+    if actor.state in ("", "off"):
+        return plain(actor.asset)
+    return f"{plain(actor.asset)} ({_STATES.get(actor.state, plain(actor.state))})"
 
 
 def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
