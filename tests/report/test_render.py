@@ -59,6 +59,7 @@ def test_counts_and_metrics_stand_beside_the_papers(study: Study) -> None:
     assert "−0.765" in metrics
     assert "−0.645 to −0.605" in metrics
     assert "come from another baseline" in metrics
+    assert "standard deviation. Above that of ordinary driving lie" in metrics
     assert document.xpath("//section[@id='metrics']//*[name()='svg']")
 
 
