@@ -8,6 +8,12 @@ _COMFORTABLE = 3.5
 """m/s^2: braking that most cars do without drama."""
 _LANE_CHANGE_S = 2.4
 """s that a change of lane takes."""
+_HARDEST = 8.0
+"""m/s^2: braking in an emergency, on a dry road."""
+_GRIP = 9.3
+"""m/s^2 that a dry road gives."""
+_EGO_LENGTH, _EGO_WIDTH = 4.5, 1.85
+_LANE_WIDTH = 3.6
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,28 @@ def spare(recipe: Recipe) -> float:
     """Return what a recipe's decision distance has beyond `room`, m."""
     low, high = recipe.speed
     return max(0.5 * sum(recipe.decision.value) - room(0.5 * (low + high)), 3.0)
+
+
+def braking(speed: float, friction: float = 1.0) -> float:
+    """Return the distance between centres at which emergency braking just avoids a small thing, m."""
+    return speed * speed / (2.0 * min(_HARDEST, _GRIP * friction)) + 0.5 * _EGO_LENGTH + 0.6
+
+
+def swerving(speed: float, width: float, aside: float = 0.0) -> float:
+    """Return the same for a change of lane.
+
+    Args:
+        speed: Of the ego, m/s.
+        width: Of what is in the way, m.
+        aside: How far it is from the lane's centre, away from where the ego goes, m.
+    """
+    share = (0.5 * (_EGO_WIDTH + width) + 0.25 - aside) / _LANE_WIDTH
+    low, high = 0.0, 1.0
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        is_less = middle**3 * (10.0 - 15.0 * middle + 6.0 * middle * middle) < share
+        low, high = (middle, high) if is_less else (low, middle)
+    return 3.0 * high * speed + 0.5 * _EGO_LENGTH + 1.6
 
 
 def scales(recipe: Recipe) -> bool:

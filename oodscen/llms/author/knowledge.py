@@ -62,7 +62,8 @@ class Counterpart(Data):
     offset: Range | None = None
     heading_deg: Range | None = None
     behaviour: str | None = None
-    parameters: dict[str, Range] | None = None
+    parameters: dict[str, Range | Literal["ego"]] | None = None
+    """`ego` stands for the ego's speed."""
     trigger: RecipeTrigger | None = None
     state: str | None = None
 
@@ -100,6 +101,15 @@ class RecipeActor(Data):
         return tuple(f"{self.id}-{number}" for number in range(1, self.count + 1))
 
 
+class Variant(Data):
+    """What is different where a text says so."""
+
+    words: Names
+    """Any of these phrases."""
+    actors: dict[str, Counterpart]
+    """By id of an actor of the recipe: its fields that differ."""
+
+
 class Recipe(Data):
     """How a hazard is staged."""
 
@@ -107,6 +117,15 @@ class Recipe(Data):
     """Of the ego, m/s."""
     decision: RecipeTrigger
     horizon: float = 8.0
+    ego_lane: Literal["right", "any", "mirror"] = "right"
+    """In which lane the ego may start: in the rightmost, in any, or in the leftmost with everything
+    mirrored. In another lane than the rightmost, what is beside the road stays there."""
+    company: bool = True
+    """Whether ordinary traffic may drive beside the ego or come towards it."""
+    width: float = Field(default=0.0, ge=0.0)
+    """m across of what is in the way. Where it is given, and nothing moves, some decisions come so
+    late that braking does not suffice and a change of lane does."""
+    variants: tuple[Variant, ...] = ()
     weather: dict[str, Range | str] = {}
     """Fields of `oodscen.scene.Weather`, where the weather is the hazard."""
     ordinary_weather: dict[str, float | str] = {}
@@ -212,6 +231,19 @@ class Traffic(Data):
     actor: TrafficActor | None = None
 
 
+class Company(Data):
+    """Ordinary traffic that no text mentions, there when the ego must decide."""
+
+    side: Literal["left", "right", "oncoming"]
+    share: float = Field(ge=0.0, le=1.0)
+    """Of the scenes in which the road has room for it."""
+    asset: Names
+    gap: Range
+    """m ahead of the ego at the decision."""
+    speed: Range | Literal["ego"] = "ego"
+    """m/s; `ego` stands for the ego's."""
+
+
 class Wording(Data):
     """Words for who moves and how far away something is."""
 
@@ -238,6 +270,7 @@ class Knowledge(Data):
     places: tuple[Place, ...]
     conditions: tuple[Condition, ...]
     traffic: tuple[Traffic, ...] = ()
+    company: tuple[Company, ...] = ()
     wording: Wording
     paper: Paper = Paper()
 
@@ -279,6 +312,7 @@ _TABLES: dict[str, type[Data]] = {
     "place": Place,
     "condition": Condition,
     "traffic": Traffic,
+    "company": Company,
 }
 _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
@@ -339,6 +373,7 @@ class Shelf:
             places=tuple(place for _, place in self.entries["place"]),
             conditions=tuple(conditions.values()),
             traffic=tuple(traffic for _, traffic in self.entries["traffic"]),
+            company=tuple(company for _, company in self.entries["company"]),
             wording=self.single["wording"],
             paper=self.single.get("paper", Paper()),
         )

@@ -1,12 +1,15 @@
 """Staging: from a text and a catalogue's digest to the draft of a scene, by recipe."""
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from oodscen.errors import LLMError
 from oodscen.llms.author import approach
+from oodscen.llms.author.company import company
 from oodscen.llms.author.feasibility import WeatherLimits
 from oodscen.llms.author.knowledge import (
     Counterpart,
@@ -19,6 +22,7 @@ from oodscen.llms.author.knowledge import (
     RecipeTrigger,
     TrafficActor,
 )
+from oodscen.llms.author.lanes import settled, varied
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.llms.author.weather import draw_weather
 from oodscen.prompts import SceneDraft, StageScene
@@ -30,6 +34,16 @@ from oodscen.seeding import stream
 _DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
 _LEAST_SPEED = 3.0
 """m/s"""
+_LATE = 0.75
+"""Share of late decisions where there is a distance from which only a change of lane helps."""
+_URGENT = 0.45
+"""Share of the others that come where emergency braking suffices and calm braking hardly does."""
+_ASIDE = 0.4
+"""m by which an obstacle that calls for a change of lane lies on the other side of its lane."""
+_INSIDE = 1.2
+"""m from its lane's centre within which something is in the way."""
+_SLOWED = frozenset({"vehicle", "cyclist"})
+"""Categories whose speeds go down with the road's limit."""
 
 
 @dataclass
@@ -45,6 +59,13 @@ class _Set:
     slowed: float
     """Factor on the speed of other vehicles, where the road's limit slows the ego down."""
     ego_lane: int
+    escape: int = 0
+    """Where only a change of lane helps its direction: 1 left, -1 right; 0 otherwise."""
+
+    @property
+    def ego(self) -> tuple[float, float]:
+        """Its speed as a range."""
+        return (self.speed, self.speed)
 
     def draw(self, limits: Range) -> float:
         return round(float(self.rng.uniform(*limits)), 2)
@@ -75,8 +96,8 @@ class Stager:
             LLMError: When the text shows nothing that the author can stage.
         """
         hazard = self._hazard(prompt)
-        recipe = hazard.stage
-        assert recipe is not None
+        assert hazard.stage is not None
+        recipe = varied(hazard.stage, prompt.text)
         rng = stream(seed, "stage", prompt.text, attempt)
         place = self._place(prompt.text, hazard, rng)
         road = _map_for(place, hazard, prompt.catalogue)
@@ -84,8 +105,10 @@ class Stager:
         limits = WeatherLimits.of(prompt.catalogue.weather)
         weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng)
         distance = _distance(prompt.text)
-        scene = _set(prompt.catalogue, road, recipe, place, rng)
-        shift, decision = _timing(scene, hazard, place, weather.friction, distance)
+        recipe, lane = settled(recipe, road, prompt.text, rng)
+        scene = _set(prompt.catalogue, road, recipe, place, lane, rng)
+        shift, decision = _timing(scene, weather.friction, distance)
+        recipe = scene.recipe
         actors: list[Actor] = []
         unusual: dict[str, Actor | None] = {}
         for part in recipe.actors:
@@ -96,6 +119,17 @@ class Stager:
         traffic = self.recogniser.traffic(prompt.text)
         if traffic is not None and traffic.actor is not None and attempt < 2:
             actors += _traffic(traffic.actor, scene)
+        if traffic is None and recipe.company and attempt < 2:
+            decisive = decision.actor or next(iter(unusual), None)
+            actors += company(
+                self.knowledge.company,
+                road,
+                (scene.ego_lane, scene.speed),
+                [*actors, *(twin for twin in unusual.values() if twin is not None)],
+                (decision, decisive),
+                rng,
+                free=scene.escape,
+            )
         if ordinary is None and not unusual:
             raise LLMError(f"the recipe for {hazard.label!r} has no hazard", model="builtin")
         return SceneDraft(
@@ -155,10 +189,10 @@ def _set(
     road: MapLine,
     recipe: Recipe,
     place: Place,
+    lane: int,
     rng: np.random.Generator,
 ) -> _Set:
-    """Choose the ego's lane and speed."""
-    lowest = min((min(actor.lane) for actor in recipe.actors if len(actor.lane) == 1), default=0)
+    """Choose the ego's speed."""
     limits = place.speed if approach.scales(recipe) else recipe.speed
     wanted = round(float(rng.uniform(*limits)), 2)
     speed = round(min(wanted, road.speed_limit), 2)
@@ -169,40 +203,60 @@ def _set(
         rng=rng,
         speed=speed,
         slowed=speed / wanted,
-        ego_lane=min(max(0, -lowest), road.lanes - 1),
+        ego_lane=lane,
     )
 
 
-def _timing(
-    scene: _Set, hazard: Hazard, place: Place, friction: float, distance: float | None
-) -> tuple[float, Trigger]:
+def _timing(scene: _Set, friction: float, distance: float | None) -> tuple[float, Trigger]:
     """Return by how far all actors move along the road, and the decision's trigger.
 
-    A distance in the text is where the scene starts: the decision comes later, where there is
-    just room enough to stop or to change lane.
+    A distance in the text is where the scene starts: the decision comes later.
     """
     recipe, decision = scene.recipe, scene.recipe.decision
     value = scene.draw(decision.value)
     actor = approach.decisive(recipe)
     shift = 0.0
     if actor is not None and approach.scales(recipe):
-        spare = approach.spare(recipe) * float(scene.rng.uniform(0.9, 1.3))
+        away = _room(scene, actor, friction)
         middle = 0.5 * sum(actor.ahead)
+        value = away(scene.speed)
         if distance is not None:
-            while scene.speed > _LEAST_SPEED:
-                value = approach.room(scene.speed, friction) + spare
-                if value + 0.7 * scene.speed <= distance:
-                    break
+            while scene.speed > _LEAST_SPEED and value + 0.7 * scene.speed > distance:
                 scene.speed = round(0.95 * scene.speed, 2)
+                value = away(scene.speed)
             value = min(value, max(distance - 2.0, 1.0))
             shift = distance - middle
         else:
-            value = approach.room(scene.speed, friction) + spare
             shift = value + scene.speed * float(scene.rng.uniform(1.6, 3.0)) - middle
     elif actor is not None and distance is not None:
         low, high = actor.ahead
         shift = min(max(distance, low), high) - 0.5 * (low + high)
     return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
+
+
+def _room(scene: _Set, actor: RecipeActor, friction: float) -> Callable[[float], float]:
+    """Choose how much room the decision leaves, and return it as a function of the speed, m.
+
+    There is room to stop calmly or to change lane; or just to brake hard; or, where the speed is
+    such that this takes longer, just to change lane.
+    """
+    recipe, spare = scene.recipe, approach.spare(scene.recipe)
+    late, urgent, share = (float(draw) for draw in scene.rng.random(3))
+    is_inside = max(map(abs, actor.offset)) < _INSIDE
+    if recipe.width and is_inside and late < _LATE and scene.road.lanes > 1:
+        low = approach.swerving(scene.speed, recipe.width, _ASIDE)
+        high = approach.braking(scene.speed, friction)
+        if low + 0.5 <= high - 1.5:
+            scene.escape = 1 if scene.ego_lane + 1 < scene.road.lanes else -1
+            aside = -scene.escape * _ASIDE
+            moved = actor.model_copy(update={"offset": (aside - 0.05, aside + 0.05)})
+            actors = tuple(moved if a is actor else a for a in recipe.actors)
+            scene.recipe = recipe.model_copy(update={"actors": actors})
+            value = low + share * (high - 1.5 - low)
+            return lambda speed: value
+    if urgent < _URGENT:
+        return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
+    return lambda speed: approach.room(speed, friction) + (0.9 + 0.4 * share) * spare
 
 
 def _actors(part: RecipeActor, scene: _Set, shift: float) -> list[tuple[Actor, Actor | None]]:
@@ -231,7 +285,7 @@ def _actors(part: RecipeActor, scene: _Set, shift: float) -> list[tuple[Actor, A
             behaviour=Behaviour(
                 name=part.behaviour,
                 trigger=_trigger(part.trigger, scene),
-                parameters=_parameters(part.behaviour, part.parameters, scene),
+                parameters=_parameters(part.behaviour, part.parameters, scene, asset),
             ),
             state=_state(asset, part.state, scene.digest),
         )
@@ -259,17 +313,18 @@ def _ordinary(actor: Actor, change: Counterpart, scene: _Set) -> Actor:
     trigger = behaviour.trigger if name == behaviour.name else Trigger()
     if change.trigger is not None:
         trigger = _trigger(change.trigger, scene)
-    kept: dict[str, Range] = {key: (v, v) for key, v in behaviour.parameters.items()}
-    parameters = _parameters(name, kept, scene, again=True)
-    parameters.update(_parameters(name, change.parameters or {}, scene))
     asset = scene.choose(change.asset) if change.asset else actor.asset
+    drawn: dict[str, Range | Literal["ego"]] = {}
+    drawn.update((key, (value, value)) for key, value in behaviour.parameters.items())
+    parameters = _parameters(name, drawn, scene)
+    parameters.update(_parameters(name, change.parameters or {}, scene, asset))
     state = actor.state if change.state is None else change.state
     return Actor(
         id=actor.id,
         asset=asset,
         placement=Placement(
             ahead_m=old.ahead_m if change.ahead is None else scene.draw(change.ahead),
-            lane=old.lane if change.lane is None else change.lane,
+            lane=old.lane if change.lane is None else _there(change.lane, scene),
             offset_m=old.offset_m if change.offset is None else scene.draw(change.offset),
             heading_deg=(
                 old.heading_deg if change.heading_deg is None else scene.draw(change.heading_deg)
@@ -280,8 +335,17 @@ def _ordinary(actor: Actor, change: Counterpart, scene: _Set) -> Actor:
     )
 
 
+def _there(lane: int, scene: _Set) -> int:
+    """Return a lane that the road has: on the ego's other side, if there is none on this."""
+    lanes = scene.road.lanes + scene.road.oncoming_lanes
+    return lane if 0 <= scene.ego_lane + lane < lanes else -lane
+
+
 def _parameters(
-    name: str, limits: dict[str, Range], scene: _Set, *, again: bool = False
+    name: str,
+    limits: Mapping[str, Range | Literal["ego"]],
+    scene: _Set,
+    asset: str | None = None,
 ) -> dict[str, float]:
     """Draw the parameters that a behaviour has, within what the catalogue allows.
 
@@ -289,8 +353,9 @@ def _parameters(
         name: Of the behaviour.
         limits: Ranges to draw from; what the behaviour does not have is left out.
         scene: Gives the draws.
-        again: Whether the values were slowed down before.
+        asset: Whose speed goes down where the road's limit slows the ego down; `None` if it has.
     """
+    category = next((line.category for line in scene.digest.assets if line.id == asset), "")
     line = next((b.parameters for b in scene.digest.behaviours if b.id == name), "")
     allowed = {
         key: (float(low), float(high))
@@ -298,10 +363,10 @@ def _parameters(
     }
     drawn = {}
     for key, limit in limits.items():
-        value = scene.draw(limit)
+        value = scene.draw(scene.ego if limit == "ego" else limit)
         if key not in allowed:
             continue
-        if key == "speed" and scene.slowed < 1.0 and not again:
+        if key == "speed" and limit != "ego" and category in _SLOWED:
             value = round(value * scene.slowed, 2)
         low, high = allowed[key]
         drawn[key] = min(max(value, low), high)
@@ -315,14 +380,11 @@ def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
 
 def _traffic(part: TrafficActor, scene: _Set) -> list[Actor]:
     """Add the ordinary road user that the text mentions, where the road has a lane for it."""
-    lane = scene.road.lanes - scene.ego_lane if part.side == "oncoming" else 1
-    there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else lane < scene.road.lanes
+    left = scene.road.lanes - scene.ego_lane
+    lane = left if part.side == "oncoming" else 1
+    there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else left > 1
     if not there:
         return []
-    limits = {
-        key: (scene.speed, scene.speed) if value == "ego" else value
-        for key, value in part.parameters.items()
-    }
     return [
         Actor(
             id=part.id,
@@ -330,7 +392,7 @@ def _traffic(part: TrafficActor, scene: _Set) -> list[Actor]:
             placement=Placement(ahead_m=scene.draw(part.ahead), lane=lane),
             behaviour=Behaviour(
                 name=part.behaviour,
-                parameters=_parameters(part.behaviour, limits, scene, again=True),
+                parameters=_parameters(part.behaviour, part.parameters, scene),
             ),
         )
     ]

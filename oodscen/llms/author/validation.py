@@ -108,6 +108,10 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
         target = actor.trigger.actor
         if target is not None and target not in names:
             yield Issue(f"stage.actors[{index}].trigger.actor", f"there is no actor {target!r}")
+    known = {actor.id for actor in recipe.actors}
+    for index, variant in enumerate(recipe.variants):
+        for name in sorted(set(variant.actors) - known):
+            yield Issue(f"stage.variants[{index}].actors", f"there is no actor {name!r}")
     for field in ("weather", "ordinary_weather"):
         for key in getattr(recipe, field):
             if key not in Weather.model_fields:

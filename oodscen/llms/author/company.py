@@ -1,0 +1,122 @@
+"""Ordinary traffic around the ego when it must decide, which no text mentions."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from oodscen.llms.author.knowledge import Company
+from oodscen.prompts.digest import MapLine
+from oodscen.scene import Actor, Behaviour, Placement, Trigger
+
+_MOST_AHEAD = 280.0
+"""m"""
+_OVERHANGS = 1.2
+"""m from its lane's centre beyond which something may reach into the next lane."""
+_BESIDE = 2.5
+"""m from its lane's centre beyond which something stands off the road."""
+_DRIVES = frozenset(
+    """follow_lane wrong_way cut_in hard_brake stall stop_and_go swerve u_turn wobble drift""".split()
+)
+
+
+def company(
+    kinds: Sequence[Company],
+    road: MapLine,
+    ego: tuple[int, float],
+    actors: Sequence[Actor],
+    decision: tuple[Trigger, str | None],
+    rng: np.random.Generator,
+    *,
+    free: int = 0,
+) -> list[Actor]:
+    """Draw the ordinary traffic beside the ego and in the oncoming lane.
+
+    Args:
+        kinds: What there may be.
+        road: Has the lanes.
+        ego: Lane from the right, and speed in m/s.
+        actors: Of the scene, counterparts included; a lane in which one of them is stays theirs.
+        decision: When it falls, and to which actor it is measured.
+        rng: Draws.
+        free: Side that must stay free: 1 left, -1 right, 0 neither.
+    """
+    lane, speed = ego
+    found: list[Actor] = []
+    for kind in kinds:
+        draws = rng.random(3)
+        pick = kind.asset[int(rng.integers(len(kind.asset)))]
+        side = -1 if kind.side == "right" else 1
+        has_room = {
+            "left": lane + 1 < road.lanes,
+            "right": lane > 0,
+            "oncoming": (
+                lane + 1 == road.lanes and road.oncoming_lanes > 0 and "divided" not in road.traits
+            ),
+        }[kind.side]
+        if draws[0] >= kind.share or not has_room or side == free:
+            continue
+        if any(_takes(actor, side) for actor in actors):
+            continue
+        own = speed if kind.speed == "ego" else _between(kind.speed, draws[1])
+        own = min(own, road.speed_limit)
+        ahead = _between(kind.gap, draws[2])
+        if kind.side == "oncoming":
+            ahead += (speed + own) * _decision_s(decision, actors, speed)
+        if not 0.0 <= ahead <= _MOST_AHEAD:
+            continue
+        found.append(
+            Actor(
+                id=f"{kind.side}-traffic",
+                asset=pick,
+                placement=Placement(ahead_m=round(ahead, 2), lane=side),
+                behaviour=Behaviour(name="follow_lane", parameters={"speed": round(own, 2)}),
+            )
+        )
+    return found
+
+
+def _between(limits: tuple[float, float], share: float) -> float:
+    return limits[0] + (limits[1] - limits[0]) * float(share)
+
+
+def _takes(actor: Actor, side: int) -> bool:
+    """Tell whether an actor needs the lane on one side of the ego's."""
+    place, behaviour = actor.placement, actor.behaviour
+    parameters = behaviour.parameters
+    aside = side * place.offset_m
+    if side * place.lane > 0:
+        return behaviour.name != "stand" or aside < _BESIDE
+    if place.lane:
+        return False
+    return (
+        aside > _OVERHANGS
+        or side * parameters.get("lanes", 0.0) > 0.0
+        or side * parameters.get("lateral", 0.0) > 0.0
+        or behaviour.name == "u_turn"
+    )
+
+
+def _decision_s(
+    decision: tuple[Trigger, str | None], actors: Sequence[Actor], speed: float
+) -> float:
+    """Estimate when the decision falls, s."""
+    trigger, name = decision
+    if trigger.kind == "time":
+        return trigger.value
+    actor = next((a for a in actors if a.id == name), None)
+    if actor is None:
+        return math.inf
+    closing = max(speed - _along(actor), 0.1)
+    left = trigger.value * closing if trigger.kind == "ttc" else trigger.value
+    return max(0.0, (abs(actor.placement.ahead_m) - left) / closing)
+
+
+def _along(actor: Actor) -> float:
+    """Return an actor's speed along the ego's road before it does anything unusual, m/s."""
+    own = actor.behaviour.parameters.get("speed", 0.0)
+    if actor.behaviour.name == "walk_along":
+        return own * math.cos(math.radians(actor.placement.heading_deg))
+    if actor.behaviour.name not in _DRIVES:
+        return 0.0
+    return -own if actor.behaviour.name == "wrong_way" else own
