@@ -38,6 +38,8 @@ _LATE = 0.75
 """Share of late decisions where there is a distance from which only a change of lane helps."""
 _URGENT = 0.45
 """Share of the others that come where emergency braking suffices and calm braking hardly does."""
+_SMALL, _SEEN = 1.2, 45.0
+"""m: what is less wide than the first is not made out from farther than the second."""
 _ASIDE = 0.4
 """m by which an obstacle that calls for a change of lane lies on the other side of its lane."""
 _INSIDE = 1.2
@@ -254,7 +256,8 @@ def _room(scene: _Set, actor: RecipeActor, friction: float) -> Callable[[float],
             scene.recipe = recipe.model_copy(update={"actors": actors})
             value = low + share * (high - 1.5 - low)
             return lambda speed: value
-    if urgent < _URGENT:
+    is_unseen = 0.0 < recipe.width < _SMALL and approach.room(scene.speed) > _SEEN
+    if urgent < _URGENT or is_unseen:
         return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
     return lambda speed: approach.room(speed, friction) + (0.9 + 0.4 * share) * spare
 
