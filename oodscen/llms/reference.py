@@ -16,8 +16,8 @@ from oodscen.seeding import stream
 UNSEEN = "A road ahead of the ego vehicle."
 """What a reference answerer says about every frame."""
 
-ASPECT = "An unusual object on the road"
-"""What a reference answerer names whenever it calls a scene OOD."""
+ASPECT = "A pedestrian crossing where none is expected"
+"""What a reference answerer names whenever it calls a scene OOD: right for that kind of scene, by luck."""
 
 
 class ConstantAnswerer:
