@@ -124,6 +124,48 @@ def test_weather_as_hazard_has_an_ordinary_counterpart(
     assert seen >= 5
 
 
+def test_the_car_ahead_in_bad_weather_is_as_quick_as_the_ego_on_an_ordinary_day(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest
+) -> None:
+    text = (
+        "Ego drives on a two-lane rural road. Black ice has formed on the road in the early cold, "
+        "and a vehicle in front of the ego vehicle has slowed to walking pace."
+    )
+    draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+    lead = next(actor for actor in draft.actors if actor.id == "lead")
+    twin = draft.hazard.actors["lead"]
+    assert lead.behaviour.parameters["speed"] < 0.5 * draft.ego.speed
+    assert twin is not None
+    assert twin.behaviour.parameters["speed"] == draft.ego.speed
+    assert twin.placement == lead.placement
+
+
+def test_only_vehicles_go_slower_on_slower_roads(
+    author: BuiltinAuthor, ask, knowledge: Knowledge, digest: CatalogueDigest
+) -> None:
+    recipe = knowledge.by_id["jaywalker"].stage
+    assert recipe is not None
+    low, high = recipe.actors[0].parameters["speed"]
+    for number in range(12):
+        text = (
+            "Ego drives on a two-lane residential road. A pedestrian steps off the right-hand edge "
+            f"of the road, far from any crossing, and walks across the ego's lane {'.' * number}"
+        )
+        draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+        assert low <= draft.actors[0].behaviour.parameters["speed"] <= high
+
+
+def test_the_edge_of_the_lane_in_the_text_leaves_room(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest
+) -> None:
+    text = (
+        "Ego drives on a two-lane residential road. A large cardboard box lies at the very edge of "
+        "the ego's lane 60 metres ahead."
+    )
+    draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
+    assert draft.actors[0].placement.offset_m < -1.5
+
+
 def test_traffic_in_the_text_is_on_the_road(
     author: BuiltinAuthor, ask, digest: CatalogueDigest
 ) -> None:
