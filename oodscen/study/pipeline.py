@@ -1,11 +1,9 @@
 """The whole paper as one resumable run: each stage reads what is there and adds what is missing."""
 
-import platform
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from threading import Lock
 from typing import Any, TypeVar
@@ -25,7 +23,6 @@ from oodscen.grow import TreeGrower
 from oodscen.llms.logged import LoggedLLM
 from oodscen.messages import Image
 from oodscen.metrics import Metrics
-from oodscen.prompts import QUESTIONS
 from oodscen.protocols import LLM
 from oodscen.prune import Pruner, all_decisions, pruned
 from oodscen.redteam import RedTeamer, Round
@@ -33,6 +30,7 @@ from oodscen.registry import DEFAULT_LLM, make_encoder, make_llm, make_simulator
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.config import Status, StudyConfig
+from oodscen.study.record import record
 from oodscen.study.study import Study
 from oodscen.study.sweep import Job, sweep
 from oodscen.tree import ScenarioTree
@@ -402,30 +400,7 @@ class Pipeline:
         self._save("running")
 
     def _save(self, status: Status, **more: Any) -> None:
-        content = {
-            "schema_version": 1,
-            "status": status,
-            "config": self.config.model_dump(mode="json"),
-            "authors": self._authors(),
-            "versions": _versions(),
-            "prompts": {question.purpose: question.version() for question in QUESTIONS},
-            "paper": {"nodes": paper.NODES, "paths": paper.PATHS},
-            **more,
-        }
-        self.store.write("study.json", canonical_json(content) + "\n")
-
-    def _authors(self) -> dict[str, str]:
-        """Say what wrote the texts."""
-        builtin = (
-            "the built-in author: a deterministic, seeded writer over a knowledge base of hazards, "
-            "not a language model"
-        )
-        return {
-            "llm": builtin if self.config.llm == DEFAULT_LLM else self.config.llm,
-            "red_llm": builtin
-            if (self.config.red_llm or self.config.llm) == DEFAULT_LLM
-            else (self.config.red_llm or self.config.llm),
-        }
+        self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
     def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
         from oodscen.report import write_report
@@ -491,13 +466,3 @@ def _failed(name: str, error: Exception, **more: Any) -> dict[str, Any]:
 def _is_whole(rows: Sequence[Mapping[str, Any]], count: int) -> bool:
     """Whether the lines of a path are all there, or say that it failed."""
     return len(rows) == count or any(row.get("status") == "failed" for row in rows)
-
-
-def _versions() -> dict[str, str]:
-    found = {"oodscen": __version__, "python": platform.python_version()}
-    for package in ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", "litellm"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found

@@ -1,0 +1,55 @@
+"""What `study.json` says about a study: who wrote it, with what, in which versions."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from oodscen._version import __version__
+from oodscen.prompts import QUESTIONS
+from oodscen.registry import DEFAULT_LLM
+from oodscen.study.config import Status, StudyConfig
+
+_BUILTIN = (
+    "the built-in author: a deterministic, seeded writer over a knowledge base of hazards, not a "
+    "language model"
+)
+_PACKAGES = ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", "litellm")
+
+
+def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
+    """Return the content of `study.json`.
+
+    Args:
+        config: What is run.
+        status: How far the run is.
+        more: Counts, failures and times, once there are any.
+    """
+    return {
+        "schema_version": 1,
+        "status": status,
+        "config": config.model_dump(mode="json"),
+        "authors": authors(config),
+        "versions": versions(),
+        "prompts": {question.purpose: question.version() for question in QUESTIONS},
+        **more,
+    }
+
+
+def authors(config: StudyConfig) -> dict[str, str]:
+    """Say who wrote the texts, in words that cannot be mistaken for a model."""
+    names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
+    return {
+        role: _BUILTIN if name.partition(":")[0] == DEFAULT_LLM else name
+        for role, name in names.items()
+    }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of everything that the results may depend on."""
+    found = {"oodscen": __version__, "python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
