@@ -36,7 +36,7 @@ _LEAST_SPEED = 3.0
 """m/s"""
 _LATE = 0.75
 """Share of late decisions where there is a distance from which only a change of lane helps."""
-_URGENT = 0.45
+_URGENT = 0.55
 """Share of the others that come where emergency braking suffices and calm braking hardly does."""
 _SMALL, _SEEN = 1.2, 45.0
 """m: what is less wide than the first is not made out from farther than the second."""
