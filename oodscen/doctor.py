@@ -1,12 +1,11 @@
 """Check that the parts of the default run are installed and work."""
 
-import importlib
 import platform
 import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
-from oodscen.errors import DataError, MissingExtra, OodscenError
+from oodscen.errors import DataError, OodscenError
 
 
 class Finding(NamedTuple):
@@ -67,8 +66,7 @@ def _simulator() -> str:
 
 
 def _litellm() -> str:
-    try:
-        importlib.import_module("litellm")
-    except ImportError:
-        raise MissingExtra("language models through litellm", "llm", "litellm") from None
+    from oodscen.llms.litellm import load_litellm
+
+    load_litellm()
     return "litellm is installed; keys are read from the environment when a model is asked"
