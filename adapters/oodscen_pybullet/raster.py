@@ -300,7 +300,7 @@ def _paint(
     detail: int,
     strip: F32,
 ) -> None:
-    """Shade neighbouring pixels of one record.
+    """Shade neighbouring pixels of one record that is textured or lit unevenly.
 
     Args:
         mark: The record.
@@ -320,10 +320,6 @@ def _paint(
     red, green, blue = records[k, 14], records[k, 15], records[k, 16]
     region = labels[k, 0]
     is_uneven = records[k, 17] != zero
-    if region < 0 and not is_uneven:
-        for i in range(np.uint64(count)):
-            strip[0, i], strip[1, i], strip[2, i] = red, green, blue
-        return
     across, down = np.float32(column) - records[k, 0], np.float32(row) - records[k, 1]
     stride = np.float32(detail)
     iwx = records[k, 3] * stride
@@ -370,8 +366,8 @@ def _paint(
         u = min(max((u0 + ux * t) * w * shrink - half, zero), most_u)
         v = min(max((v0 + vx * t) * w * shrink - half, zero), most_v)
         x0, y0 = np.int32(u), np.int32(v)
-        fu = np.uint64((u - np.float32(x0)) * np.float32(64.0))
-        fv = np.uint64((v - np.float32(y0)) * np.float32(64.0))
+        fu = np.uint64(np.int32((u - np.float32(x0)) * np.float32(64.0)))
+        fv = np.uint64(np.int32((v - np.float32(y0)) * np.float32(64.0)))
         a = np.uint64(start + y0 * wide + x0)
         c = a + (np.uint64(wide) if y0 + 1 < tall else np.uint64(0))
         right = np.uint64(1) if x0 + 1 < wide else np.uint64(0)
@@ -402,6 +398,60 @@ def _is_edge(
             if other != mark and (other < 0 or labels[np.uint64(other), 2] != surface):
                 return True
     return False
+
+
+@_kernel
+def _blend(
+    nearness: F32,
+    shown: I32,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    row: int,
+    column: int,
+    last_row: int,
+    last_column: int,
+    strip: F32,
+) -> tuple[float, float, float, float, float]:
+    """Mix what the nine samples at and around a pixel's centre show, each surface shaded once.
+
+    Returns:
+        Weighted sums of red, green, blue, weight and 1/w of what is not sky; 16 is all.
+    """
+    red = green = blue = weight = total = np.float32(0.0)
+    one_r = one_g = one_b = two_r = two_g = two_b = np.float32(0.0)
+    one, two = -1, -1
+    for j in range(-1, 2):
+        r = np.uint64(min(max(row + j, 0), last_row))
+        for i in range(-1, 2):
+            c = np.uint64(min(max(column + i, 0), last_column))
+            mark = shown[r, c]
+            if mark < 0:
+                continue
+            surface = labels[np.uint64(mark), 2]
+            if surface == two:
+                one, two = two, one
+                one_r, two_r = two_r, one_r
+                one_g, two_g = two_g, one_g
+                one_b, two_b = two_b, one_b
+            elif surface != one:
+                one, two = surface, one
+                two_r, two_g, two_b = one_r, one_g, one_b
+                k = np.uint64(mark)
+                if labels[k, 0] < 0 and records[k, 17] == np.float32(0.0):
+                    one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
+                else:
+                    _paint(mark, int(c), int(r), 1, records, labels, texels, sizes, light, 2, strip)
+                    one_r, one_g, one_b = strip[0, 0], strip[1, 0], strip[2, 0]
+            part = np.float32((2 - abs(i)) * (2 - abs(j)))
+            red += part * one_r
+            green += part * one_g
+            blue += part * one_b
+            total += part * nearness[r, c]
+            weight += part
+    return red, green, blue, weight, total
 
 
 @_kernel
@@ -440,9 +490,10 @@ def gather(
     """
     height, width = depth.shape
     last_column, last_row = width * detail - 1, height * detail - 1
-    half, most = np.float32(0.5), np.float32(255.0)
+    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
     strip = np.empty((3, _RUN), np.float32)
-    differs = np.zeros(width * detail + 2, np.int32)
+    upright = np.zeros(width * detail + 2, np.int32)
+    level = np.zeros(width * detail + 2, np.int32)
     mixed = np.zeros(width, np.int32)
     marks = np.empty(width, np.int32)
     one, two = np.uint64(1), np.uint64(2)
@@ -460,53 +511,43 @@ def gather(
         if detail == 2:
             over, under = shown[max(row - 1, 0)], shown[min(row + 1, last_row)]
             for c in range(np.uint64(width * 2)):
-                differs[c + one] = (over[c] ^ middle[c]) | (under[c] ^ middle[c])
-            for at in range(wide):
-                c = at * two
-                mixed[at] = differs[c] | differs[c + one] | differs[c + two]
-                mixed[at] |= middle[c] ^ middle[c + one]
-                mixed[at] |= middle[c] ^ (middle[c - one] if c > np.uint64(0) else middle[c])
-                if mixed[at]:
-                    mixed[at] = _is_edge(shown, labels, row, int(c), last_row, last_column)
+                upright[c + one] = (over[c] ^ middle[c]) | (under[c] ^ middle[c])
+            for c in range(np.uint64(last_column)):
+                level[c + one] = middle[c] ^ middle[c + one]
+            for i in range(wide):
+                c = i * two
+                mixed[i] = (
+                    upright[c] | upright[c + one] | upright[c + two] | level[c] | level[c + one]
+                )
+            for i in range(wide):
+                if mixed[i]:
+                    mixed[i] = _is_edge(shown, labels, row, int(i) * 2, last_row, last_column)
         x = 0
         while x < width:
-            mark = marks[np.uint64(x)]
-            if mixed[np.uint64(x)]:
-                red = green = blue = weight = total = np.float32(0.0)
-                one_r = one_g = one_b = two_r = two_g = two_b = np.float32(0.0)
-                known = last = -1
-                for j in range(-1, 2):
-                    r = min(max(row + j, 0), last_row)
-                    for i in range(-1, 2):
-                        column = min(max(2 * x + i, 0), last_column)
-                        other = shown[r, column]
-                        if other < 0:
-                            continue
-                        if other == last:
-                            known, last = last, known
-                            one_r, two_r = two_r, one_r
-                            one_g, two_g = two_g, one_g
-                            one_b, two_b = two_b, one_b
-                        elif other != known:
-                            known, last = other, known
-                            two_r, two_g, two_b = one_r, one_g, one_b
-                            _paint(
-                                other, column, r, 1, records, labels, texels, sizes, light, 2, strip
-                            )
-                            one_r, one_g, one_b = strip[0, 0], strip[1, 0], strip[2, 0]
-                        part = np.float32((2 - abs(i)) * (2 - abs(j)))
-                        red += part * one_r
-                        green += part * one_g
-                        blue += part * one_b
-                        total += part * nearness[r, column]
-                        weight += part
+            at = np.uint64(x)
+            mark = marks[at]
+            if mixed[at]:
+                red, green, blue, weight, total = _blend(
+                    nearness,
+                    shown,
+                    records,
+                    labels,
+                    texels,
+                    sizes,
+                    light,
+                    row,
+                    2 * x,
+                    last_row,
+                    last_column,
+                    strip,
+                )
                 if weight > np.float32(0.0):
                     scale = np.float32(1.0) / weight
-                    reach[y, x] = weight / total
-                    rgb[y, x, 0] = np.uint8(min(red * scale + half, most))
-                    rgb[y, x, 1] = np.uint8(min(green * scale + half, most))
-                    rgb[y, x, 2] = np.uint8(min(blue * scale + half, most))
-                sky[y, x] = np.uint8((np.float32(16.0) - weight) * np.float32(255.0 / 16.0) + half)
+                    reach[y, at] = weight / total
+                    rgb[y, at, 0] = np.uint8(min(red * scale + half, most))
+                    rgb[y, at, 1] = np.uint8(min(green * scale + half, most))
+                    rgb[y, at, 2] = np.uint8(min(blue * scale + half, most))
+                sky[y, at] = np.uint8((np.float32(16.0) - weight) * np.float32(255.0 / 16.0) + half)
                 x += 1
                 continue
             stop = x + 1
@@ -516,9 +557,19 @@ def gather(
                     break
                 stop += 1
             if mark < 0:
-                for i in range(np.uint64(x), np.uint64(stop)):
-                    sky[y, i] = 255
-                    rgb[y, i, 0] = rgb[y, i, 1] = rgb[y, i, 2] = 0
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 255
+                    rgb[y, at + i, 0] = rgb[y, at + i, 1] = rgb[y, at + i, 2] = 0
+            elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
+                k = np.uint64(mark)
+                plain_r = np.uint8(min(records[k, 14] + half, most))
+                plain_g = np.uint8(min(records[k, 15] + half, most))
+                plain_b = np.uint8(min(records[k, 16] + half, most))
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 0
+                    rgb[y, at + i, 0] = plain_r
+                    rgb[y, at + i, 1] = plain_g
+                    rgb[y, at + i, 2] = plain_b
             else:
                 _paint(
                     mark,
@@ -534,9 +585,8 @@ def gather(
                     strip,
                 )
                 for i in range(np.uint64(stop - x)):
-                    at = np.uint64(x) + i
-                    sky[y, at] = 0
-                    rgb[y, at, 0] = np.uint8(min(strip[0, i] + half, most))
-                    rgb[y, at, 1] = np.uint8(min(strip[1, i] + half, most))
-                    rgb[y, at, 2] = np.uint8(min(strip[2, i] + half, most))
+                    sky[y, at + i] = 0
+                    rgb[y, at + i, 0] = np.uint8(min(strip[0, i] + half, most))
+                    rgb[y, at + i, 1] = np.uint8(min(strip[1, i] + half, most))
+                    rgb[y, at + i, 2] = np.uint8(min(strip[2, i] + half, most))
             x = stop
