@@ -18,6 +18,7 @@ from oodscen_pybullet.light import (
     illumination,
     shadow_mask,
 )
+from oodscen_pybullet.stage import Shot
 from oodscen_pybullet.view import View
 from oodscen_pybullet.weather import (
     air_colour,
@@ -34,11 +35,7 @@ from oodscen_pybullet.weather import (
 class Picture:
     """A raw picture and everything that decides how it is developed."""
 
-    rgb: NDArray[np.uint8]
-    depth: Float
-    """Metres along the optical axis, infinity for the sky."""
-    rows: NDArray[np.int32]
-    """Row of the body that each pixel shows, -1 for scenery."""
+    shot: Shot
     view: View
     weather: Weather
     light: Light
@@ -53,8 +50,9 @@ class Picture:
 
 def develop(picture: Picture) -> NDArray[np.uint8]:
     """Apply light and weather: [height, width, 3] uint8; a function of its argument alone."""
-    view, depth, light, weather = picture.view, picture.depth, picture.light, picture.weather
-    image = _smooth(picture.rgb, depth).astype(np.float32)
+    view, light, weather = picture.view, picture.light, picture.weather
+    depth = picture.shot.reach
+    image = picture.shot.rgb.astype(np.float32)
     across, upwards = view.slopes()
     stretch = np.sqrt(1.0 + across[None, :] ** 2 + upwards[:, None] ** 2).astype(np.float32)
     distance = depth * stretch
@@ -74,8 +72,8 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
         image = image * np.array(light.tint, np.float32)
     _paint_sky(image, picture)
     image = veil(image, distance, rate, _lit_air(air, picture, distance))
-    add_glows(image, view, depth, picture.glows, light, rate)
-    add_glare(image, view, light, depth)
+    add_glows(image, view, picture.shot.depth, picture.glows, light, rate)
+    add_glare(image, view, light, picture.shot.depth)
     image = _precipitation(image, picture, air)
     if light.daylight < 0.5:
         rng = stream(picture.seed, "grain", round(picture.time, 3))
@@ -86,34 +84,29 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
 
 def _paint_sky(image: Float, picture: Picture) -> None:
     """Put the sky wherever nothing else is, in place."""
-    is_sky = np.isinf(picture.depth)
-    lowest = np.flatnonzero(is_sky.any(axis=1))
-    if len(lowest):
-        rows = int(lowest[-1]) + 1
-        painted = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
-        image[:rows][is_sky[:rows]] = painted[is_sky[:rows]]
-
-
-def _smooth(rgb: NDArray[np.uint8], depth: Float) -> NDArray[np.uint8]:
-    """Soften the stairs along silhouettes and distant texture."""
-    import cv2
-
-    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
-    edges = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 22
-    far = np.minimum(depth, np.float32(500.0)) > np.float32(40.0)
-    soft = cv2.GaussianBlur(rgb, (3, 3), 0.65)
-    return np.asarray(np.where((edges | far)[..., None], soft, rgb), np.uint8)
+    share = picture.shot.sky
+    some = np.flatnonzero(share.any(axis=1))
+    if len(some) == 0:
+        return
+    rows = int(some[-1]) + 1
+    painted = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
+    share, upper = share[:rows], image[:rows]
+    is_sky = share == 255
+    np.copyto(upper, painted, where=is_sky[..., None])
+    edge = np.nonzero((share > 0) & ~is_sky)
+    part = share[edge].astype(np.float32)[:, None] * np.float32(1 / 255)
+    upper[edge] += (painted[edge] - upper[edge]) * part
 
 
 def _ground(picture: Picture) -> Float:
     """Return 1 for every pixel that shows the ground, 0 elsewhere."""
     view = picture.view
     _, upwards = view.slopes()
-    near = np.minimum(picture.depth, np.float32(400.0))
+    near = np.minimum(picture.shot.reach, np.float32(400.0))
     height = near * (upwards * np.float32(view.up[2]) + np.float32(view.forward[2]))[:, None]
     height += np.float32(view.eye[2] - picture.road_height)
     limit = np.float32(0.16) + near * np.float32(0.02)
-    return np.asarray((picture.rows < 0) & (height < limit), np.float32)
+    return np.asarray((picture.shot.rows < 0) & (height < limit), np.float32)
 
 
 def _shade(image: Float, picture: Picture, ground: Float) -> Float:
@@ -153,7 +146,7 @@ def _precipitation(image: Float, picture: Picture, air: tuple[float, float, floa
             image + (streaks * np.float32(0.25 + 0.5 * light.daylight))[..., None], np.float32
         )
     if weather.precipitation == "snow":
-        cover = snow_flakes(picture.view, weather, picture.depth, picture.seed, picture.time)
+        cover = snow_flakes(picture.view, weather, picture.shot.reach, picture.seed, picture.time)
         flake = np.array([246.0, 248.0, 252.0], np.float32) * np.float32(
             0.42 + 0.58 * light.daylight
         )

@@ -21,6 +21,7 @@ from oodscen_pybullet.light import STREET_LAMP, Caster, Glow, Light
 from oodscen_pybullet.meshes import Mesh, asset_ids, asset_mesh, paints_of
 from oodscen_pybullet.meshes.cars import bonnet
 from oodscen_pybullet.picture import Picture, develop
+from oodscen_pybullet.renderers import Renderer, choose_renderer, open_stage
 from oodscen_pybullet.road import KERB
 from oodscen_pybullet.roadside import build_scenery
 from oodscen_pybullet.stage import Look, Stage
@@ -39,15 +40,29 @@ LYING_SNOW_MM_H = 1.0
 class PyBulletSimulator(MirrorSimulator):
     """Shows scenes with PyBullet; needs no display.
 
-    Distances come from PyBullet's collision shapes, pictures from its software camera with light
+    Distances come from PyBullet's collision shapes, pictures from a software rasteriser with light
     and weather added from depth. Nothing is started before the first scene, and the camera's world
-    is not built before the first picture.
+    is not built before the first picture. The very first picture after installation waits for some
+    seconds while the rasteriser is compiled; numba keeps the result on disk.
     """
 
     name = "pybullet"
 
-    def __init__(self) -> None:
+    renderer: Renderer
+    """Which camera is in use: the rasteriser, or PyBullet's own."""
+
+    def __init__(self, renderer: Renderer = "raster") -> None:
+        """Choose a camera.
+
+        Args:
+            renderer: "raster" draws with numba, quickly; "pybullet" is PyBullet's own software
+                camera, which also stands in, with a `RuntimeWarning`, where numba is missing.
+
+        Raises:
+            UnknownComponent: When there is no such camera.
+        """
         super().__init__()
+        self.renderer = choose_renderer(renderer)
         self._engine: Any = None
         self._bodies: Bodies | None = None
         self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Lamps]] = OrderedDict()
@@ -122,13 +137,9 @@ class PyBulletSimulator(MirrorSimulator):
         poses = self._stand(corridor)
         stage.pose_actors(poses)
         light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
-        rgb, depth, rows = stage.photograph(
-            view, sun=light.sun, ambient=light.ambient, diffuse=light.diffuse
-        )
+        shot = stage.photograph(view, sun=light.sun, ambient=light.ambient, diffuse=light.diffuse)
         picture = Picture(
-            rgb=rgb,
-            depth=depth,
-            rows=rows,
+            shot=shot,
             view=view,
             weather=scene.weather,
             light=light,
@@ -138,7 +149,7 @@ class PyBulletSimulator(MirrorSimulator):
             seed=seed,
             road_height=poses[0][2],
         )
-        return Frame(rgb=develop(picture), depth=depth, ids=(rows + 1).astype(np.int32))
+        return Frame(rgb=develop(picture), depth=shot.depth, ids=shot.rows + np.int32(1))
 
     def release(self) -> None:
         """Disconnect from PyBullet."""
@@ -163,7 +174,7 @@ class PyBulletSimulator(MirrorSimulator):
             _, (oldest, _) = self._stages.popitem(last=False)
             oldest.close()
         scenery = build_scenery(corridor, frozenset(road.traits), seed, road.id)
-        stage = Stage(self._engine)
+        stage = open_stage(self.renderer, self._engine)
         stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene))
         self._stages[key] = (stage, scenery.lamps)
         return stage, scenery.lamps

@@ -3,8 +3,10 @@
 import math
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +19,59 @@ from oodscen_pybullet.wavefront import wavefront
 Look = tuple[str, str, str, bool]
 """Asset, state, paint, and whether its running lamps are on."""
 
+Pose = tuple[float, float, float, float]
+
 _MOST_TRIANGLES = 20_000
 """PyBullet takes no more than about 130,000 corners in one shape."""
 
 
-class Stage:
-    """Bodies to be photographed: scenery, which stays while the road does, and the actors.
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What a camera sees before light and weather."""
+
+    rgb: NDArray[np.uint8]
+    """[height, width, 3]; where there is some sky, the colour of the rest."""
+    depth: NDArray[np.float32]
+    """[height, width], metres along the optical axis at the pixel's centre; infinity for sky."""
+    rows: NDArray[np.int32]
+    """The same with the row of the actor, -1 for scenery and sky."""
+    reach: NDArray[np.float32]
+    """The same with the mean depth of what is not sky; light and weather go by it."""
+    sky: NDArray[np.uint8]
+    """The same with the share of sky, 0 to 255."""
+
+
+class Stage(Protocol):
+    """Bodies to be photographed: scenery, which stays while the road does, and the actors."""
+
+    def close(self) -> None:
+        """Let go of everything; may be called twice."""
+
+    def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
+        """Put up scenery in place of everything that is there."""
+
+    def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
+        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i."""
+
+    def pose_actors(self, poses: Sequence[Pose]) -> None:
+        """Move every actor: x, y, z, yaw."""
+
+    def photograph(
+        self, view: View, *, sun: tuple[float, float, float], ambient: float, diffuse: float
+    ) -> Shot:
+        """Take a picture.
+
+        Args:
+            view: The camera.
+            sun: Direction towards the sun.
+            ambient: Share of light from everywhere.
+            diffuse: Share of light from the sun.
+        """
+        ...
+
+
+class BulletStage:
+    """The stage of PyBullet's own software camera.
 
     Shapes and textures are made once; showing another scene moves what can be moved.
     """
@@ -89,7 +138,7 @@ class Stage:
             self._actors.append(body)
             self._rows[body] = row
 
-    def pose_actors(self, poses: Sequence[tuple[float, float, float, float]]) -> None:
+    def pose_actors(self, poses: Sequence[Pose]) -> None:
         """Move every actor: x, y, z, and yaw as the sine and cosine of half the angle."""
         for body, (x, y, z, yaw) in zip(self._actors, poses, strict=True):
             turn = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
@@ -99,13 +148,8 @@ class Stage:
 
     def photograph(
         self, view: View, *, sun: tuple[float, float, float], ambient: float, diffuse: float
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]]:
-        """Take a picture.
-
-        Returns:
-            rgb [height, width, 3], depth in metres with infinity for the sky, and the row of the
-            actor that each pixel shows, -1 for scenery and sky.
-        """
+    ) -> Shot:
+        """Take a picture."""
         engine = self._engine
         _, _, rgba, buffer, bodies = engine.getCameraImage(
             view.width,
@@ -129,7 +173,13 @@ class Stage:
         for body, row in self._rows.items():
             rows[body + 1] = row
         seen = np.where((seen >= 0) & (seen < len(rows) - 1), seen + 1, 0)
-        return rgb, depth, rows[seen]
+        return Shot(
+            rgb=_smooth(rgb, depth),
+            depth=depth,
+            rows=rows[seen],
+            reach=depth,
+            sky=np.where(np.isinf(depth), np.uint8(255), np.uint8(0)),
+        )
 
     def _shape(self, mesh: Mesh) -> int:
         """Make a shape by way of a file: PyBullet never frees the lists that it is handed."""
@@ -172,3 +222,14 @@ def _piece(mesh: Mesh, start: int) -> Mesh:
         uvs=mesh.uvs[rows],
         triangles=np.arange(len(rows)).reshape(-1, 3),
     )
+
+
+def _smooth(rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Soften the stairs along silhouettes and distant texture."""
+    import cv2
+
+    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
+    edges = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 22
+    far = np.minimum(depth, np.float32(500.0)) > np.float32(40.0)
+    soft = cv2.GaussianBlur(rgb, (3, 3), 0.65)
+    return np.asarray(np.where((edges | far)[..., None], soft, rgb), np.uint8)

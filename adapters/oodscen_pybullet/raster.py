@@ -1,0 +1,592 @@
+"""Numba kernels that draw triangles: a depth-buffered pass, then one look at every pixel.
+
+The first kernel writes for every sample which triangle is in front, and nothing else; the second
+shades each pixel once, with mipmapped textures, and mixes what its samples show where they differ.
+Everything is plain arithmetic on scalars, so that the bits do not depend on the processor.
+
+Kernels compile when they are first called, which takes some seconds, and are kept on disk by numba
+(beside this file, or in its own cache where this folder is read-only).
+"""
+
+import math
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
+U8 = NDArray[np.uint8]
+U64 = NDArray[np.uint64]
+
+RECORD = 18
+"""Numbers kept of a drawn triangle: a place on the grid of samples; 1/w, u/w, v/w and light/w there
+with their slopes along columns and rows; red, green, blue; 1 where it is lit unevenly."""
+LEVELS = 9
+"""Sizes in which a texture is kept."""
+_RUN = 16
+"""Most pixels that are shaded together."""
+_FINEST = 2.0
+"""Texels per pixel from which on the next coarser size is taken."""
+
+_Kernel = TypeVar("_Kernel", bound=Callable[..., object])
+
+
+def _kernel(function: _Kernel) -> _Kernel:
+    compiled = numba.njit(cache=True, fastmath=False, error_model="numpy", nogil=True)(function)
+    return cast(_Kernel, compiled)
+
+
+@_kernel
+def scatter(
+    corners: F32,
+    planes: F32,
+    colours: F32,
+    regions: I32,
+    spans: I32,
+    places: F64,
+    spheres: F32,
+    camera: F64,
+    sun: F64,
+    detail: int,
+    width: int,
+    height: int,
+    nearness: F32,
+    shown: I32,
+    records: F32,
+    labels: I32,
+    count: int,
+) -> int:
+    """Draw objects into the buffer of samples.
+
+    Args:
+        corners: [n, 3, 8] x, y, z, normal, and texel column and row, in the object's frame.
+        planes: [n, 4] normal and offset of each triangle's plane; it shows on the positive side.
+        colours: [n, 3] of triangles without texture, 0 to 255.
+        regions: [n] texture, -1 for none.
+        spans: [m, 3] first triangle, the one after the last, and label of each object.
+        places: [m, 5] x, y, z, cosine and sine of the yaw of each object.
+        spheres: [m, 4] centre and radius around each object, in its frame.
+        camera: [15] eye, right, up, forward, focal length in pixels, nearest, farthest, m.
+        sun: [5] direction towards the sun, ambient and diffuse share.
+        detail: Samples per pixel along a row and along a column.
+        width: Pixels.
+        height: Pixels.
+        nearness: [height * width * detail ** 2] 1/w in front, at first that of the farthest.
+        shown: The same of the record in front, at first -1.
+        records: [k, RECORD] of drawn triangles, filled from `count` on.
+        labels: [k, 3] texture, label and surface of drawn triangles.
+        count: Records so far.
+
+    Returns:
+        Records now.
+    """
+    focal, near, far = camera[12], camera[13], camera[14]
+    columns, rows = width * detail, height * detail
+    scale = focal * detail
+    middle_x = (width * 0.5 - 0.5) * detail
+    middle_y = (height * 0.5 - 0.5) * detail
+    slope_x, slope_y = width * 0.5 / focal, height * 0.5 / focal
+    lean_x = math.sqrt(1.0 + slope_x * slope_x)
+    lean_y = math.sqrt(1.0 + slope_y * slope_y)
+    poly = np.empty((4, 6))
+    px = np.empty(5)
+    py = np.empty(5)
+    pw = np.empty(5)
+    step = np.empty(4)
+    for index in range(spans.shape[0]):
+        c, s = places[index, 3], places[index, 4]
+        ex = camera[0] - places[index, 0]
+        ey = camera[1] - places[index, 1]
+        ez = camera[2] - places[index, 2]
+        eye_x, eye_y, eye_z = c * ex + s * ey, c * ey - s * ex, ez
+        rx, ry, rz = c * camera[3] + s * camera[4], c * camera[4] - s * camera[3], camera[5]
+        ux, uy, uz = c * camera[6] + s * camera[7], c * camera[7] - s * camera[6], camera[8]
+        fx, fy, fz = c * camera[9] + s * camera[10], c * camera[10] - s * camera[9], camera[11]
+        sx, sy, sz = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0], sun[2]
+        bx, by, bz = spheres[index, 0] - eye_x, spheres[index, 1] - eye_y, spheres[index, 2] - eye_z
+        radius = np.float64(spheres[index, 3])
+        ahead = bx * fx + by * fy + bz * fz
+        if ahead < near - radius or ahead > far + radius:
+            continue
+        if abs(bx * rx + by * ry + bz * rz) > ahead * slope_x + radius * lean_x:
+            continue
+        if abs(bx * ux + by * uy + bz * uz) > ahead * slope_y + radius * lean_y:
+            continue
+        for k in range(spans[index, 0], spans[index, 1]):
+            if planes[k, 0] * eye_x + planes[k, 1] * eye_y + planes[k, 2] * eye_z <= planes[k, 3]:
+                continue
+            behind = 0
+            for j in range(3):
+                dx, dy, dz = (
+                    corners[k, j, 0] - eye_x,
+                    corners[k, j, 1] - eye_y,
+                    corners[k, j, 2] - eye_z,
+                )
+                w = dx * fx + dy * fy + dz * fz
+                poly[j, 0] = dx * rx + dy * ry + dz * rz
+                poly[j, 1] = dx * ux + dy * uy + dz * uz
+                poly[j, 2] = w
+                if w < near:
+                    behind += 1
+            if behind == 3:
+                continue
+            # Each slot of px, py and pw is a corner of what is left after the near plane has cut.
+            n = 0
+            if behind == 0:
+                for j in range(3):
+                    inverse = 1.0 / poly[j, 2]
+                    px[j] = middle_x + scale * poly[j, 0] * inverse
+                    py[j] = middle_y - scale * poly[j, 1] * inverse
+                    pw[j] = inverse
+                n = 3
+            else:
+                for j in range(3):
+                    i = (j + 1) % 3
+                    wj, wi = poly[j, 2], poly[i, 2]
+                    if wj >= near:
+                        px[n] = middle_x + scale * poly[j, 0] / wj
+                        py[n] = middle_y - scale * poly[j, 1] / wj
+                        pw[n] = 1.0 / wj
+                        n += 1
+                    if (wj >= near) != (wi >= near):
+                        # The same end first from both sides, so that neighbours meet exactly.
+                        if wj < near:
+                            share = (near - wj) / (wi - wj)
+                            x = poly[j, 0] + share * (poly[i, 0] - poly[j, 0])
+                            y = poly[j, 1] + share * (poly[i, 1] - poly[j, 1])
+                        else:
+                            share = (near - wi) / (wj - wi)
+                            x = poly[i, 0] + share * (poly[j, 0] - poly[i, 0])
+                            y = poly[i, 1] + share * (poly[j, 1] - poly[i, 1])
+                        px[n] = middle_x + scale * x / near
+                        py[n] = middle_y - scale * y / near
+                        pw[n] = 1.0 / near
+                        n += 1
+            low_x, high_x, low_y, high_y = px[0], px[0], py[0], py[0]
+            for j in range(1, n):
+                low_x, high_x = min(low_x, px[j]), max(high_x, px[j])
+                low_y, high_y = min(low_y, py[j]), max(high_y, py[j])
+            if high_x < 0.0 or high_y < 0.0 or low_x > columns - 1 or low_y > rows - 1:
+                continue
+            first = math.ceil(max(low_y, 0.0))
+            last = min(math.ceil(high_y) - 1.0, rows - 1.0)
+            if first > last:
+                continue
+            if math.ceil(max(low_x, 0.0)) > min(math.ceil(high_x) - 1.0, columns - 1.0):
+                continue
+            # 1/w over the screen is linear: the plane through the eye-space triangle.
+            ax, ay, aw = poly[0, 0], poly[0, 1], poly[0, 2]
+            b0, b1, b2 = poly[1, 0], poly[1, 1], poly[1, 2]
+            c0, c1, c2 = poly[2, 0], poly[2, 1], poly[2, 2]
+            # Rows of the inverse of the matrix of corners, scaled by its determinant.
+            i00, i01, i02 = b1 * c2 - b2 * c1, b2 * c0 - b0 * c2, b0 * c1 - b1 * c0
+            i10, i11, i12 = c1 * aw - c2 * ay, c2 * ax - c0 * aw, c0 * ay - c1 * ax
+            i20, i21, i22 = ay * b2 - aw * b1, aw * b0 - ax * b2, ax * b1 - ay * b0
+            det = ax * i00 + ay * i01 + aw * i02
+            if det == 0.0:
+                continue
+            turn = 1.0 / det
+            grow = turn / scale
+            at_x = math.floor(min(max(0.5 * (low_x + high_x), 0.0), columns - 1.0))
+            at_y = math.floor(min(max(0.5 * (low_y + high_y), 0.0), rows - 1.0))
+            view_x, view_y = (at_x - middle_x) / scale, (middle_y - at_y) / scale
+            g0, g1, g2 = i00 + i10 + i20, i01 + i11 + i21, i02 + i12 + i22
+            iw = (g0 * view_x + g1 * view_y + g2) * turn
+            iwx, iwy = g0 * grow, -g1 * grow
+            # Left and right ends of the rows, edge by edge from the upper corner down.
+            for j in range(n):
+                i = j + 1 if j + 1 < n else 0
+                if py[j] < py[i]:
+                    step[j] = (px[i] - px[j]) / (py[i] - py[j])
+                elif py[i] < py[j]:
+                    step[j] = (px[j] - px[i]) / (py[j] - py[i])
+                else:
+                    step[j] = 0.0
+            is_drawn = False
+            slope = np.float32(iwx)
+            mark = np.int32(count)
+            for row in range(int(first), int(last) + 1):
+                level = np.float64(row)
+                left, right = 1e30, -1e30
+                for j in range(n):
+                    i = j + 1 if j + 1 < n else 0
+                    if (py[j] < level) != (py[i] < level):
+                        if py[j] < py[i]:
+                            x = px[j] + (level - py[j]) * step[j]
+                        else:
+                            x = px[i] + (level - py[i]) * step[j]
+                        left, right = min(left, x), max(right, x)
+                start = math.ceil(max(left, 0.0))
+                stop = min(math.ceil(right), np.float64(columns))
+                if not start < stop:
+                    continue
+                begin = np.float32(iw + iwx * (start - at_x) + iwy * (level - at_y))
+                base = np.uint64(row * columns + int(start))
+                hits = np.uint32(0)
+                for offset in range(np.uint64(int(stop) - int(start))):
+                    value = begin + slope * np.float32(np.int32(offset))
+                    if value > nearness[base + offset]:
+                        nearness[base + offset] = value
+                        shown[base + offset] = mark
+                        hits |= np.uint32(1)
+                if hits:
+                    is_drawn = True
+            if not is_drawn:
+                continue
+            record = records[count]
+            record[0], record[1] = at_x, at_y
+            record[2], record[3], record[4] = iw, iwx, iwy
+            labels[count, 0] = regions[k]
+            labels[count, 1] = spans[index, 2]
+            labels[count, 2] = count
+            lights = (
+                corners[k, 0, 3] * sx + corners[k, 0, 4] * sy + corners[k, 0, 5] * sz,
+                corners[k, 1, 3] * sx + corners[k, 1, 4] * sy + corners[k, 1, 5] * sz,
+                corners[k, 2, 3] * sx + corners[k, 2, 4] * sy + corners[k, 2, 5] * sz,
+            )
+            is_uneven = (
+                max(lights[0], lights[1], lights[2]) - min(lights[0], lights[1], lights[2]) > 1e-3
+            )
+            strength = 1.0
+            record[17] = 0.0
+            if is_uneven:
+                record[17] = 1.0
+                p0 = lights[0] * i00 + lights[1] * i10 + lights[2] * i20
+                p1 = lights[0] * i01 + lights[1] * i11 + lights[2] * i21
+                p2 = lights[0] * i02 + lights[1] * i12 + lights[2] * i22
+                record[11] = (p0 * view_x + p1 * view_y + p2) * turn
+                record[12], record[13] = p0 * grow, -p1 * grow
+            else:
+                strength = sun[3] + sun[4] * max(0.0, lights[0])
+            if regions[k] >= 0:
+                for e in range(2):
+                    t0, t1, t2 = corners[k, 0, 6 + e], corners[k, 1, 6 + e], corners[k, 2, 6 + e]
+                    p0 = t0 * i00 + t1 * i10 + t2 * i20
+                    p1 = t0 * i01 + t1 * i11 + t2 * i21
+                    p2 = t0 * i02 + t1 * i12 + t2 * i22
+                    record[5 + 3 * e] = (p0 * view_x + p1 * view_y + p2) * turn
+                    record[6 + 3 * e], record[7 + 3 * e] = p0 * grow, -p1 * grow
+                record[14] = record[15] = record[16] = strength
+            else:
+                for e in range(3):
+                    record[14 + e] = colours[k, e] * strength
+            if not is_uneven:
+                # What looks alike on both sides of an edge needs no smoothing there.
+                tone = int(record[14] * 8.0) * 4096 + int(record[15] * 8.0)
+                tone = tone * 4096 + int(record[16] * 8.0)
+                if regions[k] >= 0:
+                    tone = int(strength * 255.0) * 256 + regions[k] + (1 << 40)
+                tone = (tone * 512 + spans[index, 2] + 1) % 2147483629
+                labels[count, 2] = -2 - np.int32(tone)
+            count += 1
+    return count
+
+
+@_kernel
+def _paint(
+    mark: int,
+    column: int,
+    row: int,
+    count: int,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    detail: int,
+    strip: F32,
+) -> None:
+    """Shade neighbouring pixels of one record that is textured or lit unevenly.
+
+    Args:
+        mark: The record.
+        column: Of the first sample.
+        row: Of the samples.
+        count: Pixels; so few that one size of texture fits all.
+        records: Of `scatter`.
+        labels: Of `scatter`.
+        texels: Of `gather`.
+        sizes: Of `gather`.
+        light: Of `gather`.
+        detail: Samples from one pixel to the next.
+        strip: [3, at least count] to be filled with red, green, blue, 0 to 255.
+    """
+    k = np.uint64(mark)
+    zero, half = np.float32(0.0), np.float32(0.5)
+    red, green, blue = records[k, 14], records[k, 15], records[k, 16]
+    region = labels[k, 0]
+    is_uneven = records[k, 17] != zero
+    across, down = np.float32(column) - records[k, 0], np.float32(row) - records[k, 1]
+    stride = np.float32(detail)
+    iwx = records[k, 3] * stride
+    iw = records[k, 2] + records[k, 3] * across + records[k, 4] * down
+    shade, shade_x = zero, zero
+    if is_uneven:
+        shade_x = records[k, 12] * stride
+        shade = records[k, 11] + records[k, 12] * across + records[k, 13] * down
+    if region < 0:
+        for i in range(np.uint64(count)):
+            t = np.float32(np.int32(i))
+            strength = light[0] + light[1] * max((shade + shade_x * t) / (iw + iwx * t), zero)
+            strip[0, i], strip[1, i], strip[2, i] = (
+                red * strength,
+                green * strength,
+                blue * strength,
+            )
+        return
+    ux, vx = records[k, 6] * stride, records[k, 9] * stride
+    u0 = records[k, 5] + records[k, 6] * across + records[k, 7] * down
+    v0 = records[k, 8] + records[k, 9] * across + records[k, 10] * down
+    t = np.float32(count - 1) * half
+    w = np.float32(1.0) / (iw + iwx * t)
+    u, v = (u0 + ux * t) * w, (v0 + vx * t) * w
+    along = max(abs((ux - u * iwx) * w), abs((vx - v * iwx) * w))
+    iwy = records[k, 4]
+    deep = max(abs((records[k, 7] - u * iwy) * w), abs((records[k, 10] - v * iwy) * w)) * stride
+    spread = along * deep
+    size = np.uint64(region * LEVELS)
+    limit = np.float32(_FINEST * _FINEST)
+    shrink = np.float32(1.0)
+    for _ in range(LEVELS - 1):
+        if spread <= limit:
+            break
+        spread *= np.float32(0.25)
+        shrink *= half
+        size += np.uint64(1)
+    start, wide, tall = sizes[size, 0], sizes[size, 1], sizes[size, 2]
+    low = np.uint64(0x1FFFFF)
+    most_u, most_v = np.float32(wide - 1), np.float32(tall - 1)
+    for i in range(np.uint64(count)):
+        t = np.float32(np.int32(i))
+        w = np.float32(1.0) / (iw + iwx * t)
+        u = min(max((u0 + ux * t) * w * shrink - half, zero), most_u)
+        v = min(max((v0 + vx * t) * w * shrink - half, zero), most_v)
+        x0, y0 = np.int32(u), np.int32(v)
+        fu = np.uint64(np.int32((u - np.float32(x0)) * np.float32(64.0)))
+        fv = np.uint64(np.int32((v - np.float32(y0)) * np.float32(64.0)))
+        a = np.uint64(start + y0 * wide + x0)
+        c = a + (np.uint64(wide) if y0 + 1 < tall else np.uint64(0))
+        right = np.uint64(1) if x0 + 1 < wide else np.uint64(0)
+        k11 = fu * fv
+        k10, k01 = (fv << np.uint64(6)) - k11, (fu << np.uint64(6)) - k11
+        k00 = np.uint64(4096) - k01 - k10 - k11
+        texel = (
+            texels[a] * k00 + texels[a + right] * k01 + texels[c] * k10 + texels[c + right] * k11
+        )
+        strength = np.float32(1.0 / 4096.0)
+        if is_uneven:
+            strength *= light[0] + light[1] * max((shade + shade_x * t) * w, zero)
+        strip[0, i] = red * strength * np.float32(np.int32(texel & low))
+        strip[1, i] = green * strength * np.float32(np.int32((texel >> np.uint64(21)) & low))
+        strip[2, i] = blue * strength * np.float32(np.int32(texel >> np.uint64(42)))
+
+
+@_kernel
+def _is_edge(
+    shown: I32, labels: I32, row: int, column: int, last_row: int, last_column: int
+) -> bool:
+    """Tell whether the samples around one show more than one surface."""
+    mark = shown[row, column]
+    surface = labels[np.uint64(mark), 2] if mark >= 0 else -1
+    for r in range(max(row - 1, 0), min(row + 1, last_row) + 1):
+        for c in range(max(column - 1, 0), min(column + 1, last_column) + 1):
+            other = shown[r, c]
+            if other != mark and (other < 0 or labels[np.uint64(other), 2] != surface):
+                return True
+    return False
+
+
+@_kernel
+def _blend(
+    nearness: F32,
+    shown: I32,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    row: int,
+    column: int,
+    last_row: int,
+    last_column: int,
+    strip: F32,
+) -> tuple[float, float, float, float, float]:
+    """Mix what the nine samples at and around a pixel's centre show, each surface shaded once.
+
+    Returns:
+        Weighted sums of red, green, blue, weight and 1/w of what is not sky; 16 is all.
+    """
+    red = green = blue = weight = total = np.float32(0.0)
+    one_r = one_g = one_b = two_r = two_g = two_b = np.float32(0.0)
+    one, two = -1, -1
+    for j in range(-1, 2):
+        r = np.uint64(min(max(row + j, 0), last_row))
+        for i in range(-1, 2):
+            c = np.uint64(min(max(column + i, 0), last_column))
+            mark = shown[r, c]
+            if mark < 0:
+                continue
+            surface = labels[np.uint64(mark), 2]
+            if surface == two:
+                one, two = two, one
+                one_r, two_r = two_r, one_r
+                one_g, two_g = two_g, one_g
+                one_b, two_b = two_b, one_b
+            elif surface != one:
+                one, two = surface, one
+                two_r, two_g, two_b = one_r, one_g, one_b
+                k = np.uint64(mark)
+                if labels[k, 0] < 0 and records[k, 17] == np.float32(0.0):
+                    one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
+                else:
+                    _paint(mark, int(c), int(r), 1, records, labels, texels, sizes, light, 2, strip)
+                    one_r, one_g, one_b = strip[0, 0], strip[1, 0], strip[2, 0]
+            part = np.float32((2 - abs(i)) * (2 - abs(j)))
+            red += part * one_r
+            green += part * one_g
+            blue += part * one_b
+            total += part * nearness[r, c]
+            weight += part
+    return red, green, blue, weight, total
+
+
+@_kernel
+def gather(
+    nearness: F32,
+    shown: I32,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    detail: int,
+    rgb: U8,
+    depth: F32,
+    rows: I32,
+    reach: F32,
+    sky: U8,
+) -> None:
+    """Shade every pixel.
+
+    Args:
+        nearness: Of `scatter`, [height * detail, width * detail].
+        shown: Of `scatter`, likewise.
+        records: Of `scatter`.
+        labels: Of `scatter`.
+        texels: Every texture in every size, row by row; red, green and blue 21 bits apart, so that
+            one product weighs all three.
+        sizes: [regions * LEVELS, 3] where each begins in `texels`, its width and height.
+        light: Shares of light from everywhere and from the sun.
+        detail: Samples per pixel along a row and along a column, 1 or 2.
+        rgb: [height, width, 3] to be filled.
+        depth: [height, width] to be filled: at the pixel's centre, m, infinity for the sky.
+        rows: The same with the label, -1 for the sky.
+        reach: The same with the mean distance of what is not sky, m.
+        sky: The same with the share of sky, 0 to 255.
+    """
+    height, width = depth.shape
+    last_column, last_row = width * detail - 1, height * detail - 1
+    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    strip = np.empty((3, _RUN), np.float32)
+    upright = np.zeros(width * detail + 2, np.int32)
+    level = np.zeros(width * detail + 2, np.int32)
+    mixed = np.zeros(width, np.int32)
+    marks = np.empty(width, np.int32)
+    one, two = np.uint64(1), np.uint64(2)
+    step, wide = np.uint64(detail), np.uint64(width)
+    for y in range(np.uint64(height)):
+        row = int(y) * detail
+        middle, near = shown[row], nearness[row]
+        for x in range(wide):
+            mark = middle[x * step]
+            marks[x] = mark
+            far = np.float32(1.0) / near[x * step]
+            depth[y, x] = np.float32(np.inf) if mark < 0 else far
+            reach[y, x] = depth[y, x]
+            rows[y, x] = -1 if mark < 0 else labels[np.uint64(mark if mark >= 0 else 0), 1]
+        if detail == 2:
+            over, under = shown[max(row - 1, 0)], shown[min(row + 1, last_row)]
+            for c in range(np.uint64(width * 2)):
+                upright[c + one] = (over[c] ^ middle[c]) | (under[c] ^ middle[c])
+            for c in range(np.uint64(last_column)):
+                level[c + one] = middle[c] ^ middle[c + one]
+            for i in range(wide):
+                c = i * two
+                mixed[i] = (
+                    upright[c] | upright[c + one] | upright[c + two] | level[c] | level[c + one]
+                )
+            for i in range(wide):
+                if mixed[i]:
+                    mixed[i] = _is_edge(shown, labels, row, int(i) * 2, last_row, last_column)
+        x = 0
+        while x < width:
+            at = np.uint64(x)
+            mark = marks[at]
+            if mixed[at]:
+                red, green, blue, weight, total = _blend(
+                    nearness,
+                    shown,
+                    records,
+                    labels,
+                    texels,
+                    sizes,
+                    light,
+                    row,
+                    2 * x,
+                    last_row,
+                    last_column,
+                    strip,
+                )
+                if weight > np.float32(0.0):
+                    scale = np.float32(1.0) / weight
+                    reach[y, at] = weight / total
+                    rgb[y, at, 0] = np.uint8(min(red * scale + half, most))
+                    rgb[y, at, 1] = np.uint8(min(green * scale + half, most))
+                    rgb[y, at, 2] = np.uint8(min(blue * scale + half, most))
+                sky[y, at] = np.uint8((np.float32(16.0) - weight) * np.float32(255.0 / 16.0) + half)
+                x += 1
+                continue
+            stop = x + 1
+            limit = min(x + _RUN, width)
+            while stop < limit and marks[np.uint64(stop)] == mark:
+                if mixed[np.uint64(stop)]:
+                    break
+                stop += 1
+            if mark < 0:
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 255
+                    rgb[y, at + i, 0] = rgb[y, at + i, 1] = rgb[y, at + i, 2] = 0
+            elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
+                k = np.uint64(mark)
+                plain_r = np.uint8(min(records[k, 14] + half, most))
+                plain_g = np.uint8(min(records[k, 15] + half, most))
+                plain_b = np.uint8(min(records[k, 16] + half, most))
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 0
+                    rgb[y, at + i, 0] = plain_r
+                    rgb[y, at + i, 1] = plain_g
+                    rgb[y, at + i, 2] = plain_b
+            else:
+                _paint(
+                    mark,
+                    x * detail,
+                    row,
+                    stop - x,
+                    records,
+                    labels,
+                    texels,
+                    sizes,
+                    light,
+                    detail,
+                    strip,
+                )
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 0
+                    rgb[y, at + i, 0] = np.uint8(min(strip[0, i] + half, most))
+                    rgb[y, at + i, 1] = np.uint8(min(strip[1, i] + half, most))
+                    rgb[y, at + i, 2] = np.uint8(min(strip[2, i] + half, most))
+            x = stop
