@@ -54,7 +54,7 @@ def veil(image: Float, distance: Float, rate: float, air: Colour | Float) -> Flo
 
     Args:
         image: [height, width, 3], 0 to 255.
-        distance: From the eye, m; infinity for the sky.
+        distance: From the eye, m; at infinity there is nothing but air.
         rate: Extinction, 1/m; 0 leaves the picture as it is.
         air: Colour of the air, one or per pixel.
     """
@@ -62,7 +62,7 @@ def veil(image: Float, distance: Float, rate: float, air: Colour | Float) -> Flo
         return image
     import cv2
 
-    through = cv2.exp(np.minimum(distance, np.float32(SKY_M)) * np.float32(-rate))
+    through = cv2.exp(np.minimum(distance, np.float32(1e6)) * np.float32(-rate))
     target = air if isinstance(air, np.ndarray) else line(air, image.shape[1])
     image -= target
     image *= three(through)
