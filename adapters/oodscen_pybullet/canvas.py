@@ -14,8 +14,6 @@ from oodscen_pybullet.stage import Look, Shot
 from oodscen_pybullet.triangles import Triangles, textures
 from oodscen_pybullet.view import FAR, NEAR, View
 
-DETAIL = 2
-"""Samples per pixel along a row and along a column."""
 _LOOKS = 256
 """Actors' looks that stay converted."""
 
@@ -27,7 +25,14 @@ class Canvas:
     are then kept on disk.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, detail: int = 2) -> None:
+        """Start with nothing on stage.
+
+        Args:
+            detail: Samples per pixel along a row and along a column: 2 gives smooth edges, 1 is
+                quicker.
+        """
+        self._detail = detail
         self._is_snowy = False
         self._scenery: Triangles | None = None
         self._actors: Triangles | None = None
@@ -69,7 +74,7 @@ class Canvas:
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)
-        nearness, shown = self._clean(view.width * view.height * DETAIL**2)
+        nearness, shown = self._clean(view.width * view.height * self._detail**2)
         camera = np.array(
             [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR], np.float64
         )
@@ -87,7 +92,7 @@ class Canvas:
                 some.spheres,
                 camera,
                 light,
-                DETAIL,
+                self._detail,
                 view.width,
                 view.height,
                 nearness,
@@ -105,14 +110,14 @@ class Canvas:
             sky=np.empty(shape, np.uint8),
         )
         raster.gather(
-            nearness.reshape(view.height * DETAIL, -1),
-            shown.reshape(view.height * DETAIL, -1),
+            nearness.reshape(view.height * self._detail, -1),
+            shown.reshape(view.height * self._detail, -1),
             self._records,
             self._labels,
             sheet.texels,
             sheet.sizes,
             np.array([ambient, diffuse], np.float32),
-            DETAIL,
+            self._detail,
             shot.rgb,
             shot.depth,
             shot.rows,

@@ -102,6 +102,18 @@ class Glow:
     is_street: bool = False
 
 
+def three(plane: Float) -> Float:
+    """Return a plane as a picture of three equal channels: numpy is slow along short axes."""
+    import cv2
+
+    return np.asarray(cv2.merge((plane, plane, plane)), np.float32)
+
+
+def line(colour: Sequence[float], width: int) -> Float:
+    """Return one row of a picture that has one colour, [1, width, 3]."""
+    return np.tile(np.array(colour, np.float32), width).reshape(1, width, 3)
+
+
 def _between(table: Sequence[tuple[float, float]], value: float) -> float:
     """Interpolate in a table with ascending first column."""
     if value <= table[0][0]:
@@ -219,18 +231,24 @@ def illumination(
             + across[None, :] * np.float32(view.right[1])
             + upwards[:, None] * np.float32(view.up[1])
         )
+        fall, part = np.empty_like(pool), np.empty_like(pool)
         for glow in lamps:
-            dx = x - np.float32(glow.position[0] - view.eye[0])
-            dy = y - np.float32(glow.position[1] - view.eye[1])
-            spread = np.float32(1.0) + (dx * dx + dy * dy) * np.float32(1 / 55.0)
-            pool += np.float32(0.62) / (spread * spread)
+            np.subtract(x, np.float32(glow.position[0] - view.eye[0]), out=fall)
+            np.subtract(y, np.float32(glow.position[1] - view.eye[1]), out=part)
+            fall *= fall
+            part *= part
+            fall += part
+            fall *= np.float32(1 / 55.0)
+            fall += np.float32(1.0)
+            fall *= fall
+            np.divide(np.float32(0.62), fall, out=fall)
+            pool += fall
         pool *= np.float32(1.0 - light.daylight)
-    total = (
-        np.array(light.tint, np.float32) * np.float32(light.daylight)
-        + beams[..., None] * np.array(_BEAM, np.float32)
-        + pool[..., None] * np.array(STREET_LAMP, np.float32)
-    )
-    return np.asarray(total, np.float32)
+    total = [
+        beams * np.float32(beam) + pool * np.float32(lamp) + np.float32(tint * light.daylight)
+        for tint, beam, lamp in zip(light.tint, _BEAM, STREET_LAMP, strict=True)
+    ]
+    return np.asarray(cv2.merge(total), np.float32)
 
 
 def add_glows(

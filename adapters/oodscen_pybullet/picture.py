@@ -16,11 +16,15 @@ from oodscen_pybullet.light import (
     add_glare,
     add_glows,
     illumination,
+    line,
     shadow_mask,
+    three,
 )
 from oodscen_pybullet.stage import Shot
 from oodscen_pybullet.view import View
 from oodscen_pybullet.weather import (
+    SKY_M,
+    Colour,
     air_colour,
     extinction,
     rain_streaks,
@@ -29,6 +33,9 @@ from oodscen_pybullet.weather import (
     veil,
     wet,
 )
+
+_OPAQUE = 8.0
+"""Extinction times distance from which on nothing shows through the air."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,44 +65,54 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
     distance = depth * stretch
     rate, air = extinction(weather), air_colour(weather, light)
     ground = _ground(picture)
-    image = _shade(image, picture, ground)
+    _shade(image, picture, ground)
     if weather.precipitation == "rain":
-        image = wet(
+        wet(
             image,
             ground,
             distance,
             (air[0] + 20.0, air[1] + 22.0, air[2] + 26.0) if light.daylight > 0.5 else air,
         )
     if light.daylight < 0.99:
-        image = image * illumination(view, depth, light, picture.glows, picture.road_height)
+        image *= illumination(view, depth, light, picture.glows, picture.road_height)
     else:
-        image = image * np.array(light.tint, np.float32)
-    _paint_sky(image, picture)
-    image = veil(image, distance, rate, _lit_air(air, picture, distance))
+        image *= line(light.tint, view.width)
+    air_around = _lit_air(air, picture)
+    veil(image, distance, rate, air_around)
+    _add_sky(image, picture, rate, air_around)
     add_glows(image, view, picture.shot.depth, picture.glows, light, rate)
     add_glare(image, view, light, picture.shot.depth)
-    image = _precipitation(image, picture, air)
+    _precipitation(image, picture)
     if light.daylight < 0.5:
         rng = stream(picture.seed, "grain", round(picture.time, 3))
         grain = rng.integers(-4, 5, image.shape[:2], dtype=np.int8)
-        image = image + grain[..., None].astype(np.float32)
-    return np.asarray(np.clip(image + np.float32(0.5), 0.0, 255.0), np.uint8)
+        image += three(grain.astype(np.float32))
+    image += np.float32(0.5)
+    np.clip(image, 0.0, 255.0, out=image)
+    return image.astype(np.uint8)
 
 
-def _paint_sky(image: Float, picture: Picture) -> None:
-    """Put the sky wherever nothing else is, in place."""
+def _add_sky(image: Float, picture: Picture, rate: float, air: Colour | Float) -> None:
+    """Put the sky, faded as everything is, behind everything else, in place."""
     share = picture.shot.sky
     some = np.flatnonzero(share.any(axis=1))
     if len(some) == 0:
         return
-    rows = int(some[-1]) + 1
-    painted = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
+    rows, width = int(some[-1]) + 1, picture.view.width
+    air_there = air[:rows] if isinstance(air, np.ndarray) else line(air, width)
+    if rate * SKY_M > _OPAQUE:
+        behind = np.broadcast_to(air_there, (rows, width, 3))
+    else:
+        behind = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
+        if rate > 0.0:
+            far = np.full((rows, width), SKY_M, np.float32)
+            behind = veil(behind, far, rate, air_there)
     share, upper = share[:rows], image[:rows]
     is_sky = share == 255
-    np.copyto(upper, painted, where=is_sky[..., None])
+    np.copyto(upper, behind, where=is_sky[..., None])
     edge = np.nonzero((share > 0) & ~is_sky)
     part = share[edge].astype(np.float32)[:, None] * np.float32(1 / 255)
-    upper[edge] += (painted[edge] - upper[edge]) * part
+    upper[edge] += (behind[edge] - upper[edge]) * part
 
 
 def _ground(picture: Picture) -> Float:
@@ -109,20 +126,17 @@ def _ground(picture: Picture) -> Float:
     return np.asarray((picture.shot.rows < 0) & (height < limit), np.float32)
 
 
-def _shade(image: Float, picture: Picture, ground: Float) -> Float:
-    """Darken the ground where something stands between it and the light."""
+def _shade(image: Float, picture: Picture, ground: Float) -> None:
+    """Darken the ground where something stands between it and the light, in place."""
     light = picture.light
     if not picture.casters or light.daylight < 0.2:
-        return image
+        return
     mask = shadow_mask(picture.view, picture.casters, light.sun, picture.road_height)
-    return np.asarray(
-        image * (1.0 - np.float32(light.shadow) * mask * ground)[..., None], np.float32
-    )
+    mask *= ground
+    image *= three(np.float32(1.0) - np.float32(light.shadow) * mask)
 
 
-def _lit_air(
-    air: tuple[float, float, float], picture: Picture, distance: Float
-) -> tuple[float, float, float] | Float:
+def _lit_air(air: Colour, picture: Picture) -> Colour | Float:
     """Return the air's colour; at night the ego's own beams light it up before the car."""
     light, view = picture.light, picture.view
     if light.daylight > 0.6 or extinction(picture.weather) <= 0.0:
@@ -134,21 +148,20 @@ def _lit_air(
     low = np.float32(1.0) / (np.float32(1.0) + np.clip((upwards + 0.06) / 0.12, 0.0, 8.0) ** 2)
     back = spread * low.astype(np.float32)[:, None] * np.float32(46.0 * (1.0 - light.daylight))
     thick = np.float32(min(1.0, extinction(picture.weather) * 30.0))
-    return np.asarray(np.array(air, np.float32) + (back * thick)[..., None], np.float32)
+    back *= thick
+    return np.asarray(cv2.merge([back + np.float32(v) for v in air]), np.float32)
 
 
-def _precipitation(image: Float, picture: Picture, air: tuple[float, float, float]) -> Float:
-    """Add streaks or flakes."""
+def _precipitation(image: Float, picture: Picture) -> None:
+    """Add streaks or flakes, in place."""
     weather, light = picture.weather, picture.light
     if weather.precipitation == "rain":
         streaks = rain_streaks(picture.view, weather, picture.seed, picture.time)
-        return np.asarray(
-            image + (streaks * np.float32(0.25 + 0.5 * light.daylight))[..., None], np.float32
-        )
-    if weather.precipitation == "snow":
+        image += three(streaks * np.float32(0.25 + 0.5 * light.daylight))
+    elif weather.precipitation == "snow":
         cover = snow_flakes(picture.view, weather, picture.shot.reach, picture.seed, picture.time)
         flake = np.array([246.0, 248.0, 252.0], np.float32) * np.float32(
             0.42 + 0.58 * light.daylight
         )
-        return np.asarray(image + (flake - image) * cover[..., None], np.float32)
-    return image
+        where = np.nonzero(cover)
+        image[where] += (flake - image[where]) * cover[where][:, None]

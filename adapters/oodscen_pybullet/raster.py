@@ -414,7 +414,7 @@ def _blend(
     last_row: int,
     last_column: int,
     strip: F32,
-) -> tuple[float, float, float, float, float]:
+) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
     """Mix what the nine samples at and around a pixel's centre show, each surface shaded once.
 
     Returns:
@@ -515,9 +515,9 @@ def gather(
             for c in range(np.uint64(last_column)):
                 level[c + one] = middle[c] ^ middle[c + one]
             for i in range(wide):
-                c = i * two
+                k = i * two
                 mixed[i] = (
-                    upright[c] | upright[c + one] | upright[c + two] | level[c] | level[c + one]
+                    upright[k] | upright[k + one] | upright[k + two] | level[k] | level[k + one]
                 )
             for i in range(wide):
                 if mixed[i]:

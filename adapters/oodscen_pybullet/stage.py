@@ -76,8 +76,16 @@ class BulletStage:
     Shapes and textures are made once; showing another scene moves what can be moved.
     """
 
-    def __init__(self, engine: ModuleType) -> None:
+    def __init__(self, engine: ModuleType, *, casts_shadows: bool = False) -> None:
+        """Connect to the engine.
+
+        Args:
+            engine: PyBullet.
+            casts_shadows: Whether the camera draws its own shadows, which takes it longer; pictures
+                get theirs when they are developed.
+        """
         self._engine = engine
+        self._casts_shadows = casts_shadows
         self._client: int = engine.connect(engine.DIRECT)
         self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
         self._written = 0
@@ -161,7 +169,7 @@ class BulletStage:
             lightAmbientCoeff=ambient,
             lightDiffuseCoeff=diffuse,
             lightSpecularCoeff=0.0,
-            shadow=0,
+            shadow=int(self._casts_shadows),
             renderer=engine.ER_TINY_RENDERER,
             physicsClientId=self._client,
         )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen.scene import Weather
 from oodscen.seeding import stream
-from oodscen_pybullet.light import Light
+from oodscen_pybullet.light import Light, line, three
 from oodscen_pybullet.view import View
 
 Float = NDArray[np.float32]
@@ -50,11 +50,11 @@ def air_colour(weather: Weather, light: Light) -> Colour:
 
 
 def veil(image: Float, distance: Float, rate: float, air: Colour | Float) -> Float:
-    """Fade a picture into the air.
+    """Fade a picture into the air, in place.
 
     Args:
         image: [height, width, 3], 0 to 255.
-        distance: From the eye, m; infinity for the sky.
+        distance: From the eye, m; at infinity there is nothing but air.
         rate: Extinction, 1/m; 0 leaves the picture as it is.
         air: Colour of the air, one or per pixel.
     """
@@ -62,10 +62,12 @@ def veil(image: Float, distance: Float, rate: float, air: Colour | Float) -> Flo
         return image
     import cv2
 
-    reach = np.where(np.isinf(distance), np.float32(SKY_M), distance)
-    through = cv2.exp(reach * np.float32(-rate))
-    target = np.asarray(air, np.float32)
-    return np.asarray((image - target) * through[..., None] + target, np.float32)
+    through = cv2.exp(np.minimum(distance, np.float32(1e6)) * np.float32(-rate))
+    target = air if isinstance(air, np.ndarray) else line(air, image.shape[1])
+    image -= target
+    image *= three(through)
+    image += target
+    return image
 
 
 def sky(view: View, weather: Weather, light: Light, seed: int, *, rows: int) -> Float:
@@ -108,10 +110,13 @@ def sky(view: View, weather: Weather, light: Light, seed: int, *, rows: int) -> 
         cloud = cv2.remap(sheet, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
         edge = np.float32(1.0 - 0.9 * cover)
         share = np.clip((cloud - edge + np.float32(0.12)) * np.float32(3.2), 0.0, 1.0)
-        share = np.maximum(share, np.float32(max(0.0, (cover - 0.75) * 4.0)))[..., None]
-        shade = (cloud * np.float32(0.22) + np.float32(0.86 - 0.12 * cover))[..., None]
-        base = np.array([236.0, 239.0, 243.0], np.float32) * np.float32(0.06 + 0.94 * day)
-        painted += (base * shade - painted) * share
+        share = np.maximum(share, np.float32(max(0.0, (cover - 0.75) * 4.0)))
+        shade = cloud * np.float32(0.22) + np.float32(0.86 - 0.12 * cover)
+        grey = [shade * np.float32(v * (0.06 + 0.94 * day)) for v in (236.0, 239.0, 243.0)]
+        clouds = np.asarray(cv2.merge(grey), np.float32)
+        clouds -= painted
+        clouds *= three(share)
+        painted += clouds
     return painted
 
 
@@ -133,7 +138,7 @@ def _cloud_sheet(seed: int) -> Float:
 
 
 def wet(image: Float, ground: Float, distance: Float, sheen: Colour) -> Float:
-    """Darken wet ground and let it mirror the sky at flat angles.
+    """Darken wet ground and let it mirror the sky at flat angles, in place.
 
     Args:
         image: [height, width, 3].
@@ -141,12 +146,14 @@ def wet(image: Float, ground: Float, distance: Float, sheen: Colour) -> Float:
         distance: m
         sheen: Colour of what it mirrors.
     """
-    flat = np.minimum(distance, np.float32(200.0)) / (
-        np.minimum(distance, np.float32(200.0)) + 22.0
-    )
-    mirror = (np.float32(0.46) * flat * flat * ground)[..., None]
-    dark = image * (np.float32(1.0) - np.float32(0.34) * ground[..., None])
-    return np.asarray(dark + (np.array(sheen, np.float32) - dark) * mirror, np.float32)
+    import cv2
+
+    flat = np.minimum(distance, np.float32(200.0))
+    flat /= flat + np.float32(22.0)
+    mirror = np.float32(0.46) * flat * flat * ground
+    image *= three((np.float32(1.0) - np.float32(0.34) * ground) * (np.float32(1.0) - mirror))
+    image += cv2.merge([mirror * np.float32(v) for v in sheen])
+    return image
 
 
 def rain_streaks(view: View, weather: Weather, seed: int, time: float) -> Float:
@@ -189,13 +196,13 @@ def snow_flakes(view: View, weather: Weather, depth: Float, seed: int, time: flo
     row = view.height / 2 - view.focal * upwards / ahead
     radius = view.focal * 0.009 / ahead
     layer = np.zeros((view.height, view.width), np.uint8)
-    for c, r, size, far in zip(column, row, radius, ahead, strict=True):
-        u, v = int(c), int(r)
-        if not (0 <= u < view.width and 0 <= v < view.height) or depth[v, u] < far:
-            continue
-        if size < 0.8:
-            layer[v, u] = max(layer[v, u], 150)
-        else:
-            cv2.circle(layer, (u, v), int(size + 0.5), 225, -1, cv2.LINE_AA)
+    u, v = column.astype(np.int64), row.astype(np.int64)
+    inside = (column > -1) & (u < view.width) & (row > -1) & (v < view.height)
+    inside[inside] = depth[v[inside], u[inside]] >= ahead[inside]
+    small = inside & (radius < 0.8)
+    layer[v[small], u[small]] = 150
+    for index in np.flatnonzero(inside & ~small).tolist():
+        spot = (int(u[index]), int(v[index]))
+        cv2.circle(layer, spot, int(radius[index] + 0.5), 225, -1, cv2.LINE_AA)
     soft = cv2.GaussianBlur(layer, (3, 3), 0.7)
     return np.asarray(soft * np.float32(1 / 255), np.float32)

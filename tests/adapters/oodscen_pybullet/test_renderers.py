@@ -1,0 +1,88 @@
+import importlib.util
+from collections.abc import Callable
+from importlib.machinery import ModuleSpec
+
+import numpy as np
+import pytest
+from oodscen_pybullet import PyBulletSimulator
+from oodscen_pybullet.canvas import Canvas
+from oodscen_pybullet.engine import load_pybullet
+from oodscen_pybullet.renderers import choose_renderer, open_stage
+from oodscen_pybullet.stage import BulletStage
+
+from oodscen.errors import UnknownComponent
+from oodscen.protocols import Camera
+from oodscen.scene import Actor, Scene
+
+MakeActor = Callable[..., Actor]
+MakeScene = Callable[..., Scene]
+
+
+@pytest.fixture
+def _no_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    find = importlib.util.find_spec
+
+    def without(name: str, package: str | None = None) -> ModuleSpec | None:
+        return None if name == "numba" else find(name, package)
+
+    monkeypatch.setattr(importlib.util, "find_spec", without)
+
+
+def test_the_rasteriser_is_the_default() -> None:
+    assert PyBulletSimulator().renderer == "raster"
+    assert PyBulletSimulator(renderer="pybullet").renderer == "pybullet"
+
+
+def test_unknown_renderers_are_refused_with_close_matches() -> None:
+    with pytest.raises(UnknownComponent) as caught:
+        PyBulletSimulator(renderer="rastre")  # type: ignore[arg-type]  # the mistake under test
+    assert caught.value.matches == ("raster",)
+
+
+@pytest.mark.usefixtures("_no_numba")
+def test_without_numba_pybullets_camera_stands_in_with_one_warning() -> None:
+    with pytest.warns(RuntimeWarning) as caught:
+        simulator = PyBulletSimulator()
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    assert simulator.renderer == "pybullet"
+
+
+@pytest.mark.usefixtures("_no_numba")
+def test_whoever_asks_for_pybullets_camera_is_not_warned() -> None:
+    assert choose_renderer("pybullet") == "pybullet"
+
+
+def test_each_renderer_has_its_stage() -> None:
+    engine = load_pybullet()
+    for renderer, kind in (("raster", Canvas), ("pybullet", BulletStage)):
+        stage = open_stage(choose_renderer(renderer), engine)  # type: ignore[arg-type]  # literals
+        assert isinstance(stage, kind)
+        stage.close()
+        stage.close()
+
+
+@pytest.mark.parametrize(
+    "weather",
+    [
+        {},
+        {"fog_visual_range_m": 60.0},
+        {"sun_elevation_deg": -20.0},
+        {"precipitation": "rain", "precipitation_mm_h": 20.0},
+        {"precipitation": "snow", "precipitation_mm_h": 5.0},
+    ],
+)
+def test_both_cameras_take_much_the_same_pictures(
+    weather: dict[str, object], camera: Camera, make_scene: MakeScene, make_actor: MakeActor
+) -> None:
+    scene = make_scene(
+        make_actor("car", 14.0), make_actor("cow", 9.0, name="b", offset=2.0), **weather
+    )
+    frames = []
+    for renderer in ("raster", "pybullet"):
+        with PyBulletSimulator(renderer=renderer) as simulator:  # type: ignore[arg-type]  # literals
+            simulator.reset(scene, 3)
+            frames.append(simulator.render(camera))
+    ours, theirs = frames
+    assert (ours.ids == theirs.ids).mean() > 0.998
+    assert np.abs(ours.rgb.astype(int) - theirs.rgb).mean() < 6.0
