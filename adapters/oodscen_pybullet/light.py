@@ -339,7 +339,8 @@ def add_glare(image: Float, view: View, light: Light, depth: Float) -> None:
         return
     column, row, _ = spot
     warm = (1.0, 0.90, 0.66)
-    shown = 0.55 + 0.45 * _visible(depth, column, row, 399.0)
+    disc = _visible(depth, column, row, 399.0)
+    shown = 0.55 + 0.45 * disc
     _splash(image, column, row, view.width * 0.7, 84.0 * shown, warm)
-    _splash(image, column, row, view.width * 0.12, 150.0 * shown, warm)
-    _splash(image, column, row, view.width * 0.04, 255.0 * shown, (1.0, 0.98, 0.9))
+    _splash(image, column, row, view.width * 0.12, 150.0 * disc, warm)
+    _splash(image, column, row, view.width * 0.04, 255.0 * disc, (1.0, 0.98, 0.9))

@@ -144,9 +144,9 @@ def _lit_air(air: Colour, picture: Picture) -> Colour | Float:
     import cv2
 
     across, upwards = view.slopes()
-    spread = cv2.exp(-((across / np.float32(0.5)) ** 2).reshape(1, -1)).astype(np.float32)
-    low = np.float32(1.0) / (np.float32(1.0) + np.clip((upwards + 0.06) / 0.12, 0.0, 8.0) ** 2)
-    back = spread * low.astype(np.float32)[:, None] * np.float32(46.0 * (1.0 - light.daylight))
+    spread = cv2.exp(-((across / np.float32(0.75)) ** 2).reshape(1, -1)).astype(np.float32)
+    low = np.float32(1.0) / (np.float32(1.0) + np.clip((upwards + 0.06) / 0.3, 0.0, 8.0) ** 2)
+    back = spread * low.astype(np.float32)[:, None] * np.float32(104.0 * (1.0 - light.daylight))
     thick = np.float32(min(1.0, extinction(picture.weather) * 30.0))
     back *= thick
     return np.asarray(cv2.merge([back + np.float32(v) for v in air]), np.float32)
