@@ -40,6 +40,12 @@ def _kernel(function: _Kernel) -> _Kernel:
     return cast(_Kernel, compiled)
 
 
+def _inlined(function: _Kernel) -> _Kernel:
+    """Compile into every caller: handing over so many arrays costs more than most calls do."""
+    compiled = numba.njit(inline="always", error_model="numpy")(function)
+    return cast(_Kernel, compiled)
+
+
 @_kernel
 def scatter(
     corners: F32,
@@ -172,11 +178,11 @@ def scatter(
                 low_y, high_y = min(low_y, py[j]), max(high_y, py[j])
             if high_x < 0.0 or high_y < 0.0 or low_x > columns - 1 or low_y > rows - 1:
                 continue
-            first = math.ceil(max(low_y, 0.0))
-            last = min(math.ceil(high_y) - 1.0, rows - 1.0)
+            first = max(math.floor(low_y) + 1.0, 0.0)
+            last = min(math.floor(high_y), rows - 1.0)
             if first > last:
                 continue
-            if math.ceil(max(low_x, 0.0)) > min(math.ceil(high_x) - 1.0, columns - 1.0):
+            if max(math.ceil(low_x), 0.0) > min(math.ceil(high_x) - 1.0, columns - 1.0):
                 continue
             # 1/w over the screen is linear: the plane through the eye-space triangle.
             ax, ay, aw = poly[0, 0], poly[0, 1], poly[0, 2]
@@ -209,17 +215,38 @@ def scatter(
             is_drawn = False
             slope = np.float32(iwx)
             mark = np.int32(count)
+            # A triangle has one long side and two short ones; the cut ones have four sides.
+            top, foot = 0, 0
+            if n == 3:
+                for j in range(1, 3):
+                    top = j if py[j] < py[top] else top
+                    foot = j if py[j] >= py[foot] else foot
+            bend = 3 - top - foot
+            if n == 3:
+                long = top if (top + 1) % 3 == foot else foot
+                upper = top if (top + 1) % 3 == bend else bend
+                lower = bend if (bend + 1) % 3 == foot else foot
+                long_step, upper_step, lower_step = step[long], step[upper], step[lower]
+                top_x, top_y, bend_x, bend_y = px[top], py[top], px[bend], py[bend]
             for row in range(int(first), int(last) + 1):
                 level = np.float64(row)
-                left, right = 1e30, -1e30
-                for j in range(n):
-                    i = j + 1 if j + 1 < n else 0
-                    if (py[j] < level) != (py[i] < level):
-                        if py[j] < py[i]:
-                            x = px[j] + (level - py[j]) * step[j]
-                        else:
-                            x = px[i] + (level - py[i]) * step[j]
-                        left, right = min(left, x), max(right, x)
+                if n == 3:
+                    left = top_x + (level - top_y) * long_step
+                    if level <= bend_y:
+                        right = top_x + (level - top_y) * upper_step
+                    else:
+                        right = bend_x + (level - bend_y) * lower_step
+                    left, right = min(left, right), max(left, right)
+                else:
+                    left, right = 1e30, -1e30
+                    for j in range(n):
+                        i = j + 1 if j + 1 < n else 0
+                        if (py[j] < level) != (py[i] < level):
+                            if py[j] < py[i]:
+                                x = px[j] + (level - py[j]) * step[j]
+                            else:
+                                x = px[i] + (level - py[i]) * step[j]
+                            left, right = min(left, x), max(right, x)
                 start = math.ceil(max(left, 0.0))
                 stop = min(math.ceil(right), np.float64(columns))
                 if not start < stop:
@@ -286,7 +313,7 @@ def scatter(
     return count
 
 
-@_kernel
+@_inlined
 def _paint(
     mark: int,
     column: int,
@@ -401,7 +428,9 @@ def _is_edge(
 
 
 @_kernel
-def _blend(
+def _smooth(
+    spots: I32,
+    count: int,
     nearness: F32,
     shown: I32,
     records: F32,
@@ -409,49 +438,73 @@ def _blend(
     texels: U64,
     sizes: I32,
     light: F32,
-    row: int,
-    column: int,
-    last_row: int,
-    last_column: int,
-    strip: F32,
-) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
-    """Mix what the nine samples at and around a pixel's centre show, each surface shaded once.
+    rgb: U8,
+    reach: F32,
+    sky: U8,
+) -> None:
+    """Mix what the nine samples at and around the centres of some pixels show.
 
-    Returns:
-        Weighted sums of red, green, blue, weight and 1/w of what is not sky; 16 is all.
+    A surface that a neighbour shows at its centre has that neighbour's colour; only what is too
+    thin for that is shaded anew.
     """
-    red = green = blue = weight = total = np.float32(0.0)
-    one_r = one_g = one_b = two_r = two_g = two_b = np.float32(0.0)
-    one, two = -1, -1
-    for j in range(-1, 2):
-        r = np.uint64(min(max(row + j, 0), last_row))
-        for i in range(-1, 2):
-            c = np.uint64(min(max(column + i, 0), last_column))
-            mark = shown[r, c]
-            if mark < 0:
-                continue
-            surface = labels[np.uint64(mark), 2]
-            if surface == two:
-                one, two = two, one
-                one_r, two_r = two_r, one_r
-                one_g, two_g = two_g, one_g
-                one_b, two_b = two_b, one_b
-            elif surface != one:
-                one, two = surface, one
-                two_r, two_g, two_b = one_r, one_g, one_b
+    height, width = reach.shape
+    last_row, last_column = 2 * height - 1, 2 * width - 1
+    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    strip = np.empty((3, 1), np.float32)
+    mixed = np.empty((count, 3), np.uint8)
+    for n in range(np.uint64(count)):
+        y, x = int(spots[n, 0]), int(spots[n, 1])
+        red = green = blue = weight = total = zero
+        one_r = one_g = one_b = zero
+        one = -1
+        for j in range(-1, 2):
+            r = min(max(2 * y + j, 0), last_row)
+            for i in range(-1, 2):
+                c = min(max(2 * x + i, 0), last_column)
+                mark = shown[np.uint64(r), np.uint64(c)]
+                if mark < 0:
+                    continue
                 k = np.uint64(mark)
-                if labels[k, 0] < 0 and records[k, 17] == np.float32(0.0):
-                    one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
-                else:
-                    _paint(mark, int(c), int(r), 1, records, labels, texels, sizes, light, 2, strip)
-                    one_r, one_g, one_b = strip[0, 0], strip[1, 0], strip[2, 0]
-            part = np.float32((2 - abs(i)) * (2 - abs(j)))
-            red += part * one_r
-            green += part * one_g
-            blue += part * one_b
-            total += part * nearness[r, c]
-            weight += part
-    return red, green, blue, weight, total
+                surface = labels[k, 2]
+                if surface != one:
+                    one = surface
+                    is_known = False
+                    if labels[k, 0] < 0 and records[k, 17] == zero:
+                        one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
+                        is_known = True
+                    for step in range(3):
+                        # Its own centre, then that of the pixel across, then of the one above or
+                        # below, are as near as any.
+                        if is_known:
+                            break
+                        b = min(max(y + j, 0), height - 1) if step == 2 else y
+                        a = min(max(x + i, 0), width - 1) if step == 1 else x
+                        other = shown[np.uint64(2 * b), np.uint64(2 * a)]
+                        if other >= 0 and labels[np.uint64(other), 2] == surface:
+                            one_r = np.float32(rgb[np.uint64(b), np.uint64(a), 0])
+                            one_g = np.float32(rgb[np.uint64(b), np.uint64(a), 1])
+                            one_b = np.float32(rgb[np.uint64(b), np.uint64(a), 2])
+                            is_known = True
+                    if not is_known:
+                        _paint(mark, c, r, 1, records, labels, texels, sizes, light, 2, strip)
+                        one_r, one_g, one_b = strip[0, 0], strip[1, 0], strip[2, 0]
+                part = np.float32((2 - abs(i)) * (2 - abs(j)))
+                red += part * one_r
+                green += part * one_g
+                blue += part * one_b
+                total += part * nearness[np.uint64(r), np.uint64(c)]
+                weight += part
+        scale = np.float32(1.0) / weight
+        reach[np.uint64(y), np.uint64(x)] = weight / total
+        mixed[n, 0] = np.uint8(min(red * scale + half, most))
+        mixed[n, 1] = np.uint8(min(green * scale + half, most))
+        mixed[n, 2] = np.uint8(min(blue * scale + half, most))
+        sky[np.uint64(y), np.uint64(x)] = np.uint8(
+            (np.float32(16.0) - weight) * np.float32(255.0 / 16.0) + half
+        )
+    for n in range(np.uint64(count)):
+        for e in range(3):
+            rgb[np.uint64(spots[n, 0]), np.uint64(spots[n, 1]), e] = mixed[n, e]
 
 
 @_kernel
@@ -495,6 +548,8 @@ def gather(
     upright = np.zeros(width * detail + 2, np.int32)
     level = np.zeros(width * detail + 2, np.int32)
     mixed = np.zeros(width, np.int32)
+    spots = np.empty((height * width if detail == 2 else 0, 2), np.int32)
+    count = 0
     marks = np.empty(width, np.int32)
     one, two = np.uint64(1), np.uint64(2)
     step, wide = np.uint64(detail), np.uint64(width)
@@ -520,41 +575,16 @@ def gather(
                     upright[k] | upright[k + one] | upright[k + two] | level[k] | level[k + one]
                 )
             for i in range(wide):
-                if mixed[i]:
-                    mixed[i] = _is_edge(shown, labels, row, int(i) * 2, last_row, last_column)
+                if mixed[i] and _is_edge(shown, labels, row, int(i) * 2, last_row, last_column):
+                    spots[np.uint64(count), 0], spots[np.uint64(count), 1] = y, i
+                    count += 1
         x = 0
         while x < width:
             at = np.uint64(x)
             mark = marks[at]
-            if mixed[at]:
-                red, green, blue, weight, total = _blend(
-                    nearness,
-                    shown,
-                    records,
-                    labels,
-                    texels,
-                    sizes,
-                    light,
-                    row,
-                    2 * x,
-                    last_row,
-                    last_column,
-                    strip,
-                )
-                if weight > np.float32(0.0):
-                    scale = np.float32(1.0) / weight
-                    reach[y, at] = weight / total
-                    rgb[y, at, 0] = np.uint8(min(red * scale + half, most))
-                    rgb[y, at, 1] = np.uint8(min(green * scale + half, most))
-                    rgb[y, at, 2] = np.uint8(min(blue * scale + half, most))
-                sky[y, at] = np.uint8((np.float32(16.0) - weight) * np.float32(255.0 / 16.0) + half)
-                x += 1
-                continue
             stop = x + 1
             limit = min(x + _RUN, width)
             while stop < limit and marks[np.uint64(stop)] == mark:
-                if mixed[np.uint64(stop)]:
-                    break
                 stop += 1
             if mark < 0:
                 for i in range(np.uint64(stop - x)):
@@ -590,3 +620,18 @@ def gather(
                     rgb[y, at + i, 1] = np.uint8(min(strip[1, i] + half, most))
                     rgb[y, at + i, 2] = np.uint8(min(strip[2, i] + half, most))
             x = stop
+    if count:
+        _smooth(
+            spots,
+            count,
+            nearness,
+            shown,
+            records,
+            labels,
+            texels,
+            sizes,
+            light,
+            rgb,
+            reach,
+            sky,
+        )
