@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet import raster
+from oodscen_pybullet import raster, shading
 from oodscen_pybullet.meshes import Mesh, asset_mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.stage import Look, Shot
@@ -109,7 +109,7 @@ class Canvas:
             reach=np.empty(shape, np.float32),
             sky=np.empty(shape, np.uint8),
         )
-        raster.gather(
+        shading.gather(
             nearness.reshape(view.height * self._detail, -1),
             shown.reshape(view.height * self._detail, -1),
             self._records,

@@ -94,6 +94,8 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
 
 def _add_sky(image: Float, picture: Picture, rate: float, air: Colour | Float) -> None:
     """Put the sky, faded as everything is, behind everything else, in place."""
+    import cv2
+
     share = picture.shot.sky
     some = np.flatnonzero(share.any(axis=1))
     if len(some) == 0:
@@ -101,7 +103,7 @@ def _add_sky(image: Float, picture: Picture, rate: float, air: Colour | Float) -
     rows, width = int(some[-1]) + 1, picture.view.width
     air_there = air[:rows] if isinstance(air, np.ndarray) else line(air, width)
     if rate * SKY_M > _OPAQUE:
-        behind = np.broadcast_to(air_there, (rows, width, 3))
+        behind = np.ascontiguousarray(np.broadcast_to(air_there, (rows, width, 3)))
     else:
         behind = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
         if rate > 0.0:
@@ -109,7 +111,7 @@ def _add_sky(image: Float, picture: Picture, rate: float, air: Colour | Float) -
             behind = veil(behind, far, rate, air_there)
     share, upper = share[:rows], image[:rows]
     is_sky = share == 255
-    np.copyto(upper, behind, where=is_sky[..., None])
+    cv2.copyTo(behind, is_sky.view(np.uint8), upper)
     edge = np.nonzero((share > 0) & ~is_sky)
     part = share[edge].astype(np.float32)[:, None] * np.float32(1 / 255)
     upper[edge] += (behind[edge] - upper[edge]) * part

@@ -1,8 +1,8 @@
-"""Numba kernels that draw triangles: a depth-buffered pass, then one look at every pixel.
+"""The numba kernel that finds what is in front: triangles into a depth buffer of samples.
 
-The first kernel writes for every sample which triangle is in front, and nothing else; the second
-shades each pixel once, with mipmapped textures, and mixes what its samples show where they differ.
-Everything is plain arithmetic on scalars, so that the bits do not depend on the processor.
+It notes for every sample which triangle is nearest, and nothing else; `shading` gives the pixels
+their colours. Everything is plain arithmetic on scalars, so that the bits do not depend on the
+processor.
 
 Kernels compile when they are first called, which takes some seconds, and are kept on disk by numba
 (beside this file, or in its own cache where this folder is read-only).
@@ -25,22 +25,24 @@ U64 = NDArray[np.uint64]
 RECORD = 18
 """Numbers kept of a drawn triangle: a place on the grid of samples; 1/w, u/w, v/w and light/w there
 with their slopes along columns and rows; red, green, blue; 1 where it is lit unevenly."""
-LEVELS = 9
-"""Sizes in which a texture is kept."""
-_RUN = 16
-"""Most pixels that are shaded together."""
-_FINEST = 2.0
-"""Texels per pixel from which on the next coarser size is taken."""
 
-_Kernel = TypeVar("_Kernel", bound=Callable[..., object])
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 
-def _kernel(function: _Kernel) -> _Kernel:
-    compiled = numba.njit(cache=True, fastmath=False, error_model="numpy", nogil=True)(function)
-    return cast(_Kernel, compiled)
+def kernel(function: Kernel) -> Kernel:
+    """Compile a function: strict arithmetic, without the interpreter's lock, kept on disk.
+
+    Where numba finds no folder to write to, every process compiles anew.
+    """
+    options = {"fastmath": False, "error_model": "numpy", "nogil": True}
+    try:
+        compiled = numba.njit(cache=True, **options)(function)
+    except RuntimeError:
+        compiled = numba.njit(**options)(function)
+    return cast(Kernel, compiled)
 
 
-@_kernel
+@kernel
 def scatter(
     corners: F32,
     planes: F32,
@@ -172,11 +174,11 @@ def scatter(
                 low_y, high_y = min(low_y, py[j]), max(high_y, py[j])
             if high_x < 0.0 or high_y < 0.0 or low_x > columns - 1 or low_y > rows - 1:
                 continue
-            first = math.ceil(max(low_y, 0.0))
-            last = min(math.ceil(high_y) - 1.0, rows - 1.0)
+            first = max(math.floor(low_y) + 1.0, 0.0)
+            last = min(math.floor(high_y), rows - 1.0)
             if first > last:
                 continue
-            if math.ceil(max(low_x, 0.0)) > min(math.ceil(high_x) - 1.0, columns - 1.0):
+            if max(math.ceil(low_x), 0.0) > min(math.ceil(high_x) - 1.0, columns - 1.0):
                 continue
             # 1/w over the screen is linear: the plane through the eye-space triangle.
             ax, ay, aw = poly[0, 0], poly[0, 1], poly[0, 2]
@@ -209,17 +211,38 @@ def scatter(
             is_drawn = False
             slope = np.float32(iwx)
             mark = np.int32(count)
+            # A triangle has one long side and two short ones; the cut ones have four sides.
+            top, foot = 0, 0
+            if n == 3:
+                for j in range(1, 3):
+                    top = j if py[j] < py[top] else top
+                    foot = j if py[j] >= py[foot] else foot
+            bend = 3 - top - foot
+            if n == 3:
+                long = top if (top + 1) % 3 == foot else foot
+                upper = top if (top + 1) % 3 == bend else bend
+                lower = bend if (bend + 1) % 3 == foot else foot
+                long_step, upper_step, lower_step = step[long], step[upper], step[lower]
+                top_x, top_y, bend_x, bend_y = px[top], py[top], px[bend], py[bend]
             for row in range(int(first), int(last) + 1):
                 level = np.float64(row)
-                left, right = 1e30, -1e30
-                for j in range(n):
-                    i = j + 1 if j + 1 < n else 0
-                    if (py[j] < level) != (py[i] < level):
-                        if py[j] < py[i]:
-                            x = px[j] + (level - py[j]) * step[j]
-                        else:
-                            x = px[i] + (level - py[i]) * step[j]
-                        left, right = min(left, x), max(right, x)
+                if n == 3:
+                    left = top_x + (level - top_y) * long_step
+                    if level <= bend_y:
+                        right = top_x + (level - top_y) * upper_step
+                    else:
+                        right = bend_x + (level - bend_y) * lower_step
+                    left, right = min(left, right), max(left, right)
+                else:
+                    left, right = 1e30, -1e30
+                    for j in range(n):
+                        i = j + 1 if j + 1 < n else 0
+                        if (py[j] < level) != (py[i] < level):
+                            if py[j] < py[i]:
+                                x = px[j] + (level - py[j]) * step[j]
+                            else:
+                                x = px[i] + (level - py[i]) * step[j]
+                            left, right = min(left, x), max(right, x)
                 start = math.ceil(max(left, 0.0))
                 stop = min(math.ceil(right), np.float64(columns))
                 if not start < stop:
@@ -284,309 +307,3 @@ def scatter(
                 labels[count, 2] = -2 - np.int32(tone)
             count += 1
     return count
-
-
-@_kernel
-def _paint(
-    mark: int,
-    column: int,
-    row: int,
-    count: int,
-    records: F32,
-    labels: I32,
-    texels: U64,
-    sizes: I32,
-    light: F32,
-    detail: int,
-    strip: F32,
-) -> None:
-    """Shade neighbouring pixels of one record that is textured or lit unevenly.
-
-    Args:
-        mark: The record.
-        column: Of the first sample.
-        row: Of the samples.
-        count: Pixels; so few that one size of texture fits all.
-        records: Of `scatter`.
-        labels: Of `scatter`.
-        texels: Of `gather`.
-        sizes: Of `gather`.
-        light: Of `gather`.
-        detail: Samples from one pixel to the next.
-        strip: [3, at least count] to be filled with red, green, blue, 0 to 255.
-    """
-    k = np.uint64(mark)
-    zero, half = np.float32(0.0), np.float32(0.5)
-    red, green, blue = records[k, 14], records[k, 15], records[k, 16]
-    region = labels[k, 0]
-    is_uneven = records[k, 17] != zero
-    across, down = np.float32(column) - records[k, 0], np.float32(row) - records[k, 1]
-    stride = np.float32(detail)
-    iwx = records[k, 3] * stride
-    iw = records[k, 2] + records[k, 3] * across + records[k, 4] * down
-    shade, shade_x = zero, zero
-    if is_uneven:
-        shade_x = records[k, 12] * stride
-        shade = records[k, 11] + records[k, 12] * across + records[k, 13] * down
-    if region < 0:
-        for i in range(np.uint64(count)):
-            t = np.float32(np.int32(i))
-            strength = light[0] + light[1] * max((shade + shade_x * t) / (iw + iwx * t), zero)
-            strip[0, i], strip[1, i], strip[2, i] = (
-                red * strength,
-                green * strength,
-                blue * strength,
-            )
-        return
-    ux, vx = records[k, 6] * stride, records[k, 9] * stride
-    u0 = records[k, 5] + records[k, 6] * across + records[k, 7] * down
-    v0 = records[k, 8] + records[k, 9] * across + records[k, 10] * down
-    t = np.float32(count - 1) * half
-    w = np.float32(1.0) / (iw + iwx * t)
-    u, v = (u0 + ux * t) * w, (v0 + vx * t) * w
-    along = max(abs((ux - u * iwx) * w), abs((vx - v * iwx) * w))
-    iwy = records[k, 4]
-    deep = max(abs((records[k, 7] - u * iwy) * w), abs((records[k, 10] - v * iwy) * w)) * stride
-    spread = along * deep
-    size = np.uint64(region * LEVELS)
-    limit = np.float32(_FINEST * _FINEST)
-    shrink = np.float32(1.0)
-    for _ in range(LEVELS - 1):
-        if spread <= limit:
-            break
-        spread *= np.float32(0.25)
-        shrink *= half
-        size += np.uint64(1)
-    start, wide, tall = sizes[size, 0], sizes[size, 1], sizes[size, 2]
-    low = np.uint64(0x1FFFFF)
-    most_u, most_v = np.float32(wide - 1), np.float32(tall - 1)
-    for i in range(np.uint64(count)):
-        t = np.float32(np.int32(i))
-        w = np.float32(1.0) / (iw + iwx * t)
-        u = min(max((u0 + ux * t) * w * shrink - half, zero), most_u)
-        v = min(max((v0 + vx * t) * w * shrink - half, zero), most_v)
-        x0, y0 = np.int32(u), np.int32(v)
-        fu = np.uint64(np.int32((u - np.float32(x0)) * np.float32(64.0)))
-        fv = np.uint64(np.int32((v - np.float32(y0)) * np.float32(64.0)))
-        a = np.uint64(start + y0 * wide + x0)
-        c = a + (np.uint64(wide) if y0 + 1 < tall else np.uint64(0))
-        right = np.uint64(1) if x0 + 1 < wide else np.uint64(0)
-        k11 = fu * fv
-        k10, k01 = (fv << np.uint64(6)) - k11, (fu << np.uint64(6)) - k11
-        k00 = np.uint64(4096) - k01 - k10 - k11
-        texel = (
-            texels[a] * k00 + texels[a + right] * k01 + texels[c] * k10 + texels[c + right] * k11
-        )
-        strength = np.float32(1.0 / 4096.0)
-        if is_uneven:
-            strength *= light[0] + light[1] * max((shade + shade_x * t) * w, zero)
-        strip[0, i] = red * strength * np.float32(np.int32(texel & low))
-        strip[1, i] = green * strength * np.float32(np.int32((texel >> np.uint64(21)) & low))
-        strip[2, i] = blue * strength * np.float32(np.int32(texel >> np.uint64(42)))
-
-
-@_kernel
-def _is_edge(
-    shown: I32, labels: I32, row: int, column: int, last_row: int, last_column: int
-) -> bool:
-    """Tell whether the samples around one show more than one surface."""
-    mark = shown[row, column]
-    surface = labels[np.uint64(mark), 2] if mark >= 0 else -1
-    for r in range(max(row - 1, 0), min(row + 1, last_row) + 1):
-        for c in range(max(column - 1, 0), min(column + 1, last_column) + 1):
-            other = shown[r, c]
-            if other != mark and (other < 0 or labels[np.uint64(other), 2] != surface):
-                return True
-    return False
-
-
-@_kernel
-def _blend(
-    nearness: F32,
-    shown: I32,
-    records: F32,
-    labels: I32,
-    texels: U64,
-    sizes: I32,
-    light: F32,
-    row: int,
-    column: int,
-    last_row: int,
-    last_column: int,
-    strip: F32,
-) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
-    """Mix what the nine samples at and around a pixel's centre show, each surface shaded once.
-
-    Returns:
-        Weighted sums of red, green, blue, weight and 1/w of what is not sky; 16 is all.
-    """
-    red = green = blue = weight = total = np.float32(0.0)
-    one_r = one_g = one_b = two_r = two_g = two_b = np.float32(0.0)
-    one, two = -1, -1
-    for j in range(-1, 2):
-        r = np.uint64(min(max(row + j, 0), last_row))
-        for i in range(-1, 2):
-            c = np.uint64(min(max(column + i, 0), last_column))
-            mark = shown[r, c]
-            if mark < 0:
-                continue
-            surface = labels[np.uint64(mark), 2]
-            if surface == two:
-                one, two = two, one
-                one_r, two_r = two_r, one_r
-                one_g, two_g = two_g, one_g
-                one_b, two_b = two_b, one_b
-            elif surface != one:
-                one, two = surface, one
-                two_r, two_g, two_b = one_r, one_g, one_b
-                k = np.uint64(mark)
-                if labels[k, 0] < 0 and records[k, 17] == np.float32(0.0):
-                    one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
-                else:
-                    _paint(mark, int(c), int(r), 1, records, labels, texels, sizes, light, 2, strip)
-                    one_r, one_g, one_b = strip[0, 0], strip[1, 0], strip[2, 0]
-            part = np.float32((2 - abs(i)) * (2 - abs(j)))
-            red += part * one_r
-            green += part * one_g
-            blue += part * one_b
-            total += part * nearness[r, c]
-            weight += part
-    return red, green, blue, weight, total
-
-
-@_kernel
-def gather(
-    nearness: F32,
-    shown: I32,
-    records: F32,
-    labels: I32,
-    texels: U64,
-    sizes: I32,
-    light: F32,
-    detail: int,
-    rgb: U8,
-    depth: F32,
-    rows: I32,
-    reach: F32,
-    sky: U8,
-) -> None:
-    """Shade every pixel.
-
-    Args:
-        nearness: Of `scatter`, [height * detail, width * detail].
-        shown: Of `scatter`, likewise.
-        records: Of `scatter`.
-        labels: Of `scatter`.
-        texels: Every texture in every size, row by row; red, green and blue 21 bits apart, so that
-            one product weighs all three.
-        sizes: [regions * LEVELS, 3] where each begins in `texels`, its width and height.
-        light: Shares of light from everywhere and from the sun.
-        detail: Samples per pixel along a row and along a column, 1 or 2.
-        rgb: [height, width, 3] to be filled.
-        depth: [height, width] to be filled: at the pixel's centre, m, infinity for the sky.
-        rows: The same with the label, -1 for the sky.
-        reach: The same with the mean distance of what is not sky, m.
-        sky: The same with the share of sky, 0 to 255.
-    """
-    height, width = depth.shape
-    last_column, last_row = width * detail - 1, height * detail - 1
-    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    strip = np.empty((3, _RUN), np.float32)
-    upright = np.zeros(width * detail + 2, np.int32)
-    level = np.zeros(width * detail + 2, np.int32)
-    mixed = np.zeros(width, np.int32)
-    marks = np.empty(width, np.int32)
-    one, two = np.uint64(1), np.uint64(2)
-    step, wide = np.uint64(detail), np.uint64(width)
-    for y in range(np.uint64(height)):
-        row = int(y) * detail
-        middle, near = shown[row], nearness[row]
-        for x in range(wide):
-            mark = middle[x * step]
-            marks[x] = mark
-            far = np.float32(1.0) / near[x * step]
-            depth[y, x] = np.float32(np.inf) if mark < 0 else far
-            reach[y, x] = depth[y, x]
-            rows[y, x] = -1 if mark < 0 else labels[np.uint64(mark if mark >= 0 else 0), 1]
-        if detail == 2:
-            over, under = shown[max(row - 1, 0)], shown[min(row + 1, last_row)]
-            for c in range(np.uint64(width * 2)):
-                upright[c + one] = (over[c] ^ middle[c]) | (under[c] ^ middle[c])
-            for c in range(np.uint64(last_column)):
-                level[c + one] = middle[c] ^ middle[c + one]
-            for i in range(wide):
-                k = i * two
-                mixed[i] = (
-                    upright[k] | upright[k + one] | upright[k + two] | level[k] | level[k + one]
-                )
-            for i in range(wide):
-                if mixed[i]:
-                    mixed[i] = _is_edge(shown, labels, row, int(i) * 2, last_row, last_column)
-        x = 0
-        while x < width:
-            at = np.uint64(x)
-            mark = marks[at]
-            if mixed[at]:
-                red, green, blue, weight, total = _blend(
-                    nearness,
-                    shown,
-                    records,
-                    labels,
-                    texels,
-                    sizes,
-                    light,
-                    row,
-                    2 * x,
-                    last_row,
-                    last_column,
-                    strip,
-                )
-                if weight > np.float32(0.0):
-                    scale = np.float32(1.0) / weight
-                    reach[y, at] = weight / total
-                    rgb[y, at, 0] = np.uint8(min(red * scale + half, most))
-                    rgb[y, at, 1] = np.uint8(min(green * scale + half, most))
-                    rgb[y, at, 2] = np.uint8(min(blue * scale + half, most))
-                sky[y, at] = np.uint8((np.float32(16.0) - weight) * np.float32(255.0 / 16.0) + half)
-                x += 1
-                continue
-            stop = x + 1
-            limit = min(x + _RUN, width)
-            while stop < limit and marks[np.uint64(stop)] == mark:
-                if mixed[np.uint64(stop)]:
-                    break
-                stop += 1
-            if mark < 0:
-                for i in range(np.uint64(stop - x)):
-                    sky[y, at + i] = 255
-                    rgb[y, at + i, 0] = rgb[y, at + i, 1] = rgb[y, at + i, 2] = 0
-            elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
-                k = np.uint64(mark)
-                plain_r = np.uint8(min(records[k, 14] + half, most))
-                plain_g = np.uint8(min(records[k, 15] + half, most))
-                plain_b = np.uint8(min(records[k, 16] + half, most))
-                for i in range(np.uint64(stop - x)):
-                    sky[y, at + i] = 0
-                    rgb[y, at + i, 0] = plain_r
-                    rgb[y, at + i, 1] = plain_g
-                    rgb[y, at + i, 2] = plain_b
-            else:
-                _paint(
-                    mark,
-                    x * detail,
-                    row,
-                    stop - x,
-                    records,
-                    labels,
-                    texels,
-                    sizes,
-                    light,
-                    detail,
-                    strip,
-                )
-                for i in range(np.uint64(stop - x)):
-                    sky[y, at + i] = 0
-                    rgb[y, at + i, 0] = np.uint8(min(strip[0, i] + half, most))
-                    rgb[y, at + i, 1] = np.uint8(min(strip[1, i] + half, most))
-                    rgb[y, at + i, 2] = np.uint8(min(strip[2, i] + half, most))
-            x = stop

@@ -31,7 +31,7 @@ class Textures:
     texels: NDArray[np.uint64]
     """All of them, row by row: red, green and blue 21 bits apart."""
     sizes: I32
-    """[regions * LEVELS, 3] where each begins, its width and height."""
+    """[regions, LEVELS, 3] where each begins, its width and height."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +170,7 @@ def textures(is_snowy: bool) -> Textures:
             texels.append(wide[:, 0] + (wide[:, 1] << 21) + (wide[:, 2] << 42))
             start += len(wide)
             image = _halved(image)
-    return Textures(np.concatenate(texels), np.array(sizes, np.int32))
+    return Textures(np.concatenate(texels), np.array(sizes, np.int32).reshape(-1, LEVELS, 3))
 
 
 def _halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

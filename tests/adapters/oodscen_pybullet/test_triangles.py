@@ -55,9 +55,9 @@ def test_colours_and_textures_are_told_apart() -> None:
 
 def test_textures_halve_and_keep_their_mean() -> None:
     sheet = textures(False)
-    assert sheet.sizes.shape == (len(REGIONS) * LEVELS, 3)
+    assert sheet.sizes.shape == (len(REGIONS), LEVELS, 3)
     for index, (_, _, width, height) in enumerate(REGIONS.values()):
-        sizes = sheet.sizes[index * LEVELS : (index + 1) * LEVELS].tolist()
+        sizes = sheet.sizes[index].tolist()
         assert sizes[0][1:] == [width, height]
         assert all(2 * b[1] >= a[1] > b[1] or a[1] == 1 for a, b in itertools.pairwise(sizes))
         if width == height:
