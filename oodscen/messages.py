@@ -28,6 +28,12 @@ class Image(Data):
             name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
         )
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Image) and (self.name, self.sha256) == (other.name, other.sha256)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.sha256))
+
     def read(self) -> bytes:
         """Return the encoded bytes."""
         if self.path is None:
