@@ -293,8 +293,7 @@ def simulate(scenes: Path, out: Path, simulator: str, seed: int, workers: int) -
     episodes = {}
     results = sweep(Job(simulator, seed), items, workers=workers)
     for result in tqdm(results, total=len(items), desc="simulate", disable=None):
-        for moment, data in result.frames.items():
-            store.write(f"frames/{result.episode.scene_id}/{moment}.jpg", data)
+        result.save_frames(store)
         episodes[result.episode.id] = result.episode
     store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
     failed = [episode for episode in episodes.values() if episode.status == "failed"]

@@ -69,7 +69,6 @@ class PyBulletSimulator(MirrorSimulator):
         self._loaded: tuple[Corridor, Scene, int] | None = None
         self._cast: list[tuple[str, Asset, str]] = []
         self._poses: list[Pose] = []
-        self._speeds: list[float] = []
         self._shown: object = None
 
     # ------------------------------------------------------------------ MirrorSimulator
@@ -89,7 +88,7 @@ class PyBulletSimulator(MirrorSimulator):
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
-        self._cast, self._poses, self._speeds = [], [], []
+        self._cast, self._poses = [], []
         self._shown = None
 
     def spawn(self, actor_id: str, asset: Asset, state: str, pose: Pose) -> None:
@@ -110,7 +109,6 @@ class PyBulletSimulator(MirrorSimulator):
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Remember where everything is; bodies move when a gap or a picture asks for them."""
         self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
-        self._speeds = speeds.tolist()
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
         """Measure the distance from the ego's body to others', m."""

@@ -91,7 +91,6 @@ class BulletStage:
         self._written = 0
         self._textures: dict[bool, int] = {}
         self._shapes: dict[object, int] = {}
-        self._scenery_key: object = None
         self._is_snowy = False
         self._rows: dict[int, int] = {}
         self._actors: list[int] = []
@@ -108,7 +107,6 @@ class BulletStage:
         self._engine.resetSimulation(physicsClientId=self._client)
         self._textures.clear()
         self._shapes.clear()
-        self._scenery_key = None
         self._rows.clear()
         self._actors.clear()
 

@@ -55,7 +55,8 @@ class Metrics:
         self.encoder: Encoder = encoder if encoder is not None else MiniLM()
         self.baseline = _as_baseline(baseline)
         self.seed = seed
-        self._memory = CachedEncoder(self.encoder)
+        is_cached = isinstance(self.encoder, CachedEncoder)
+        self._memory = self.encoder if is_cached else CachedEncoder(self.encoder)
         self._baseline_vectors: Vectors | None = None
 
     def oodness(self, texts: Texts, definition: Definition = "tabulated") -> Oodness:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from threading import Lock
 from typing import Any, TypeVar
 
 from oodscen import paper
@@ -26,11 +25,11 @@ from oodscen.metrics import Metrics
 from oodscen.protocols import LLM
 from oodscen.prune import Pruner, all_decisions, pruned
 from oodscen.redteam import RedTeamer, Round
-from oodscen.registry import DEFAULT_LLM, make_encoder, make_llm, make_simulator
+from oodscen.registry import make_encoder, make_llm, make_simulator
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.config import Status, StudyConfig
-from oodscen.study.record import record
+from oodscen.study.record import is_builtin, record
 from oodscen.study.study import Study
 from oodscen.study.sweep import Job, sweep
 from oodscen.tree import ScenarioTree
@@ -80,7 +79,6 @@ class Pipeline:
         self.progress = progress or (lambda stage, done, total: None)
         self.models = models or {}
         self.seconds: dict[str, float] = {}
-        self._log_lock = Lock()
 
     def run(self) -> Study:
         """Run every stage; items that fail are recorded and the rest goes on."""
@@ -91,7 +89,7 @@ class Pipeline:
         self.red_llm = (
             self._logged(self._model(self.config.red_llm)) if self.config.red_llm else self.llm
         )
-        self.threads = 1 if self.config.llm == DEFAULT_LLM else REMOTE_THREADS
+        self.threads = 1 if is_builtin(self.config.llm) else REMOTE_THREADS
         self._claim()
         with self._timed("grow"):
             initial = self.grow()
@@ -305,8 +303,7 @@ class Pipeline:
             for result in sweep(
                 job, list(todo.values()), workers=self.workers, executor=self.executor
             ):
-                for moment, data in result.frames.items():
-                    self.store.write(f"frames/{result.episode.scene_id}/{moment}.jpg", data)
+                result.save_frames(self.store)
                 yield result.episode
 
         items = {scene.id: scene for scene in scenes}
@@ -329,15 +326,20 @@ class Pipeline:
             for episode in ready
         }
 
-        def judge(item: tuple[Episode, str]) -> Verdict:
-            episode, name = item
-            images = {
-                moment: Image.from_file(self.store.path(file), file)
-                for moment, file in episode.frames.items()
-            }
-            return evaluate(episode, images, models[name][0], path=paths[episode.scene_id])
-
         def work(todo: Mapping[str, tuple[Episode, str]]) -> Iterator[Verdict]:
+            images = {
+                scene: {
+                    moment: Image.from_file(self.store.path(file), file)
+                    for moment, file in episode.frames.items()
+                }
+                for scene, episode in {e.scene_id: e for e, _ in todo.values()}.items()
+            }
+
+            def judge(item: tuple[Episode, str]) -> Verdict:
+                episode, name = item
+                scene = episode.scene_id
+                return evaluate(episode, images[scene], models[name][0], path=paths[scene])
+
             for name, (_, threads) in models.items():
                 batch = [item for item in todo.values() if item[1] == name]
                 for _, verdict in as_finished(judge, batch, threads=threads):
@@ -373,11 +375,7 @@ class Pipeline:
         )
 
     def _logged(self, llm: LLM) -> LLM:
-        def log(call: Data) -> None:
-            with self._log_lock:
-                self.store.append("calls.jsonl", call)
-
-        return LoggedLLM(llm, log)
+        return LoggedLLM(llm, lambda call: self.store.append("calls.jsonl", call))
 
     @contextmanager
     def _timed(self, stage: str) -> Iterator[None]:

@@ -38,10 +38,12 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
 def authors(config: StudyConfig) -> dict[str, str]:
     """Say who wrote the texts, in words that cannot be mistaken for a model."""
     names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
-    return {
-        role: _BUILTIN if name.partition(":")[0] == DEFAULT_LLM else name
-        for role, name in names.items()
-    }
+    return {role: _BUILTIN if is_builtin(name) else name for role, name in names.items()}
+
+
+def is_builtin(name: str) -> bool:
+    """Whether a model's name stands for the built-in author, with or without own knowledge."""
+    return name.partition(":")[0] == DEFAULT_LLM
 
 
 def versions() -> dict[str, str]:

@@ -11,6 +11,7 @@ from oodscen.protocols import Frame, Simulator
 from oodscen.registry import make_simulator
 from oodscen.scene import Scene
 from oodscen.simulation import simulate
+from oodscen.study.store import Store
 
 CHUNK = 16
 """Most scenes per job. Each job starts one simulator, and all its scenes are on one map."""
@@ -36,6 +37,11 @@ class SweepResult:
     episode: Episode
     frames: dict[str, bytes] = field(default_factory=dict)
     """JPEG by moment."""
+
+    def save_frames(self, store: Store) -> None:
+        """Write the frames to the files that the episode names."""
+        for moment, file in self.episode.frames.items():
+            store.write(file, self.frames[moment])
 
 
 def sweep(
