@@ -71,6 +71,9 @@ class RoadMap(Data):
     """OpenDRIVE id of the road where the ego starts; empty is the first."""
     start_m: float = Field(default=0.0, ge=0)
     """Where along that road the ego starts."""
+    route: tuple[str, ...] = ()
+    """OpenDRIVE ids of the roads that the ego drives after it, in order, connecting roads of
+    junctions included; empty goes straight on wherever there is a choice."""
     forward: bool = True
     """Whether the ego drives in the direction of the road's reference line."""
     lanes: int = Field(ge=1)

@@ -147,6 +147,9 @@ class Frame:
     """[height, width], metres along the optical axis; infinity for the sky."""
     ids: NDArray[np.int32]
     """[height, width]: 0 for scenery and sky, 1 for the ego, 2 + i for `State.ids[1 + i]`."""
+    unhidden: NDArray[np.int32] | None = None
+    """[n] pixels that each body would fill if nothing stood before it, rows as in `State.ids`;
+    `None` where the simulator cannot tell."""
 
 
 @dataclass(frozen=True)
@@ -261,6 +264,8 @@ class Observation:
     """Offset at which the ego stands clear of the lane, or as far right as the road allows."""
     friction: float
     """Scale of the road's friction."""
+    visual_range_m: float = 10_000.0
+    """How far a driver sees through fog, rain and snow."""
     frame: Frame | None = None
     """Where the driver asked for it."""
 

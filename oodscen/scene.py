@@ -59,8 +59,8 @@ class Placement(Data):
     """From the ego's centre to the actor's, along the road; negative is behind."""
     lane: int = Field(default=0, ge=-6, le=6)
     """Lanes to the left of the ego's lane (oncoming lanes count); negative is to the right."""
-    offset_m: float = Field(default=0.0, ge=-25, le=25)
-    """To the left of that lane's centre."""
+    offset_m: float = Field(default=0.0, ge=-150, le=150)
+    """To the left of that lane's centre; roads that cross the ego's are reached by it."""
     heading_deg: float = Field(default=0.0, ge=-180, le=180)
     """Against that lane's driving direction, counter-clockwise."""
 
@@ -75,6 +75,8 @@ class Behaviour(Data):
     """Until it fires the actor does what the behaviour's description says it does before."""
     parameters: dict[str, float] = {}
     """By name, in the units of the catalogue; what is left out has the catalogue's default."""
+    other: str | None = None
+    """The actor to which this one belongs while it behaves: what tows it, carries it, or its car."""
 
 
 class Actor(Data):
@@ -178,6 +180,12 @@ class Scene(Data):
         )
 
 
+def _references(behaviour: Behaviour) -> list[tuple[str, str]]:
+    """Return which actors a behaviour names, each with the field that does."""
+    named = (("trigger.actor", behaviour.trigger.actor), ("other", behaviour.other))
+    return [(field, name) for field, name in named if name is not None]
+
+
 def _misfits(scene: Scene) -> list[Issue]:
     """Find what is inconsistent within one scene, whatever the catalogue."""
     issues = []
@@ -188,12 +196,14 @@ def _misfits(scene: Scene) -> list[Issue]:
             issues.append(Issue(f"actors[{index}].id", f"{actor.id!r} occurs more than once"))
         if actor.id == "ego":
             issues.append(Issue(f"actors[{index}].id", "'ego' is the ego's own id"))
-        target = actor.behaviour.trigger.actor
-        path = f"actors[{index}].behaviour.trigger.actor"
-        if target is not None and target not in ids:
-            issues.append(Issue(path, f"there is no actor {target!r}"))
-        elif target is not None and target not in lasting and actor.id not in scene.hazard.actors:
-            issues.append(Issue(path, f"{target!r} is missing in the ordinary twin"))
+        for field, target in _references(actor.behaviour):
+            path = f"actors[{index}].behaviour.{field}"
+            if target not in ids:
+                issues.append(Issue(path, f"there is no actor {target!r}"))
+            elif target not in lasting and actor.id not in scene.hazard.actors:
+                issues.append(Issue(path, f"{target!r} is missing in the ordinary twin"))
+        if actor.behaviour.other == actor.id:
+            issues.append(Issue(f"actors[{index}].behaviour.other", "an actor cannot be its own"))
     for key, ordinary in scene.hazard.actors.items():
         if key not in ids:
             issues.append(Issue(f"hazard.actors.{key}", f"there is no actor {key!r}"))
@@ -201,10 +211,10 @@ def _misfits(scene: Scene) -> list[Issue]:
             continue
         if ordinary.id != key:
             issues.append(Issue(f"hazard.actors.{key}.id", f"must stay {key!r}"))
-        target = ordinary.behaviour.trigger.actor
-        if target is not None and target not in lasting:
-            path = f"hazard.actors.{key}.behaviour.trigger.actor"
-            issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
+        for field, target in _references(ordinary.behaviour):
+            if target not in lasting:
+                path = f"hazard.actors.{key}.behaviour.{field}"
+                issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
     if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
     if scene.decision.kind != "time" and scene.decision_actor not in ids:
