@@ -35,6 +35,64 @@ class LaneStrip:
     """On the right edge."""
 
 
+@dataclass(frozen=True)
+class RoadSignal:
+    """A traffic light or sign that the map sets up."""
+
+    id: str
+    kind: Literal["traffic_light", "sign"]
+    type: str
+    """OpenDRIVE's type within `country`'s catalogue, e.g. `1000001` or `205`."""
+    value: str
+    """What it says, where the file gives it (a speed limit's number), else empty."""
+    x: float
+    y: float
+    z: float
+    """Height of the ground or road at its foot, m."""
+    yaw: float
+    """The direction that it faces: towards those whom it addresses, rad."""
+    s: float
+    """On the ego's corridor."""
+    t: float
+    height: float = 0.0
+    """Of its lower edge above `z`, m."""
+    country: str = ""
+    """`OpenDRIVE` or a country's code, in whose catalogue `type` is."""
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A patch of paint on the road that the map's objects describe."""
+
+    kind: Literal["crosswalk", "stop_line"]
+    points: NDArray[np.float64] = field(repr=False)
+    """[n, 2] corners in the world, counter-clockwise, m."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A stretch of the ego's road that runs through or over something."""
+
+    kind: Literal["tunnel", "bridge"]
+    start: float
+    """s on the ego's corridor."""
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class OtherRoad:
+    """A road of the map that the ego does not drive."""
+
+    corridor: "Corridor"
+    """Has its own s and t, the same world coordinates, and no others."""
+    road_id: str
+    is_connecting: bool
+    """Whether it leads through a junction."""
+    junction: str = ""
+    """Id of that junction."""
+
+
 @dataclass(frozen=True, eq=False)
 class Corridor:
     """A road with its cross-section, seen from the ego that drives along it."""
@@ -55,6 +113,17 @@ class Corridor:
     """s of the ego's start."""
     speed_limit: float
     """m/s"""
+    in_junction: NDArray[np.bool_] = field(
+        default_factory=lambda: np.zeros(0, dtype=np.bool_), repr=False
+    )
+    """[n], which samples lie inside a junction; none where nothing is given."""
+    others: tuple[OtherRoad, ...] = field(default=(), repr=False)
+    """Every other road of the map."""
+    signals: tuple[RoadSignal, ...] = field(default=(), repr=False)
+    """Of all roads of the map."""
+    crosswalks: tuple[Outline, ...] = field(default=(), repr=False)
+    """Crosswalks and stop lines of all roads of the map."""
+    structures: tuple[Structure, ...] = ()
     driving: tuple[int, ...] = field(init=False)
     """Indices of the driving strips at the start, from right to left."""
     step: float = field(init=False)
@@ -66,6 +135,9 @@ class Corridor:
         norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
         columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm)
         put = object.__setattr__
+        if not len(self.in_junction):
+            put(self, "in_junction", np.zeros(len(self.s), dtype=np.bool_))
+            self.in_junction.setflags(write=False)
         put(self, "length", float(self.s[-1]))
         put(self, "step", float(self.s[-1]) / (len(self.s) - 1))
         put(self, "_rows", [tuple(map(float, row)) for row in zip(*columns, strict=True)])
