@@ -14,12 +14,13 @@ from statistics import median
 
 import numpy as np
 from oodscen_pybullet.canvas import Canvas
+from oodscen_pybullet.cast import Look
 from oodscen_pybullet.engine import load_pybullet
 from oodscen_pybullet.light import Caster, Light
 from oodscen_pybullet.meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.roadside import Scenery, build_scenery
-from oodscen_pybullet.stage import BulletStage, Look, Pose, Shot, Stage
+from oodscen_pybullet.stage import BulletStage, Pose, Shot, Stage
 from oodscen_pybullet.view import View
 
 from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
@@ -50,7 +51,7 @@ class Set:
     def shuffle(self) -> None:
         """Put other actors elsewhere."""
         start = self.corridor.start + float(self.rng.uniform(0, 60))
-        self.looks = [("ego_car", "", "", False)]
+        self.looks = [Look("ego_car")]
         self.poses = [self.corridor.point(start, 0.0)]
         ids = [asset for asset in asset_ids() if asset != "ego_car"]
         for _ in range(ACTORS):
@@ -59,7 +60,7 @@ class Set:
             paint = paints[int(self.rng.integers(len(paints)))]
             ahead, aside, yaw = self.rng.uniform((7, -6, -3), (60, 6, 3)).tolist()
             x, y, z, heading = self.corridor.point(start + ahead, aside)
-            self.looks.append((asset, "", paint, False))
+            self.looks.append(Look(asset, paint=paint))
             self.poses.append((x, y, z, heading + yaw))
 
     def dress(self, stage: Stage) -> None:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen_pybullet import raster, shading
-from oodscen_pybullet.meshes import Mesh, asset_mesh
+from oodscen_pybullet.cast import Look, mesh_of
+from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
-from oodscen_pybullet.stage import Look, Shot
+from oodscen_pybullet.stage import Shot
 from oodscen_pybullet.triangles import Triangles, textures
 from oodscen_pybullet.view import FAR, NEAR, View
 
@@ -133,9 +134,7 @@ class Canvas:
         if look not in self._known:
             if len(self._known) >= _LOOKS:
                 self._known.popitem(last=False)
-            asset, state, paint, running = look
-            mesh = asset_mesh(asset, state, paint, running=running)
-            self._known[look] = Triangles.of(mesh, atlas, is_chunked=False)
+            self._known[look] = Triangles.of(mesh_of(look), atlas, is_chunked=False)
         return self._known[look]
 
     def _clean(self, samples: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:

@@ -13,18 +13,18 @@ from oodscen.driving import Corridor, MirrorSimulator, find_map
 from oodscen.errors import SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen.scene import Scene
-from oodscen.seeding import stream
 from oodscen_pybullet.bodies import Bodies, Pose
+from oodscen_pybullet.cast import Cast, Look
 from oodscen_pybullet.catalogue import load_catalogue
 from oodscen_pybullet.engine import load_pybullet
-from oodscen_pybullet.light import STREET_LAMP, Caster, Glow, Light
-from oodscen_pybullet.meshes import Mesh, asset_ids, asset_mesh, paints_of
+from oodscen_pybullet.light import STREET_LAMP, Glow, Light
+from oodscen_pybullet.meshes import Mesh, asset_ids
 from oodscen_pybullet.meshes.cars import bonnet
 from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.renderers import Renderer, choose_renderer, open_stage
 from oodscen_pybullet.road import KERB
 from oodscen_pybullet.roadside import build_scenery
-from oodscen_pybullet.stage import Look, Stage
+from oodscen_pybullet.stage import Stage
 from oodscen_pybullet.view import Point, View
 
 Lamps = tuple[Point, ...]
@@ -67,8 +67,9 @@ class PyBulletSimulator(MirrorSimulator):
         self._bodies: Bodies | None = None
         self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Lamps]] = OrderedDict()
         self._loaded: tuple[Corridor, Scene, int] | None = None
-        self._cast: list[tuple[str, Asset, str]] = []
+        self._cast: Cast
         self._poses: list[Pose] = []
+        self._speeds: list[float] = []
         self._shown: object = None
 
     # ------------------------------------------------------------------ MirrorSimulator
@@ -88,7 +89,8 @@ class PyBulletSimulator(MirrorSimulator):
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
-        self._cast, self._poses = [], []
+        self._cast = Cast(scene, seed)
+        self._poses, self._speeds = [], []
         self._shown = None
 
     def spawn(self, actor_id: str, asset: Asset, state: str, pose: Pose) -> None:
@@ -104,11 +106,12 @@ class PyBulletSimulator(MirrorSimulator):
             raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
         if not self._bodies.add(asset.id):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
-        self._cast.append((actor_id, asset, state))
+        self._cast.add(actor_id, asset, state)
 
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Remember where everything is; bodies move when a gap or a picture asks for them."""
         self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
+        self._speeds = speeds.tolist()
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
         """Measure the distance from the ego's body to others', m."""
@@ -128,10 +131,11 @@ class PyBulletSimulator(MirrorSimulator):
         stage, lamps = self._set(corridor, scene, seed)
         view = View.of(camera, self._poses[0])
         is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
-        looks = self._looks(scene, seed, is_inside=is_inside)
-        if self._shown != (id(stage), is_inside):
-            stage.show_actors(looks)
-            self._shown = (id(stage), is_inside)
+        looks = self._cast.looks(self._poses, self._speeds, self._accelerations(), self.world.time)
+        if self._shown != (id(stage), is_inside, looks):
+            ego: Look | Mesh = bonnet("silver").build(hollow=True) if is_inside else looks[0]
+            stage.show_actors([ego, *looks[1:]])
+            self._shown = (id(stage), is_inside, looks)
         poses = self._stand(corridor)
         stage.pose_actors(poses)
         light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
@@ -141,8 +145,8 @@ class PyBulletSimulator(MirrorSimulator):
             view=view,
             weather=scene.weather,
             light=light,
-            casters=self._casters(poses),
-            glows=self._glows(scene, poses, lamps),
+            casters=self._cast.casters(looks, poses),
+            glows=[*self._cast.glows(looks, poses), *_street_lamps(lamps)],
             time=self.world.time,
             seed=seed,
             road_height=poses[0][2],
@@ -177,17 +181,9 @@ class PyBulletSimulator(MirrorSimulator):
         self._stages[key] = (stage, scenery.lamps)
         return stage, scenery.lamps
 
-    def _looks(self, scene: Scene, seed: int, *, is_inside: bool) -> list[Look | Mesh]:
-        """Return what every body looks like, the ego first."""
-        ego: Look | Mesh = ("ego_car", "", "", False)
-        if is_inside:
-            ego = bonnet("silver").build(hollow=True)
-        looks: list[Look | Mesh] = [ego]
-        for actor_id, asset, state in self._cast[1:]:
-            looks.append(
-                (asset.id, state, _paint(seed, actor_id, asset.id), _runs(scene, actor_id))
-            )
-        return looks
+    def _accelerations(self) -> list[float]:
+        known = getattr(self.world, "accelerations", None)
+        return [0.0] * len(self._poses) if known is None else known().tolist()
 
     def _stand(self, corridor: Corridor) -> list[Pose]:
         """Return the poses with everything on a pavement lifted onto it."""
@@ -200,57 +196,11 @@ class PyBulletSimulator(MirrorSimulator):
             poses.append((x, y, z + (KERB if on_kerb else 0.0), yaw))
         return poses
 
-    def _casters(self, poses: list[Pose]) -> list[Caster]:
-        return [
-            Caster(pose, asset_mesh(asset.id).solids)
-            for (_, asset, _), pose in zip(self._cast[1:], poses[1:], strict=True)
-        ]
 
-    def _glows(self, scene: Scene, poses: list[Pose], street_lamps: Lamps) -> list[Glow]:
-        """Return every lamp that is on, in world coordinates."""
-        glows = []
-        for row, (actor_id, asset, state) in enumerate(self._cast):
-            if row == 0:
-                continue
-            mesh = asset_mesh(asset.id, state, running=_runs(scene, actor_id))
-            x, y, z, yaw = poses[row]
-            c, s = math.cos(yaw), math.sin(yaw)
-            for lamp in mesh.lamps:
-                (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
-                place = (x + c * px - s * py, y + s * px + c * py, z + pz)
-                glows.append(
-                    Glow(place, lamp.colour, (c * fx - s * fy, s * fx + c * fy, fz), lamp.power)
-                )
-        glows += [
-            Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in street_lamps
-        ]
-        return glows
+def _street_lamps(heads: Lamps) -> list[Glow]:
+    return [Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in heads]
 
 
 def _is_snowy(scene: Scene) -> bool:
     weather = scene.weather
     return weather.precipitation == "snow" and weather.precipitation_mm_h >= LYING_SNOW_MM_H
-
-
-def _paint(seed: int, actor_id: str, asset: str) -> str:
-    """Choose an actor's look; the same in a scene and its twin."""
-    paints = paints_of(asset)
-    return paints[int(stream(seed, "paint", actor_id).integers(len(paints)))]
-
-
-def _runs(scene: Scene, actor_id: str) -> bool:
-    """Tell whether an actor has its lamps on: it drives, and it is not broad daylight.
-
-    Whatever merely stands with its lights off is dark at night as well.
-    """
-    weather = scene.weather
-    is_bright = (
-        weather.sun_elevation_deg > 3.0
-        and weather.fog_visual_range_m > 1000.0
-        and weather.precipitation == "none"
-    )
-    if is_bright:
-        return False
-    behaviours = {actor.id: (actor.behaviour.name, actor.state) for actor in scene.actors}
-    name, state = behaviours.get(actor_id, ("stand", ""))
-    return name != "stand" or state not in ("", "off")

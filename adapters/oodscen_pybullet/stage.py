@@ -11,13 +11,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet.meshes import Mesh, asset_mesh
+from oodscen_pybullet.cast import Look, mesh_of
+from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.view import View, metres
 from oodscen_pybullet.wavefront import wavefront
-
-Look = tuple[str, str, str, bool]
-"""Asset, state, paint, and whether its running lamps are on."""
 
 Pose = tuple[float, float, float, float]
 
@@ -135,10 +133,7 @@ class BulletStage:
                 shape = self._shape(look)
             else:
                 if look not in self._shapes:
-                    asset, state, paint, running = look
-                    self._shapes[look] = self._shape(
-                        asset_mesh(asset, state, paint, running=running)
-                    )
+                    self._shapes[look] = self._shape(mesh_of(look))
                 shape = self._shapes[look]
             body = self._body(shape)
             self._actors.append(body)

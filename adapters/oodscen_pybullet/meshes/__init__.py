@@ -6,9 +6,22 @@ from functools import lru_cache
 from oodscen.errors import UnknownComponent
 from oodscen_pybullet.meshes import animals, cars, heavy, people, plants, props, work_zone
 from oodscen_pybullet.meshes.bodywork import Lights
-from oodscen_pybullet.meshes.builder import Lamp, Mesh, MeshBuilder
+from oodscen_pybullet.meshes.builder import Lamp, Mesh, MeshBuilder, Puff
 
-__all__ = ["PAINTS", "Lamp", "Lights", "Mesh", "asset_ids", "asset_mesh", "paints_of"]
+__all__ = [
+    "FLASHING",
+    "FLAT",
+    "GAITS",
+    "PAINTS",
+    "SMOKING",
+    "Lamp",
+    "Lights",
+    "Mesh",
+    "Puff",
+    "asset_ids",
+    "asset_mesh",
+    "paints_of",
+]
 
 Maker = Callable[[Lights, str], MeshBuilder]
 
@@ -45,6 +58,15 @@ PAINTS: dict[str, tuple[str, ...]] = {
 FLAT: frozenset[str] = frozenset({"puddle"})
 """Assets over which one can drive: they collide with nothing."""
 
+GAITS: dict[str, float] = {}
+"""Metres of one stride at a walk, of whatever has legs that move."""
+
+FLASHING: frozenset[str] = frozenset({"hazard", "indicate_left", "indicate_right", "beacon"})
+"""States, and assets whatever their state, whose lamps flash."""
+
+SMOKING: frozenset[str] = frozenset()
+"""Assets whose smoke moves."""
+
 
 def asset_ids() -> tuple[str, ...]:
     """Return the ids of all meshes, the ego's included."""
@@ -57,7 +79,9 @@ def paints_of(asset: str) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=512)
-def asset_mesh(asset: str, state: str = "", paint: str = "", *, running: bool = False) -> Mesh:
+def asset_mesh(
+    asset: str, state: str = "", paint: str = "", *, running: bool = False, frame: int = 0
+) -> Mesh:
     """Return the mesh of an asset.
 
     Args:
@@ -65,6 +89,7 @@ def asset_mesh(asset: str, state: str = "", paint: str = "", *, running: bool = 
         state: One of its states.
         paint: One of its looks; empty is the first.
         running: Whether head and tail lamps are on.
+        frame: Which picture of what moves by itself, see `cast.Look.frame`.
 
     Raises:
         UnknownComponent: When there is no such asset.

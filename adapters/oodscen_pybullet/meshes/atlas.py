@@ -166,6 +166,14 @@ SNOWED: dict[str, tuple[int, int, int]] = {
 
 _NAMES = tuple(COLOURS)
 
+EMISSIVE: frozenset[str] = frozenset(
+    {
+        "tail_lit", "brake_lit", "head_lit", "amber_lit", "beacon_lit", "beacon_red_lit",
+        "arrow_left", "arrow_right",
+    }
+)  # fmt: skip
+"""Colours and regions that shine by themselves: night does not darken them."""
+
 REGIONS: dict[str, tuple[int, int, int, int]] = {
     "plate": (0, 64, 96, 24),
     "plate_rear": (100, 64, 96, 24),

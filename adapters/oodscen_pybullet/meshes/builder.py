@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -29,6 +29,22 @@ class Lamp:
     """1 is a tail lamp; a headlamp on low beam is about 4."""
 
 
+@dataclass(frozen=True)
+class Puff:
+    """A soft ball of smoke, fire or dust."""
+
+    position: Point
+    """Its middle in the mesh's frame, m."""
+    radius: float
+    """m"""
+    colour: Point
+    """Red, green, blue, 0 to 1."""
+    density: float
+    """Share of what is behind it that its middle hides, 0 to 1."""
+    is_bright: bool = False
+    """Whether it shines by itself, as fire does."""
+
+
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """A triangle mesh with flat shading that takes its colours from the atlas."""
@@ -45,6 +61,8 @@ class Mesh:
     """Centre and half extents, m, of the boxes that collide; empty collides nowhere."""
     lamps: tuple[Lamp, ...] = ()
     """What shines."""
+    puffs: tuple[Puff, ...] = ()
+    """Smoke, fire and dust, which the bounds leave out."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -61,6 +79,7 @@ class MeshBuilder:
         self._uvs: list[Array] = []
         self._solids: list[tuple[Point, Point]] = []
         self._lamps: list[Lamp] = []
+        self._puffs: list[Puff] = []
 
     def polygon(self, points: Sequence[Sequence[float]] | Array, colour: str) -> Self:
         """Add a flat convex polygon, counter-clockwise seen from the side that shows."""
@@ -257,6 +276,19 @@ class MeshBuilder:
         self._lamps.append(Lamp(position, colour, facing, power))
         return self
 
+    def puff(
+        self,
+        position: Point,
+        radius: float,
+        colour: Point,
+        density: float,
+        *,
+        is_bright: bool = False,
+    ) -> Self:
+        """Declare a soft ball of smoke, fire or dust."""
+        self._puffs.append(Puff(position, radius, colour, density, is_bright))
+        return self
+
     def add(
         self,
         other: Mesh,
@@ -308,6 +340,10 @@ class MeshBuilder:
             Lamp(_moved(p.position, scale, offset), p.colour, p.facing, p.power)
             for p in self._lamps
         ]
+        self._puffs = [
+            replace(p, position=_moved(p.position, scale, offset), radius=p.radius * scale)
+            for p in self._puffs
+        ]
         return self
 
     def flatten(self, ground: float) -> Self:
@@ -342,6 +378,7 @@ class MeshBuilder:
             triangles=np.arange(len(vertices)).reshape(-1, 3),
             solids=tuple(solids),
             lamps=tuple(self._lamps),
+            puffs=tuple(self._puffs),
         )
 
 

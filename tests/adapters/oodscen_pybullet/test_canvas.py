@@ -8,10 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from oodscen_pybullet.canvas import Canvas
+from oodscen_pybullet.cast import Look
 from oodscen_pybullet.engine import load_pybullet
 from oodscen_pybullet.meshes import Mesh, asset_ids, paints_of
 from oodscen_pybullet.meshes.builder import MeshBuilder
-from oodscen_pybullet.stage import BulletStage, Look, Pose, Shot, Stage
+from oodscen_pybullet.stage import BulletStage, Pose, Shot, Stage
 from oodscen_pybullet.view import View
 
 from oodscen.protocols import Camera
@@ -36,11 +37,11 @@ def scenery(rng: np.random.Generator) -> Mesh:
 
 
 def cast(rng: np.random.Generator) -> tuple[list[Look], list[Pose]]:
-    looks: list[Look] = [("ego_car", "", "", False)]
+    looks: list[Look] = [Look("ego_car")]
     poses: list[Pose] = [(0.0, 0.0, 0.0, float(rng.uniform(-0.1, 0.1)))]
     for _ in range(7):
         asset = IDS[int(rng.integers(len(IDS)))]
-        looks.append((asset, "", paints_of(asset)[0], False))
+        looks.append(Look(asset, paint=paints_of(asset)[0]))
         x, y, yaw = rng.uniform((6, -6, -3), (45, 6, 3)).tolist()
         poses.append((x, y, 0.0, yaw))
     return looks, poses
@@ -84,6 +85,7 @@ def test_pictures_are_the_same_twice_after_others_and_in_another_process() -> No
 import hashlib
 import numpy as np
 from oodscen_pybullet.canvas import Canvas
+from oodscen_pybullet.cast import Look
 from oodscen_pybullet.meshes.builder import MeshBuilder
 from oodscen_pybullet.view import View
 from oodscen.protocols import Camera
@@ -91,7 +93,7 @@ from oodscen.protocols import Camera
 def photograph(stage):
     mesh = MeshBuilder().picture([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
     stage.show_scenery([mesh.build(hollow=True)], is_snowy=False)
-    stage.show_actors([("ego_car", "", "", False), ("cow", "", "", False)])
+    stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.photograph(
         View.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)), sun=(0.0, 0.6, 0.8), ambient=0.5, diffuse=0.5
