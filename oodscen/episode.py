@@ -30,6 +30,10 @@ class ActionOutcome(Data):
     """The lane that the action needs does not exist; then `safe` is false."""
     margin_m: float | None = None
     """Smallest gap to anything, m; 0 on contact; `None` if unavailable or alone on the road."""
+    min_ttc_s: float | None = None
+    """Least time to collision with anything, s; 0 on contact; `None` where there is none."""
+    pet_s: float | None = None
+    """Least post-encroachment time, s; 0 on contact; `None` where nobody's path was crossed."""
     contacts: tuple[str, ...] = ()
     """Ids of the actors that the ego touched."""
     off_road: bool = False
@@ -47,6 +51,8 @@ class Episode(Data):
     scene_id: str
     status: Literal["ok", "failed"]
     error: str | None = None
+    error_type: str | None = None
+    """Name of the exception, e.g. `SceneError`, `SpawnError`, `SimulatorCrash`."""
     simulator: str = ""
     seed: int = 0
     dt: float = 0.0
@@ -61,6 +67,9 @@ class Episode(Data):
     """By moment: hash of the raw pixels."""
     visible: dict[str, dict[str, int]] = {}
     """By moment: pixels of every actor that can be seen."""
+    hazard_visible: bool | None = None
+    """An unusual actor can be seen in one of the frames, or the weather is unlike the ordinary;
+    `None` without frames, and for twins."""
     trace_sha256: str = ""
     """Hash of all states up to the decision point."""
     is_deterministic: bool = True

@@ -1,18 +1,22 @@
 """Simulate a scene: the approach up to the decision point, and every action from there."""
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from oodscen.driving import Cruise, action_driver, find_map, is_available, is_due, load_corridor
+from oodscen.driving.visibility import is_noticeable
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.scene import Scene
+from oodscen.trace import Course, Trace
 
 MAX_APPROACH_S = 15.0
 """When the decision is taken at the latest, although its trigger has not fired."""
+VISIBLE_PX = 40
+"""So many pixels of a picture of 640 x 480 make an actor visible; in proportion in others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +28,10 @@ class Simulated:
     """The approach, from the start to the decision point."""
     frames: dict[str, Frame]
     """By moment: `first`, `middle`, `last`."""
+    trace: Trace
+    """The approach with all ground truth, as a table."""
+    rollouts: Mapping[str, Trace] = field(default_factory=dict)
+    """By action id, if asked for: from the decision point to the action's end."""
 
 
 def simulate(
@@ -34,6 +42,7 @@ def simulate(
     camera: Camera | None = None,
     actions: Sequence[str] = ACTIONS,
     render: bool = True,
+    traces: bool = False,
 ) -> Simulated:
     """Run one scene.
 
@@ -48,6 +57,7 @@ def simulate(
         camera: The ego's dash camera if left out.
         actions: Which actions are rolled out.
         render: Whether the three frames are taken.
+        traces: Whether the ground truth of every action's rollout is kept.
 
     Raises:
         SceneError: When the simulator refuses the scene.
@@ -64,16 +74,20 @@ def simulate(
                 if index == step:
                     frames[moment] = simulator.render(camera or Camera())
     is_deterministic = _fingerprint(again) == trace
-    rollouts = _Rollouts(simulator, scene, seed, controls, trace)
-    outcomes = {}
+    course = Course.of(scene, simulator.catalogue())
+    rollouts = _Rollouts(simulator, scene, seed, controls, trace, course)
+    outcomes: dict[str, ActionOutcome] = {}
+    kept: dict[str, Trace] = {}
     for action in actions:
-        outcome, same = rollouts.outcome(action)
+        outcomes[action], rollout, same = rollouts.outcome(action)
         is_deterministic &= same
-        outcomes[action] = outcome
+        if traces and rollout is not None:
+            kept[action] = rollout
     if not is_deterministic:
         outcomes = {
             name: outcome.model_copy(update={"safe": False}) for name, outcome in outcomes.items()
         }
+    visible = {moment: visible_pixels(frame, states[0].ids) for moment, frame in frames.items()}
     episode = Episode(
         id=scene.id,
         scene_id=scene.id,
@@ -87,18 +101,35 @@ def simulate(
             moment: hashlib.sha256(frame.rgb.tobytes()).hexdigest()
             for moment, frame in frames.items()
         },
-        visible={moment: visible_pixels(frame, states[0].ids) for moment, frame in frames.items()},
+        visible=visible,
+        hazard_visible=_shows_hazard(scene, frames, visible),
         trace_sha256=trace,
         is_deterministic=is_deterministic,
         actions=outcomes,
     )
-    return Simulated(episode, tuple(states), frames)
+    return Simulated(episode, tuple(states), frames, Trace.measured(states, course), kept)
 
 
 def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:
     """Count the pixels of every actor in a frame; actors that cannot be seen are left out."""
     counts = np.bincount(frame.ids.ravel(), minlength=len(ids) + 1)
     return {name: int(counts[2 + row]) for row, name in enumerate(ids[1:]) if counts[2 + row]}
+
+
+def _shows_hazard(
+    scene: Scene, frames: Mapping[str, Frame], visible: Mapping[str, Mapping[str, int]]
+) -> bool | None:
+    """Tell whether the hazard can be seen in a frame; `None` without frames or without hazard."""
+    hazard = scene.hazard
+    if not frames or scene.is_twin:
+        return None
+    if not hazard.actors:
+        return hazard.weather is not None and is_noticeable(scene.weather, hazard.weather)
+    for moment, frame in frames.items():
+        least = VISIBLE_PX * frame.ids.size / (640 * 480)
+        if any(visible[moment].get(name, 0) >= least for name in hazard.actors):
+            return True
+    return False
 
 
 def _approach(
@@ -132,51 +163,63 @@ class _Rollouts:
         seed: int,
         controls: Sequence[Control],
         trace: str,
+        course: Course,
     ) -> None:
         self.simulator = simulator
         self.scene = scene
         self.seed = seed
         self.controls = controls
         self.trace = trace
+        self.course = course
         self.restore = getattr(simulator, "restore", None)
         snapshot = getattr(simulator, "snapshot", None)
         self.snapshot = snapshot() if snapshot and self.restore else None
 
-    def outcome(self, action: str) -> tuple[ActionOutcome, bool]:
+    def outcome(self, action: str) -> tuple[ActionOutcome, Trace | None, bool]:
         """Return what an action leads to, and whether the approach was the same as before."""
-        same = self._rewind()
+        first, same = self._rewind()
         observation = self.simulator.observe()
         if not is_available(action, observation):
-            return ActionOutcome(safe=False, unavailable=True), same
-        return _executed(self.scene, self.simulator, action_driver(action), observation), same
+            return ActionOutcome(safe=False, unavailable=True), None, same
+        states = _executed(self.scene, self.simulator, action_driver(action), observation)
+        trace = Trace.measured([first, *states], self.course)
+        return _judged(states, trace), trace, same
 
-    def _rewind(self) -> bool:
+    def _rewind(self) -> tuple[State, bool]:
         if self.restore is not None and self.snapshot is not None:
-            self.restore(self.snapshot)
-            return True
+            return self.restore(self.snapshot), True
         states = [self.simulator.reset(self.scene, self.seed)]
         states += [self.simulator.step(control) for control in self.controls]
-        return _fingerprint(states) == self.trace
+        return states[-1], _fingerprint(states) == self.trace
 
 
 def _executed(
     scene: Scene, simulator: Simulator, driver: Driver, observation: Observation
-) -> ActionOutcome:
-    margin = float("inf")
-    state = None
-    for _ in range(round(scene.horizon_s / simulator.dt)):
+) -> list[State]:
+    """Drive to the scene's horizon, or until something is touched or the road is left."""
+    states: list[State] = []
+    for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
         state = simulator.step(driver.act(observation))
-        margin = min(margin, float(state.gaps[1:].min(initial=np.inf)))
+        states.append(state)
         if state.contacts or state.off_road:
             break
         observation = simulator.observe()
-    assert state is not None, "a horizon is at least one step"
+    return states
+
+
+def _judged(states: Sequence[State], trace: Trace) -> ActionOutcome:
+    """Return what an action led to, its margins taken from the first step on."""
+    last = states[-1]
+    margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
+    met = trace.summary().values()
     return ActionOutcome(
-        safe=not (state.contacts or state.off_road),
+        safe=not (last.contacts or last.off_road),
         margin_m=None if margin == float("inf") else round(margin, 3),
-        contacts=state.contacts,
-        off_road=state.off_road,
-        final_speed=round(float(state.speeds[0]), 3),
+        min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
+        pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),
+        contacts=last.contacts,
+        off_road=last.off_road,
+        final_speed=round(float(last.speeds[0]), 3),
     )
 
 
