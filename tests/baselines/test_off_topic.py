@@ -1,0 +1,30 @@
+import hashlib
+from collections import Counter
+
+import pytest
+
+from oodscen.baselines.off_topic import load_off_topic
+
+TUNE, FROZEN = load_off_topic("tune"), load_off_topic("frozen")
+ALL = (*TUNE, *FROZEN)
+
+
+def test_there_are_enough_of_either_kind_in_either_half():
+    for half in (TUNE, FROZEN):
+        counts = Counter(text.kind for text in half)
+        assert min(counts["near-miss"], counts["off-topic"]) >= 50
+    assert abs(len(TUNE) - len(FROZEN)) <= 2
+
+
+def test_all_differ():
+    assert len({text.id for text in ALL}) == len({text.text for text in ALL}) == len(ALL)
+
+
+@pytest.mark.parametrize("kind", ["near-miss", "off-topic"])
+def test_the_split_is_decided_by_the_hash_of_the_id(kind):
+    ids = sorted(
+        (text.id for text in ALL if text.kind == kind),
+        key=lambda name: hashlib.sha256(f"oodscen off-topic {name}".encode()).hexdigest(),
+    )
+    tune = {text.id for text in TUNE if text.kind == kind}
+    assert tune == set(ids[: len(ids) // 2])
