@@ -1,18 +1,20 @@
-"""Whether a scene can be staged: vocabulary, room on the road, overlap, and a reachable decision."""
+"""Whether a scene can be staged and shows what it claims: vocabulary, places, decision, sight."""
 
 import math
-from collections.abc import Sequence
 
 from oodscen.catalogue import Catalogue
 from oodscen.driving.actions import Cruise
 from oodscen.driving.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
-from oodscen.driving.boxes import Box, gap, radius
 from oodscen.driving.corridor import DRIVABLE, Corridor
 from oodscen.driving.roads import find_map, load_corridor
+from oodscen.driving.truth import Body, bodies, overlapping, touch, truth_issues
 from oodscen.driving.world import KinematicWorld, ego_strip, neighbour_strip
+from oodscen.episode import MOMENTS
 from oodscen.errors import DataError, Issue, UnknownComponent
 from oodscen.scene import Actor, Scene
 
+DT = 0.05
+"""Seconds per step of the trial run."""
 APPROACH_S = 15.0
 """Within this time from the start the decision must be reached."""
 
@@ -25,7 +27,9 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 
     The vocabulary is checked first, then the room on the road, then the world is rolled with a
     lane-keeping driver that is blind to the hazard: the decision must come within `APPROACH_S`,
-    and before it the ego must touch nothing and stay on the road.
+    and before it the ego must touch nothing and stay on the road. At the three moments that are
+    shown the hazard must be seen at least once, or differ from the ordinary weather, and nothing
+    may float, sink or stand inside something else. Messages name actor, asset, pose and reason.
 
     Args:
         scene: To be judged; nothing of it is changed.
@@ -38,10 +42,14 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     if issues:
         return issues
     corridor = load_corridor(find_map(scene.map, catalogue))
-    decided, issues = _roll(scene, catalogue, corridor, within=APPROACH_S)
+    path, issues = _roll(scene, catalogue, corridor, within=APPROACH_S)
+    if not issues:
+        last = len(path) - 1
+        moments = dict(zip(MOMENTS, (path[0], path[last // 2], path[last]), strict=True))
+        issues = truth_issues(scene, corridor, moments)
     if issues or scene.is_twin:
         return issues
-    twin = scene.twin(decided)
+    twin = scene.twin(round(last * DT, 6))
     return [
         Issue(_in_hazard(issue.path, scene, twin), f"in the ordinary twin: {issue.message}")
         for issue in staging_issues(twin, catalogue)
@@ -73,7 +81,8 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         issues += _place_issues(path, actor, catalogue, corridor, lane)
     if issues:
         return issues
-    return _overlaps(KinematicWorld(corridor, scene, catalogue, 0))
+    world = KinematicWorld(corridor, scene, catalogue, 0)
+    return overlapping(scene, {"first": bodies(scene, catalogue, world.poses())})
 
 
 def _all_actors(scene: Scene) -> list[tuple[str, Actor]]:
@@ -132,62 +141,34 @@ def _place_issues(
     return issues
 
 
-def _overlaps(world: KinematicWorld) -> list[Issue]:
-    """Find every pair of bodies that touch at the start."""
-    boxes = _boxes(world)
-    issues = []
-    for index, body in enumerate(boxes):
-        for other in range(index):
-            if _touch(boxes[other], body):
-                path = f"actors[{index - 1}].placement"
-                first, second = world.ids[other], world.ids[index]
-                message = f"{second!r} at {_pose(body)} overlaps {first!r} at {_pose(boxes[other])}"
-                issues.append(Issue(path, message))
-    return issues
-
-
 def _roll(
     scene: Scene, catalogue: Catalogue, corridor: Corridor, *, within: float
-) -> tuple[float, list[Issue]]:
-    """Drive blindly until the decision; return when it came, and what went wrong before."""
-    world = KinematicWorld(corridor, scene, catalogue, 0)
+) -> tuple[list[tuple[Body, ...]], list[Issue]]:
+    """Drive blindly until the decision; return everybody at every step, and what went wrong."""
+    world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
     driver = Cruise()
     owner = scene.decision_actor
+    path: list[tuple[Body, ...]] = []
     while True:
+        cast = bodies(scene, catalogue, world.poses())
+        path.append(cast)
         if world.is_off_road():
-            return world.time, [_early(world, "leaves the road")]
-        boxes = _boxes(world)
-        for row in range(1, len(boxes)):
-            if _touch(boxes[0], boxes[row]):
-                message = f"touches {world.ids[row]!r} (ego at {_pose(boxes[0])})"
-                return world.time, [_early(world, message)]
+            return path, [_early(world, f"{cast[0]} leaves the road")]
+        for body in cast[1:]:
+            if touch(cast[0], body, is_tall=False):
+                return path, [_early(world, f"{cast[0]} touches {body}")]
         if world.is_due(scene.decision, owner):
-            return world.time, []
+            return path, []
         if world.time >= within:
             break
         world.step(driver.act(world.observe()))
     what = f"{scene.decision.kind} {scene.decision.value:g}"
     message = f"{what} is not reached within {within:g} s by an ego that keeps lane and speed"
-    return world.time, [Issue("decision", message)]
+    return path, [Issue("decision", message)]
 
 
 def _early(world: KinematicWorld, what: str) -> Issue:
-    return Issue("decision", f"comes too late: after {world.time:.2f} s the ego {what}")
-
-
-def _boxes(world: KinematicWorld) -> list[Box]:
-    poses: Sequence[Sequence[float]] = world.poses().tolist()
-    return [Box(x, y, yaw, *size) for (x, y, _, yaw), size in zip(poses, world.sizes, strict=True)]
-
-
-def _touch(a: Box, b: Box) -> bool:
-    reach = radius(a.length, a.width) + radius(b.length, b.width)
-    dx, dy = a.x - b.x, a.y - b.y
-    return dx * dx + dy * dy <= reach * reach and gap(a, b) <= 0.0
-
-
-def _pose(box: Box) -> str:
-    return f"x={box.x:.1f} y={box.y:.1f} yaw={math.degrees(box.yaw):.0f} deg"
+    return Issue("decision", f"comes too late: after {world.time:.2f} s {what}")
 
 
 def _in_hazard(path: str, scene: Scene, twin: Scene) -> str:

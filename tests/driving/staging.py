@@ -43,7 +43,7 @@ def scene(
         ego=Ego(speed=speed, lane=lane),
         weather=Weather(friction=friction),
         actors=actors,
-        hazard=hazard or Hazard(weather=Weather()),
+        hazard=hazard or Hazard(weather=Weather(cloud_cover=1.0)),
         decision=decision or Trigger(kind="time", value=1.0),
     )
 
