@@ -10,7 +10,8 @@
     │   └── AnswerError         its answer stayed invalid after repair (keeps the raw text)
     ├── SceneError              a scene that the catalogue or the road refuses
     ├── SimulatorError          the simulator failed
-    │   └── SpawnError          it refused one actor (actor, asset, pose, reason)
+    │   ├── SpawnError          it refused one actor (actor, asset, pose, reason)
+    │   └── SimulatorCrash      it broke down, or took its process with it
     ├── EncoderError            an encoder failed or returned the wrong shape
     ├── StudyError              the folder on disk cannot be read or written
     └── BudgetExceeded          a cap was reached; the study can be resumed
@@ -163,6 +164,15 @@ class SpawnError(SimulatorError):
         super().__init__(
             f"cannot spawn {actor!r} ({asset}) at x={x:.2f} y={y:.2f} z={z:.2f} yaw={yaw:.2f}: {reason}"
         )
+
+
+class SimulatorCrash(SimulatorError):
+    """A simulator broke down in the middle of a scene: an error of its own, or a dead process."""
+
+    def __init__(self, simulator: str, reason: str) -> None:
+        self.simulator = simulator
+        self.reason = reason
+        super().__init__(f"the simulator {simulator!r} broke down: {reason}")
 
 
 class EncoderError(OodscenError):

@@ -24,6 +24,7 @@ EXAMPLES = (
     errors.SceneError("deer-001", ISSUES),
     errors.SimulatorError("message"),
     errors.SpawnError("deer", "deer", (1.0, 2.0, 0.0, 0.5), "no room"),
+    errors.SimulatorCrash("pybullet", "its process died"),
     errors.EncoderError("message"),
     errors.StudyError("message"),
     errors.BudgetExceeded("message"),
@@ -54,6 +55,7 @@ FACTS = {
         "attempts": 3,
     },
     "SceneError": {"scene_id": "deer-001", "issues": ISSUES},
+    "SimulatorCrash": {"simulator": "pybullet", "reason": "its process died"},
     "SpawnError": {
         "actor": "deer",
         "asset": "deer",

@@ -1,7 +1,5 @@
 """Whether a scene can be staged and shows what it claims: vocabulary, places, decision, sight."""
 
-import math
-
 from oodscen.catalogue import Catalogue
 from oodscen.driving.actions import Cruise
 from oodscen.driving.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER

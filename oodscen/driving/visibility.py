@@ -16,6 +16,10 @@ MOST_HIDDEN = 0.8
 _GRID = 6
 """Sight lines per direction through a silhouette."""
 _CLEAR_AIR_M = 10_000.0
+_NEAR = 0.1
+"""Closest thing that a camera shows, m."""
+_EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
+"""Of a box, as pairs of `Solid.corners`."""
 
 Point = tuple[float, float, float]
 
@@ -144,7 +148,7 @@ class Eye:
     def pixel(self, point: Point) -> tuple[float, float, float] | None:
         """Return column, row and depth of a point; `None` behind the camera."""
         across, below, ahead = self.to_camera(point)
-        if ahead < 0.1:
+        if ahead < _NEAR:
             return None
         return (
             0.5 * self.camera.width + self.focal * across / ahead,
@@ -153,9 +157,15 @@ class Eye:
         )
 
     def silhouette(self, body: Solid) -> list[tuple[float, float]]:
-        """Return the outline of a box in the picture, counter-clockwise; empty behind the camera."""
-        seen = [pixel for corner in body.corners() if (pixel := self.pixel(corner))]
-        return hull([(u, v) for u, v, _ in seen]) if len(seen) == 8 else []
+        """Return the outline of a box in the picture, unbounded; empty behind the camera."""
+        corners = [self.to_camera(corner) for corner in body.corners()]
+        points = [one for one in corners if one[2] >= _NEAR]
+        if len(points) < len(corners):
+            points += [cut for i, j in _EDGES if (cut := _cut(corners[i], corners[j])) is not None]
+        width, height, focal = self.camera.width, self.camera.height, self.focal
+        return hull(
+            [(0.5 * width + focal * x / z, 0.5 * height + focal * y / z) for x, y, z in points]
+        )
 
     def see(self, body: Solid, others: Sequence[Solid], road: Corridor | None = None) -> Sight:
         """Judge how one body appears.
@@ -215,6 +225,14 @@ class Eye:
             for a, b, c in zip(self.forward, self.right, self.down, strict=True)
         )
         return x, y, z
+
+
+def _cut(a: Point, b: Point) -> Point | None:
+    """Return where an edge comes out from behind the camera, if it does."""
+    if (a[2] >= _NEAR) == (b[2] >= _NEAR):
+        return None
+    f = (_NEAR - a[2]) / (b[2] - a[2])
+    return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), _NEAR
 
 
 def _enters(body: Solid, origin: Point, ray: Point) -> float | None:

@@ -51,7 +51,7 @@ class Pipeline:
     Args:
         out: The study's folder.
         config: What to run.
-        workers: Processes that simulate; not part of the study's identity.
+        workers: Processes that simulate, 0 for this one; not part of the study's identity.
         executor: Runs the simulation jobs instead of local processes, e.g. a cluster's.
         progress: Told about finished items.
         models: Objects that answer for model names of the configuration.
@@ -66,7 +66,7 @@ class Pipeline:
         out: str | Path,
         config: StudyConfig,
         *,
-        workers: int = 1,
+        workers: int = 0,
         executor: Executor | None = None,
         progress: Progress | None = None,
         models: Mapping[str, LLM] | None = None,
@@ -421,7 +421,7 @@ def run_study(
     out: str | Path,
     config: StudyConfig | None = None,
     *,
-    workers: int = 1,
+    workers: int = 0,
     executor: Executor | None = None,
     progress: Progress | None = None,
     models: Mapping[str, LLM] | None = None,
@@ -431,7 +431,7 @@ def run_study(
     Args:
         out: The folder; made if it does not exist.
         config: What to run; the paper's numbers on the embedded defaults if left out.
-        workers: Processes that simulate.
+        workers: Processes that simulate; 0 simulates in this one.
         executor: Runs the simulation jobs instead of local processes.
         progress: Told about finished items.
         models: Objects that answer for model names of the configuration; other names are looked

@@ -3,10 +3,11 @@
 import multiprocessing
 from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from oodscen.episode import Episode
-from oodscen.errors import MissingExtra, SceneError, SimulatorError
+from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
 from oodscen.protocols import Frame, Simulator
 from oodscen.registry import make_simulator
 from oodscen.scene import Scene
@@ -48,22 +49,23 @@ def sweep(
     job: Job,
     scenes: Sequence[Scene],
     *,
-    workers: int = 1,
+    workers: int = 0,
     executor: Executor | None = None,
 ) -> Iterator[SweepResult]:
     """Run scenes and yield results as they finish, in any order.
 
-    A scene that fails is an episode with its error. When a worker process dies, the scenes that
-    it took with it are run once more, one after the other.
+    A scene that fails is an episode with its error, and so is one that breaks the simulator or
+    kills its process; the others go on with a fresh one. When a worker process dies, the scenes
+    that it took with it are run once more, one after the other.
 
     Args:
         job: What the workers must know.
         scenes: What to run.
-        workers: Local processes; 1 runs here.
+        workers: Local processes; 0 runs here, where a scene that kills its process ends the sweep.
         executor: Used instead of local processes.
     """
     chunks = _chunks(scenes)
-    if executor is None and workers <= 1:
+    if executor is None and workers <= 0:
         for chunk in chunks:
             yield from run_chunk(job, chunk)
         return
@@ -77,18 +79,32 @@ def sweep(
 
 
 def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
-    """Run some scenes in one simulator; what a worker executes."""
-    with make_simulator(job.simulator) as simulator:
-        return [_run(job, simulator, scene) for scene in scenes]
+    """Run some scenes in one simulator; what a worker executes.
+
+    After a breakdown the rest is run in a fresh simulator.
+    """
+    results: list[SweepResult] = []
+    while len(results) < len(scenes):
+        simulator = make_simulator(job.simulator)
+        try:
+            for scene in scenes[len(results) :]:
+                results.append(_run(job, simulator, scene))
+                if results[-1].episode.error_type == SimulatorCrash.__name__:
+                    break
+        finally:
+            with suppress(Exception):
+                simulator.close()
+    return results
 
 
-def failed_episode(job: Job, scene: Scene, error: str) -> Episode:
+def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
     """Return the record of a scene that could not be run."""
     return Episode(
         id=scene.id,
         scene_id=scene.id,
         status="failed",
-        error=error,
+        error=str(error),
+        error_type=type(error).__name__,
         simulator=job.simulator,
         seed=job.seed,
     )
@@ -97,8 +113,13 @@ def failed_episode(job: Job, scene: Scene, error: str) -> Episode:
 def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     try:
         simulated = simulate(scene, simulator, seed=job.seed)
-    except (SceneError, SimulatorError) as error:
-        return SweepResult(failed_episode(job, scene, str(error)))
+    except MissingExtra:
+        raise
+    except OodscenError as error:
+        return SweepResult(failed_episode(job, scene, error))
+    except Exception as error:
+        crash = SimulatorCrash(job.simulator, f"{type(error).__name__}: {error}")
+        return SweepResult(failed_episode(job, scene, crash))
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
     files = {moment: f"frames/{scene.id}/{moment}.jpg" for moment in frames}
     return SweepResult(simulated.episode.model_copy(update={"frames": files}), frames)
@@ -154,8 +175,8 @@ def _recover(job: Job, lost: Sequence[Chunk]) -> Iterator[SweepResult]:
                     yield from pool.submit(run_chunk, job, chunk).result()
                 except BrokenExecutor:
                     if len(chunk) == 1:
-                        error = "the simulator's process died"
-                        yield SweepResult(failed_episode(job, chunk[0], error))
+                        crash = SimulatorCrash(job.simulator, "its process died")
+                        yield SweepResult(failed_episode(job, chunk[0], crash))
                     else:
                         waiting.extend((scene,) for scene in reversed(chunk))
                     break

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from oodscen.episode import MOMENTS
+from oodscen.errors import MissingExtra
 from oodscen.study.sweep import Job, sweep
 from oodscen.testing.scenes import example_scene
 
@@ -48,6 +49,7 @@ def test_a_refused_scene_is_a_failed_episode_and_the_rest_goes_on(here):
     results = by_id(sweep(JOB, [bad, *scenes(2)]))
     assert results["bad"].episode.status == "failed"
     assert "nowhere" in results["bad"].episode.error
+    assert results["bad"].episode.error_type == "SceneError"
     assert results["s-001"] == here["s-001"]
 
 
@@ -67,5 +69,60 @@ def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatc
     results = by_id(sweep(job, scenes(3), workers=2))
     assert results["s-001"].episode.status == "failed"
     assert "process died" in results["s-001"].episode.error
+    assert results["s-001"].episode.error_type == "SimulatorCrash"
     for name in ("s-000", "s-002"):
         assert results[name].episode == here[name].episode
+
+
+def test_one_worker_survives_a_scene_that_kills_it(tmp_path, monkeypatch, here):
+    (tmp_path / "killed_simulator.py").write_text(
+        "import os, signal\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Killed(FlatSimulator):\n"
+        "    def draw(self, camera):\n"
+        "        if self.world.scene.id == 's-000':\n"
+        "            os.kill(os.getpid(), signal.SIGKILL)\n"
+        "        return super().draw(camera)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    results = by_id(sweep(Job(simulator="killed_simulator:Killed"), scenes(2), workers=1))
+    assert results["s-000"].episode.error_type == "SimulatorCrash"
+    assert results["s-001"].episode == here["s-001"].episode
+
+
+def test_a_broken_simulator_is_replaced_and_the_rest_goes_on(tmp_path, monkeypatch, here):
+    (tmp_path / "breaking_simulator.py").write_text(
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Breaking(FlatSimulator):\n"
+        "    is_broken = False\n\n"
+        "    def step(self, control):\n"
+        "        self.is_broken |= self.world.scene.id == 's-001' and self.world.time > 0.5\n"
+        "        if self.is_broken:\n"
+        "            raise RuntimeError('Not connected to physics server.')\n"
+        "        return super().step(control)\n\n"
+        "    def close(self):\n"
+        "        if self.is_broken:\n"
+        "            raise RuntimeError('Not connected to physics server.')\n"
+        "        super().close()\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    results = by_id(sweep(Job(simulator="breaking_simulator:Breaking"), scenes(4)))
+    failed = results["s-001"].episode
+    assert (failed.status, failed.error_type) == ("failed", "SimulatorCrash")
+    assert "physics server" in failed.error
+    for name in ("s-000", "s-002", "s-003"):
+        assert results[name].episode == here[name].episode
+
+
+def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
+    (tmp_path / "lacking_simulator.py").write_text(
+        "from oodscen.errors import MissingExtra\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Lacking(FlatSimulator):\n"
+        "    def load(self, corridor, scene, seed):\n"
+        "        raise MissingExtra('a simulator', 'lacking', 'nothing')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(MissingExtra):
+        list(sweep(Job(simulator="lacking_simulator:Lacking"), scenes(1)))
