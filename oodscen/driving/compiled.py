@@ -1,0 +1,137 @@
+"""Kernels: functions that numba compiles where it is installed, and Python runs where it is not.
+
+Both give the same bits: kernels use plain arithmetic only (see `oodscen.driving.exact`), are
+compiled without any licence to reorder it, and index arrays fully, never row by row.
+
+Nothing is compiled, and numba is not imported, before the first call. The result is kept on disk
+(beside the sources, or in numba's own cache where they are read-only), so that only the first
+call after an installation waits; a line on stderr says so.
+"""
+
+import hashlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, Generic, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Function = TypeVar("Function", bound=Callable[..., object])
+
+_STRICT = {"fastmath": False, "error_model": "numpy"}
+
+_parts: list[Callable[..., object]] = []
+_registered: set[int] = set()
+
+
+@cache
+def is_compiled() -> bool:
+    """Tell whether kernels are compiled here."""
+    return importlib.util.find_spec("numba") is not None
+
+
+def part(function: Function) -> Function:
+    """Let kernels call a function; it stays an ordinary function for everybody else."""
+    _parts.append(function)
+    return function
+
+
+def seen(array: Any) -> Any:
+    """Return an array as kernels take it: itself, or a view that plain Python reads quickly."""
+    return array if is_compiled() else memoryview(array)
+
+
+class Kernel(Generic[P, R]):
+    """A function that is compiled when it is first called; use as a decorator.
+
+    Arguments are numbers, tuples, and arrays as `seen` returns them.
+    """
+
+    def __init__(self, function: Callable[P, R]) -> None:
+        self.plain = function
+        """The function as it was written: the same bits, slowly."""
+        self.__doc__ = function.__doc__
+        self._run: Callable[P, R] | None = None
+        _parts.append(function)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        """Run it."""
+        if self._run is None:
+            return self._first(*args, **kwargs)
+        return self._run(*args, **kwargs)
+
+    def _first(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        if not is_compiled():
+            self._run = self.plain
+            return self.plain(*args, **kwargs)
+        from numba.core import event
+
+        compiled = _compiled(self.plain)
+        with event.install_listener("numba:compile", _announcer()):
+            result = compiled(*args, **kwargs)
+        self._run = compiled
+        return result
+
+
+def _compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Return a function as numba compiles it."""
+    import numba
+    from numba.extending import register_jitable
+
+    for one in _parts:
+        if id(one) not in _registered:
+            _registered.add(id(one))
+            register_jitable(**_STRICT)(one)
+    digest = _digest(function)
+
+    # numba keys its files by the bytes of this one source file; the digest adds all the others.
+    def entry(*args):  # type: ignore[no-untyped-def]
+        digest  # noqa: B018
+        return function(*args)  # type: ignore[call-arg]
+
+    entry.__name__, entry.__qualname__ = function.__name__, function.__qualname__
+    entry.__module__ = function.__module__
+    try:
+        return numba.njit(cache=True, nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
+    except RuntimeError:
+        return numba.njit(nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
+
+
+def _digest(function: Callable[..., object]) -> str:
+    """Return a hash of every source file from which a kernel may draw."""
+    packages = {__name__.rpartition(".")[0], function.__module__.rpartition(".")[0]}
+    modules = {one.__module__ for one in _parts}
+    files = {
+        str(sys.modules[name].__file__)
+        for name in modules
+        if name in sys.modules and name.rpartition(".")[0] in packages
+    }
+    total = hashlib.sha256()
+    for file in sorted(files):
+        total.update(Path(file).read_bytes())
+    return total.hexdigest()
+
+
+@cache
+def _announcer() -> Any:
+    """Return what tells, once per process, that something is being compiled."""
+    from numba.core.event import Event, Listener
+
+    class Announcer(Listener):  # type: ignore[misc]
+        is_new = True
+
+        def on_start(self, event: Event) -> None:
+            if self.is_new:
+                self.is_new = False
+                print(
+                    "oodscen: compiling kernels; this takes some seconds, and only the first time",
+                    file=sys.stderr,
+                    flush=True,
+                )
+
+        def on_end(self, event: Event) -> None:
+            pass
+
+    return Announcer()
