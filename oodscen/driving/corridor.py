@@ -5,17 +5,23 @@ direction and `t` metres to its left. It hides which roads of a map it was made 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving import exact
+from oodscen.driving.coverage import Band, Ranges, covered, merged
+
 StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
 
 DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
 """Kinds of strips on which the ego may be."""
+
+_BATCH = 2048
+"""Points that are located at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +147,7 @@ class Corridor:
         put(self, "length", float(self.s[-1]))
         put(self, "step", float(self.s[-1]) / (len(self.s) - 1))
         put(self, "_rows", [tuple(map(float, row)) for row in zip(*columns, strict=True)])
+        put(self, "_columns", (self.x, self.y, self.cos / norm, self.sin / norm))
         put(self, "_curvature", self.curvature.tolist())
         put(self, "_edges", [(a.right.tolist(), a.left.tolist()) for a in self.strips])
         put(self, "_even", [_even_edges(strip) for strip in self.strips])
@@ -151,14 +158,29 @@ class Corridor:
             if strip.kind == "driving" and strip.left[start] - strip.right[start] > 0.5
         ]
         put(self, "driving", tuple(driving))
-        put(self, "_drivable", _intervals(self.strips))
+        own = _intervals(self.strips)
+        around: list[Ranges] = [()] * len(self.s)
+        if self.others:
+            bands = [list(_bands(other.corridor)) for other in self.others]
+            count = len(self.s)
+            roads = [band for others in bands for is_drivable, band in others if is_drivable]
+            found = covered(roads, self.locate_all, self.step, count)
+            for sample, ranges in found.items():
+                own[sample] = merged(own[sample], ranges)
+            every = [band for others in bands for _, band in others]
+            for sample, ranges in covered(every, self.locate_all, self.step, count).items():
+                around[sample] = tuple(ranges)
+        put(self, "_drivable", own)
+        put(self, "_around", around)
 
     # Plain floats: behaviours look up single points far more often than NumPy can amortise.
     _rows: list[tuple[float, float, float, float, float]] = field(init=False, repr=False)
+    _columns: tuple[NDArray[np.float64], ...] = field(init=False, repr=False)
     _curvature: list[float] = field(init=False, repr=False)
     _edges: list[tuple[list[float], list[float]]] = field(init=False, repr=False)
     _even: list[tuple[float, float] | None] = field(init=False, repr=False)
-    _drivable: list[tuple[tuple[float, float], ...]] = field(init=False, repr=False)
+    _drivable: list[Ranges] = field(init=False, repr=False)
+    _around: list[Ranges] = field(init=False, repr=False)
 
     @property
     def ego_lanes(self) -> tuple[int, ...]:
@@ -186,7 +208,7 @@ class Corridor:
             x0 + f * (x1 - x0) + beyond * cos - t * sin,
             y0 + f * (y1 - y0) + beyond * sin + t * cos,
             z0 + f * (z1 - z0),
-            math.atan2(sin, cos),
+            exact.atan2(sin, cos),
         )
 
     def locate(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
@@ -234,15 +256,79 @@ class Corridor:
         dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
         return (index + f) * step, (dy * cos - dx * sin) / norm
 
+    def locate_all(
+        self, x: NDArray[np.float64], y: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the places of many points, to the bit what `locate` returns for each.
+
+        Args:
+            x: [n], m
+            y: [n], m
+
+        Returns:
+            s and t, [n] each.
+        """
+        s, t = np.empty(len(x)), np.empty(len(x))
+        for first in range(0, len(x), _BATCH):
+            part = slice(first, first + _BATCH)
+            s[part], t[part] = self._locate_batch(x[part], y[part])
+        return s, t
+
+    def _locate_batch(
+        self, x: NDArray[np.float64], y: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        lx, ly, lc, ls = self._columns
+        step, last = self.step, len(lx) - 2
+        square = (self.x - x[:, None]) ** 2 + (self.y - y[:, None]) ** 2
+        index = np.clip((square.argmin(axis=1) * step / step).astype(np.int64), 0, last)
+        pending = np.arange(len(x))
+        for _ in range(200):
+            here = index[pending]
+            px, py = x[pending], y[pending]
+            before = (px - lx[here]) * lc[here] + (py - ly[here]) * ls[here]
+            back = (before < 0.0) & (here > 0)
+            after = (px - lx[here + 1]) * lc[here + 1] + (py - ly[here + 1]) * ls[here + 1]
+            on = ~back & (after > 0.0) & (here < last)
+            if not (back | on).any():
+                break
+            less = 1 + np.minimum((-before / (2.0 * step)).astype(np.int64), here - 1)
+            more = 1 + np.minimum((after / (2.0 * step)).astype(np.int64), last - here - 1)
+            index[pending] = np.where(back, here - less, np.where(on, here + more, here))
+            pending = pending[back | on]
+        x0, y0, c0, s0 = lx[index], ly[index], lc[index], ls[index]
+        x1, y1, c1, s1 = lx[index + 1], ly[index + 1], lc[index + 1], ls[index + 1]
+        before = (x - x0) * c0 + (y - y0) * s0
+        after = (x - x1) * c1 + (y - y1) * s1
+        inside = before > after
+        f = np.where(inside, before / np.where(inside, before - after, 1.0), 0.0)
+        going = np.ones(len(x), dtype=np.bool_)
+        for _ in range(4):
+            dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
+            cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
+            along = dx * cos + dy * sin
+            slope = dx * (c1 - c0) + dy * (s1 - s0) - (x1 - x0) * cos - (y1 - y0) * sin
+            going &= (slope != 0.0) & ~(np.abs(along) < 1e-12)
+            if not going.any():
+                break
+            f = np.where(going, f - along / np.where(going, slope, 1.0), f)
+        cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
+        norm = np.sqrt(cos * cos + sin * sin)
+        dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
+        s, t = (index + f) * step, (dy * cos - dx * sin) / norm
+        early, late = before < 0.0, ~(before < 0.0) & (after > 0.0)
+        s = np.where(early, before, np.where(late, self.length + after, s))
+        t = np.where(early, (y - y0) * c0 - (x - x0) * s0, t)
+        return s, np.where(late, (y - y1) * c1 - (x - x1) * s1, t)
+
     def heading(self, s: float) -> float:
         """Return the road's heading at `s`, rad."""
         _, _, _, cos, sin = self._rows[self._index(s)]
-        return math.atan2(sin, cos)
+        return exact.atan2(sin, cos)
 
     def alignment(self, s: float, yaw: float) -> float:
         """Return the cosine between the road at `s` and a direction: 1 along it, -1 against it."""
         _, _, _, cos, sin = self._rows[self._index(s)]
-        return cos * math.cos(yaw) + sin * math.sin(yaw)
+        return cos * exact.cos(yaw) + sin * exact.sin(yaw)
 
     def bend(self, s: float) -> float:
         """Return the reference line's curvature at `s`, 1/m, left positive; 0 beyond the ends."""
@@ -290,6 +376,15 @@ class Corridor:
         """Return t of the right and left edge of the whole cross-section at `s`."""
         return self.edges(0, s)[0], self.edges(len(self.strips) - 1, s)[1]
 
+    def is_on_map(self, s: float, t: float) -> bool:
+        """Tell whether a place is on a strip of the ego's road or of another one."""
+        right, left = self.extent(s)
+        if right <= t <= left:
+            return True
+        if not 0.0 <= s <= self.length:
+            return False
+        return any(low <= t <= high for low, high in self._around[self._index(s)])
+
     def neighbour(self, strip: int, s: float, side: int) -> int | None:
         """Return the driving strip that touches `strip` on one side.
 
@@ -313,6 +408,18 @@ class Corridor:
         return min(max(int(s / self.step + 0.5), 0), len(self._rows) - 1)
 
 
+def _bands(road: Corridor) -> Iterator[tuple[bool, Band]]:
+    """Yield the strips of a road as bands in the world, and whether each can be driven on."""
+    norm = np.sqrt(road.cos * road.cos + road.sin * road.sin)
+    cos, sin = road.cos / norm, road.sin / norm
+    for strip in road.strips:
+        if (strip.left - strip.right).max() > 0.01:
+            sides = [
+                (road.x - edge * sin, road.y + edge * cos) for edge in (strip.right, strip.left)
+            ]
+            yield strip.kind in DRIVABLE, Band(sides[0], sides[1])
+
+
 def _even_edges(strip: LaneStrip) -> tuple[float, float] | None:
     """Return t of both edges where they are the same along the whole corridor."""
     right, left = float(strip.right[0]), float(strip.left[0])
@@ -320,11 +427,11 @@ def _even_edges(strip: LaneStrip) -> tuple[float, float] | None:
     return (right, left) if is_even else None
 
 
-def _intervals(strips: Sequence[LaneStrip]) -> list[tuple[tuple[float, float], ...]]:
+def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
     """Return, for every sample, the drivable ranges of t with touching strips merged."""
     edges = [(s.right.tolist(), s.left.tolist()) for s in strips if s.kind in DRIVABLE]
     count = len(strips[0].right) if strips else 0
-    merged: list[tuple[tuple[float, float], ...]] = []
+    ranges_of: list[Ranges] = []
     for sample in range(count):
         ranges: list[tuple[float, float]] = []
         for right, left in edges:
@@ -335,5 +442,5 @@ def _intervals(strips: Sequence[LaneStrip]) -> list[tuple[tuple[float, float], .
                 ranges[-1] = (ranges[-1][0], high)
             else:
                 ranges.append((low, high))
-        merged.append(tuple(ranges))
-    return merged
+        ranges_of.append(tuple(ranges))
+    return ranges_of

@@ -1,7 +1,7 @@
 """The curves of a road's plan view: line, arc, clothoid and polynomials, evaluated by arc length.
 
-Formulae: ASAM OpenDRIVE 1.7, section 7. Everything is evaluated with scalar `math` functions, so
-that no vector library's last bits reach a simulation.
+Formulae: ASAM OpenDRIVE 1.7, section 7. Everything is plain arithmetic, so that the last bits of
+no mathematical library reach a simulation.
 """
 
 import math
@@ -9,6 +9,8 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from oodscen.driving.exact import atan2, cos, sin
 
 _GAUSS = (
     (-0.9061798459386640, 0.2369268850561891),
@@ -70,9 +72,12 @@ class Curve(ABC):
 
     def _place(self, u: float, v: float, turn: float, curvature: float) -> CurvePoint:
         """Turn a point of the local frame (u forward, v left) into the road's frame."""
-        cos, sin = math.cos(self.heading), math.sin(self.heading)
+        along, across = cos(self.heading), sin(self.heading)
         return CurvePoint(
-            self.x + u * cos - v * sin, self.y + u * sin + v * cos, self.heading + turn, curvature
+            self.x + u * along - v * across,
+            self.y + u * across + v * along,
+            self.heading + turn,
+            curvature,
         )
 
 
@@ -94,10 +99,8 @@ class Arc(Curve):
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""
         half = 0.5 * self.curvature * along
-        chord = along * (math.sin(half) / half if abs(half) > 1e-12 else 1.0)
-        return self._place(
-            chord * math.cos(half), chord * math.sin(half), 2.0 * half, self.curvature
-        )
+        chord = along * (sin(half) / half if abs(half) > 1e-12 else 1.0)
+        return self._place(chord * cos(half), chord * sin(half), 2.0 * half, self.curvature)
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ class Spiral(Curve):
 
     def __post_init__(self) -> None:
         bend = max(abs(self.curvature_start), abs(self.curvature_end))
-        count = max(1, math.ceil(self.length * (1.0 + 4.0 * bend)))
+        count = max(1, math.ceil(self.length * (0.1 + 4.0 * bend)))
         nodes = [(0.0, 0.0, 0.0)]
         for index in range(count):
             start, end = self.length * index / count, self.length * (index + 1) / count
@@ -127,8 +130,8 @@ class Spiral(Curve):
         u = v = 0.0
         for node, weight in _GAUSS:
             turn = self._turn(middle + half * node)
-            u += weight * math.cos(turn)
-            v += weight * math.sin(turn)
+            u += weight * cos(turn)
+            v += weight * sin(turn)
         return half * u, half * v
 
     def at(self, along: float) -> CurvePoint:
@@ -154,7 +157,7 @@ class ParamPoly3(Curve):
         p = along / self.length * self.scale
         u, du, ddu = _derivatives(self.u, p)
         v, dv, ddv = _derivatives(self.v, p)
-        return self._place(u, v, math.atan2(dv, du), _bend(du, dv, ddu, ddv))
+        return self._place(u, v, atan2(dv, du), _bend(du, dv, ddu, ddv))
 
 
 @dataclass(frozen=True)
@@ -166,10 +169,13 @@ class Poly3(Curve):
 
     def __post_init__(self) -> None:
         nodes = [(0.0, 0.0)]
-        step = min(0.25, self.length)
+        step = min(max(0.25, self.length / 40_000.0), self.length)
         while nodes[-1][0] < self.length:
             u, arc = nodes[-1][1], nodes[-1][0]
             _, slope, _ = _derivatives(self.v, u + 0.5 * step)
+            if not abs(slope) < 1e6:
+                nodes.append((self.length + 1.0, u + step))
+                break
             nodes.append((arc + step * math.sqrt(1.0 + slope * slope), u + step))
         object.__setattr__(self, "_nodes", tuple(nodes))
 
@@ -180,7 +186,7 @@ class Poly3(Curve):
         (arc0, u0), (arc1, u1) = self._nodes[index], self._nodes[index + 1]
         u = u0 + (u1 - u0) * (along - arc0) / (arc1 - arc0)
         v, slope, bend = _derivatives(self.v, u)
-        return self._place(u, v, math.atan2(slope, 1.0), _bend(1.0, slope, 0.0, bend))
+        return self._place(u, v, atan2(slope, 1.0), _bend(1.0, slope, 0.0, bend))
 
 
 def _derivatives(k: tuple[float, float, float, float], p: float) -> tuple[float, float, float]:

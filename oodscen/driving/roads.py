@@ -1,47 +1,64 @@
 """Makes corridors from OpenDRIVE files."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen.catalogue import Catalogue, RoadMap
-from oodscen.driving.corridor import Corridor, LaneStrip, StripKind
+from oodscen.driving.corridor import Corridor, OtherRoad, Outline, RoadSignal, Structure
+from oodscen.driving.crosssection import Places, build_strips, frozen
+from oodscen.driving.exact import cos, sin
 from oodscen.driving.geometry import piecewise
-from oodscen.driving.opendrive import MAX_BYTES, Lane, LaneSection, Road, read_road
+from oodscen.driving.network import Network, Road, Signal
+from oodscen.driving.opendrive import MAX_BYTES, read_network
+from oodscen.driving.routes import (
+    AHEAD_M,
+    BEHIND_M,
+    Leg,
+    find_route,
+    joint,
+    road_point,
+    straight_on,
+)
 from oodscen.errors import DataError, Issue, UnknownComponent
 
 SAMPLE_STEP = 0.5
 """Metres between two samples of a corridor, at most."""
-
-_KINDS: dict[str, StripKind] = {
-    **dict.fromkeys(("driving", "entry", "exit", "onRamp", "offRamp", "slipLane"), "driving"),
-    **dict.fromkeys(("connectingRamp", "bidirectional", "bus", "taxi", "HOV"), "driving"),
-    **dict.fromkeys(("shoulder", "stop", "biking"), "shoulder"),
-    **dict.fromkeys(("sidewalk", "walking"), "sidewalk"),
-    **dict.fromkeys(("border", "curb", "restricted"), "border"),
-    "parking": "parking",
-    "median": "median",
-}
-"""OpenDRIVE's lane types; whatever is missing here is `none`."""
+NEAR_M = 400.0
+"""Other roads and signals are kept up to this far from the ego's road."""
 
 _DEFAULT_SPEED_LIMIT = 13.9
+_SNAP = 1e-3
+"""Metres below which two reference lines count as one."""
+_TIGHTEST = 0.1
+"""What a parallel line of a bend keeps of its length, at least."""
 
 
 def load_corridor(road_map: RoadMap) -> Corridor:
     """Return the road that the ego of a map drives; the same file is read once per process.
 
+    Roads that follow each other, through junctions, too, are one corridor: those of
+    `RoadMap.route`, then straight on.
+
     Args:
-        road_map: Where the OpenDRIVE file is, and where in it the ego starts.
+        road_map: Where the OpenDRIVE file is, where in it the ego starts, and where it goes.
 
     Raises:
-        DataError: With every fault of the file, or when the start is not on the road.
+        DataError: With every fault of the file, or when start or route are not on the road.
     """
-    data = _read(road_map.file)
-    return _corridor(data, road_map.road, road_map.start_m, road_map.forward, road_map.file)
+    return _corridor(
+        _read(road_map.file),
+        road_map.road,
+        road_map.start_m,
+        road_map.forward,
+        road_map.route,
+        road_map.file,
+    )
 
 
 def find_map(name: str, catalogue: Catalogue) -> RoadMap:
@@ -49,7 +66,8 @@ def find_map(name: str, catalogue: Catalogue) -> RoadMap:
 
     Args:
         name: `Scene.map`: a map's id, or the path of an `.xodr` file. In a file of one's own the
-            ego starts on the first road, 160 m after its beginning or a quarter along.
+            ego starts on the first road outside junctions from which it can drive far enough
+            straight on, 160 m after the beginning of that way or a quarter along.
         catalogue: Of the simulator.
 
     Raises:
@@ -62,27 +80,78 @@ def find_map(name: str, catalogue: Catalogue) -> RoadMap:
         except KeyError:
             known = [road.id for road in catalogue.maps]
             raise UnknownComponent("map", name, known) from None
-    road = read_road(_read(name), source=name)
-    start = min(160.0, 0.25 * road.length)
-    corridor = _corridor(_read(name), "", start, True, name)
-    directions = [corridor.strips[index].direction for index in corridor.driving]
-    forward = any(direction > 0 for direction in directions)
-    if not forward:
-        start = road.length - start
-        corridor = _corridor(_read(name), "", start, False, name)
+    return _describe(_read(name), name)
+
+
+@lru_cache(maxsize=16)
+def _describe(data: bytes, name: str) -> RoadMap:
+    """Choose where the ego starts in a file of one's own."""
+    network = _network(data, name)
+    legs, index, start = _default_start(network, name)
+    road, forward = legs[index]
+    start_m = start if forward else road.length - start
+    route = tuple(leg.road.id for leg in legs[index + 1 :])
+    corridor = _corridor(data, road.id, start_m, forward, route, name)
     kinds = {strip.kind for strip in corridor.strips}
     return RoadMap(
         id=Path(name).stem,
         description=f"the road of {Path(name).name}",
         file=name,
-        start_m=start,
+        road=road.id,
+        start_m=start_m,
         forward=forward,
+        route=route,
         lanes=max(1, len(corridor.ego_lanes)),
         oncoming_lanes=len(corridor.driving) - len(corridor.ego_lanes),
         has_shoulder="shoulder" in kinds,
         speed_limit=corridor.speed_limit,
         length_m=max(1.0, corridor.length - corridor.start),
+        traits=("junction",) if corridor.in_junction.any() else (),
     )
+
+
+def _default_start(network: Network, source: str) -> tuple[list[Leg], int, float]:
+    """Return a way through the network, and on which of its legs the ego starts, and where."""
+    best: tuple[list[Leg], int, float] | None = None
+    longest = 0.0
+    for road in list(network.roads.values())[:200]:
+        if road.junction:
+            continue
+        for leg in (Leg(road, True), Leg(road, False)):
+            if not leg.has_lane(1):
+                continue
+            legs = [leg]
+            total = road.length
+            for after in straight_on(network, leg):
+                if total >= AHEAD_M:
+                    break
+                legs.append(after)
+                total += after.road.length
+            if total > longest:
+                at = min(160.0, 0.25 * total)
+                found = _open_leg(legs, at)
+                if found is not None:
+                    best, longest = (legs, *found), total
+            if longest >= BEHIND_M + 300.0:
+                break
+        if longest >= BEHIND_M + 300.0:
+            break
+    if best is None:
+        issue = Issue("", "no road outside junctions has a driving lane")
+        raise DataError("OpenDRIVE file", [issue], source=source)
+    return best
+
+
+def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
+    """Return the leg outside junctions that is met at or before a place, and where on it."""
+    found: tuple[int, float] | None = None
+    for index, leg in enumerate(legs):
+        if not leg.road.junction and leg.has_lane(1):
+            found = index, min(max(at, 0.0), leg.road.length)
+        at -= leg.road.length
+        if at <= 0.0 and found is not None:
+            break
+    return found
 
 
 def _read(file: str) -> bytes:
@@ -101,181 +170,282 @@ def _read(file: str) -> bytes:
         raise DataError("OpenDRIVE file", [Issue("", str(error))], source=file) from None
 
 
+@lru_cache(maxsize=8)
+def _network(data: bytes, source: str) -> Network:
+    return read_network(data, source=source)
+
+
 @lru_cache(maxsize=32)
-def _corridor(data: bytes, road_id: str, start: float, forward: bool, source: str) -> Corridor:
-    road = read_road(data, road_id, source=source)
+def _corridor(
+    data: bytes,
+    road_id: str,
+    start: float,
+    forward: bool,
+    route: tuple[str, ...],
+    source: str,
+) -> Corridor:
+    network = _network(data, source)
+
+    def fault(path: str, message: str) -> DataError:
+        return DataError("OpenDRIVE file", [Issue(path, message)], source=source)
+
+    if road_id and road_id not in network.roads:
+        known = ", ".join(identity[:40] for identity in list(network.roads)[:20])
+        raise fault("road", f"no road {road_id!r}; the file has: {known}")
+    road = network.roads[road_id] if road_id else next(iter(network.roads.values()))
     if not 0.0 <= start <= road.length:
-        message = f"{start:g} m is not on the road, which is {road.length:g} m long"
-        raise DataError("OpenDRIVE file", [Issue("start_m", message)], source=source)
-    corridor = build_corridor(road, start_m=start, forward=forward)
+        raise fault("start_m", f"{start:g} m is not on the road, which is {road.length:g} m long")
+    legs, index, issues = find_route(network, Leg(road, forward), start, route)
+    if issues:
+        raise DataError("OpenDRIVE file", issues, source=source)
+    try:
+        corridor = build_route(network, legs, index=index, start_m=start)
+    except ValueError as error:
+        raise fault("", str(error)) from None
     if not corridor.driving:
-        issue = Issue("", f"road {road.id!r} has no driving lane where the ego starts")
-        raise DataError("OpenDRIVE file", [issue], source=source)
+        raise fault("", f"road {road.id!r} has no driving lane where the ego starts")
     return corridor
 
 
 def build_corridor(road: Road, *, start_m: float = 0.0, forward: bool = True) -> Corridor:
-    """Sample one road in the ego's driving direction.
+    """Sample one road, alone, in the ego's driving direction.
 
     Args:
         road: As read from a file.
         start_m: Where along the road's own reference line the ego starts.
         forward: Whether the ego drives along the reference line or against it.
+
+    Raises:
+        ValueError: When the road has too many lanes.
     """
-    end = road.curves[-1].s + road.curves[-1].length
-    length = min(road.length, end)
+    return _sampled(Network({road.id: road}), [Leg(road, forward)], 0, start_m)
+
+
+def build_route(
+    network: Network, legs: Sequence[Leg], *, index: int = 0, start_m: float = 0.0
+) -> Corridor:
+    """Sample the roads that the ego drives, and describe what is around them.
+
+    Args:
+        network: All roads of the file.
+        legs: In the order in which they are driven.
+        index: Of the leg on which the ego starts.
+        start_m: Where along that road's own reference line it starts.
+
+    Raises:
+        ValueError: When a bend is too tight to be driven, or there are too many lanes.
+    """
+    corridor = _sampled(network, legs, index, start_m)
+    taken = {leg.road.id for leg in legs}
+    near = _Nearness(corridor)
+    others = [
+        OtherRoad(build_corridor(road), road.id, bool(road.junction), road.junction)
+        for road in network.roads.values()
+        if road.id not in taken and near.has(road)
+    ]
+    signals: list[RoadSignal] = []
+    outlines: list[Outline] = []
+    for road in network.roads.values():
+        if (road.signals or road.patches) and near.has(road):
+            signals += [_signal(road, signal, corridor) for signal in road.signals]
+            outlines += _outlines(road)
+    return replace(
+        corridor, others=tuple(others), signals=tuple(signals), crosswalks=tuple(outlines)
+    )
+
+
+def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) -> Corridor:
+    """Sample a chain of legs as one evenly spaced line."""
+    tracks = _tracks(legs)
+    begins = [0.0]
+    for track in tracks:
+        begins.append(begins[-1] + track.length)
+    length = begins[-1]
     count = max(2, math.ceil(length / SAMPLE_STEP - 1e-9) + 1)
     along = [length * index / (count - 1) for index in range(count)]
+    places = Places([], [], [track.shift for track in tracks])
     columns: list[list[float]] = [[], [], [], [], [], []]
-    piece = 0
+    number = 0
     for s in along:
-        while piece + 1 < len(road.curves) and s >= road.curves[piece + 1].s:
-            piece += 1
-        curve = road.curves[piece]
-        place = curve.at(min(max(s - curve.s, 0.0), curve.length))
-        values = (
-            place.x,
-            place.y,
-            piecewise(road.elevation, s),
-            math.cos(place.heading),
-            math.sin(place.heading),
-            place.curvature,
-        )
-        for column, value in zip(columns, values, strict=True):
+        while number + 1 < len(tracks) and s >= begins[number + 1]:
+            number += 1
+        track = tracks[number]
+        own = track.own(s - begins[number])
+        places.legs.append(number)
+        places.own.append(own)
+        for column, value in zip(columns, track.point(own), strict=True):
             column.append(round(value, 6))
-    strips = _strips(road, along)
-    x, y, z, cos, sin, curvature = (np.array(column) + 0.0 for column in columns)
-    start = start_m
-    if not forward:
-        x, y, z, cos, sin, curvature = (
-            x[::-1],
-            y[::-1],
-            z[::-1],
-            -cos[::-1],
-            -sin[::-1],
-            -curvature[::-1],
-        )
-        strips = [_mirrored(strip, before) for before, strip in _with_right_neighbour(strips)]
-        start = length - start_m
+    x, y, z, c, s_, curvature = (frozen(np.array(column)) for column in columns)
+    in_junction = np.array([bool(legs[number].road.junction) for number in places.legs])
+    in_junction.setflags(write=False)
     return Corridor(
-        s=_frozen(np.array([round(s, 6) for s in along])),
-        x=_frozen(x),
-        y=_frozen(y),
-        z=_frozen(z),
-        cos=_frozen(cos),
-        sin=_frozen(sin),
-        curvature=_frozen(curvature),
-        strips=tuple(strips),
-        start=start,
-        speed_limit=road.speed_limit or _DEFAULT_SPEED_LIMIT,
+        s=frozen(np.array([round(s, 6) for s in along])),
+        x=x,
+        y=y,
+        z=z,
+        cos=c,
+        sin=s_,
+        curvature=curvature,
+        strips=tuple(build_strips(network, legs, places, in_junction)),
+        start=begins[index] + tracks[index].from_start(start_m),
+        speed_limit=legs[index].road.speed_limit or _DEFAULT_SPEED_LIMIT,
+        in_junction=in_junction,
+        structures=_structures(legs, tracks, begins),
     )
 
 
-def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a contiguous read-only copy without negative zeros."""
-    copy = np.ascontiguousarray(array, dtype=np.float64) + 0.0
-    copy.setflags(write=False)
-    return copy
+class _Track:
+    """One leg's share of a corridor's line: parallel to the road's own line, `shift` to its left.
+
+    The corridor's line goes on without a jump where a road's own line begins beside the end of the
+    one before; lanes that continue each other there keep their offsets from it.
+    """
+
+    def __init__(self, leg: Leg, shift: float) -> None:
+        self.leg = leg
+        self.shift = shift
+        road = leg.road
+        self.span = min(road.length, road.curves[-1].s + road.curves[-1].length)
+        self._nodes = [0.0]
+        if shift:
+            steps = max(1, math.ceil(self.span / (0.5 * SAMPLE_STEP)))
+            self._step = self.span / steps
+            for step in range(steps):
+                kept = 1.0 - shift * self._road_point((step + 0.5) * self._step)[3]
+                if kept < _TIGHTEST:
+                    raise ValueError(f"road {road.id!r} bends too tightly for the lanes before it")
+                self._nodes.append(self._nodes[-1] + kept * self._step)
+        self.length = self._nodes[-1] if shift else self.span
+        self._last = 0
+
+    def _own(self, driven: float) -> float:
+        """Return s along the road's own line from metres driven along that line."""
+        return driven if self.leg.forward else self.span - driven
+
+    def _road_point(self, driven: float) -> tuple[float, float, float, float]:
+        x, y, heading, curvature = road_point(self.leg.road, self._own(driven))
+        sign = 1.0 if self.leg.forward else -1.0
+        return x, y, heading, sign * curvature
+
+    def own(self, along: float) -> float:
+        """Return s along the road's own line from metres along this track; they only grow."""
+        if not self.shift:
+            return self._own(along)
+        while self._last + 2 < len(self._nodes) and along >= self._nodes[self._last + 1]:
+            self._last += 1
+        low, high = self._nodes[self._last], self._nodes[self._last + 1]
+        return self._own((self._last + (along - low) / (high - low)) * self._step)
+
+    def from_start(self, own: float) -> float:
+        """Return metres along this track from s along the road's own line."""
+        driven = own if self.leg.forward else self.span - own
+        if not self.shift:
+            return driven
+        index = min(max(int(driven / self._step), 0), len(self._nodes) - 2)
+        low, high = self._nodes[index], self._nodes[index + 1]
+        return low + (driven / self._step - index) * (high - low)
+
+    def point(self, own: float) -> tuple[float, float, float, float, float, float]:
+        """Return x, y, z, cosine and sine of the heading, and curvature at own s."""
+        road, forward = self.leg
+        place = road_point(road, own)
+        sign = 1.0 if forward else -1.0
+        along, across = sign * cos(place.heading), sign * sin(place.heading)
+        curvature = sign * place.curvature
+        z = piecewise(road.elevation, own)
+        if not self.shift:
+            return place.x, place.y, z, along, across, curvature
+        x, y = place.x - self.shift * across, place.y + self.shift * along
+        return x, y, z, along, across, curvature / (1.0 - self.shift * curvature)
 
 
-class _Chain:
-    """One lane followed through the lane sections; it has no width where it does not exist."""
-
-    def __init__(self, lane: Lane) -> None:
-        self.type = lane.type
-        self.reversed = lane.reversed
-        self.mark = lane.mark
-        self.lanes: dict[int, Lane] = {}
-
-
-def _chains(sections: tuple[LaneSection, ...], sign: int) -> list[_Chain]:
-    """Return the chains of one side of the road, from the inside out."""
-    chains: list[_Chain] = []
-    expected: dict[int, _Chain] = {}
-    for number, section in enumerate(sections):
-        inner: _Chain | None = None
-        current: dict[int, _Chain] = {}
-        for lane in sorted((x for x in section.lanes if x.id * sign > 0), key=lambda x: abs(x.id)):
-            chain = expected.get(lane.id)
-            after = 0 if inner is None else chains.index(inner) + 1
-            fits = chain is not None and chains.index(chain) >= after
-            if chain is None or not fits or chain.type != lane.type or number in chain.lanes:
-                chain = _Chain(lane)
-                chains.insert(after, chain)
-            chain.lanes[number] = lane
-            current[lane.id] = inner = chain
-        has_links = any(chain.lanes[number].successor is not None for chain in current.values())
-        expected = {}
-        for identity, chain in current.items():
-            following = chain.lanes[number].successor if has_links else identity
-            if following is not None:
-                expected[following] = chain
-    return chains
+def _tracks(legs: Sequence[Leg]) -> list[_Track]:
+    tracks: list[_Track] = []
+    for leg in legs:
+        shift = 0.0
+        if tracks:
+            before = tracks[-1]
+            _, across, _ = joint(before.leg, leg)
+            shift = before.shift - across
+            if abs(shift) < _SNAP:
+                shift = 0.0
+        tracks.append(_Track(leg, shift))
+    return tracks
 
 
-def _strips(road: Road, along: list[float]) -> list[LaneStrip]:
-    """Return the cross-section from right to left along the road's own direction."""
-    starts = [section.s for section in road.sections]
-    owner, current = [], 0
-    for s in along:
-        while current + 1 < len(starts) and s >= starts[current + 1]:
-            current += 1
-        owner.append(current)
-    offsets = [piecewise(road.lane_offset, s) for s in along]
-    centre = next(lane for lane in road.sections[0].lanes if lane.id == 0)
-    forward = -1 if road.left_hand else 1
-    sides: list[list[LaneStrip]] = []
-    for sign in (-1, 1):
-        edge = [round(offset, 6) + 0.0 for offset in offsets]
-        strips: list[LaneStrip] = []
-        inner_mark = _mark(centre.mark)
-        for chain in _chains(road.sections, sign):
-            outer = []
-            for index, s in enumerate(along):
-                lane = chain.lanes.get(owner[index])
-                width = 0.0 if lane is None else piecewise(lane.widths, s - starts[owner[index]])
-                outer.append(round(edge[index] + sign * min(max(width, 0.0), 100.0), 6) + 0.0)
-            kind = _KINDS.get(chain.type, "none")
-            direction = 0
-            if kind in ("driving", "shoulder", "parking"):
-                direction = -sign * forward * (-1 if chain.reversed else 1)
-            right, left = (outer, edge) if sign < 0 else (edge, outer)
-            mark = _mark(chain.mark)
-            strips.append(
-                LaneStrip(
-                    kind=kind,
-                    direction=direction,
-                    right=_frozen(np.array(right)),
-                    left=_frozen(np.array(left)),
-                    mark=inner_mark if sign < 0 else mark,
-                    right_mark=mark if sign < 0 else inner_mark,
-                )
-            )
-            edge, inner_mark = outer, mark
-        sides.append(strips)
-    return sides[0][::-1] + sides[1]
+def _structures(
+    legs: Sequence[Leg], tracks: Sequence[_Track], begins: Sequence[float]
+) -> tuple[Structure, ...]:
+    """Return tunnels and bridges of the route; those that meet at a joint stay apart."""
+    found = []
+    for leg, track, begin in zip(legs, tracks, begins[:-1], strict=True):
+        for stretch in leg.road.stretches:
+            ends = [
+                begin + track.from_start(min(max(end, 0.0), track.span))
+                for end in (stretch.start, stretch.end)
+            ]
+            if max(ends) - min(ends) > 0.1:
+                found.append(Structure(stretch.kind, round(min(ends), 6), round(max(ends), 6)))
+    return tuple(sorted(found, key=lambda one: one.start))
 
 
-def _mark(word: str) -> str:
-    """Return the mark as corridors name it."""
-    if word in ("none", "curb"):
-        return word
-    return "broken" if word in ("broken", "broken broken", "botts dots") else "solid"
+class _Nearness:
+    """Which roads come close to a corridor."""
+
+    def __init__(self, corridor: Corridor) -> None:
+        every = max(1, round(20.0 / corridor.step))
+        self.x, self.y = corridor.x[::every], corridor.y[::every]
+
+    def has(self, road: Road) -> bool:
+        """Tell whether a road has a piece that begins or ends near the corridor."""
+        ends = [(curve.x, curve.y) for curve in road.curves]
+        last = road_point(road, road.length)
+        for x, y in [*ends, (last.x, last.y)]:
+            if bool(((self.x - x) ** 2 + (self.y - y) ** 2 <= NEAR_M * NEAR_M).any()):
+                return True
+        return False
 
 
-def _with_right_neighbour(strips: list[LaneStrip]) -> list[tuple[LaneStrip | None, LaneStrip]]:
-    """Pair the strips, in mirrored order, with what was on their right."""
-    before = [None, *strips[:-1]]
-    return list(zip(before, strips, strict=True))[::-1]
-
-
-def _mirrored(strip: LaneStrip, before: LaneStrip | None) -> LaneStrip:
-    """Return a strip as a driver of the other direction sees it."""
-    return LaneStrip(
-        kind=strip.kind,
-        direction=-strip.direction,
-        right=_frozen(-strip.left[::-1]),
-        left=_frozen(-strip.right[::-1]),
-        mark=strip.right_mark if before is None else before.mark,
-        right_mark=strip.mark,
+def _signal(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:
+    """Place a signal in the world."""
+    place = road_point(road, signal.s)
+    along, across = cos(place.heading), sin(place.heading)
+    x = round(place.x - signal.t * across, 6) + 0.0
+    y = round(place.y + signal.t * along, 6) + 0.0
+    faces = place.heading + signal.turn + (0.0 if signal.orientation == "-" else math.pi)
+    s, t = corridor.locate(x, y)
+    is_light = signal.is_dynamic or signal.type.startswith("1000")
+    return RoadSignal(
+        id=signal.id,
+        kind="traffic_light" if is_light else "sign",
+        type=signal.type,
+        value=signal.value,
+        x=x,
+        y=y,
+        z=round(piecewise(road.elevation, signal.s), 6) + 0.0,
+        yaw=round(math.remainder(faces, math.tau), 6) + 0.0,
+        s=round(s, 6) + 0.0,
+        t=round(t, 6) + 0.0,
+        height=signal.height,
+        country=signal.country,
+        name=signal.name,
     )
+
+
+def _outlines(road: Road) -> list[Outline]:
+    """Place a road's crosswalks and stop lines in the world."""
+    outlines = []
+    for patch in road.patches:
+        points = []
+        for s, t in patch.corners:
+            place = road_point(road, s)
+            along, across = cos(place.heading), sin(place.heading)
+            beyond = s - min(max(s, 0.0), road.length)
+            x, y = place.x + beyond * along, place.y + beyond * across
+            points.append((round(x - t * across, 6) + 0.0, round(y + t * along, 6) + 0.0))
+        area = sum(
+            ax * by - bx * ay
+            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True)
+        )
+        outlines.append(Outline(patch.kind, frozen(np.array(points if area > 0 else points[::-1]))))
+    return outlines

@@ -1,0 +1,115 @@
+"""Where the cross-sections of a corridor run over the strips of other roads."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Ranges = tuple[tuple[float, float], ...]
+"""Disjoint ranges of t, ascending, m."""
+
+REACH_M = 170.0
+"""How far to the side of a corridor other roads count."""
+_TOUCH = 0.05
+"""Metres between two ranges below which they are one."""
+_MAX_SPAN_M = 40.0
+
+
+class Band(NamedTuple):
+    """A strip of another road: its edges in the world, sample by sample."""
+
+    right: tuple[FloatArray, FloatArray]
+    """x and y"""
+    left: tuple[FloatArray, FloatArray]
+
+
+def covered(
+    bands: Iterable[Band],
+    locate: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
+    step: float,
+    count: int,
+) -> dict[int, list[tuple[float, float]]]:
+    """Return the ranges of t that bands cover, by sample of the corridor that they are on.
+
+    Args:
+        bands: Strips of other roads.
+        locate: Gives s and t on the corridor of points.
+        step: Metres between two samples of the corridor.
+        count: How many samples it has.
+    """
+    samples: list[NDArray[np.int64]] = []
+    lows: list[FloatArray] = []
+    highs: list[FloatArray] = []
+    for band in bands:
+        corners = [
+            locate(x[part], y[part])
+            for part in (slice(None, -1), slice(1, None))
+            for x, y in (band.right, band.left)
+        ]
+        s = np.stack([corners[index][0] for index in (0, 1, 3, 2)])
+        t = np.stack([corners[index][1] for index in (0, 1, 3, 2)])
+        low, high = s.min(axis=0), s.max(axis=0)
+        usable = (high - low < _MAX_SPAN_M) & (np.abs(t).max(axis=0) < REACH_M)
+        usable &= (high >= 0.0) & (low <= (count - 1) * step)
+        s, t, low, high = s[:, usable], t[:, usable], low[usable], high[usable]
+        if not len(low):
+            continue
+        first = np.ceil(low / step - 1e-9).astype(np.int64)
+        last = np.floor(high / step + 1e-9).astype(np.int64)
+        for number in range(int((last - first).max()) + 1):
+            at = first + number
+            chosen = (at <= last) & (at >= 0) & (at < count)
+            if not chosen.any():
+                continue
+            ends = _crossing(s[:, chosen], t[:, chosen], at[chosen] * step)
+            samples.append(at[chosen])
+            lows.append(ends[0])
+            highs.append(ends[1])
+    if not samples:
+        return {}
+    every = np.concatenate(samples)
+    low, high = np.concatenate(lows), np.concatenate(highs)
+    real = high - low > 1e-6
+    every, low, high = every[real], low[real], high[real]
+    order = np.lexsort((low, every))
+    ranges: dict[int, list[tuple[float, float]]] = {}
+    for sample, a, b in zip(
+        every[order].tolist(), low[order].tolist(), high[order].tolist(), strict=True
+    ):
+        known = ranges.setdefault(sample, [])
+        if known and a - known[-1][1] < _TOUCH:
+            if b > known[-1][1]:
+                known[-1] = (known[-1][0], b)
+        else:
+            known.append((a, b))
+    return ranges
+
+
+def _crossing(s: FloatArray, t: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest and highest t at which the lines s = at cross quadrilaterals."""
+    low, high = np.full(at.shape, np.inf), np.full(at.shape, -np.inf)
+    for index in range(4):
+        s0, s1 = s[index], s[(index + 1) % 4]
+        t0, t1 = t[index], t[(index + 1) % 4]
+        across = s1 - s0
+        level = np.abs(across) < 1e-9
+        part = (at - s0) / np.where(level, 1.0, across)
+        hits = ~level & (part >= -1e-9) & (part <= 1.0 + 1e-9)
+        value = t0 + np.clip(part, 0.0, 1.0) * (t1 - t0)
+        low = np.where(hits, np.minimum(low, value), low)
+        high = np.where(hits, np.maximum(high, value), high)
+    return low, high
+
+
+def merged(own: Sequence[tuple[float, float]], others: Sequence[tuple[float, float]]) -> Ranges:
+    """Return the union of two ascending lists of ranges; those that touch become one."""
+    ranges: list[tuple[float, float]] = []
+    for low, high in sorted([*own, *others]):
+        if ranges and low - ranges[-1][1] < _TOUCH:
+            if high > ranges[-1][1]:
+                ranges[-1] = (ranges[-1][0], high)
+        else:
+            ranges.append((low, high))
+    return tuple(ranges)

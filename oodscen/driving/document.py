@@ -1,0 +1,156 @@
+"""Reads XML that may be hostile: no entities, no network, limits on size, depth and numbers."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NoReturn
+
+from lxml import etree
+
+from oodscen.errors import DataError, Issue
+
+MAX_BYTES = 32 * 1024 * 1024
+MAX_DEPTH = 32
+MAX_ELEMENTS = 1_000_000
+_MAX_NUMBER = 1e7
+_MAX_DIGITS = 64
+_MAX_ISSUES = 100
+
+
+class Document:
+    """An OpenDRIVE file and what was found wrong with it.
+
+    A fault never stops the search for further ones, unless nothing can be read after it.
+    """
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.issues: list[Issue] = []
+
+    def parse(self, data: bytes) -> etree._Element:
+        """Return the root element.
+
+        Raises:
+            DataError: When the bytes are not an OpenDRIVE file of acceptable size and depth.
+        """
+        if len(data) > MAX_BYTES:
+            self.fail("", f"the file has {len(data)} bytes; at most {MAX_BYTES} are read")
+        parser = etree.XMLParser(
+            resolve_entities=False,
+            no_network=True,
+            huge_tree=False,
+            load_dtd=False,
+            dtd_validation=False,
+            remove_comments=True,
+            remove_pis=True,
+        )
+        try:
+            root = etree.fromstring(data, parser)
+        except (etree.XMLSyntaxError, ValueError) as error:
+            self.fail("", f"not well-formed XML: {str(error)[:200]}")
+        if root.getroottree().docinfo.internalDTD is not None:
+            self.fail("", "a document type declaration is not allowed")
+        if _depth(root) > MAX_DEPTH:
+            self.fail("", f"elements are nested more than {MAX_DEPTH} deep")
+        if name_of(root) != "OpenDRIVE":
+            self.fail("", f"the root element is {name_of(root)[:40]!r}, not 'OpenDRIVE'")
+        count = sum(1 for _ in root.iter())
+        if count > MAX_ELEMENTS:
+            self.fail("", f"the file has {count} elements; at most {MAX_ELEMENTS} are read")
+        return root
+
+    def error(self) -> DataError:
+        """Return everything found so far as an error."""
+        return DataError("OpenDRIVE file", self.issues, source=self.source)
+
+    def fail(self, path: str, message: str) -> NoReturn:
+        """Note a fault after which nothing can be read."""
+        self.add(path, message)
+        raise self.error()
+
+    def add(self, path: str, message: str) -> None:
+        """Note a fault; after the hundredth the others are left out."""
+        if len(self.issues) < _MAX_ISSUES:
+            self.issues.append(Issue(path, message))
+
+    def number(
+        self,
+        element: etree._Element,
+        name: str,
+        path: str,
+        *,
+        default: float | None = None,
+        limit: float = _MAX_NUMBER,
+    ) -> float:
+        """Return a finite attribute; what cannot be read is a fault and counts as the default."""
+        fallback = 0.0 if default is None else default
+        text = element.get(name)
+        if text is None:
+            if default is None:
+                self.add(f"{path}@{name}", "is missing")
+            return fallback
+        try:
+            if len(text) > _MAX_DIGITS:
+                raise ValueError
+            value = float(text)
+        except ValueError:
+            self.add(f"{path}@{name}", f"{text[:40]!r} is not a number")
+            return fallback
+        if not math.isfinite(value) or abs(value) > limit:
+            self.add(f"{path}@{name}", f"{text[:40]} is not within +-{limit:g}")
+            return fallback
+        return value
+
+    def lane_id(self, text: str | None, path: str) -> int | None:
+        """Return a lane's id; what is none is a fault."""
+        if text is None or not text.strip().lstrip("+-").isascii() or len(text) > 5:
+            self.add(path, "is missing or not a lane id")
+            return None
+        try:
+            return int(text)
+        except ValueError:
+            self.add(path, f"{text!r} is not a lane id")
+            return None
+
+    def limited(
+        self, elements: Sequence[etree._Element], limit: int, path: str, what: str
+    ) -> Sequence[etree._Element]:
+        """Return as many elements as may be read; more are a fault."""
+        if len(elements) > limit:
+            self.add(path, f"{len(elements)} {what}; at most {limit} are read")
+        return elements[:limit]
+
+
+def label(element: etree._Element) -> str:
+    """Return an element's id, short enough for a message."""
+    return element.get("id", "?")[:40]
+
+
+def name_of(element: etree._Element) -> str:
+    """Return an element's name without its namespace."""
+    tag = element.tag
+    return tag.rpartition("}")[2] if isinstance(tag, str) else ""
+
+
+def children(element: etree._Element, *names: str) -> list[etree._Element]:
+    """Return the elements at the end of a path of names, in order."""
+    found = [element]
+    for name in names:
+        found = [child for parent in found for child in parent if name_of(child) == name]
+    return found
+
+
+def child(element: etree._Element, name: str) -> etree._Element | None:
+    """Return the first child of a name."""
+    return next((one for one in element if name_of(one) == name), None)
+
+
+def _depth(root: etree._Element) -> int:
+    """Return how deep elements are nested, without recursion."""
+    level: Iterator[etree._Element]
+    deepest, level = 0, iter([root])
+    while members := list(level):
+        deepest += 1
+        if deepest > MAX_DEPTH:
+            break
+        level = (child for member in members for child in member)
+    return deepest
