@@ -78,6 +78,21 @@ out_option = click.option(
     type=click.Path(dir_okay=False, path_type=Path),
     help="File to write; else standard output.",
 )
+extras_options = _options(
+    click.option(
+        "--traces", is_flag=True, help="Keep traces/SCENE.parquet: all ground truth, every action."
+    ),
+    click.option(
+        "--annotations", is_flag=True, help="Keep boxes, classes, ids and depth of every frame."
+    ),
+    click.option(
+        "--video",
+        is_flag=False,
+        flag_value="both",
+        type=click.Choice(("ego", "bird", "both")),
+        help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
+    ),
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
@@ -119,14 +134,23 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON."
     type=click.IntRange(min=1),
     help="Processes that simulate.  [default: number of CPUs]",
 )
+@extras_options
 @seed_option
 @click.option("--quick", is_flag=True, help="A complete small run in seconds.")
 @json_option
 def run(
-    out: Path, quick: bool, workers: int | None, open_loop: bool, as_json: bool, **choices: Any
+    out: Path,
+    quick: bool,
+    workers: int | None,
+    open_loop: bool,
+    as_json: bool,
+    traces: bool,
+    annotations: bool,
+    video: Any,
+    **choices: Any,
 ) -> None:
     """Run the whole paper into the folder OUT, or continue a run that stopped."""
-    from oodscen.study import StudyConfig, run_study
+    from oodscen.study import Extras, StudyConfig, run_study
 
     given = {name: value for name, value in choices.items() if value not in (None, ())}
     if "baseline" in given:
@@ -136,7 +160,13 @@ def run(
         given = {**StudyConfig.quick().model_dump(), **given}
     config = StudyConfig.parse(given)
     with _bars() as progress:
-        study = run_study(out, config, workers=workers or os.cpu_count() or 1, progress=progress)
+        study = run_study(
+            out,
+            config,
+            workers=workers or os.cpu_count() or 1,
+            progress=progress,
+            extras=Extras(traces, annotations, video),
+        )
     info = study.info
     if as_json:
         click.echo(json.dumps(info, indent=2))
@@ -280,20 +310,31 @@ def augment(
 @click.argument("out", type=click.Path(file_okay=False, path_type=Path))
 @simulator_option
 @seed_option
+@extras_options
 @click.option("--workers", default=1, show_default=True, type=click.IntRange(min=1))
-def simulate(scenes: Path, out: Path, simulator: str, seed: int, workers: int) -> None:
+def simulate(
+    scenes: Path,
+    out: Path,
+    simulator: str,
+    seed: int,
+    traces: bool,
+    annotations: bool,
+    video: Any,
+    workers: int,
+) -> None:
     """Run every scene of the file SCENES; episodes and frames go into the folder OUT."""
     from oodscen import Scene
     from oodscen.study import Store
-    from oodscen.study.sweep import Job, sweep
+    from oodscen.study.sweep import Extras, Job, sweep
 
     items = _read_lines(Scene, scenes)
     store = Store(out)
     store.prepare()
     episodes = {}
-    results = sweep(Job(simulator, seed), items, workers=workers)
+    job = Job(simulator, seed, Extras(traces, annotations, video))
+    results = sweep(job, items, workers=workers)
     for result in tqdm(results, total=len(items), desc="simulate", disable=None):
-        result.save_frames(store)
+        result.save(store)
         episodes[result.episode.id] = result.episode
     store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
     failed = [episode for episode in episodes.values() if episode.status == "failed"]

@@ -63,6 +63,8 @@ class Episode(Data):
     """False where the trigger never fired and the end of the approach was taken instead."""
     frames: dict[str, str] = {}
     """By moment (`first`, `middle`, `last`): the file, relative to the study."""
+    files: tuple[str, ...] = ()
+    """Further files that were asked for: traces, annotations, videos."""
     frame_sha256: dict[str, str] = {}
     """By moment: hash of the raw pixels."""
     visible: dict[str, dict[str, int]] = {}

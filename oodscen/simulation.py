@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +12,10 @@ from oodscen.driving.visibility import is_noticeable
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.scene import Scene
-from oodscen.trace import Course, Trace
+from oodscen.trace import Course, Trace, concatenated
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 MAX_APPROACH_S = 15.0
 """When the decision is taken at the latest, although its trigger has not fired."""
@@ -32,6 +36,19 @@ class Simulated:
     """The approach with all ground truth, as a table."""
     rollouts: Mapping[str, Trace] = field(default_factory=dict)
     """By action id, if asked for: from the decision point to the action's end."""
+
+    def state_of(self, moment: str) -> State:
+        """Return the state that a frame shows: `first`, `middle` or `last`."""
+        last = len(self.states) - 1
+        return self.states[{"first": 0, "middle": last // 2, "last": last}[moment]]
+
+    def to_arrow(self) -> "pa.Table":
+        """Return all traces as one table; its first column, `phase`, is `approach` or an action.
+
+        Raises:
+            MissingExtra: When pyarrow is not installed.
+        """
+        return concatenated({"approach": self.trace, **self.rollouts})
 
 
 def simulate(

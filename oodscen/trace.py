@@ -366,6 +366,32 @@ class Trace:
         return cls(ids, columns)
 
 
+def to_parquet(table: "pa.Table") -> bytes:
+    """Return an Arrow table as the bytes of a Parquet file."""
+    import pyarrow as pa
+    import pyarrow.parquet as parquet
+
+    sink = pa.BufferOutputStream()
+    parquet.write_table(table, sink)
+    return bytes(sink.getvalue())
+
+
+def concatenated(traces: Mapping[str, Trace]) -> "pa.Table":
+    """Return several traces as one Arrow table; its first column, `phase`, holds their names.
+
+    Raises:
+        MissingExtra: When pyarrow is not installed.
+    """
+    pa = _pyarrow()
+    tables = []
+    for name, trace in traces.items():
+        table = trace.to_arrow()
+        table = table.set_column(2, "id", table["id"].cast(pa.string()))
+        phase = pa.array([name] * len(trace), pa.string())
+        tables.append(table.add_column(0, "phase", phase))
+    return pa.concat_tables(tables)
+
+
 def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return s and t of many points on a road, and cosine and sine of the road's heading there.
 

@@ -96,6 +96,17 @@ def test_the_stages_alone_lead_from_a_tree_to_frames(tmp_path):
     assert len(ScenarioTree.load(paths["a.json"])) == 20
 
 
+def test_simulate_keeps_what_is_asked_for(tmp_path):
+    (tmp_path / "s.jsonl").write_text(example_scene().to_json() + "\n")
+    out = tmp_path / "sim"
+    result = call(
+        "simulate", tmp_path / "s.jsonl", out, "--simulator", "flat", "--traces", "--video", "bird"
+    )
+    assert result.exit_code == 0, result.output
+    assert (out / "traces" / "example-001.parquet").stat().st_size > 1_000
+    assert (out / "videos" / "example-001.mp4").stat().st_size > 1_000
+
+
 def test_a_scene_that_fails_gives_exit_code_one_and_its_reason(tmp_path):
     scene = example_scene().model_copy(update={"map": "nowhere"})
     (tmp_path / "s.jsonl").write_text(scene.to_json() + "\n")

@@ -4,5 +4,16 @@ from oodscen.study.config import StudyConfig
 from oodscen.study.pipeline import Pipeline, Progress, run_study
 from oodscen.study.store import Store
 from oodscen.study.study import TABLES, TREES, Study
+from oodscen.study.sweep import Extras
 
-__all__ = ["TABLES", "TREES", "Pipeline", "Progress", "Store", "Study", "StudyConfig", "run_study"]
+__all__ = [
+    "TABLES",
+    "TREES",
+    "Extras",
+    "Pipeline",
+    "Progress",
+    "Store",
+    "Study",
+    "StudyConfig",
+    "run_study",
+]

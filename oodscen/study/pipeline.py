@@ -31,7 +31,7 @@ from oodscen.scene import Scene
 from oodscen.study.config import Status, StudyConfig
 from oodscen.study.record import is_builtin, record
 from oodscen.study.study import Study
-from oodscen.study.sweep import Job, sweep
+from oodscen.study.sweep import Extras, Job, sweep
 from oodscen.tree import ScenarioTree
 from oodscen.verdict import Verdict
 
@@ -55,6 +55,8 @@ class Pipeline:
         executor: Runs the simulation jobs instead of local processes, e.g. a cluster's.
         progress: Told about finished items.
         models: Objects that answer for model names of the configuration.
+        extras: What else is kept of the episodes that this run simulates; not part of the study's
+            identity.
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
@@ -70,6 +72,7 @@ class Pipeline:
         executor: Executor | None = None,
         progress: Progress | None = None,
         models: Mapping[str, LLM] | None = None,
+        extras: Extras | None = None,
     ) -> None:
         self.study = Study(out)
         self.store = self.study.store
@@ -78,6 +81,7 @@ class Pipeline:
         self.executor = executor
         self.progress = progress or (lambda stage, done, total: None)
         self.models = models or {}
+        self.extras = extras or Extras()
         self.seconds: dict[str, float] = {}
 
     def run(self) -> Study:
@@ -120,6 +124,7 @@ class Pipeline:
             "scenarios": len(scenarios),
             "scenes": len(scenes),
             "episodes": sum(episode.status == "ok" for episode in episodes),
+            "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
             "verdicts": len(verdicts),
         }
         self._finish(counts, time.perf_counter() - began)
@@ -297,13 +302,13 @@ class Pipeline:
 
     def simulate(self, scenes: Sequence[Scene]) -> list[Episode]:
         """Run every scene in worker processes; only this process writes."""
-        job = Job(simulator=self.config.simulator, seed=self.config.seed)
+        job = Job(self.config.simulator, self.config.seed, self.extras)
 
         def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
             for result in sweep(
                 job, list(todo.values()), workers=self.workers, executor=self.executor
             ):
-                result.save_frames(self.store)
+                result.save(self.store)
                 yield result.episode
 
         items = {scene.id: scene for scene in scenes}
@@ -425,6 +430,7 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress | None = None,
     models: Mapping[str, LLM] | None = None,
+    extras: Extras | None = None,
 ) -> Study:
     """Run the whole paper into a folder, or continue where a run into it stopped.
 
@@ -436,6 +442,8 @@ def run_study(
         progress: Told about finished items.
         models: Objects that answer for model names of the configuration; other names are looked
             up by `make_llm`.
+        extras: What else is kept of the episodes that this run simulates: traces, annotations,
+            videos.
 
     Raises:
         UsageError: For an unknown component, a missing extra or a folder of another study.
@@ -448,6 +456,7 @@ def run_study(
         executor=executor,
         progress=progress,
         models=models,
+        extras=extras,
     )
     return pipeline.run()
 

@@ -116,6 +116,22 @@ class Study:
         """Every verdict, the failed ones included."""
         return self._rows(Verdict, "verdicts.jsonl")
 
+    def trace(self, scene_id: str) -> "pa.Table":
+        """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
+
+        Raises:
+            StudyError: When the run that simulated it did not keep traces.
+            MissingExtra: When pyarrow is not installed.
+        """
+        name = f"traces/{scene_id}.parquet"
+        if not self.store.has(name):
+            raise StudyError(f"{self.folder} holds no {name}: run it with traces")
+        try:
+            import pyarrow.parquet as parquet
+        except ImportError:
+            raise MissingExtra("a trace as a table", "tables", "pyarrow") from None
+        return parquet.read_table(self.store.path(name))
+
     def failures(self, table: str) -> list[dict[str, Any]]:
         """Return the lines of a table that failed, each with its `error`."""
         return [row for row in self.table(table) if row.get("status") == "failed"]

@@ -5,14 +5,19 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from oodscen.annotations import annotate, encode_annotations, semantic_map
 from oodscen.episode import Episode
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
 from oodscen.protocols import Frame, Simulator
+from oodscen.recording import View, record
 from oodscen.registry import make_simulator
 from oodscen.scene import Scene
-from oodscen.simulation import simulate
+from oodscen.simulation import Simulated, simulate
 from oodscen.study.store import Store
+from oodscen.trace import to_parquet
 
 CHUNK = 16
 """Most scenes per job. Each job starts one simulator, and all its scenes are on one map."""
@@ -23,12 +28,25 @@ Chunk = tuple[Scene, ...]
 
 
 @dataclass(frozen=True)
+class Extras:
+    """What is kept of every episode besides its record and its frames."""
+
+    traces: bool = False
+    """`traces/<scene>.parquet`: the ground truth of the approach and of every action."""
+    annotations: bool = False
+    """`frames/<scene>/<moment>.json` with pictures of ids, classes and depth."""
+    video: View | None = None
+    """`videos/<scene>.mp4`: the approach, then the first safe action."""
+
+
+@dataclass(frozen=True)
 class Job:
     """What a worker must know besides the scenes."""
 
     simulator: str
     """Registered name, or `module:attr`."""
     seed: int = 0
+    extras: Extras = Extras()
 
 
 @dataclass(frozen=True)
@@ -38,11 +56,15 @@ class SweepResult:
     episode: Episode
     frames: dict[str, bytes] = field(default_factory=dict)
     """JPEG by moment."""
+    files: dict[str, bytes] = field(default_factory=dict)
+    """What else was asked for, by its path in the study."""
 
-    def save_frames(self, store: Store) -> None:
-        """Write the frames to the files that the episode names."""
+    def save(self, store: Store) -> None:
+        """Write the frames, and what else was asked for, to the files that the episode names."""
         for moment, file in self.episode.frames.items():
             store.write(file, self.frames[moment])
+        for file, data in self.files.items():
+            store.write(file, data)
 
 
 def sweep(
@@ -112,7 +134,8 @@ def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
 
 def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     try:
-        simulated = simulate(scene, simulator, seed=job.seed)
+        simulated = simulate(scene, simulator, seed=job.seed, traces=job.extras.traces)
+        extra = _extra_files(job, simulator, scene, simulated)
     except MissingExtra:
         raise
     except OodscenError as error:
@@ -122,7 +145,32 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
         return SweepResult(failed_episode(job, scene, crash))
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
     files = {moment: f"frames/{scene.id}/{moment}.jpg" for moment in frames}
-    return SweepResult(simulated.episode.model_copy(update={"frames": files}), frames)
+    named = {"frames": files, "files": tuple(sorted(extra))}
+    return SweepResult(simulated.episode.model_copy(update=named), frames, extra)
+
+
+def _extra_files(
+    job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
+) -> dict[str, bytes]:
+    """Return what is kept besides the frames, by its path in the study."""
+    files: dict[str, bytes] = {}
+    catalogue = simulator.catalogue()
+    if job.extras.traces:
+        files[f"traces/{scene.id}.parquet"] = to_parquet(simulated.to_arrow())
+    if job.extras.annotations:
+        for moment, frame in simulated.frames.items():
+            state = simulated.state_of(moment)
+            notes = annotate(frame, state, scene, catalogue)
+            classes = semantic_map(frame, state, scene, catalogue)
+            for name, data in encode_annotations(moment, frame, notes, classes).items():
+                files[f"frames/{scene.id}/{name}"] = data
+    if job.extras.video:
+        action = next(iter(simulated.episode.safe_set), None)
+        with TemporaryDirectory() as folder:
+            path = Path(folder, "video.mp4")
+            record(scene, simulator, path, driver=action, view=job.extras.video, seed=job.seed)
+            files[f"videos/{scene.id}.mp4"] = path.read_bytes()
+    return files
 
 
 def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:

@@ -7,9 +7,11 @@ import cv2
 import numpy as np
 import pytest
 
+from oodscen.annotations import FrameAnnotations
 from oodscen.episode import MOMENTS
-from oodscen.errors import MissingExtra
-from oodscen.study.sweep import Job, sweep
+from oodscen.errors import MissingExtra, StudyError
+from oodscen.study import Store, Study
+from oodscen.study.sweep import Extras, Job, sweep
 from oodscen.testing.scenes import example_scene
 
 JOB = Job(simulator="flat")
@@ -42,6 +44,27 @@ def test_processes_and_executors_change_no_byte(here):
     assert by_id(sweep(JOB, scenes(5), workers=2)) == here
     with ThreadPoolExecutor(2) as pool:
         assert by_id(sweep(JOB, scenes(5), executor=pool)) == here
+
+
+def test_what_else_is_asked_for_comes_as_files(here, tmp_path):
+    job = Job("flat", extras=Extras(traces=True, annotations=True, video="bird"))
+    (result,) = sweep(job, scenes(1))
+    store = Store(tmp_path)
+    store.prepare()
+    result.save(store)
+    names = set(result.episode.files)
+    assert {"traces/s-000.parquet", "videos/s-000.mp4", "frames/s-000/last.json"} <= names
+    assert all((tmp_path / name).stat().st_size > 100 for name in names)
+    table = Study(tmp_path).trace("s-000").to_pandas()
+    available = [k for k, v in result.episode.actions.items() if not v.unavailable]
+    assert list(table["phase"].unique()) == ["approach", *available]
+    kept = table[(table["phase"] == "stop") & (table["id"] == "box")]
+    assert kept["gap_m"].min() == pytest.approx(result.episode.actions["stop"].margin_m, abs=1e-3)
+    notes = FrameAnnotations.load(tmp_path / "frames/s-000/last.json")
+    assert notes.actors[0].visible_px == result.episode.visible["last"]["box"]
+    assert result.episode.model_copy(update={"files": ()}) == here["s-000"].episode
+    with pytest.raises(StudyError):
+        Study(tmp_path).trace("s-001")
 
 
 def test_a_refused_scene_is_a_failed_episode_and_the_rest_goes_on(here):
