@@ -7,13 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving import exact
 from oodscen_pybullet import raster, shading
 from oodscen_pybullet.cast import Look, mesh_of
+from oodscen_pybullet.compiling import announcing
 from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
+from oodscen_pybullet.shadows import Shade, ShadowMap
 from oodscen_pybullet.stage import Shot
 from oodscen_pybullet.triangles import Triangles, textures
-from oodscen_pybullet.view import FAR, NEAR, View
+from oodscen_pybullet.view import FAR, NEAR, Point, View
 
 _LOOKS = 256
 """Actors' looks that stay converted."""
@@ -40,12 +43,14 @@ class Canvas:
         self._known: OrderedDict[Look, Triangles] = OrderedDict()
         self._sheets: tuple[NDArray[np.float32], NDArray[np.int32]] | None = None
         self._records = np.empty((0, raster.RECORD), np.float32)
-        self._labels = np.empty((0, 3), np.int32)
+        self._labels = np.empty((0, raster.LABELS), np.int32)
+        self._shadows = ShadowMap()
 
     def close(self) -> None:
         """Forget everything; may be called twice."""
         self._scenery = self._actors = self._sheets = None
         self._known.clear()
+        self._shadows.forget()
 
     def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
         """Put up scenery in place of everything that is there."""
@@ -66,49 +71,55 @@ class Canvas:
         """Move every actor: x, y, z, yaw."""
         assert self._actors is not None
         for place, (x, y, z, yaw) in zip(self._actors.places, poses, strict=True):
-            place[:] = (x, y, z, math.cos(yaw), math.sin(yaw))
+            sine, cosine = exact.sincos(yaw)
+            place[:] = (x, y, z, cosine, sine)
 
     def photograph(
-        self, view: View, *, sun: tuple[float, float, float], ambient: float, diffuse: float
+        self,
+        view: View,
+        *,
+        sun: Point,
+        ambient: float,
+        diffuse: float,
+        ground: float | None = None,
+        shades: Point | None = None,
     ) -> Shot:
         """Take a picture."""
+        with announcing():
+            shade = None
+            if ground is not None:
+                assert self._scenery is not None
+                assert self._actors is not None
+                towards = shades or sun
+                shade = self._shadows.draw(view, towards, ground, self._scenery, self._actors)
+            return self._photograph(view, sun, ambient, diffuse, shade)
+
+    def _photograph(
+        self, view: View, sun: Point, ambient: float, diffuse: float, shade: Shade | None
+    ) -> Shot:
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)
         nearness, shown = self._clean(view.width * view.height * self._detail**2)
-        camera = np.array(
-            [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR], np.float64
-        )
         light = np.array([*sun, ambient, diffuse], np.float64)
-        count = 0
         self._reserve(len(self._scenery.corners) + len(self._actors.corners))
+        window = (0, 0, view.width, view.height)
+        count = 0
         for some in (self._actors, self._scenery):
-            count = raster.scatter(
-                some.corners,
-                some.planes,
-                some.colours,
-                some.regions,
-                some.spans,
-                some.places,
-                some.spheres,
-                camera,
-                light,
-                self._detail,
-                view.width,
-                view.height,
-                nearness,
-                shown,
-                self._records,
-                self._labels,
-                count,
+            count = self._scatter(
+                some, view, window, light, self._detail, nearness, shown, count=count
             )
         sheet = textures(self._is_snowy)
+        planes = np.empty((3, *shape), np.uint8)
         shot = Shot(
-            rgb=np.empty((*shape, 3), np.uint8),
+            rgb=np.moveaxis(planes, 0, 2),
             depth=np.empty(shape, np.float32),
             rows=np.empty(shape, np.int32),
             reach=np.empty(shape, np.float32),
             sky=np.empty(shape, np.uint8),
+            lit=np.empty(shape, np.uint8),
+            kinds=np.empty(shape, np.uint8),
+            shade=shade,
         )
         shading.gather(
             nearness.reshape(view.height * self._detail, -1),
@@ -119,13 +130,74 @@ class Canvas:
             sheet.sizes,
             np.array([ambient, diffuse], np.float32),
             self._detail,
-            shot.rgb,
+            planes,
             shot.depth,
             shot.rows,
             shot.reach,
             shot.sky,
+            shot.lit,
+            shot.kinds,
         )
         return shot
+
+    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+        """Return how many pixels each actor would fill if nothing stood before it, [actors]."""
+        actors = self._actors
+        assert actors is not None
+        self._reserve(len(actors.corners))
+        light = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
+        pixels = np.zeros(len(actors.spans), np.int32)
+        for row in range(len(pixels)):
+            window = _window(view, actors.places[row], actors.spheres[row])
+            size = window[2] * window[3]
+            if size <= 0:
+                continue
+            nearness, shown = np.full(size, 1.0 / FAR, np.float32), np.full(size, -1, np.int32)
+            self._scatter(actors, view, window, light, 1, nearness, shown, only=row)
+            pixels[row] = np.count_nonzero(shown >= 0)
+        return pixels
+
+    def _scatter(
+        self,
+        some: Triangles,
+        view: View,
+        window: tuple[int, int, int, int],
+        light: NDArray[np.float64],
+        detail: int,
+        nearness: NDArray[np.float32],
+        shown: NDArray[np.int32],
+        *,
+        count: int = 0,
+        only: int | None = None,
+    ) -> int:
+        """Draw objects, or only one of them, into a window of the picture."""
+        left, top, width, height = window
+        axis = (view.width / 2 - left, view.height / 2 - top)
+        camera = np.array(
+            [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR, *axis],
+            np.float64,
+        )
+        some_rows = slice(None) if only is None else slice(only, only + 1)
+        return raster.scatter(
+            some.corners,
+            some.planes,
+            some.colours,
+            some.regions,
+            some.kinds,
+            some.spans[some_rows],
+            some.places[some_rows],
+            some.spheres[some_rows],
+            camera,
+            light,
+            detail,
+            width,
+            height,
+            nearness,
+            shown,
+            self._records,
+            self._labels,
+            count,
+        )
 
     def _triangles(self, look: Look | Mesh) -> Triangles:
         atlas = draw_atlas(self._is_snowy)
@@ -149,4 +221,27 @@ class Canvas:
     def _reserve(self, count: int) -> None:
         if len(self._records) < count:
             self._records = np.empty((count, raster.RECORD), np.float32)
-            self._labels = np.empty((count, 3), np.int32)
+            self._labels = np.empty((count, raster.LABELS), np.int32)
+
+
+def _window(
+    view: View, place: NDArray[np.float64], sphere: NDArray[np.float32]
+) -> tuple[int, int, int, int]:
+    """Return the left column, top row, width and height of the pixels that a sphere may fill."""
+    x, y, z, c, s = place.tolist()
+    a, b, d, radius = sphere.astype(np.float64).tolist()
+    across, upwards, ahead = view.to_camera((x + c * a - s * b, y + s * a + c * b, z + d))
+    if ahead < NEAR - radius:
+        return (0, 0, 0, 0)
+    if ahead < radius + NEAR:
+        return (0, 0, view.width, view.height)
+    edges = []
+    for aside, size in ((across, view.width), (-upwards, view.height)):
+        ends = [
+            size / 2 + view.focal * (aside + sign * radius) / (ahead + reach)
+            for sign in (-1.0, 1.0)
+            for reach in (-radius, radius)
+        ]
+        low, high = max(math.floor(min(ends)), 0), min(math.ceil(max(ends)) + 1, size)
+        edges.append((low, max(high - low, 0)))
+    return (edges[0][0], edges[1][0], edges[0][1], edges[1][1])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from oodscen.catalogue import Asset
 from oodscen.scene import Scene
 from oodscen.seeding import stream
-from oodscen_pybullet.light import Caster, Glow
+from oodscen_pybullet.light import Glow
 from oodscen_pybullet.meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
 
 Pose = tuple[float, float, float, float]
@@ -88,13 +88,6 @@ class Cast:
             frame = frame_of(asset.id, state, pose, speed, time)
             looks.append(Look(asset.id, shown, paint, runs, frame))
         return looks
-
-    def casters(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Caster]:
-        """Return what throws a shadow, the ego left out."""
-        return [
-            Caster(pose, asset_mesh(look.asset, look.state).solids)
-            for look, pose in zip(looks[1:], poses[1:], strict=True)
-        ]
 
     def glows(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Glow]:
         """Return every lamp that is on in world coordinates, the ego's left out."""

@@ -8,34 +8,36 @@ from numpy.typing import NDArray
 
 from oodscen.scene import Weather
 from oodscen.seeding import stream
-from oodscen_pybullet.light import (
-    Caster,
-    Float,
-    Glow,
-    Light,
-    add_glare,
-    add_glows,
-    illumination,
-    line,
-    shadow_mask,
-    three,
-)
+from oodscen_pybullet import developing as d
+from oodscen_pybullet.compiling import announcing, is_compiled
+from oodscen_pybullet.lamps import add_glare, add_glows, ground_light
+from oodscen_pybullet.light import Glow, Light
+from oodscen_pybullet.puffs import Ball, add_puffs
+from oodscen_pybullet.reflections import add_reflections
+from oodscen_pybullet.shadows import CELLS, SIDE_M
 from oodscen_pybullet.stage import Shot
+from oodscen_pybullet.triangles import MIRROR
 from oodscen_pybullet.view import View
 from oodscen_pybullet.weather import (
     SKY_M,
-    Colour,
+    add_rain,
+    add_snow,
     air_colour,
+    cloud_columns,
+    cloud_cover,
+    cloud_sheet,
     extinction,
-    rain_streaks,
-    sky,
-    snow_flakes,
-    veil,
-    wet,
+    heaven,
 )
 
-_OPAQUE = 8.0
-"""Extinction times distance from which on nothing shows through the air."""
+F32 = NDArray[np.float32]
+
+_WET = 0.62
+"""How bright wet asphalt is, compared with dry."""
+_MIRRORING = 0.62
+"""How much it mirrors at the flattest angles."""
+_NO_GRID = np.zeros((1, 1, 3), np.float32)
+_NO_SHADE = np.zeros((1, 1), np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,127 +45,138 @@ class Picture:
     """A raw picture and everything that decides how it is developed."""
 
     shot: Shot
+    """Pixels that smoke fills become those of the body that it belongs to."""
     view: View
     weather: Weather
     light: Light
-    casters: Sequence[Caster]
     glows: Sequence[Glow]
     time: float
     """Since the start, s; rain and snow differ from moment to moment."""
     seed: int
     road_height: float
     """Where the ground is below the camera, m."""
+    balls: Sequence[Ball] = ()
+    """Smoke, fire and dust."""
 
 
 def develop(picture: Picture) -> NDArray[np.uint8]:
     """Apply light and weather: [height, width, 3] uint8; a function of its argument alone."""
-    view, light, weather = picture.view, picture.light, picture.weather
-    depth = picture.shot.reach
-    image = picture.shot.rgb.astype(np.float32)
-    across, upwards = view.slopes()
-    stretch = np.sqrt(1.0 + across[None, :] ** 2 + upwards[:, None] ** 2).astype(np.float32)
-    distance = depth * stretch
+    with announcing():
+        return _develop(picture)
+
+
+def _develop(picture: Picture) -> NDArray[np.uint8]:
+    view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
-    ground = _ground(picture)
-    _shade(image, picture, ground)
-    if weather.precipitation == "rain":
-        wet(
-            image,
-            ground,
-            distance,
-            (air[0] + 20.0, air[1] + 22.0, air[2] + 26.0) if light.daylight > 0.5 else air,
-        )
-    if light.daylight < 0.99:
-        image *= illumination(view, depth, light, picture.glows, picture.road_height)
-    else:
-        image *= line(light.tint, view.width)
-    air_around = _lit_air(air, picture)
-    veil(image, distance, rate, air_around)
-    _add_sky(image, picture, rate, air_around)
-    add_glows(image, view, picture.shot.depth, picture.glows, light, rate)
-    add_glare(image, view, light, picture.shot.depth)
-    _precipitation(image, picture)
-    if light.daylight < 0.5:
-        rng = stream(picture.seed, "grain", round(picture.time, 3))
-        grain = rng.integers(-4, 5, image.shape[:2], dtype=np.int8)
-        image += three(grain.astype(np.float32))
-    image += np.float32(0.5)
-    np.clip(image, 0.0, 255.0, out=image)
-    return image.astype(np.uint8)
-
-
-def _add_sky(image: Float, picture: Picture, rate: float, air: Colour | Float) -> None:
-    """Put the sky, faded as everything is, behind everything else, in place."""
-    import cv2
-
-    share = picture.shot.sky
-    some = np.flatnonzero(share.any(axis=1))
-    if len(some) == 0:
-        return
-    rows, width = int(some[-1]) + 1, picture.view.width
-    air_there = air[:rows] if isinstance(air, np.ndarray) else line(air, width)
-    if rate * SKY_M > _OPAQUE:
-        behind = np.ascontiguousarray(np.broadcast_to(air_there, (rows, width, 3)))
-    else:
-        behind = sky(picture.view, picture.weather, picture.light, picture.seed, rows=rows)
-        if rate > 0.0:
-            far = np.full((rows, width), SKY_M, np.float32)
-            behind = veil(behind, far, rate, air_there)
-    share, upper = share[:rows], image[:rows]
-    is_sky = share == 255
-    cv2.copyTo(behind, is_sky.view(np.uint8), upper)
-    edge = np.nonzero((share > 0) & ~is_sky)
-    part = share[edge].astype(np.float32)[:, None] * np.float32(1 / 255)
-    upper[edge] += (behind[edge] - upper[edge]) * part
-
-
-def _ground(picture: Picture) -> Float:
-    """Return 1 for every pixel that shows the ground, 0 elsewhere."""
-    view = picture.view
-    _, upwards = view.slopes()
-    near = np.minimum(picture.shot.reach, np.float32(400.0))
-    height = near * (upwards * np.float32(view.up[2]) + np.float32(view.forward[2]))[:, None]
-    height += np.float32(view.eye[2] - picture.road_height)
-    limit = np.float32(0.16) + near * np.float32(0.02)
-    return np.asarray((picture.shot.rows < 0) & (height < limit), np.float32)
-
-
-def _shade(image: Float, picture: Picture, ground: Float) -> None:
-    """Darken the ground where something stands between it and the light, in place."""
-    light = picture.light
-    if not picture.casters or light.daylight < 0.2:
-        return
-    mask = shadow_mask(picture.view, picture.casters, light.sun, picture.road_height)
-    mask *= ground
-    image *= three(np.float32(1.0) - np.float32(light.shadow) * mask)
-
-
-def _lit_air(air: Colour, picture: Picture) -> Colour | Float:
-    """Return the air's colour; at night the ego's own beams light it up before the car."""
-    light, view = picture.light, picture.view
-    if light.daylight > 0.6 or extinction(picture.weather) <= 0.0:
-        return air
-    import cv2
-
     across, upwards = view.slopes()
-    spread = cv2.exp(-((across / np.float32(0.75)) ** 2).reshape(1, -1)).astype(np.float32)
-    low = np.float32(1.0) / (np.float32(1.0) + np.clip((upwards + 0.06) / 0.3, 0.0, 8.0) ** 2)
-    back = spread * low.astype(np.float32)[:, None] * np.float32(104.0 * (1.0 - light.daylight))
-    thick = np.float32(min(1.0, extinction(picture.weather) * 30.0))
-    back *= thick
-    return np.asarray(cv2.merge([back + np.float32(v) for v in air]), np.float32)
-
-
-def _precipitation(image: Float, picture: Picture) -> None:
-    """Add streaks or flakes, in place."""
-    weather, light = picture.weather, picture.light
-    if weather.precipitation == "rain":
-        streaks = rain_streaks(picture.view, weather, picture.seed, picture.time)
-        image += three(streaks * np.float32(0.25 + 0.5 * light.daylight))
-    elif weather.precipitation == "snow":
-        cover = snow_flakes(picture.view, weather, picture.shot.reach, picture.seed, picture.time)
-        flake = np.array([246.0, 248.0, 252.0], np.float32) * np.float32(
-            0.42 + 0.58 * light.daylight
+    axes = np.array([view.right, view.up, view.forward], np.float32)
+    settings, halo = _settings(picture, rate, air), _halo(upwards)
+    spread = np.stack([_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]).astype(
+        np.float32
+    )
+    planes = np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0))
+    sky, sheet = heaven(view, weather, light), cloud_sheet(picture.seed)
+    if is_compiled():
+        grid = ground_light(view, picture.glows, light)
+        settings[d.HAS_GRID] = float(grid is not None)
+        shade = shot.shade
+        image = np.empty((view.height, view.width, 3), np.uint8)
+        d.develop_pixels(
+            planes,
+            shot.depth,
+            shot.reach,
+            shot.rows,
+            shot.lit,
+            shot.kinds,
+            shot.sky,
+            settings,
+            across,
+            upwards,
+            axes,
+            light.darkness(),
+            spread,
+            halo,
+            sky,
+            sheet,
+            _NO_GRID if grid is None else grid,
+            _NO_SHADE if shade is None else shade.heights,
+            _NO_SHADE if shade is None else shade.tiles,
+            image,
         )
-        where = np.nonzero(cover)
-        image[where] += (flake - image[where]) * cover[where][:, None]
+    else:
+        image = d.develop_arrays(
+            planes, shot.reach, shot.rows, shot.sky, settings, across, upwards, axes, spread, halo,
+            sky, sheet,
+        )  # fmt: skip
+    if picture.balls:
+        add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
+    add_glows(image, view, shot.depth, picture.glows, light, rate)
+    is_raining = weather.precipitation == "rain"
+    if is_compiled() and (is_raining or (shot.kinds == MIRROR).any()):
+        add_reflections(
+            image,
+            shot.depth,
+            shot.rows,
+            shot.kinds,
+            across,
+            upwards * axes[1, 2] + axes[2, 2],
+            settings[d.EYE_HEIGHT],
+            np.float32(_MIRRORING if is_raining else 0.0),
+            np.uint32(picture.seed % 2**20),
+        )
+    add_glare(image, view, light, shot.depth)
+    if is_raining:
+        add_rain(image, view, weather, light, picture.seed, picture.time)
+    elif weather.precipitation == "snow":
+        add_snow(image, view, weather, light, shot.reach, picture.seed, picture.time)
+    return image
+
+
+def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
+    """Return the numbers that `develop_pixels` wants."""
+    view, light, weather, shade = (
+        picture.view, picture.light, picture.weather, picture.shot.shade,
+    )  # fmt: skip
+    values = np.zeros(d.SETTINGS, np.float32)
+    dark, cover = 1.0 - light.daylight, cloud_cover(weather)
+    values[d.RATE] = rate
+    values[d.AIR_R : d.AIR_B + 1] = air
+    values[d.SKY_THROUGH] = d.fade(np.float32(min(rate * SKY_M, 40.0))) if rate > 0.0 else 1.0
+    values[d.EYE_HEIGHT] = view.eye[2] - picture.road_height
+    values[d.DAY_R : d.DAY_B + 1] = [tint * light.daylight for tint in light.tint]
+    if light.daylight >= 0.99:
+        values[d.DAY_R : d.DAY_B + 1] = light.tint
+    else:
+        values[d.BEAM] = 1.15 * dark
+    if shade is not None:
+        scale = CELLS / SIDE_M
+        x, y, z = view.eye[0], view.eye[1], view.eye[2] - shade.level
+        values[d.HAS_SHADOW] = 1.0
+        values[d.SHADOW_X] = (x - shade.lean[0] * z - shade.corner[0]) * scale
+        values[d.SHADOW_Y] = (y - shade.lean[1] * z - shade.corner[1]) * scale
+        values[d.SHADOW_Z], values[d.SHADOW_SCALE] = z, scale
+        values[d.LEAN_X], values[d.LEAN_Y] = shade.lean
+    values[d.WET] = _WET if weather.precipitation == "rain" else 0.0
+    if light.daylight <= 0.6 and rate > 0.0:
+        values[d.HALO] = 104.0 * dark * min(1.0, rate * 30.0)
+    values[d.CLOUD_EDGE] = 1.0 - 0.9 * cover - 0.12 if cover > 0.02 else 9.0
+    values[d.CLOUD_FLOOR] = max(0.0, (cover - 0.75) * 4.0)
+    values[d.CLOUD_SHADE] = 0.86 - 0.12 * cover
+    values[d.CLOUD_BRIGHT] = 243.0 * (0.06 + 0.94 * light.daylight)
+    if light.daylight < 0.5:
+        values[d.GRAIN] = 1.0
+        noise = stream(picture.seed, "grain", round(picture.time, 3))
+        values[d.NOISE] = int(noise.integers(1 << 22))
+    return values
+
+
+def _spread(across: F32, width: float) -> F32:
+    """Return how the ego's beams fall off to the sides, [width]."""
+    aside = across * np.float32(1.0 / width)
+    return np.asarray(d.fade(np.minimum(aside * aside, np.float32(40.0))), np.float32)
+
+
+def _halo(upwards: F32) -> F32:
+    """Return how bright the air before the ego's lamps is, by rows, [height]."""
+    high = np.clip((upwards + np.float32(0.06)) * np.float32(1.0 / 0.3), 0.0, 8.0)
+    return (np.float32(1.0) / (np.float32(1.0) + high * high)).astype(np.float32)

@@ -9,12 +9,11 @@ Kernels compile when they are first called, which takes some seconds, and are ke
 """
 
 import math
-from collections.abc import Callable
-from typing import TypeVar, cast
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from oodscen_pybullet.compiling import kernel
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -22,24 +21,12 @@ I32 = NDArray[np.int32]
 U8 = NDArray[np.uint8]
 U64 = NDArray[np.uint64]
 
-RECORD = 18
+RECORD = 19
 """Numbers kept of a drawn triangle: a place on the grid of samples; 1/w, u/w, v/w and light/w there
-with their slopes along columns and rows; red, green, blue; 1 where it is lit unevenly."""
-
-Kernel = TypeVar("Kernel", bound=Callable[..., object])
-
-
-def kernel(function: Kernel) -> Kernel:
-    """Compile a function: strict arithmetic, without the interpreter's lock, kept on disk.
-
-    Where numba finds no folder to write to, every process compiles anew.
-    """
-    options = {"fastmath": False, "error_model": "numpy", "nogil": True}
-    try:
-        compiled = numba.njit(cache=True, **options)(function)
-    except RuntimeError:
-        compiled = numba.njit(**options)(function)
-    return cast(Kernel, compiled)
+with their slopes along columns and rows; red, green, blue; 1 where it is lit unevenly; how squarely
+the sun meets it, 0 to 255."""
+LABELS = 4
+"""Whole numbers kept of one: texture, label, surface, kind."""
 
 
 @kernel
@@ -48,6 +35,7 @@ def scatter(
     planes: F32,
     colours: F32,
     regions: I32,
+    kinds: U8,
     spans: I32,
     places: F64,
     spheres: F32,
@@ -69,10 +57,12 @@ def scatter(
         planes: [n, 4] normal and offset of each triangle's plane; it shows on the positive side.
         colours: [n, 3] of triangles without texture, 0 to 255.
         regions: [n] texture, -1 for none.
+        kinds: [n] what each is made of; handed on.
         spans: [m, 3] first triangle, the one after the last, and label of each object.
         places: [m, 5] x, y, z, cosine and sine of the yaw of each object.
         spheres: [m, 4] centre and radius around each object, in its frame.
-        camera: [15] eye, right, up, forward, focal length in pixels, nearest, farthest, m.
+        camera: [17] eye, right, up, forward, focal length in pixels, nearest, farthest, m; column
+            and row of the optical axis, pixels.
         sun: [5] direction towards the sun, ambient and diffuse share.
         detail: Samples per pixel along a row and along a column.
         width: Pixels.
@@ -80,7 +70,7 @@ def scatter(
         nearness: [height * width * detail ** 2] 1/w in front, at first that of the farthest.
         shown: The same of the record in front, at first -1.
         records: [k, RECORD] of drawn triangles, filled from `count` on.
-        labels: [k, 3] texture, label and surface of drawn triangles.
+        labels: [k, LABELS] of drawn triangles.
         count: Records so far.
 
     Returns:
@@ -89,9 +79,10 @@ def scatter(
     focal, near, far = camera[12], camera[13], camera[14]
     columns, rows = width * detail, height * detail
     scale = focal * detail
-    middle_x = (width * 0.5 - 0.5) * detail
-    middle_y = (height * 0.5 - 0.5) * detail
-    slope_x, slope_y = width * 0.5 / focal, height * 0.5 / focal
+    axis_x, axis_y = camera[15], camera[16]
+    middle_x, middle_y = (axis_x - 0.5) * detail, (axis_y - 0.5) * detail
+    slope_x = max(axis_x, width - axis_x) / focal
+    slope_y = max(axis_y, height - axis_y) / focal
     lean_x = math.sqrt(1.0 + slope_x * slope_x)
     lean_y = math.sqrt(1.0 + slope_y * slope_y)
     poly = np.empty((4, 6))
@@ -252,10 +243,12 @@ def scatter(
                 hits = np.uint32(0)
                 for offset in range(np.uint64(int(stop) - int(start))):
                     value = begin + slope * np.float32(np.int32(offset))
-                    if value > nearness[base + offset]:
-                        nearness[base + offset] = value
-                        shown[base + offset] = mark
-                        hits |= np.uint32(1)
+                    before, other = nearness[base + offset], shown[base + offset]
+                    # Both are always written back: only so does the loop become vectors.
+                    is_nearer = value > before
+                    nearness[base + offset] = value if is_nearer else before
+                    shown[base + offset] = mark if is_nearer else other
+                    hits |= np.uint32(is_nearer)
                 if hits:
                     is_drawn = True
             if not is_drawn:
@@ -275,7 +268,8 @@ def scatter(
                 max(lights[0], lights[1], lights[2]) - min(lights[0], lights[1], lights[2]) > 1e-3
             )
             strength = 1.0
-            record[17] = 0.0
+            record[17] = record[18] = 0.0
+            labels[count, 3] = kinds[k]
             if is_uneven:
                 record[17] = 1.0
                 p0 = lights[0] * i00 + lights[1] * i10 + lights[2] * i20
@@ -285,6 +279,7 @@ def scatter(
                 record[12], record[13] = p0 * grow, -p1 * grow
             else:
                 strength = sun[3] + sun[4] * max(0.0, lights[0])
+                record[18] = 255.0 * min(max(lights[0], 0.0), 1.0)
             if regions[k] >= 0:
                 for e in range(2):
                     t0, t1, t2 = corners[k, 0, 6 + e], corners[k, 1, 6 + e], corners[k, 2, 6 + e]
@@ -303,7 +298,7 @@ def scatter(
                 tone = tone * 4096 + int(record[16] * 8.0)
                 if regions[k] >= 0:
                     tone = int(strength * 255.0) * 256 + regions[k] + (1 << 40)
-                tone = (tone * 512 + spans[index, 2] + 1) % 2147483629
+                tone = ((tone * 8 + kinds[k]) * 512 + spans[index, 2] + 1) % 2147483629
                 labels[count, 2] = -2 - np.int32(tone)
             count += 1
     return count

@@ -4,12 +4,10 @@ Each pixel is shaded once, at its centre, with textures in a size that fits; whe
 around it show more than one surface, these are mixed.
 """
 
-from typing import cast
-
-import numba
 import numpy as np
 
-from oodscen_pybullet.raster import F32, I32, U8, U64, Kernel, kernel
+from oodscen_pybullet.compiling import inlined, kernel
+from oodscen_pybullet.raster import F32, I32, U8, U64
 
 _RUN = 16
 """Most pixels that are shaded together."""
@@ -17,13 +15,7 @@ _FINEST = 2.0
 """Texels per pixel from which on the next coarser size is taken."""
 
 
-def _inlined(function: Kernel) -> Kernel:
-    """Compile into every caller: handing over so many arrays costs more than most calls do."""
-    compiled = numba.njit(inline="always", error_model="numpy")(function)
-    return cast(Kernel, compiled)
-
-
-@_inlined
+@inlined
 def _paint(
     mark: int,
     column: int,
@@ -50,13 +42,15 @@ def _paint(
         sizes: Of `gather`.
         light: Of `gather`.
         detail: Samples from one pixel to the next.
-        strip: [3, at least count] to be filled with red, green, blue, 0 to 255.
+        strip: [4, at least count] to be filled with red, green, blue, and how squarely the sun meets
+            the surface, 0 to 255.
     """
     k = np.uint64(mark)
     zero, half = np.float32(0.0), np.float32(0.5)
     red, green, blue = records[k, 14], records[k, 15], records[k, 16]
     region = labels[k, 0]
     is_uneven = records[k, 17] != zero
+    full = np.float32(255.0)
     across, down = np.float32(column) - records[k, 0], np.float32(row) - records[k, 1]
     stride = np.float32(detail)
     iwx = records[k, 3] * stride
@@ -68,11 +62,13 @@ def _paint(
     if region < 0:
         for i in range(np.uint64(count)):
             t = np.float32(np.int32(i))
-            strength = light[0] + light[1] * max((shade + shade_x * t) / (iw + iwx * t), zero)
-            strip[0, i], strip[1, i], strip[2, i] = (
+            slant = max((shade + shade_x * t) / (iw + iwx * t), zero)
+            strength = light[0] + light[1] * slant
+            strip[0, i], strip[1, i], strip[2, i], strip[3, i] = (
                 red * strength,
                 green * strength,
                 blue * strength,
+                min(slant * full, full),
             )
         return
     ux, vx = records[k, 6] * stride, records[k, 9] * stride
@@ -117,8 +113,11 @@ def _paint(
             texels[a] * k00 + texels[a + right] * k01 + texels[c] * k10 + texels[c + right] * k11
         )
         strength = np.float32(1.0 / 4096.0)
+        strip[3, i] = records[k, 18]
         if is_uneven:
-            strength *= light[0] + light[1] * max((shade + shade_x * t) * w, zero)
+            slant = max((shade + shade_x * t) * w, zero)
+            strength *= light[0] + light[1] * slant
+            strip[3, i] = min(slant * full, full)
         strip[0, i] = red * strength * np.float32(np.int32(texel & low))
         strip[1, i] = green * strength * np.float32(np.int32((texel >> np.uint64(21)) & low))
         strip[2, i] = blue * strength * np.float32(np.int32(texel >> np.uint64(42)))
@@ -162,7 +161,7 @@ def _smooth(
     height, width = reach.shape
     last_row, last_column = 2 * height - 1, 2 * width - 1
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    strip = np.empty((3, 1), np.float32)
+    strip = np.empty((4, 1), np.float32)
     mixed = np.empty((count, 3), np.uint8)
     for n in range(np.uint64(count)):
         y, x = int(spots[n, 0]), int(spots[n, 1])
@@ -193,9 +192,9 @@ def _smooth(
                         a = min(max(x + i, 0), width - 1) if step == 1 else x
                         other = shown[np.uint64(2 * b), np.uint64(2 * a)]
                         if other >= 0 and labels[np.uint64(other), 2] == surface:
-                            one_r = np.float32(rgb[np.uint64(b), np.uint64(a), 0])
-                            one_g = np.float32(rgb[np.uint64(b), np.uint64(a), 1])
-                            one_b = np.float32(rgb[np.uint64(b), np.uint64(a), 2])
+                            one_r = np.float32(rgb[0, np.uint64(b), np.uint64(a)])
+                            one_g = np.float32(rgb[1, np.uint64(b), np.uint64(a)])
+                            one_b = np.float32(rgb[2, np.uint64(b), np.uint64(a)])
                             is_known = True
                     if not is_known:
                         _paint(mark, c, r, 1, records, labels, texels, sizes, light, 2, strip)
@@ -216,7 +215,7 @@ def _smooth(
         )
     for n in range(np.uint64(count)):
         for e in range(3):
-            rgb[np.uint64(spots[n, 0]), np.uint64(spots[n, 1]), e] = mixed[n, e]
+            rgb[e, np.uint64(spots[n, 0]), np.uint64(spots[n, 1])] = mixed[n, e]
 
 
 @kernel
@@ -234,6 +233,8 @@ def gather(
     rows: I32,
     reach: F32,
     sky: U8,
+    lit: U8,
+    kinds: U8,
 ) -> None:
     """Shade every pixel.
 
@@ -247,16 +248,18 @@ def gather(
         sizes: [regions, sizes, 3] where each begins in `texels`, its width and height.
         light: Shares of light from everywhere and from the sun.
         detail: Samples per pixel along a row and along a column, 1 or 2.
-        rgb: [height, width, 3] to be filled.
+        rgb: [3, height, width] to be filled.
         depth: [height, width] to be filled: at the pixel's centre, m, infinity for the sky.
         rows: The same with the label, -1 for the sky.
         reach: The same with the mean distance of what is not sky, m.
         sky: The same with the share of sky, 0 to 255.
+        lit: The same with how squarely the sun meets the surface at the centre, 0 to 255.
+        kinds: The same with what that surface is made of.
     """
     height, width = depth.shape
     last_column, last_row = width * detail - 1, height * detail - 1
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
-    strip = np.empty((3, _RUN), np.float32)
+    strip = np.empty((4, _RUN), np.float32)
     upright = np.zeros(width * detail + 2, np.int32)
     level = np.zeros(width * detail + 2, np.int32)
     mixed = np.zeros(width, np.int32)
@@ -301,17 +304,21 @@ def gather(
             if mark < 0:
                 for i in range(np.uint64(stop - x)):
                     sky[y, at + i] = 255
-                    rgb[y, at + i, 0] = rgb[y, at + i, 1] = rgb[y, at + i, 2] = 0
+                    rgb[0, y, at + i] = rgb[1, y, at + i] = rgb[2, y, at + i] = 0
+                    lit[y, at + i] = kinds[y, at + i] = 0
             elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
                 k = np.uint64(mark)
                 plain_r = np.uint8(min(records[k, 14] + half, most))
                 plain_g = np.uint8(min(records[k, 15] + half, most))
                 plain_b = np.uint8(min(records[k, 16] + half, most))
+                plain_lit, made = np.uint8(records[k, 18]), np.uint8(labels[k, 3])
                 for i in range(np.uint64(stop - x)):
                     sky[y, at + i] = 0
-                    rgb[y, at + i, 0] = plain_r
-                    rgb[y, at + i, 1] = plain_g
-                    rgb[y, at + i, 2] = plain_b
+                    rgb[0, y, at + i] = plain_r
+                    rgb[1, y, at + i] = plain_g
+                    rgb[2, y, at + i] = plain_b
+                    lit[y, at + i] = plain_lit
+                    kinds[y, at + i] = made
             else:
                 _paint(
                     mark,
@@ -326,11 +333,14 @@ def gather(
                     detail,
                     strip,
                 )
+                made = np.uint8(labels[np.uint64(mark), 3])
                 for i in range(np.uint64(stop - x)):
                     sky[y, at + i] = 0
-                    rgb[y, at + i, 0] = np.uint8(min(strip[0, i] + half, most))
-                    rgb[y, at + i, 1] = np.uint8(min(strip[1, i] + half, most))
-                    rgb[y, at + i, 2] = np.uint8(min(strip[2, i] + half, most))
+                    lit[y, at + i] = np.uint8(strip[3, i])
+                    kinds[y, at + i] = made
+                    rgb[0, y, at + i] = np.uint8(min(strip[0, i] + half, most))
+                    rgb[1, y, at + i] = np.uint8(min(strip[1, i] + half, most))
+                    rgb[2, y, at + i] = np.uint8(min(strip[2, i] + half, most))
             x = stop
     if count:
         _smooth(

@@ -14,13 +14,14 @@ from oodscen.errors import SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen.scene import Scene
 from oodscen_pybullet.bodies import Bodies, Pose
-from oodscen_pybullet.cast import Cast, Look
+from oodscen_pybullet.cast import Cast, Look, mesh_of
 from oodscen_pybullet.catalogue import load_catalogue
 from oodscen_pybullet.engine import load_pybullet
 from oodscen_pybullet.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet.meshes import Mesh, asset_ids
 from oodscen_pybullet.meshes.cars import bonnet
 from oodscen_pybullet.picture import Picture, develop
+from oodscen_pybullet.puffs import Ball, filled, placed
 from oodscen_pybullet.renderers import Renderer, choose_renderer, open_stage
 from oodscen_pybullet.road import KERB
 from oodscen_pybullet.roadside import build_scenery
@@ -33,6 +34,8 @@ REACH = 20.0
 """Gaps are measured up to this distance, m."""
 STAGES = 6
 """Roads whose scenery stays loaded."""
+DARK = 0.2
+"""Daylight up to which nothing throws a shadow."""
 LYING_SNOW_MM_H = 1.0
 """Snowfall from which on the ground is white."""
 
@@ -139,19 +142,38 @@ class PyBulletSimulator(MirrorSimulator):
         poses = self._stand(corridor)
         stage.pose_actors(poses)
         light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
-        shot = stage.photograph(view, sun=light.sun, ambient=light.ambient, diffuse=light.diffuse)
+        ground = poses[0][2]
+        shot = stage.photograph(
+            view,
+            sun=light.sun,
+            ambient=light.ambient,
+            diffuse=light.diffuse,
+            ground=ground if light.daylight > DARK else None,
+            shades=light.shades,
+        )
+        balls = [
+            ball
+            for row, (look, pose) in enumerate(zip(looks, poses, strict=True))
+            for ball in placed(mesh_of(look).puffs, pose, row)
+        ]
         picture = Picture(
             shot=shot,
             view=view,
             weather=scene.weather,
             light=light,
-            casters=self._cast.casters(looks, poses),
             glows=[*self._cast.glows(looks, poses), *_street_lamps(lamps)],
             time=self.world.time,
             seed=seed,
-            road_height=poses[0][2],
+            road_height=ground,
+            balls=balls,
         )
-        return Frame(rgb=develop(picture), depth=shot.depth, ids=shot.rows + np.int32(1))
+        rgb = develop(picture)
+        return Frame(
+            rgb=rgb,
+            depth=shot.depth,
+            ids=shot.rows + np.int32(1),
+            unhidden=_unhidden(stage, view, balls),
+        )
 
     def release(self) -> None:
         """Disconnect from PyBullet."""
@@ -195,6 +217,15 @@ class PyBulletSimulator(MirrorSimulator):
             on_kerb = strip is not None and corridor.strips[strip].kind == "sidewalk"
             poses.append((x, y, z + (KERB if on_kerb else 0.0), yaw))
         return poses
+
+
+def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
+    """Return how many pixels each body would fill if nothing stood before it."""
+    pixels = stage.unhidden(view)
+    if pixels is not None:
+        for row in sorted({ball.row for ball in balls}):
+            pixels[row] = max(pixels[row], np.count_nonzero(filled(view, balls, row)))
+    return pixels
 
 
 def _street_lamps(heads: Lamps) -> list[Glow]:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from oodscen_pybullet.cast import Look, mesh_of
 from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
-from oodscen_pybullet.view import View, metres
+from oodscen_pybullet.shadows import Shade
+from oodscen_pybullet.view import Point, View, metres
 from oodscen_pybullet.wavefront import wavefront
 
 Pose = tuple[float, float, float, float]
@@ -37,6 +38,12 @@ class Shot:
     """The same with the mean depth of what is not sky; light and weather go by it."""
     sky: NDArray[np.uint8]
     """The same with the share of sky, 0 to 255."""
+    lit: NDArray[np.uint8]
+    """The same with how squarely the sun meets the surface, 0 to 255."""
+    kinds: NDArray[np.uint8]
+    """The same with what the surface is made of: `triangles.PLAIN`, `SHINING`, `MIRROR`."""
+    shade: Shade | None = None
+    """Where the sun does not reach; `None` where that was not asked for, or is in `rgb` already."""
 
 
 class Stage(Protocol):
@@ -55,7 +62,14 @@ class Stage(Protocol):
         """Move every actor: x, y, z, yaw."""
 
     def photograph(
-        self, view: View, *, sun: tuple[float, float, float], ambient: float, diffuse: float
+        self,
+        view: View,
+        *,
+        sun: Point,
+        ambient: float,
+        diffuse: float,
+        ground: float | None = None,
+        shades: Point | None = None,
     ) -> Shot:
         """Take a picture.
 
@@ -64,6 +78,15 @@ class Stage(Protocol):
             sun: Direction towards the sun.
             ambient: Share of light from everywhere.
             diffuse: Share of light from the sun.
+            ground: Height of the road below the camera, m, where shadows are wanted.
+            shades: Direction from which shadows fall, where it is not the sun's.
+        """
+        ...
+
+    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+        """Return how many pixels each actor would fill if nothing stood before it, [actors].
+
+        `None` where that cannot be told.
         """
         ...
 
@@ -147,8 +170,19 @@ class BulletStage:
                 body, (x, y, z), turn, physicsClientId=self._client
             )
 
+    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+        """Return nothing: it would take as many pictures as there are actors."""
+        return None
+
     def photograph(
-        self, view: View, *, sun: tuple[float, float, float], ambient: float, diffuse: float
+        self,
+        view: View,
+        *,
+        sun: Point,
+        ambient: float,
+        diffuse: float,
+        ground: float | None = None,
+        shades: Point | None = None,
     ) -> Shot:
         """Take a picture."""
         engine = self._engine
@@ -180,6 +214,8 @@ class BulletStage:
             rows=rows[seen],
             reach=depth,
             sky=np.where(np.isinf(depth), np.uint8(255), np.uint8(0)),
+            lit=np.zeros(shape, np.uint8),
+            kinds=np.zeros(shape, np.uint8),
         )
 
     def _shape(self, mesh: Mesh) -> int:

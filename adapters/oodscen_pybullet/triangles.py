@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet.meshes.atlas import REGIONS, SIZE, draw_atlas
+from oodscen_pybullet.meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH, draw_atlas
 from oodscen_pybullet.meshes.builder import Mesh
 
 F32 = NDArray[np.float32]
@@ -20,6 +20,10 @@ CHUNK = 256
 """Most triangles that stand or fall together when the camera looks elsewhere."""
 CELL = 24.0
 """Chunks are gathered from squares of this size, m."""
+PLAIN, SHINING, MIRROR = 0, 1, 2
+"""What a triangle may be made of: most are plain, lamps shine in the dark, water mirrors."""
+WATER = frozenset({"water", "water_light"})
+"""Colours of what mirrors."""
 _GRID = 2.0**14
 """Corners lie on a grid of so many lines per metre: their differences are exact in any chunk."""
 
@@ -46,6 +50,8 @@ class Triangles:
     """[n, 3] of triangles without texture."""
     regions: I32
     """[n] which texture, -1 for none."""
+    kinds: NDArray[np.uint8]
+    """[n] PLAIN, SHINING or MIRROR."""
     spans: I32
     """[m, 3] first triangle, the one after the last, and label of each chunk."""
     places: F64
@@ -65,7 +71,7 @@ class Triangles:
         """
         order = mesh.triangles
         points = np.round(mesh.vertices[order] * _GRID) / _GRID
-        normals, uvs = mesh.normals[order], mesh.uvs[order]
+        normals, uvs = np.round(mesh.normals[order] * _GRID) / _GRID, mesh.uvs[order]
         facing = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
         size = np.sqrt((facing * facing).sum(axis=1))
         keep = size > 1e-9
@@ -98,6 +104,7 @@ class Triangles:
             ).astype(np.float32),
             colours=atlas[row, column].astype(np.float32),
             regions=regions,
+            kinds=_kinds(regions, column, row),
             spans=np.stack([starts, ends, np.full(len(starts), -1)], axis=1).astype(np.int32),
             places=np.concatenate(
                 [origins, np.tile(np.array([1.0, 0.0]), (len(starts), 1))], axis=1
@@ -118,6 +125,7 @@ class Triangles:
             planes=np.concatenate([part.planes for part in parts]),
             colours=np.concatenate([part.colours for part in parts]),
             regions=np.concatenate([part.regions for part in parts]),
+            kinds=np.concatenate([part.kinds for part in parts]),
             spans=np.concatenate(spans).astype(np.int32),
             places=np.concatenate([part.places for part in parts]),
             spheres=np.concatenate([part.spheres for part in parts]),
@@ -153,6 +161,20 @@ def _regions(uvs: F64) -> tuple[I32, F64]:
         regions[inside] = index
         place[inside] -= np.array([x, y])
     return regions, place
+
+
+def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """Return what each triangle is made of, from its texture or its colour in the atlas."""
+    swatches, prints = (
+        np.zeros(SIZE * SIZE // SWATCH**2, np.uint8),
+        np.zeros(len(REGIONS), np.uint8),
+    )
+    for index, name in enumerate(COLOURS):
+        swatches[index] = SHINING if name in EMISSIVE else MIRROR if name in WATER else PLAIN
+    for index, name in enumerate(REGIONS):
+        prints[index] = SHINING if name in EMISSIVE else PLAIN
+    plain = swatches[(row // SWATCH) * (SIZE // SWATCH) + column // SWATCH]
+    return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
 
 
 @lru_cache(maxsize=2)

@@ -1,13 +1,14 @@
 """Where a dash camera is, and where points fall on its picture."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving import exact
 from oodscen.protocols import Camera
 
+_DEGREE = 0.017453292519943295
 NEAR = 0.2
 """Closest thing that is drawn, m."""
 FAR = 420.0
@@ -33,13 +34,12 @@ class View:
     def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "View":
         """Mount a camera on a vehicle whose footprint's centre and yaw are given."""
         x, y, z, yaw = pose
-        c, s = math.cos(yaw), math.sin(yaw)
-        pitch = math.radians(camera.pitch_deg)
-        cp, sp = math.cos(pitch), math.sin(pitch)
+        s, c = exact.sincos(yaw)
+        sp, cp = exact.sincos(camera.pitch_deg * _DEGREE)
         return cls(
             width=camera.width,
             height=camera.height,
-            focal=camera.width / 2 / math.tan(math.radians(camera.fov_deg) / 2),
+            focal=camera.width / 2 / exact.tan(camera.fov_deg * _DEGREE / 2),
             eye=(
                 x + c * camera.x - s * camera.y,
                 y + s * camera.x + c * camera.y,

@@ -1,4 +1,4 @@
-"""The air and what falls through it: sky, fog, rain and snow, added to a picture from depth.
+"""The air and what falls through it: fog, sky, rain and snow.
 
 Fog follows Koschmieder's law: contrast falls to 5 % at the visual range.
 """
@@ -9,28 +9,35 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving import exact
 from oodscen.scene import Weather
 from oodscen.seeding import stream
-from oodscen_pybullet.light import Light, line, three
+from oodscen_pybullet.compiling import kernel
+from oodscen_pybullet.light import Light
 from oodscen_pybullet.view import View
 
 Float = NDArray[np.float32]
+U8 = NDArray[np.uint8]
 Colour = tuple[float, float, float]
 
 CLEAR_AIR_M = 10_000.0
 """Visual range from which on air takes nothing away."""
 SKY_M = 6_000.0
 """How far the sky is away for the fog."""
+SHEET = (256, 1024)
+"""Rows by height and columns by heading of the clouds."""
+_LN_20 = 2.995732273553991
+_TAU = 6.283185307179586
 
 
 def extinction(weather: Weather) -> float:
     """Return how quickly contrast fades, 1/m: fog, and rain or snow on top of it."""
     fog = weather.fog_visual_range_m
-    total = math.log(20.0) / fog if fog < CLEAR_AIR_M else 0.0
+    total = _LN_20 / fog if fog < CLEAR_AIR_M else 0.0
     if weather.precipitation == "rain":
-        total += 0.0011 * math.pow(weather.precipitation_mm_h, 0.67)
+        total += 0.0011 * exact.power(weather.precipitation_mm_h, 0.67)
     elif weather.precipitation == "snow":
-        total += 0.0085 * math.pow(weather.precipitation_mm_h, 0.6)
+        total += 0.0085 * exact.power(weather.precipitation_mm_h, 0.6)
     return total
 
 
@@ -49,160 +56,174 @@ def air_colour(weather: Weather, light: Light) -> Colour:
     )
 
 
-def veil(image: Float, distance: Float, rate: float, air: Colour | Float) -> Float:
-    """Fade a picture into the air, in place.
+def heaven(view: View, weather: Weather, light: Light) -> Float:
+    """Return the sky by rows of pixels: [height, 5] float32.
 
-    Args:
-        image: [height, width, 3], 0 to 255.
-        distance: From the eye, m; at infinity there is nothing but air.
-        rate: Extinction, 1/m; 0 leaves the picture as it is.
-        air: Colour of the air, one or per pixel.
+    Red, green and blue of the clear sky, 0 to 255; row of the sheet of clouds; share of the next
+    row. Below the horizon it is the haze over distant ground.
     """
-    if rate <= 0.0:
-        return image
-    import cv2
-
-    through = cv2.exp(np.minimum(distance, np.float32(1e6)) * np.float32(-rate))
-    target = air if isinstance(air, np.ndarray) else line(air, image.shape[1])
-    image -= target
-    image *= three(through)
-    image += target
-    return image
-
-
-def sky(view: View, weather: Weather, light: Light, seed: int, *, rows: int) -> Float:
-    """Paint the sky for the uppermost rows of pixels, [rows, width, 3], 0 to 255.
-
-    Below the horizon it is the haze over distant ground.
-    """
-    import cv2
-
-    across, upwards = view.slopes()
-    upwards = upwards[:rows]
+    _, upwards = view.slopes()
     rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
-    high = np.clip(rise * np.float32(1.6), 0.0, 1.0)[:, None, None]
+    high = np.clip(rise * np.float32(1.6), 0.0, 1.0).astype(np.float32)
     horizon, zenith = (204.0, 222.0, 240.0), (92.0, 148.0, 222.0)
     night_horizon, night_zenith = (26.0, 30.0, 44.0), (7.0, 9.0, 20.0)
     low = 1.0 - min(1.0, max(0.0, weather.sun_elevation_deg) / 14.0)
-    dusk = low * max(0.0, min(1.0, (weather.sun_elevation_deg + 8.0) / 8.0))
+    dusk = 0.6 * low * max(0.0, min(1.0, (weather.sun_elevation_deg + 8.0) / 8.0))
     day = light.daylight
-    bottom = [n + (h - n) * day for h, n in zip(horizon, night_horizon, strict=True)]
     glow = (248.0, 186.0, 128.0)
-    mix = 0.6 * dusk
-    bottom = [b + (g * max(day, 0.5) - b) * mix for b, g in zip(bottom, glow, strict=True)]
-    top = [n + (h - n) * day for h, n in zip(zenith, night_zenith, strict=True)]
-    clear = (
-        np.array(bottom, np.float32)
-        + (np.array(top, np.float32) - np.array(bottom, np.float32)) * high
-    )
-    painted = np.broadcast_to(clear, (rows, view.width, 3)).astype(np.float32)
-    cover = max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
-    if cover > 0.02:
-        sheet = _cloud_sheet(seed)
-        heading = math.atan2(view.forward[1], view.forward[0])
-        turn = (heading / math.tau) % 1.0
-        column = (np.float32(turn * 1024.0) - across * np.float32(1024.0 / math.tau)) % np.float32(
-            1024
-        )
-        row = np.clip(rise * np.float32(420.0), 0.0, 255.0)
-        map_x = np.broadcast_to(column[None, :], (rows, view.width)).astype(np.float32)
-        map_y = np.broadcast_to(row[:, None], (rows, view.width)).astype(np.float32)
-        cloud = cv2.remap(sheet, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
-        edge = np.float32(1.0 - 0.9 * cover)
-        share = np.clip((cloud - edge + np.float32(0.12)) * np.float32(3.2), 0.0, 1.0)
-        share = np.maximum(share, np.float32(max(0.0, (cover - 0.75) * 4.0)))
-        shade = cloud * np.float32(0.22) + np.float32(0.86 - 0.12 * cover)
-        grey = [shade * np.float32(v * (0.06 + 0.94 * day)) for v in (236.0, 239.0, 243.0)]
-        clouds = np.asarray(cv2.merge(grey), np.float32)
-        clouds -= painted
-        clouds *= three(share)
-        painted += clouds
-    return painted
+    rows = np.empty((view.height, 5), np.float32)
+    for e in range(3):
+        bottom = night_horizon[e] + (horizon[e] - night_horizon[e]) * day
+        bottom += (glow[e] * max(day, 0.5) - bottom) * dusk
+        top = night_zenith[e] + (zenith[e] - night_zenith[e]) * day
+        rows[:, e] = np.float32(bottom) + np.float32(top - bottom) * high
+    place = np.clip(rise * np.float32(420.0), 0.0, np.float32(SHEET[0] - 1.001))
+    rows[:, 3] = np.floor(place)
+    rows[:, 4] = place - rows[:, 3]
+    return rows
+
+
+def cloud_columns(view: View) -> Float:
+    """Return which column of the sheet of clouds each column of pixels shows: [width] float32."""
+    across, _ = view.slopes()
+    turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
+    columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / _TAU)
+    columns -= np.floor(columns * np.float32(1 / SHEET[1])) * np.float32(SHEET[1])
+    return np.clip(columns, 0.0, np.float32(SHEET[1] - 0.001)).astype(np.float32)
+
+
+def cloud_cover(weather: Weather) -> float:
+    """Return the share of the sky that clouds hide."""
+    return max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
 
 
 @lru_cache(maxsize=8)
-def _cloud_sheet(seed: int) -> Float:
-    """Return cloud density by heading and height, [256, 1024], seamless around."""
-    import cv2
-
+def cloud_sheet(seed: int) -> Float:
+    """Return the density of clouds by height and heading, one column more than a full turn."""
     rng = stream(seed, "clouds")
-    sheet = np.zeros((256, 1024), np.float32)
-    for rows, columns, weight in ((12, 64, 0.7), (40, 256, 0.3)):
-        noise = rng.uniform(0.0, 1.0, (rows, columns)).astype(np.float32)
-        wrapped = np.hstack([noise[:, -2:], noise, noise[:, :2]])
-        cell = 1024 // columns
-        wide = cv2.resize(wrapped, (1024 + 4 * cell, 256), interpolation=cv2.INTER_CUBIC)
-        sheet += np.float32(weight) * wide[:, 2 * cell : 2 * cell + 1024]
+    height, width = SHEET
+    sheet = np.zeros((height, width), np.float32)
+    octaves = ((10, 48, 0.52), (22, 96, 0.26), (44, 256, 0.15), (88, 512, 0.07))
+    for rows, columns, weight in octaves:
+        noise = rng.integers(0, 4096, (rows + 1, columns)).astype(np.float32) * np.float32(1 / 4095)
+        sheet += np.float32(weight) * _stretched(noise, height, width)
+    sheet = np.clip((sheet - np.float32(0.5)) * np.float32(1.7) + np.float32(0.5), 0.0, 1.0)
+    sheet = np.hstack([sheet, sheet[:, :1]]).astype(np.float32)
     sheet.flags.writeable = False
     return sheet
 
 
-def wet(image: Float, ground: Float, distance: Float, sheen: Colour) -> Float:
-    """Darken wet ground and let it mirror the sky at flat angles, in place.
-
-    Args:
-        image: [height, width, 3].
-        ground: [height, width], 1 where a pixel shows the ground.
-        distance: m
-        sheen: Colour of what it mirrors.
-    """
-    import cv2
-
-    flat = np.minimum(distance, np.float32(200.0))
-    flat /= flat + np.float32(22.0)
-    mirror = np.float32(0.46) * flat * flat * ground
-    image *= three((np.float32(1.0) - np.float32(0.34) * ground) * (np.float32(1.0) - mirror))
-    image += cv2.merge([mirror * np.float32(v) for v in sheen])
-    return image
+def _stretched(noise: Float, height: int, width: int) -> Float:
+    """Return noise of another size, smooth between its places; the last column meets the first."""
+    rows, columns = noise.shape
+    y = np.arange(height, dtype=np.float32) * np.float32((rows - 1) / height)
+    x = np.arange(width, dtype=np.float32) * np.float32(columns / width)
+    i, j = y.astype(np.int64), x.astype(np.int64)
+    v, u = y - i.astype(np.float32), x - j.astype(np.float32)
+    v, u = v * v * (np.float32(3.0) - 2 * v), u * u * (np.float32(3.0) - 2 * u)
+    lines = noise[i] + (noise[i + 1] - noise[i]) * v[:, None]
+    other = lines[:, (j + 1) % columns]
+    return np.asarray(lines[:, j] + (other - lines[:, j]) * u[None, :], np.float32)
 
 
-def rain_streaks(view: View, weather: Weather, seed: int, time: float) -> Float:
-    """Return how much light falling drops add, [height, width], 0 to 255."""
-    import cv2
-
+def add_rain(image: U8, view: View, weather: Weather, light: Light, seed: int, time: float) -> None:
+    """Add streaks of falling drops, in place."""
     rng = stream(seed, "rain", round(time, 3))
     area = view.width * view.height / (640 * 480)
-    layer = np.zeros((view.height, view.width), np.uint8)
-    intensity = weather.precipitation_mm_h / 50.0
-    scale = view.height / 480
-    for share, length, weight, bright in (
-        (1.0, 16.0, 1, 92),
-        (0.35, 38.0, 1, 110),
-        (0.05, 80.0, 2, 84),
+    intensity = math.sqrt(weather.precipitation_mm_h / 50.0)
+    scale = view.height / 480 * (0.75 + 0.5 * intensity)
+    shine = 0.3 + 0.45 * light.daylight
+    layers = []
+    for share, length, thick, bright in (
+        (1.0, 18.0, 0.7, 76.0),
+        (0.35, 42.0, 1.0, 92.0),
+        (0.05, 84.0, 1.8, 70.0),
     ):
-        count = int(area * share * (140 + 640 * math.sqrt(intensity)))
+        count = int(area * share * (160 + 760 * intensity))
         x = rng.uniform(-20, view.width + 20, count)
-        y = rng.uniform(-40, view.height, count)
         size = rng.uniform(0.6, 1.3, count) * length * scale
-        shade = rng.uniform(0.4, 1.0, count) * bright
-        for index in range(count):
-            start = (int(x[index]), int(y[index]))
-            end = (int(x[index] - 0.10 * size[index]), int(y[index] + size[index]))
-            cv2.line(layer, start, end, float(shade[index]), weight, cv2.LINE_AA)
-    return np.asarray(cv2.blur(layer, (2, 2)), np.float32)
+        y = rng.uniform(-40, view.height, count)
+        shade = rng.uniform(0.4, 1.0, count) * bright * shine
+        layers.append(
+            np.stack([x, y, size, shade, np.full(count, max(thick * scale, 0.6))], axis=1)
+        )
+    draw_streaks(image, np.concatenate(layers).astype(np.float32))
 
 
-def snow_flakes(view: View, weather: Weather, depth: Float, seed: int, time: float) -> Float:
-    """Return how much of each pixel flakes cover, [height, width], 0 to 1."""
-    import cv2
+@kernel
+def draw_streaks(image: U8, streaks: Float) -> None:
+    """Add slightly slanted lines of light.
 
+    Args:
+        image: [height, width, 3], changed in place.
+        streaks: [n, 5] column and row of the upper end, length, brightness, width; pixels.
+    """
+    height, width = image.shape[0], image.shape[1]
+    one, most = np.float32(1.0), np.float32(255.0)
+    for n in range(streaks.shape[0]):
+        length, thick = streaks[n, 2], streaks[n, 4]
+        first, last = int(np.floor(streaks[n, 1])), int(np.floor(streaks[n, 1] + length))
+        for y in range(max(first, 0), min(last + 1, height)):
+            along = (np.float32(y) - streaks[n, 1]) / length
+            # Faint at both ends.
+            part = np.float32(4.0) * along * (one - along)
+            if part <= np.float32(0.0):
+                continue
+            middle = streaks[n, 0] - np.float32(0.10) * (np.float32(y) - streaks[n, 1])
+            left = int(np.floor(middle - thick))
+            for x in range(max(left, 0), min(int(np.floor(middle + thick)) + 2, width)):
+                away = abs(np.float32(x) - middle)
+                cover = min(
+                    max(thick * np.float32(0.5) + np.float32(0.5) - away, np.float32(0.0)), one
+                )
+                bright = streaks[n, 3] * part * cover
+                for e in range(3):
+                    image[y, x, e] = np.uint8(min(np.float32(image[y, x, e]) + bright, most))
+
+
+def add_snow(
+    image: U8, view: View, weather: Weather, light: Light, depth: Float, seed: int, time: float
+) -> None:
+    """Add falling flakes, in place."""
     rng = stream(seed, "snow", round(time, 3))
     intensity = min(1.0, weather.precipitation_mm_h / 12.0)
     count = int(700 + 5200 * intensity)
-    ahead = 0.9 + 26.0 * rng.uniform(0.0, 1.0, count) ** 1.3
+    share = rng.uniform(0.0, 1.0, count)
+    ahead = 0.9 + 26.0 * share * np.sqrt(np.sqrt(share))
     across = rng.uniform(-1.0, 1.0, count) * ahead * view.width / view.focal * 0.55
     upwards = rng.uniform(-1.0, 1.0, count) * ahead * view.height / view.focal * 0.55
     column = view.width / 2 + view.focal * across / ahead
     row = view.height / 2 - view.focal * upwards / ahead
-    radius = view.focal * 0.009 / ahead
-    layer = np.zeros((view.height, view.width), np.uint8)
-    u, v = column.astype(np.int64), row.astype(np.int64)
-    inside = (column > -1) & (u < view.width) & (row > -1) & (v < view.height)
-    inside[inside] = depth[v[inside], u[inside]] >= ahead[inside]
-    small = inside & (radius < 0.8)
-    layer[v[small], u[small]] = 150
-    for index in np.flatnonzero(inside & ~small).tolist():
-        spot = (int(u[index]), int(v[index]))
-        cv2.circle(layer, spot, int(radius[index] + 0.5), 225, -1, cv2.LINE_AA)
-    soft = cv2.GaussianBlur(layer, (3, 3), 0.7)
-    return np.asarray(soft * np.float32(1 / 255), np.float32)
+    radius = np.maximum(view.focal * 0.0055 / ahead, 0.5)
+    flakes = np.stack([column, row, radius, ahead], axis=1).astype(np.float32)
+    bright = 0.42 + 0.58 * light.daylight
+    colour = np.array([246.0 * bright, 248.0 * bright, 252.0 * bright], np.float32)
+    draw_flakes(image, depth, flakes, colour)
+
+
+@kernel
+def draw_flakes(image: U8, depth: Float, flakes: Float, colour: Float) -> None:
+    """Draw soft round flakes where nothing stands before them.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        depth: [height, width] m
+        flakes: [n, 4] column, row and radius, pixels; distance, m.
+        colour: [3] 0 to 255.
+    """
+    height, width = depth.shape
+    one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)
+    for n in range(flakes.shape[0]):
+        column, row, radius = flakes[n, 0] - half, flakes[n, 1] - half, flakes[n, 2]
+        edge = radius + one
+        for y in range(max(int(row - edge), 0), min(int(row + edge) + 2, height)):
+            for x in range(max(int(column - edge), 0), min(int(column + edge) + 2, width)):
+                if depth[y, x] < flakes[n, 3]:
+                    continue
+                away = (np.float32(x) - column) * (np.float32(x) - column)
+                away += (np.float32(y) - row) * (np.float32(y) - row)
+                cover = min(max((edge - np.sqrt(away)) / (one + half * radius), zero), one)
+                cover *= np.float32(0.8)
+                for e in range(3):
+                    before = np.float32(image[y, x, e])
+                    image[y, x, e] = np.uint8(before + (colour[e] - before) * cover + half)

@@ -1,0 +1,77 @@
+"""What wet ground and standing water mirror."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_pybullet.compiling import kernel
+from oodscen_pybullet.developing import ground_limit
+
+F32 = NDArray[np.float32]
+U8 = NDArray[np.uint8]
+
+
+@kernel
+def add_reflections(
+    image: U8,
+    depth: F32,
+    rows: NDArray[np.int32],
+    kinds: U8,
+    across: F32,
+    rise: F32,
+    eye: np.float32,
+    wet: np.float32,
+    seed: np.uint32,
+) -> None:
+    """Mirror what stands on wet ground in it, and the sky.
+
+    Column by column, what is above the line where ground and background meet is turned over at that
+    line: right for upright things, and near enough for the rest. Rough wet asphalt draws it out into
+    streaks; a puddle keeps it whole.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        depth: [height, width] m
+        rows: The same with actors; -1 is scenery or sky.
+        kinds: The same with what surfaces are made of; 2 is water.
+        across: [width] x / depth.
+        rise: [height] how much higher than the eye things are for each metre of depth.
+        eye: Height of the eye above the ground, m.
+        wet: How much wet ground mirrors at flat angles, 0 to 1; 0 is dry.
+        seed: Of the roughness.
+    """
+    height, width = depth.shape
+    one, zero = np.float32(1.0), np.float32(0.0)
+    base = np.zeros(width, np.int32)
+    streak = np.zeros((width, 3), np.float32)
+    for y in range(height):
+        for x in range(width):
+            near = depth[y, x]
+            is_water = kinds[y, x] == 2
+            is_ground = is_water or (
+                rows[y, x] < 0
+                and near < np.float32(300.0)
+                and eye + near * rise[y] < ground_limit(near)
+            )
+            if not is_ground:
+                base[x] = y
+                for e in range(3):
+                    streak[x, e] = np.float32(image[y, x, e])
+                continue
+            if not is_water and wet <= zero:
+                continue
+            noise = (np.uint32(y * width + x) + seed) * np.uint32(2654435761)
+            shift = int((noise >> np.uint32(16)) % np.uint32(3)) - 1
+            column = min(max(x + (0 if is_water else shift), 0), width - 1)
+            source = max(2 * base[x] - y, 0)
+            flat = near / (near + np.float32(13.0))
+            share, keep = wet * flat * flat, np.float32(0.93)
+            if is_water:
+                share, keep = np.float32(0.26) + np.float32(0.6) * flat, np.float32(0.4)
+            for e in range(3):
+                mirrored = np.float32(image[source, column, e])
+                # A lamp is far brighter than the brightest that a picture can show.
+                mirrored += np.float32(5.0) * max(mirrored - np.float32(205.0), zero)
+                streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)
+                before = np.float32(image[y, x, e])
+                after = before + (streak[x, e] - before) * share
+                image[y, x, e] = np.uint8(min(after + np.float32(0.5), np.float32(255.0)))
