@@ -1,17 +1,26 @@
 """Baselines: texts of ordinary driving, against which OOD-ness is measured.
 
 `ordinary_driving()` is the corpus that is shipped; `load_baseline(file)` reads one of your own.
+`load_controls(split)` and `load_off_topic(split)` are texts to test a measure with.
 """
 
 from oodscen.baselines.baseline import Baseline, load_baseline
+from oodscen.baselines.controls import Control, load_controls
+from oodscen.baselines.handwritten import handwritten_driving
+from oodscen.baselines.off_topic import OffTopic, load_off_topic
 from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.texts import Record, check_texts, read_records
 
 __all__ = [
     "Baseline",
+    "Control",
+    "OffTopic",
     "Record",
     "check_texts",
+    "handwritten_driving",
     "load_baseline",
+    "load_controls",
+    "load_off_topic",
     "ordinary_driving",
     "read_records",
 ]

@@ -1,8 +1,9 @@
-"""The shipped baseline: ordinary driving, from a seeded grammar.
+"""The shipped baseline: ordinary driving, from a seeded grammar and by hand.
 
 The grammar is data (`ordinary.toml`); this module only draws from it. Its texts cover urban, suburban,
 rural and motorway driving in the registers in which out-of-distribution scenarios are written too, so
-that style alone does not make a text score as such.
+that style alone does not make a text score as such. What a grammar does not think of was written by
+hand (`oodscen.baselines.handwritten`).
 """
 
 import re
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from oodscen.baselines.baseline import Baseline
+from oodscen.baselines.handwritten import handwritten_driving
 from oodscen.errors import UsageError
 from oodscen.seeding import stream
 
@@ -37,11 +39,14 @@ _SENTENCE = re.compile(r"(?:^|(?<=\. ))[a-z]")
 
 @cache
 def ordinary_driving() -> Baseline:
-    """Return the baseline that is shipped: 2,000 distinct texts, always the same."""
+    """Return the baseline that is shipped, always the same.
+
+    First 2,000 distinct texts of the grammar, then those of `handwritten_driving()`.
+    """
     return Baseline(
-        texts=draw(_SIZE),
+        texts=draw(_SIZE) + handwritten_driving().texts,
         name="ordinary-driving",
-        source="oodscen.baselines: grammar ordinary.toml, seed 0",
+        source="oodscen.baselines: grammar ordinary.toml, seed 0, and handwritten.txt",
         licence="Apache-2.0",
     )
 

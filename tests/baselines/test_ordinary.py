@@ -4,16 +4,17 @@ import sys
 
 import pytest
 
-from oodscen.baselines import ordinary_driving
+from oodscen.baselines import handwritten_driving, ordinary_driving
 from oodscen.baselines.ordinary import bare, draw
 from oodscen.errors import UsageError
 
-TEXTS = ordinary_driving().texts
+TEXTS = draw(2000)
 
 
-def test_there_are_enough_and_all_differ():
-    assert len(TEXTS) == 2000
-    assert len({bare(text) for text in TEXTS}) == 2000
+def test_the_baseline_is_drawn_and_written_by_hand_and_all_its_texts_differ():
+    texts = ordinary_driving().texts
+    assert texts == TEXTS + handwritten_driving().texts
+    assert len({bare(text) for text in texts}) == len(texts)
 
 
 def test_another_process_draws_the_same():

@@ -1,0 +1,26 @@
+import re
+
+from oodscen.baselines import handwritten_driving
+from oodscen.baselines.handwritten import by_subject
+from oodscen.baselines.ordinary import bare
+
+TEXTS = handwritten_driving().texts
+
+
+def test_there_are_enough_on_many_subjects_and_all_differ():
+    assert len(TEXTS) >= 350
+    assert len({bare(text) for text in TEXTS}) == len(TEXTS)
+    assert len(by_subject()) >= 30
+    assert min(len(texts) for texts in by_subject().values()) >= 5
+
+
+def test_every_text_is_a_clean_line():
+    for text in TEXTS:
+        assert re.fullmatch(r"[A-Z0-9].*[.?!]", text), text
+        assert text == " ".join(text.split())
+        assert 4 <= len(text.split()) <= 32
+
+
+def test_no_text_tells_of_anything_out_of_the_ordinary():
+    strange = r"accident|crash|suddenly|flood|overturned|debris|wrong way|swerve|collid|on fire|injured|roadblock|checkpoint"
+    assert [text for text in TEXTS if re.search(strange, text, re.IGNORECASE)] == []
