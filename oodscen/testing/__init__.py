@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from oodscen.testing.flat import FlatSimulator
     from oodscen.testing.llm import FunctionLLM, ScriptedLLM
     from oodscen.testing.server import AnsweringServer
+    from oodscen.testing.truth import check_truth
 
 _HOMES = {
     "AnsweringServer": "server",
@@ -17,6 +18,7 @@ _HOMES = {
     "HashEncoder": "encoder",
     "ScriptedLLM": "llm",
     "check_simulator": "check",
+    "check_truth": "truth",
 }
 
 __all__ = [
@@ -26,6 +28,7 @@ __all__ = [
     "HashEncoder",
     "ScriptedLLM",
     "check_simulator",
+    "check_truth",
 ]
 
 
