@@ -58,6 +58,11 @@ class Cast:
         """Return how many bodies there are."""
         return len(self._members)
 
+    @property
+    def assets(self) -> list[Asset]:
+        """Everybody's asset, the ego's first."""
+        return [asset for asset, *_ in self._members]
+
     def add(self, actor_id: str, asset: Asset, state: str) -> None:
         """Add one body; the ego comes first."""
         paint = _paint(self._seed, actor_id, asset.id)

@@ -23,12 +23,10 @@ from oodscen_pybullet.meshes.cars import bonnet
 from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.puffs import Ball, filled, placed
 from oodscen_pybullet.renderers import Renderer, choose_renderer, open_stage
-from oodscen_pybullet.road import KERB
-from oodscen_pybullet.roadside import build_scenery
+from oodscen_pybullet.roadside import Scenery, build_scenery
+from oodscen_pybullet.signals import replaced
 from oodscen_pybullet.stage import Stage
-from oodscen_pybullet.view import Point, View
-
-Lamps = tuple[Point, ...]
+from oodscen_pybullet.view import View
 
 REACH = 20.0
 """Gaps are measured up to this distance, m."""
@@ -36,6 +34,8 @@ STAGES = 6
 """Roads whose scenery stays loaded."""
 DARK = 0.2
 """Daylight up to which nothing throws a shadow."""
+LIT_DEG = 1.0
+"""Elevation of the sun below which windows are lit."""
 LYING_SNOW_MM_H = 1.0
 """Snowfall from which on the ground is white."""
 
@@ -68,7 +68,7 @@ class PyBulletSimulator(MirrorSimulator):
         self.renderer = choose_renderer(renderer)
         self._engine: Any = None
         self._bodies: Bodies | None = None
-        self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Lamps]] = OrderedDict()
+        self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
         self._loaded: tuple[Corridor, Scene, int] | None = None
         self._cast: Cast
         self._poses: list[Pose] = []
@@ -131,7 +131,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Take the dash camera's picture of the current state."""
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
-        stage, lamps = self._set(corridor, scene, seed)
+        stage, scenery = self._set(corridor, scene, seed)
         view = View.of(camera, self._poses[0])
         is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
         looks = self._cast.looks(self._poses, self._speeds, self._accelerations(), self.world.time)
@@ -139,7 +139,7 @@ class PyBulletSimulator(MirrorSimulator):
             ego: Look | Mesh = bonnet("silver").build(hollow=True) if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
             self._shown = (id(stage), is_inside, looks)
-        poses = self._stand(corridor)
+        poses = self._stand(scenery)
         stage.pose_actors(poses)
         light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
         ground = poses[0][2]
@@ -161,7 +161,7 @@ class PyBulletSimulator(MirrorSimulator):
             view=view,
             weather=scene.weather,
             light=light,
-            glows=[*self._cast.glows(looks, poses), *_street_lamps(lamps)],
+            glows=[*self._cast.glows(looks, poses), *_lamps_of(scenery)],
             time=self.world.time,
             seed=seed,
             road_height=ground,
@@ -187,36 +187,40 @@ class PyBulletSimulator(MirrorSimulator):
 
     # ------------------------------------------------------------------ the picture's parts
 
-    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Lamps]:
+    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Scenery]:
         """Return the stage with this road's scenery, built if it is new."""
         road = find_map(scene.map, self.catalogue())
-        key = (road.id, id(corridor), seed, _is_snowy(scene))
+        is_night = scene.weather.sun_elevation_deg < LIT_DEG
+        own = zip(self._cast.assets, self._poses, strict=True)
+        places = [(x, y) for asset, (x, y, _, _) in own if asset.category == "signal"]
+        without = replaced(corridor, places)
+        key = (road.id, id(corridor), seed, _is_snowy(scene), is_night, without)
         if key in self._stages:
             self._stages.move_to_end(key)
             return self._stages[key]
         if len(self._stages) >= STAGES:
             _, (oldest, _) = self._stages.popitem(last=False)
             oldest.close()
-        scenery = build_scenery(corridor, frozenset(road.traits), seed, road.id)
+        traits = frozenset(road.traits)
+        scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
         stage = open_stage(self.renderer, self._engine)
         stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene))
-        self._stages[key] = (stage, scenery.lamps)
-        return stage, scenery.lamps
+        self._stages[key] = (stage, scenery)
+        return stage, scenery
 
     def _accelerations(self) -> list[float]:
         known = getattr(self.world, "accelerations", None)
         return [0.0] * len(self._poses) if known is None else known().tolist()
 
-    def _stand(self, corridor: Corridor) -> list[Pose]:
-        """Return the poses with everything on a pavement lifted onto it."""
-        poses = [self._poses[0]]
-        near = None
-        for x, y, z, yaw in self._poses[1:]:
-            s, t = corridor.locate(x, y, near)
-            strip = corridor.strip_at(s, t)
-            on_kerb = strip is not None and corridor.strips[strip].kind == "sidewalk"
-            poses.append((x, y, z + (KERB if on_kerb else 0.0), yaw))
-        return poses
+    def _stand(self, scenery: Scenery) -> list[Pose]:
+        """Return the poses with everything beside the asphalt lifted onto the ground there."""
+        places = np.array(self._poses, np.float64)
+        lifts = scenery.terrain.lifts(places[1:, 0], places[1:, 1]).tolist()
+        lifted = [
+            (x, y, z + lift, yaw)
+            for (x, y, z, yaw), lift in zip(self._poses[1:], lifts, strict=True)
+        ]
+        return [self._poses[0], *lifted]
 
 
 def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
@@ -228,8 +232,13 @@ def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int
     return pixels
 
 
-def _street_lamps(heads: Lamps) -> list[Glow]:
-    return [Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in heads]
+def _lamps_of(scenery: Scenery) -> list[Glow]:
+    """Return the street lamps and what shines at traffic lights."""
+    heads = [
+        Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
+    ]
+    signals = [Glow(one.position, one.colour, one.facing, one.power) for one in scenery.signals]
+    return [*heads, *signals]
 
 
 def _is_snowy(scene: Scene) -> bool:

@@ -133,6 +133,20 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "door": (92, 50, 36),
     "hedge": (58, 98, 46),
     "hill": (116, 138, 112),
+    "lit_window": (255, 212, 132),
+    "lit_window_cool": (226, 232, 214),
+    "lamp_on": (255, 240, 200),
+    "tunnel": (58, 58, 60),
+    "tunnel_dark": (40, 40, 43),
+    "tunnel_light": (92, 90, 84),
+    "asphalt_tunnel": (46, 46, 48),
+    "mark_tunnel": (150, 150, 144),
+    "crop": (120, 150, 62),
+    "wall_blue": (150, 170, 186),
+    "wall_ochre": (206, 168, 104),
+    "awning_red": (176, 52, 48),
+    "awning_green": (52, 110, 78),
+    "straw": (206, 178, 96),
 }
 """Red, green, blue of every colour by name."""
 
@@ -161,6 +175,7 @@ SNOWED: dict[str, tuple[int, int, int]] = {
     "roof_grey": (236, 240, 246),
     "roof_brown": (232, 236, 242),
     "hill": (206, 214, 224),
+    "crop": (238, 242, 247),
 }
 """What lying snow makes of the colours that it covers."""
 
@@ -170,6 +185,7 @@ EMISSIVE: frozenset[str] = frozenset(
     {
         "tail_lit", "brake_lit", "head_lit", "amber_lit", "beacon_lit", "beacon_red_lit",
         "arrow_left", "arrow_right",
+        "lit_window", "lit_window_cool", "lamp_on",
     }
 )  # fmt: skip
 """Colours and regions that shine by themselves: night does not darken them."""

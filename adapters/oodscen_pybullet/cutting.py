@@ -1,0 +1,46 @@
+"""Cuts triangles along the contour of a quantity that their corners carry."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def cut(corners: Array, column: int, level: float) -> tuple[Array, Array, Array]:
+    """Cut triangles where one of their columns takes a value.
+
+    Args:
+        corners: [n, 3, k] the columns of every corner.
+        column: Which of them decides.
+        level: The value at the cut.
+
+    Returns:
+        The triangles below, those above, both with all columns and with their turn kept, and the
+        cut itself, [m, 2, k]: seen from above what is below lies on its left, when triangles
+        turn counter-clockwise.
+    """
+    value = corners[:, :, column] - level
+    is_above = value > 0.0
+    count = is_above.sum(axis=1)
+    below, above = [corners[count == 0]], [corners[count == 3]]
+    cuts = []
+    for lone_above in (True, False):
+        rows = np.flatnonzero(count == (1 if lone_above else 2))
+        some = is_above[rows] if lone_above else ~is_above[rows]
+        turned = (some.argmax(axis=1)[:, None] + np.arange(3)) % 3
+        three = np.take_along_axis(corners[rows], turned[:, :, None], axis=1)
+        values = np.take_along_axis(value[rows], turned, axis=1)
+        a, b, c = three[:, 0], three[:, 1], three[:, 2]
+        ab = a + (values[:, 0] / (values[:, 0] - values[:, 1]))[:, None] * (b - a)
+        ac = a + (values[:, 0] / (values[:, 0] - values[:, 2]))[:, None] * (c - a)
+        tip = np.stack([a, ab, ac], axis=1)
+        rest = [np.stack([ab, b, c], axis=1), np.stack([ab, c, ac], axis=1)]
+        if lone_above:
+            above.append(tip)
+            below += rest
+            cuts.append(np.stack([ac, ab], axis=1))
+        else:
+            below.append(tip)
+            above += rest
+            cuts.append(np.stack([ab, ac], axis=1))
+    return np.concatenate(below), np.concatenate(above), np.concatenate(cuts)
