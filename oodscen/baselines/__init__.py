@@ -6,6 +6,7 @@
 
 from oodscen.baselines.baseline import Baseline, load_baseline
 from oodscen.baselines.controls import Control, load_controls
+from oodscen.baselines.duplicates import Duplicate, NearDuplicates, near_duplicates
 from oodscen.baselines.handwritten import handwritten_driving
 from oodscen.baselines.off_topic import OffTopic, load_off_topic
 from oodscen.baselines.ordinary import ordinary_driving
@@ -14,6 +15,8 @@ from oodscen.baselines.texts import Record, check_texts, read_records
 __all__ = [
     "Baseline",
     "Control",
+    "Duplicate",
+    "NearDuplicates",
     "OffTopic",
     "Record",
     "check_texts",
@@ -21,6 +24,7 @@ __all__ = [
     "load_baseline",
     "load_controls",
     "load_off_topic",
+    "near_duplicates",
     "ordinary_driving",
     "read_records",
 ]

@@ -31,8 +31,8 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     if isinstance(texts, str | bytes):
         raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
-    faults = [(f"[{index}]", _fault(text)) for index, text in enumerate(plain)]
-    _refuse(noun, [Issue(path, fault) for path, fault in faults if fault])
+    faults = [(f"[{index}]", fault_of(text)) for index, text in enumerate(plain)]
+    refuse(noun, [Issue(path, fault) for path, fault in faults if fault])
     if not plain:
         raise DataError(noun, [Issue("", "holds no text")])
     return tuple(plain)
@@ -49,7 +49,7 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
         DataError: When the file cannot be read or decoded, holds no text, or with one issue per
             line that has none.
     """
-    content = _decode(Path(path), noun)
+    content = decode(Path(path), noun)
     suffix = Path(path).suffix.lower()
     issues: list[Issue] = []
     records: list[Record] = []
@@ -61,11 +61,12 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
             records.append(found)
     if not records and not issues:
         issues.append(Issue("", "holds no text"))
-    _refuse(noun, issues, source=str(path))
+    refuse(noun, issues, source=str(path))
     return records
 
 
-def _decode(path: Path, noun: str) -> str:
+def decode(path: Path, noun: str) -> str:
+    """Read a file as UTF-8 text; one that is missing or something else is a `DataError`."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -141,7 +142,7 @@ def _record(where: str, value: Any) -> Record | Issue:
     if "text" not in fields:
         return Issue(where, "has no field 'text'")
     text = fields["text"]
-    if fault := _fault(text):
+    if fault := fault_of(text):
         return Issue(where, fault)
     return Record(text.strip(), _group(fields))
 
@@ -156,7 +157,8 @@ def _group(fields: dict[str, Any]) -> str | None:
     return None
 
 
-def _fault(text: object) -> str:
+def fault_of(text: object) -> str:
+    """Say what keeps a value from being a text; empty if nothing does."""
     if not isinstance(text, str):
         return f"is {type(text).__name__}, not a text"
     if not text.strip():
@@ -168,7 +170,8 @@ def _fault(text: object) -> str:
     return ""
 
 
-def _refuse(noun: str, issues: Iterable[Issue], *, source: str = "") -> None:
+def refuse(noun: str, issues: Iterable[Issue], *, source: str = "") -> None:
+    """Raise a `DataError` if there are issues; of very many it lists the first."""
     found = list(issues)
     if len(found) > _MOST_ISSUES:
         rest = len(found) - _MOST_ISSUES

@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen.baselines import near_duplicates, ordinary_driving
+from oodscen.baselines.ordinary import bare
+from oodscen.errors import DataError, UsageError
+
+quick = settings(deadline=None, max_examples=40)
+sentences = st.lists(st.text("ab c", min_size=1).filter(str.strip), min_size=1, max_size=12)
+rows = st.lists(st.lists(st.integers(-3, 3), min_size=3, max_size=3), min_size=1, max_size=12).map(
+    lambda values: np.array(values, np.float32)
+)
+
+
+def _grams(text):
+    letters = f" {bare(text)} "
+    return {letters[i : i + 3] for i in range(len(letters) - 2)}
+
+
+def _expected(similarity, threshold):
+    """List (index, of) by comparing each item with each earlier one."""
+    found = []
+    for index in range(1, len(similarity)):
+        of = int(np.argmax(similarity[index, :index]))
+        if similarity[index, of] >= threshold - 1e-6:
+            found.append((index, of))
+    return found
+
+
+@quick
+@given(sentences, st.sampled_from([0.2, 0.5, 0.8, 1.0]))
+def test_texts_are_compared_as_sets_of_three_letters(texts, threshold):
+    grams = [_grams(text) for text in texts]
+    similarity = np.array([[np.float32(len(a & b) / len(a | b)) for b in grams] for a in grams])
+    report = near_duplicates(texts, threshold)
+    assert [(item.index, item.of) for item in report.found] == _expected(similarity, threshold)
+    assert (report.n, report.measure, report.threshold) == (len(texts), "trigrams", threshold)
+
+
+@quick
+@given(rows, st.sampled_from([0.3, 0.9, 1.0]))
+def test_embeddings_are_compared_by_cosine(vectors, threshold):
+    lengths = np.linalg.norm(vectors.astype(np.float64), axis=1)[:, None]
+    unit = np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)
+    cosines = unit @ unit.T
+    report = near_duplicates(vectors, threshold)
+    assert [item.index for item in report.found] == [i for i, _ in _expected(cosines, threshold)]
+    for item in report.found:
+        assert item.similarity == pytest.approx(cosines[item.index, item.of], abs=1e-6)
+        assert item.similarity == pytest.approx(cosines[item.index, : item.index].max(), abs=1e-6)
+
+
+def test_blocks_change_nothing(monkeypatch):
+    texts = ordinary_driving().texts[::12]
+    whole = near_duplicates(texts, 0.6)
+    assert whole.found
+    monkeypatch.setattr("oodscen.baselines.duplicates._BLOCK", 7)
+    assert near_duplicates(texts, 0.6) == whole
+
+
+def test_case_and_punctuation_play_no_part():
+    report = near_duplicates(["A car waits.", "Ego turns.", "a CAR waits", "a car, waits!"], 1.0)
+    assert [(item.index, item.of) for item in report.found] == [(2, 0), (3, 0)]
+    assert report.kept == (0, 1)
+
+
+def test_a_report_of_many_copies_is_no_larger_than_they_are():
+    report = near_duplicates(["a car waits"] * 1500)
+    assert len(report.found) == 1499
+    assert report.kept == (0,)
+
+
+def test_zero_vectors_resemble_nothing():
+    assert not near_duplicates(np.zeros((3, 4), np.float32), 0.1).found
+
+
+@pytest.mark.parametrize(
+    "items",
+    [[], ["a", " "], [1], np.zeros((0, 3)), np.zeros(3), np.array([[1.0, np.nan]])],
+)
+def test_what_cannot_be_compared_is_refused(items):
+    with pytest.raises(DataError):
+        near_duplicates(items)
+
+
+@pytest.mark.parametrize("threshold", [0.0, -0.1, 1.1, float("nan")])
+def test_a_threshold_must_make_sense(threshold):
+    with pytest.raises(UsageError):
+        near_duplicates(["a"], threshold)
+
+
+def test_the_handwritten_part_repeats_nothing():
+    report = near_duplicates(ordinary_driving().texts, 0.7)
+    assert [item for item in report.found if item.index >= 2000] == []
