@@ -39,6 +39,9 @@ class LaneStrip:
     """On the left edge: `solid`, `broken`, `curb` or `none`."""
     right_mark: str = "none"
     """On the right edge."""
+    marks: tuple[tuple[float, str, str], ...] = ()
+    """Rows of s and both marks, left and right, from there on, where they change along the strip;
+    `mark` and `right_mark` are those at the ego's start."""
 
 
 @dataclass(frozen=True)

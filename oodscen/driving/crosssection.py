@@ -62,7 +62,13 @@ class _Chain:
 
 
 def build_strips(
-    network: Network, legs: Sequence[Leg], places: Places, in_junction: NDArray[np.bool_]
+    network: Network,
+    legs: Sequence[Leg],
+    places: Places,
+    in_junction: NDArray[np.bool_],
+    *,
+    step: float,
+    start: float,
 ) -> list[LaneStrip]:
     """Return the cross-section of a route from right to left.
 
@@ -95,32 +101,57 @@ def build_strips(
     ]
     for _, (first, last) in _runs(owner):
         _fill(columns, wanted, slice(first, last))
-    first_leg = legs[0]
-    centre = next(lane for lane in first_leg.sections[0].lanes if lane.id == 0)
-    strips: list[list[LaneStrip]] = []
-    for sign in (-1, 1):
-        inner_mark, side = _mark(centre.mark), []
-        for chain in sides[sign]:
+    keeps = -1 if legs[0].road.left_hand else 1
+    strips: list[LaneStrip] = []
+    for sign in (1, -1):
+        marks = _marks(legs, sides[sign], sign, owner, numbers)
+        for chain, rows in zip(sides[sign], marks, strict=True):
             kind = _KINDS.get(chain.type, "none")
             direction = 0
             if kind in ("driving", "shoulder", "parking"):
-                keeps = -1 if first_leg.road.left_hand else 1
                 direction = -sign * keeps * (-1 if chain.reversed else 1)
-            mark = _mark(chain.mark)
+            spans = tuple((round(index * step, 6), left, right) for index, left, right in rows)
+            _, mark, right_mark = next((row for row in spans[::-1] if row[0] <= start), spans[0])
             right, left = edges[id(chain)]
-            side.append(
-                LaneStrip(
-                    kind=kind,
-                    direction=direction,
-                    right=frozen(right),
-                    left=frozen(left),
-                    mark=inner_mark if sign < 0 else mark,
-                    right_mark=mark if sign < 0 else inner_mark,
-                )
+            strip = LaneStrip(
+                kind=kind,
+                direction=direction,
+                right=frozen(right),
+                left=frozen(left),
+                mark=mark,
+                right_mark=right_mark,
+                marks=spans if len(spans) > 1 else (),
             )
-            inner_mark = mark
-        strips.append(side)
-    return strips[0][::-1] + strips[1]
+            strips.insert(0 if sign < 0 else len(strips), strip)
+    return strips
+
+
+def _marks(
+    legs: Sequence[Leg],
+    chains: Sequence[_Chain],
+    sign: int,
+    owner: Sequence[_Stage],
+    numbers: dict[_Stage, int],
+) -> list[list[tuple[int, str, str]]]:
+    """Return, for every chain of one side, from which sample on it has which left and right mark."""
+    rows: list[list[tuple[int, str, str]]] = [[] for _ in chains]
+    for stage, (first, _) in _runs(owner):
+        section = legs[stage.leg].sections[stage.section]
+        inner = _mark(next(lane.mark for lane in section.lanes if lane.id == 0))
+        for chain, known in zip(chains, rows, strict=True):
+            lane = chain.lanes.get(numbers[stage])
+            if lane is None:
+                continue
+            outer = _mark(lane.mark)
+            pair = (inner, outer) if sign < 0 else (outer, inner)
+            if not known or known[-1][1:] != pair:
+                known.append((first, *pair))
+            inner = outer
+    for chain, known in zip(chains, rows, strict=True):
+        if not known:
+            mark = _mark(chain.mark)
+            known.append((0, mark, mark))
+    return rows
 
 
 def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -136,7 +167,7 @@ def _chains(
     """Return the chains of one side of the route, from the inside out."""
     chains: list[_Chain] = []
     expected: dict[int, _Chain] = {}
-    asleep: dict[int, _Chain] = {}
+    asleep: dict[tuple[int, str], _Chain] = {}
     for number, stage in enumerate(stages):
         leg = legs[stage.leg]
         lanes = [lane for lane in leg.sections[stage.section].lanes if leg.id_of(lane) * sign > 0]
@@ -145,7 +176,10 @@ def _chains(
         for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
             identity = leg.id_of(lane)
             found = None
-            for offer in (expected.get(identity), asleep.get(identity)):
+            again = asleep.get((identity, lane.type))
+            if any(one is again for one in expected.values()):
+                again = None
+            for offer in (expected.get(identity), again):
                 if offer is not None and offer.type == lane.type and number not in offer.lanes:
                     place = next(i for i, one in enumerate(chains) if one is offer)
                     if place > inner:
@@ -158,7 +192,7 @@ def _chains(
                 if len(chains) > _MAX_STRIPS:
                     raise ValueError("has too many lanes that do not continue each other")
             found.lanes[number] = lane
-            current[identity] = found
+            current[identity] = asleep[identity, lane.type] = found
         if number + 1 == len(stages):
             break
         following = stages[number + 1]
@@ -166,7 +200,6 @@ def _chains(
             pairs = section_links(leg, stage.section)
         else:
             pairs = lane_links(network, leg, legs[following.leg])
-            asleep.update(current)
         pairs = [pair for pair in pairs if pair[0] * sign > 0 and pair[1] * sign > 0]
         if not pairs:
             pairs = [(identity, identity) for identity in current]

@@ -1,10 +1,12 @@
 """Makes corridors from OpenDRIVE files."""
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -262,7 +264,7 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         begins.append(begins[-1] + track.length)
     length = begins[-1]
     count = max(2, math.ceil(length / SAMPLE_STEP - 1e-9) + 1)
-    along = [length * index / (count - 1) for index in range(count)]
+    along = [length * place / (count - 1) for place in range(count)]
     places = Places([], [], [track.shift for track in tracks])
     columns: list[list[float]] = [[], [], [], [], [], []]
     number = 0
@@ -278,6 +280,10 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
     x, y, z, c, s_, curvature = (frozen(np.array(column)) for column in columns)
     in_junction = np.array([bool(legs[number].road.junction) for number in places.legs])
     in_junction.setflags(write=False)
+    start = begins[index] + tracks[index].from_start(start_m)
+    strips = build_strips(
+        network, legs, places, in_junction, step=length / (count - 1), start=start
+    )
     return Corridor(
         s=frozen(np.array([round(s, 6) for s in along])),
         x=x,
@@ -286,8 +292,8 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         cos=c,
         sin=s_,
         curvature=curvature,
-        strips=tuple(build_strips(network, legs, places, in_junction)),
-        start=begins[index] + tracks[index].from_start(start_m),
+        strips=tuple(strips),
+        start=start,
         speed_limit=legs[index].road.speed_limit or _DEFAULT_SPEED_LIMIT,
         in_junction=in_junction,
         structures=_structures(legs, tracks, begins),
@@ -306,44 +312,44 @@ class _Track:
         self.shift = shift
         road = leg.road
         self.span = min(road.length, road.curves[-1].s + road.curves[-1].length)
-        self._nodes = [0.0]
+        self._driven, self._nodes = [0.0], [0.0]
         if shift:
-            steps = max(1, math.ceil(self.span / (0.5 * SAMPLE_STEP)))
-            self._step = self.span / steps
-            for step in range(steps):
-                kept = 1.0 - shift * self._road_point((step + 0.5) * self._step)[3]
-                if kept < _TIGHTEST:
-                    raise ValueError(f"road {road.id!r} bends too tightly for the lanes before it")
-                self._nodes.append(self._nodes[-1] + kept * self._step)
+            inner = {self._own(curve.s) for curve in road.curves}
+            ends = sorted({0.0, self.span} | {s for s in inner if 0.0 < s < self.span})
+            for begin, end in pairwise(ends):
+                steps = max(1, math.ceil((end - begin) / SAMPLE_STEP))
+                for step in range(steps):
+                    middle = begin + (end - begin) * (step + 0.5) / steps
+                    kept = 1.0 - shift * self._curvature(middle)
+                    if kept < _TIGHTEST:
+                        raise ValueError(
+                            f"road {road.id!r} bends too tightly for the lanes before it"
+                        )
+                    self._driven.append(begin + (end - begin) * (step + 1) / steps)
+                    width = self._driven[-1] - self._driven[-2]
+                    self._nodes.append(self._nodes[-1] + kept * width)
         self.length = self._nodes[-1] if shift else self.span
-        self._last = 0
 
     def _own(self, driven: float) -> float:
         """Return s along the road's own line from metres driven along that line."""
         return driven if self.leg.forward else self.span - driven
 
-    def _road_point(self, driven: float) -> tuple[float, float, float, float]:
-        x, y, heading, curvature = road_point(self.leg.road, self._own(driven))
-        sign = 1.0 if self.leg.forward else -1.0
-        return x, y, heading, sign * curvature
+    def _curvature(self, driven: float) -> float:
+        curvature = road_point(self.leg.road, self._own(driven)).curvature
+        return curvature if self.leg.forward else -curvature
 
     def own(self, along: float) -> float:
-        """Return s along the road's own line from metres along this track; they only grow."""
+        """Return s along the road's own line from metres along this track."""
         if not self.shift:
             return self._own(along)
-        while self._last + 2 < len(self._nodes) and along >= self._nodes[self._last + 1]:
-            self._last += 1
-        low, high = self._nodes[self._last], self._nodes[self._last + 1]
-        return self._own((self._last + (along - low) / (high - low)) * self._step)
+        return self._own(_interpolated(along, self._nodes, self._driven))
 
     def from_start(self, own: float) -> float:
         """Return metres along this track from s along the road's own line."""
         driven = own if self.leg.forward else self.span - own
         if not self.shift:
             return driven
-        index = min(max(int(driven / self._step), 0), len(self._nodes) - 2)
-        low, high = self._nodes[index], self._nodes[index + 1]
-        return low + (driven / self._step - index) * (high - low)
+        return _interpolated(driven, self._driven, self._nodes)
 
     def point(self, own: float) -> tuple[float, float, float, float, float, float]:
         """Return x, y, z, cosine and sine of the heading, and curvature at own s."""
@@ -357,6 +363,14 @@ class _Track:
             return place.x, place.y, z, along, across, curvature
         x, y = place.x - self.shift * across, place.y + self.shift * along
         return x, y, z, along, across, curvature / (1.0 - self.shift * curvature)
+
+
+def _interpolated(value: float, known: Sequence[float], wanted: Sequence[float]) -> float:
+    """Return what belongs to a value between two ascending lists."""
+    index = min(max(bisect_right(known, value) - 1, 0), len(known) - 2)
+    low, high = known[index], known[index + 1]
+    part = (value - low) / (high - low) if high > low else 0.0
+    return wanted[index] + part * (wanted[index + 1] - wanted[index])
 
 
 def _tracks(legs: Sequence[Leg]) -> list[_Track]:

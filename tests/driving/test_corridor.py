@@ -48,7 +48,8 @@ def test_strips_share_their_edges(road: Corridor, fraction: float) -> None:
     for (_, left), (right, _) in pairwise(edges):
         assert left == right
     for index, (right, left) in enumerate(edges):
-        assert road.strip_at(s, 0.5 * (right + left)) == index
+        if left - right > 1e-6:
+            assert road.strip_at(s, 0.5 * (right + left)) == index
 
 
 @given(corridors, st.floats(0, 1), offsets, st.floats(0.1, 3))

@@ -53,7 +53,10 @@ def test_samples_are_evenly_spaced(road_map: RoadMap) -> None:
     assert np.allclose(road.cos**2 + road.sin**2, 1.0, atol=5e-6)
 
 
-@pytest.mark.parametrize("road_map", SHIPPED_MAPS, ids=lambda road: road.id)
+SINGLE_ROADS = [road for road in SHIPPED_MAPS if not road.route]
+
+
+@pytest.mark.parametrize("road_map", SINGLE_ROADS, ids=lambda road: road.id)
 def test_the_other_direction_mirrors_the_road(road_map: RoadMap) -> None:
     ahead = load_corridor(road_map)
     back = load_corridor(road_map.model_copy(update={"forward": False}))
@@ -65,9 +68,8 @@ def test_the_other_direction_mirrors_the_road(road_map: RoadMap) -> None:
         assert abs(math.remainder(yaw + math.pi - other[3], math.tau)) < 1e-5
     right_to_left = [strip.kind for strip in ahead.strips]
     assert [strip.kind for strip in back.strips] == right_to_left[::-1]
-    marks = [strip.right_mark for strip in ahead.strips[:1]] + [s.mark for s in ahead.strips]
-    mirrored = [strip.right_mark for strip in back.strips[:1]] + [s.mark for s in back.strips]
-    assert mirrored == marks[::-1]
+    marks = [(strip.right_mark, strip.mark) for strip in ahead.strips]
+    assert [(strip.mark, strip.right_mark) for strip in back.strips] == marks[::-1]
 
 
 def test_lanes_are_followed_through_sections() -> None:

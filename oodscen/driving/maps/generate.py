@@ -1,181 +1,32 @@
 """Writes the shipped OpenDRIVE maps.
 
-Run `python -m oodscen.driving.maps.generate [FOLDER]` after changing a design below; without a
-folder the files beside this module are replaced. The same design gives the same bytes.
+Run `python -m oodscen.driving.maps.generate [FOLDER]` after changing a design; without a folder the
+files beside this module are replaced. The same design gives the same bytes.
 """
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from lxml import etree
 
-from oodscen.driving.geometry import Arc, Curve, Line, Spiral
-
-
-@dataclass(frozen=True)
-class LaneDesign:
-    """One lane: its type, width in metres and the mark on its outer edge."""
-
-    type: str
-    width: float
-    mark: str = "none"
-
-
-@dataclass(frozen=True)
-class MapDesign:
-    """One road: pieces as (kind, length, start and end curvature), and its cross-section."""
-
-    id: str
-    name: str
-    type: str
-    speed_km_h: int
-    pieces: tuple[tuple[str, float, float, float], ...]
-    right: tuple[LaneDesign, ...]
-    """From the reference line outwards."""
-    left: tuple[LaneDesign, ...]
-    centre_mark: str
-    elevation: tuple[tuple[float, float, float, float, float], ...] = field(
-        default=((0.0, 0.0, 0.0, 0.0, 0.0),)
-    )
-    """Rows of s, a, b, c, d."""
-
-
-_PAVEMENT = LaneDesign("sidewalk", 2.5)
-_RESIDENTIAL = (
-    LaneDesign("driving", 3.25, "solid"),
-    LaneDesign("parking", 2.2, "curb"),
-    _PAVEMENT,
+from oodscen.driving.geometry import Arc, Curve, Spiral
+from oodscen.driving.maps.crossings import CROSSINGS
+from oodscen.driving.maps.design import (
+    JunctionDesign,
+    LaneDesign,
+    MapDesign,
+    PatchDesign,
+    RoadDesign,
+    SectionDesign,
+    SignalDesign,
+    StretchDesign,
+    curves_of,
 )
-_AVENUE = (
-    LaneDesign("driving", 3.4, "broken"),
-    LaneDesign("driving", 3.4, "curb"),
-    LaneDesign("sidewalk", 3.0),
-)
-_HIGHWAY = (
-    LaneDesign("median", 1.5),
-    LaneDesign("shoulder", 0.75, "solid"),
-    LaneDesign("driving", 3.75, "broken"),
-    LaneDesign("driving", 3.75, "solid"),
-    LaneDesign("shoulder", 3.0),
-    LaneDesign("border", 5.0),
-)
-_RURAL = (
-    LaneDesign("driving", 3.25, "solid"),
-    LaneDesign("shoulder", 1.0),
-    LaneDesign("border", 6.0),
-)
+from oodscen.driving.maps.streets import STREETS
 
-DESIGNS: tuple[MapDesign, ...] = (
-    MapDesign(
-        id="residential_two_lane",
-        name="Residential street",
-        type="townLocal",
-        speed_km_h=30,
-        pieces=(
-            ("line", 430.0, 0.0, 0.0),
-            ("spiral", 40.0, 0.0, 1 / 300),
-            ("arc", 130.0, 1 / 300, 1 / 300),
-            ("spiral", 40.0, 1 / 300, 0.0),
-            ("line", 180.0, 0.0, 0.0),
-        ),
-        right=_RESIDENTIAL,
-        left=_RESIDENTIAL,
-        centre_mark="broken",
-    ),
-    MapDesign(
-        id="urban_three_lane",
-        name="One-way street with three lanes",
-        type="townArterial",
-        speed_km_h=50,
-        pieces=(("line", 1000.0, 0.0, 0.0),),
-        right=(
-            LaneDesign("driving", 3.5, "broken"),
-            LaneDesign("driving", 3.5, "broken"),
-            LaneDesign("driving", 3.5, "curb"),
-            LaneDesign("sidewalk", 3.0),
-        ),
-        left=(LaneDesign("sidewalk", 3.0),),
-        centre_mark="curb",
-    ),
-    MapDesign(
-        id="urban_avenue",
-        name="Avenue with two lanes each way",
-        type="townArterial",
-        speed_km_h=50,
-        pieces=(
-            ("line", 600.0, 0.0, 0.0),
-            ("spiral", 50.0, 0.0, -1 / 500),
-            ("arc", 150.0, -1 / 500, -1 / 500),
-            ("spiral", 50.0, -1 / 500, 0.0),
-            ("line", 150.0, 0.0, 0.0),
-        ),
-        right=_AVENUE,
-        left=_AVENUE,
-        centre_mark="solid solid",
-    ),
-    MapDesign(
-        id="highway",
-        name="Divided highway with two lanes and a shoulder each way",
-        type="motorway",
-        speed_km_h=100,
-        pieces=(
-            ("line", 700.0, 0.0, 0.0),
-            ("spiral", 120.0, 0.0, 1 / 1500),
-            ("arc", 400.0, 1 / 1500, 1 / 1500),
-            ("spiral", 120.0, 1 / 1500, 0.0),
-            ("line", 260.0, 0.0, 0.0),
-        ),
-        right=_HIGHWAY,
-        left=_HIGHWAY,
-        centre_mark="none",
-    ),
-    MapDesign(
-        id="rural_curve",
-        name="Country road with a long bend",
-        type="rural",
-        speed_km_h=80,
-        pieces=(
-            ("line", 260.0, 0.0, 0.0),
-            ("spiral", 70.0, 0.0, 1 / 250),
-            ("arc", 220.0, 1 / 250, 1 / 250),
-            ("spiral", 70.0, 1 / 250, 0.0),
-            ("line", 60.0, 0.0, 0.0),
-            ("spiral", 70.0, 0.0, -1 / 350),
-            ("arc", 150.0, -1 / 350, -1 / 350),
-            ("spiral", 70.0, -1 / 350, 0.0),
-            ("line", 130.0, 0.0, 0.0),
-        ),
-        right=_RURAL,
-        left=_RURAL,
-        centre_mark="broken",
-        elevation=(
-            (0.0, 0.0, 0.0, 0.0, 0.0),
-            (250.0, 0.0, 0.0, 3 * 2.5 / 400**2, -2 * 2.5 / 400**3),
-            (650.0, 2.5, 0.0, 0.0, 0.0),
-        ),
-    ),
-)
-"""The ego starts 200 m after the beginning of every one of them."""
-
-
-def curves_of(design: MapDesign) -> list[Curve]:
-    """Chain a design's pieces, each starting where the last one ends."""
-    curves: list[Curve] = []
-    s = x = y = heading = 0.0
-    for kind, length, start, end in design.pieces:
-        curve: Curve
-        if kind == "line":
-            curve = Line(s, x, y, heading, length)
-        elif kind == "arc":
-            curve = Arc(s, x, y, heading, length, start)
-        else:
-            curve = Spiral(s, x, y, heading, length, start, end)
-        curves.append(curve)
-        last = curve.at(length)
-        s, x, y, heading = s + length, last.x, last.y, last.heading
-    return curves
+DESIGNS: tuple[MapDesign, ...] = (*STREETS, *CROSSINGS)
+"""The ego starts 200 m after the beginning of the first road of every one of them."""
 
 
 def write(design: MapDesign) -> bytes:
@@ -183,11 +34,26 @@ def write(design: MapDesign) -> bytes:
     root = etree.Element("OpenDRIVE")
     header = {"revMajor": "1", "revMinor": "7", "name": design.name, "version": "1.0"}
     etree.SubElement(root, "header", header)
+    for road in design.roads:
+        _add_road(root, road)
+    for junction in design.junctions:
+        _add_junction(root, junction)
+    etree.indent(root)
+    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8")) + b"\n"
+
+
+def _add_road(root: etree._Element, design: RoadDesign) -> None:
     curves = curves_of(design)
     length = sum(curve.length for curve in curves)
-    road = etree.SubElement(
-        root, "road", name=design.name, length=_text(length), id="1", junction="-1", rule="RHT"
-    )
+    facts = {"name": design.name, "length": _text(length), "id": design.id}
+    road = etree.SubElement(root, "road", {**facts, "junction": design.junction, "rule": "RHT"})
+    if design.predecessor or design.successor:
+        links = etree.SubElement(road, "link")
+        for end, link in (("predecessor", design.predecessor), ("successor", design.successor)):
+            if link is not None:
+                meets = {"elementType": link.kind, "elementId": link.id}
+                contact = {"contactPoint": link.contact} if link.kind == "road" else {}
+                etree.SubElement(links, end, {**meets, **contact})
     kind = etree.SubElement(road, "type", s="0", type=design.type)
     etree.SubElement(kind, "speed", max=str(design.speed_km_h), unit="km/h")
     plan = etree.SubElement(road, "planView")
@@ -198,14 +64,18 @@ def write(design: MapDesign) -> bytes:
         row = dict(zip("abcd", map(_text, coefficients), strict=True))
         etree.SubElement(profile, "elevation", {"s": _text(s), **row})
     lanes = etree.SubElement(road, "lanes")
-    section = etree.SubElement(lanes, "laneSection", s="0")
-    numbered = list(enumerate(design.left, start=1))[::-1]
-    _add_lanes(section, "left", numbered)
-    centre = etree.SubElement(etree.SubElement(section, "center"), "lane", id="0", type="none")
-    _add_mark(centre, design.centre_mark)
-    _add_lanes(section, "right", [(-i, lane) for i, lane in enumerate(design.right, start=1)])
-    etree.indent(root)
-    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8")) + b"\n"
+    for section in design.sections:
+        _add_section(lanes, section)
+    if design.patches or design.stretches:
+        objects = etree.SubElement(road, "objects")
+        for patch in design.patches:
+            _add_patch(objects, patch)
+        for stretch in design.stretches:
+            _add_stretch(objects, stretch)
+    if design.signals:
+        signals = etree.SubElement(road, "signals")
+        for signal in design.signals:
+            _add_signal(signals, signal)
 
 
 def _add_curve(plan: etree._Element, curve: Curve) -> None:
@@ -220,11 +90,32 @@ def _add_curve(plan: etree._Element, curve: Curve) -> None:
         etree.SubElement(geometry, "line")
 
 
+def _add_section(lanes: etree._Element, design: SectionDesign) -> None:
+    section = etree.SubElement(lanes, "laneSection", s=_text(design.s))
+    numbered = list(enumerate(design.left, start=1))[::-1]
+    if numbered:
+        _add_lanes(section, "left", numbered)
+    centre = etree.SubElement(etree.SubElement(section, "center"), "lane", id="0", type="none")
+    _add_mark(centre, design.centre_mark)
+    if design.right:
+        _add_lanes(section, "right", [(-i, lane) for i, lane in enumerate(design.right, start=1)])
+
+
 def _add_lanes(section: etree._Element, side: str, lanes: Sequence[tuple[int, LaneDesign]]) -> None:
     group = etree.SubElement(section, side)
     for number, lane in lanes:
         element = etree.SubElement(group, "lane", id=str(number), type=lane.type, level="false")
-        etree.SubElement(element, "width", sOffset="0", a=_text(lane.width), b="0", c="0", d="0")
+        if lane.predecessor is not None or lane.successor is not None:
+            link = etree.SubElement(element, "link")
+            for end, other in (("predecessor", lane.predecessor), ("successor", lane.successor)):
+                if other is not None:
+                    etree.SubElement(link, end, id=str(other))
+        rows = lane.width
+        if not isinstance(rows, tuple):
+            rows = ((0.0, rows, 0.0, 0.0, 0.0),)
+        for start, *coefficients in rows:
+            row = dict(zip("abcd", map(_text, coefficients), strict=True))
+            etree.SubElement(element, "width", {"sOffset": _text(start), **row})
         _add_mark(element, lane.mark)
 
 
@@ -233,6 +124,83 @@ def _add_mark(lane: etree._Element, mark: str) -> None:
     if mark not in ("none", "curb"):
         facts |= {"width": "0.12", "laneChange": "both" if mark == "broken" else "none"}
     etree.SubElement(lane, "roadMark", facts)
+
+
+def _add_patch(objects: etree._Element, patch: PatchDesign) -> None:
+    kind = {"crosswalk": "crosswalk", "stop_line": "roadMark"}[patch.kind]
+    name = {"crosswalk": "Crosswalk", "stop_line": "StopLine"}[patch.kind]
+    element = etree.SubElement(
+        objects,
+        "object",
+        {
+            "id": patch.id,
+            "name": name,
+            "type": kind,
+            "s": _text(patch.s),
+            "t": _text(patch.t),
+            "zOffset": "0",
+            "hdg": "0",
+            "roll": "0",
+            "pitch": "0",
+            "orientation": "none",
+            "length": _text(patch.length),
+            "width": _text(patch.width),
+            "height": "0",
+        },
+    )
+    outline = etree.SubElement(etree.SubElement(element, "outlines"), "outline", id="0")
+    u, v = 0.5 * patch.length, 0.5 * patch.width
+    for index, (along, across) in enumerate(((-u, -v), (u, -v), (u, v), (-u, v), (-u, -v))):
+        place = {"u": _text(along), "v": _text(across), "z": "0", "height": "0"}
+        etree.SubElement(outline, "cornerLocal", {**place, "id": str(index)})
+
+
+def _add_stretch(objects: etree._Element, stretch: StretchDesign) -> None:
+    facts = {"id": stretch.id, "name": stretch.name, "s": _text(stretch.s)}
+    facts["length"] = _text(stretch.length)
+    if stretch.kind == "tunnel":
+        facts |= {"type": "standard", "lighting": "0.5", "daylight": "0.5"}
+    else:
+        facts |= {"type": "concrete"}
+    etree.SubElement(objects, stretch.kind, facts)
+
+
+def _add_signal(signals: etree._Element, signal: SignalDesign) -> None:
+    facts = {
+        "id": signal.id,
+        "name": signal.name,
+        "s": _text(signal.s),
+        "t": _text(signal.t),
+        "dynamic": "yes" if signal.is_dynamic else "no",
+        "orientation": signal.orientation,
+        "zOffset": _text(signal.bottom),
+        "country": signal.country,
+        "type": signal.type,
+        "subtype": "-1",
+        "height": _text(signal.height),
+        "width": _text(signal.width),
+        "hOffset": "0",
+    }
+    if signal.value is not None:
+        facts |= {"value": _text(signal.value), "unit": signal.unit}
+    etree.SubElement(signals, "signal", facts)
+
+
+def _add_junction(root: etree._Element, design: JunctionDesign) -> None:
+    junction = etree.SubElement(root, "junction", id=design.id, name=design.name)
+    for number, connection in enumerate(design.connections):
+        element = etree.SubElement(
+            junction,
+            "connection",
+            {
+                "id": str(number),
+                "incomingRoad": connection.incoming,
+                "connectingRoad": connection.connecting,
+                "contactPoint": "start",
+            },
+        )
+        for start, end in connection.lanes:
+            etree.SubElement(element, "laneLink", {"from": str(start), "to": str(end)})
 
 
 def _text(value: float) -> str:
