@@ -32,13 +32,13 @@ class Bodies:
         self._bodies.clear()
         self._moved.clear()
 
-    def add(self, asset: str) -> bool:
+    def add(self, asset: str, state: str = "") -> bool:
         """Add a body; its row is the number of bodies before it.
 
         Returns:
             Whether the engine took it.
         """
-        solids = asset_mesh(asset).solids
+        solids = asset_mesh(asset, state).solids
         if not solids:
             self._bodies.append(-1)
             self._moved.append(None)

@@ -107,7 +107,7 @@ class PyBulletSimulator(MirrorSimulator):
             raise SpawnError(actor_id, asset.id, pose, "the pose is not finite")
         if asset.id not in asset_ids():
             raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
-        if not self._bodies.add(asset.id):
+        if not self._bodies.add(asset.id, state):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
         self._cast.add(actor_id, asset, state)
 

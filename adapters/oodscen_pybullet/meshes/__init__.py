@@ -1,12 +1,29 @@
 """Generated low-poly meshes of everything that the adapter can show."""
 
+import inspect
 from collections.abc import Callable
 from functools import lru_cache
 
 from oodscen.errors import UnknownComponent
-from oodscen_pybullet.meshes import animals, cars, heavy, people, plants, props, work_zone
-from oodscen_pybullet.meshes.bodywork import Lights
-from oodscen_pybullet.meshes.builder import Lamp, Mesh, MeshBuilder, Puff
+from oodscen_pybullet.meshes import (
+    animals,
+    cargo,
+    cars,
+    flat,
+    haulers,
+    heavy,
+    oddities,
+    people,
+    plants,
+    props,
+    riders,
+    roles,
+    signs,
+    wagons,
+    work_zone,
+)
+from oodscen_pybullet.meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puff
+from oodscen_pybullet.meshes.shown import Lights, Shown
 
 __all__ = [
     "FLASHING",
@@ -23,54 +40,109 @@ __all__ = [
     "paints_of",
 ]
 
-Maker = Callable[[Lights, str], MeshBuilder]
+Maker = Callable[[Shown], MeshBuilder]
+
+_MODULES = (
+    cars,
+    wagons,
+    heavy,
+    haulers,
+    riders,
+    people,
+    roles,
+    animals,
+    props,
+    cargo,
+    flat,
+    oddities,
+    work_zone,
+    signs,
+    plants,
+)
+
 
 _MAKERS: dict[str, Maker] = {
-    maker.__name__: maker
-    for maker in (
-        cars.car, cars.van, heavy.truck, heavy.bus, cars.police_car, cars.ambulance,
-        heavy.fire_truck, people.motorcycle, heavy.tractor, cars.overturned_car,
-        heavy.overturned_truck, heavy.excavator, people.cyclist, people.adult, people.child,
-        people.worker, people.police_officer, animals.deer, animals.dog, animals.cow,
-        props.cardboard_box, props.plant_pot, props.tyre, props.mattress, props.sofa, props.pallet,
-        props.ladder, props.rock, props.debris, props.shopping_cart, props.suitcase,
-        props.wheelie_bin, props.snow_pile, props.puddle, work_zone.cone, work_zone.barrier,
-        work_zone.road_closed_sign, work_zone.detour_sign, plants.fallen_tree, plants.branch,
-        cars.ego_car,
-    )
-}  # fmt: skip
+    name: value
+    for module in _MODULES
+    for name, value in vars(module).items()
+    if inspect.isfunction(value)
+    and not name.startswith("_")
+    and list(inspect.signature(value).parameters) == ["shown"]
+}
+"""Every public function of the modules that takes nothing but what is shown, by its name."""
 
 PAINTS: dict[str, tuple[str, ...]] = {
     "car": ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy"),
     "van": ("white", "silver", "blue", "dark_grey"),
     "truck": ("blue", "red", "green", "dark_grey"),
     "bus": ("red", "teal", "yellow"),
+    "suv": ("black", "white", "navy", "sand", "burgundy"),
+    "pickup": ("red", "white", "dark_grey", "blue"),
+    "car_door": ("red", "blue", "silver", "white"),
+    "bumper": ("silver", "red", "white"),
+    "barrel": ("blue", "green", "red"),
+    "tanker": ("red", "blue", "white"),
     "overturned_car": ("red", "blue", "silver", "white"),
     "overturned_truck": ("blue", "red", "green"),
     "motorcycle": ("red", "blue", "green"),
     "cyclist": ("0", "1", "2"),
     "adult": ("0", "1", "2", "3", "4", "5"),
     "child": ("0", "1", "2"),
+    "jogger": ("0", "1", "2"),
+    "elderly_person": ("0", "1"),
+    "protester": ("0", "1", "2"),
+    "e_scooter": ("0", "1", "2"),
     "ego_car": ("silver",),
 }
 """Colours or clothes in which an asset comes; the others have one look."""
 
-FLAT: frozenset[str] = frozenset({"puddle"})
+FLAT: frozenset[str] = frozenset(
+    {"puddle", "oil_spill", "broken_glass", "pothole", "flood_water", "road_plate", "smoke"}
+)
 """Assets over which one can drive: they collide with nothing."""
 
-GAITS: dict[str, float] = {}
+GAITS: dict[str, float] = {
+    "adult": 1.1,
+    "child": 0.8,
+    "worker": 0.93,
+    "police_officer": 0.83,
+    "jogger": 1.2,
+    "elderly_person": 0.64,
+    "person_with_stroller": 0.93,
+    "construction_flagger": 0.83,
+    "person_in_costume": 0.86,
+    "protester": 0.86,
+    "wheelchair_user": 1.9,
+    "cyclist": 4.5,
+    "cargo_bike": 3.5,
+    "deer": 0.76,
+    "moose": 1.1,
+    "horse": 0.93,
+    "cow": 0.71,
+    "sheep": 0.4,
+    "wild_boar": 0.36,
+    "bear": 0.72,
+    "dog": 0.41,
+    "cat": 0.19,
+    "goose": 0.33,
+}
 """Metres of one stride at a walk, of whatever has legs that move."""
 
-FLASHING: frozenset[str] = frozenset({"hazard", "indicate_left", "indicate_right", "beacon"})
+FLASHING: frozenset[str] = frozenset(
+    {
+        "hazard", "indicate_left", "indicate_right", "beacon", "flashing", "arrow_board",
+        "level_crossing_gate", "temporary_light", "barrier",
+    }
+)  # fmt: skip
 """States, and assets whatever their state, whose lamps flash."""
 
-SMOKING: frozenset[str] = frozenset()
+SMOKING: frozenset[str] = frozenset({"burning_car", "smoke", "fire"})
 """Assets whose smoke moves."""
 
 
 def asset_ids() -> tuple[str, ...]:
     """Return the ids of all meshes, the ego's included."""
-    return (*_MAKERS, "arrow_board")
+    return tuple(_MAKERS)
 
 
 def paints_of(asset: str) -> tuple[str, ...]:
@@ -94,10 +166,14 @@ def asset_mesh(
     Raises:
         UnknownComponent: When there is no such asset.
     """
-    if asset == "arrow_board":
-        return work_zone.arrow_board(state).centred().build()
     if asset not in _MAKERS:
         raise UnknownComponent("asset", asset, asset_ids())
-    lights = Lights.of(state, running=running)
-    builder = _MAKERS[asset](lights, paint or paints_of(asset)[0])
-    return builder.centred().build(hollow=asset in FLAT)
+    shown = Shown(state, paint or paints_of(asset)[0], running, frame)
+    return _MAKERS[asset](shown).shift(_rest(asset)).build(hollow=asset in FLAT)
+
+
+@lru_cache(maxsize=512)
+def _rest(asset: str) -> Point:
+    """Return the way by which an asset's footprint, at rest, comes to lie about the origin."""
+    low, high = _MAKERS[asset](Shown(paint=paints_of(asset)[0])).bounds
+    return (-float(low[0] + high[0]) / 2, -float(low[1] + high[1]) / 2, -float(low[2]))

@@ -1,9 +1,9 @@
 """What road vehicles have in common: shells, lamps, plates and people on saddles."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from oodscen_pybullet.meshes.builder import MeshBuilder, Point
+from oodscen_pybullet.meshes.shown import Lights
 
 RED: Point = (1.0, 0.12, 0.08)
 WHITE: Point = (1.0, 0.97, 0.86)
@@ -11,29 +11,6 @@ AMBER: Point = (1.0, 0.62, 0.08)
 BLUE: Point = (0.25, 0.5, 1.0)
 
 Section = tuple[float, Sequence[tuple[float, float]]]
-
-
-@dataclass(frozen=True)
-class Lights:
-    """Which lamps of a vehicle are on."""
-
-    running: bool = False
-    """Head and tail lamps."""
-    brake: bool = False
-    left: bool = False
-    right: bool = False
-    beacon: bool = False
-
-    @classmethod
-    def of(cls, state: str, *, running: bool) -> "Lights":
-        """Translate an asset's state."""
-        return cls(
-            running=running,
-            brake=state == "brake",
-            left=state in ("hazard", "indicate_left"),
-            right=state in ("hazard", "indicate_right"),
-            beacon=state == "beacon",
-        )
 
 
 def shell(
@@ -153,10 +130,10 @@ def front_print(mesh: MeshBuilder, x: float, y: float, z: tuple[float, float], r
 def light_bar(mesh: MeshBuilder, lights: Lights, x: float, z: float, half: float) -> None:
     """Add a beacon bar across the roof: blue on the right, red on the left."""
     mesh.box((x, 0, z + 0.02), (0.3, 2 * half, 0.05), "dark_grey")
-    lit = lights.beacon
-    for side, dark, bright, glow in (
-        (-1.0, "beacon", "beacon_lit", BLUE),
-        (1.0, "beacon_red", "beacon_red_lit", RED),
+    first, second = lights.beacon and not lights.is_second, lights.beacon and lights.is_second
+    for side, dark, bright, glow, lit in (
+        (-1.0, "beacon", "beacon_lit", BLUE, first),
+        (1.0, "beacon_red", "beacon_red_lit", RED, second),
     ):
         centre = side * half * 0.56
         mesh.box((x, centre, z + 0.105), (0.26, half * 0.85, 0.13), bright if lit else dark)

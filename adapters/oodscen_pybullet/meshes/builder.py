@@ -95,6 +95,24 @@ class MeshBuilder:
         """
         return self._add(np.asarray(points, dtype=np.float64), region_uv(region))
 
+    def sticker(
+        self,
+        points: Sequence[Sequence[float]] | Array,
+        shares: Sequence[tuple[float, float]],
+        region: str,
+    ) -> Self:
+        """Add a flat convex polygon that shows a part of a region of the atlas.
+
+        Args:
+            points: Counter-clockwise seen from the side that shows.
+            shares: Where each is in the region, from its bottom left, 0 to 1.
+            region: Name of the region.
+        """
+        left, low = region_uv(region)[0]
+        right, high = region_uv(region)[2]
+        uvs = np.array([(left + (right - left) * u, low + (high - low) * v) for u, v in shares])
+        return self._add(np.asarray(points, dtype=np.float64), uvs)
+
     def _add(self, corners: Array, uvs: Array, normals: Array | None = None) -> Self:
         if normals is None:
             normal = _newell(corners.tolist())
@@ -245,6 +263,54 @@ class MeshBuilder:
                 self._add(corners, np.tile(swatch_uv(shade), (len(rows), 1)), normals)
         return self
 
+    def column(
+        self,
+        rings: Sequence[tuple[Point, float, float]],
+        colours: str | Sequence[str],
+        *,
+        axis: str = "z",
+        sides: int = 8,
+        caps: str = "bt",
+    ) -> Self:
+        """Add a smooth body of elliptic rings one behind the other.
+
+        Args:
+            rings: Each ring's middle and its two radii: along x and y for a body that rises along
+                z, along y and z for one that reaches along x. They go upwards, or forwards.
+            colours: One, or one per stretch between two rings.
+            axis: `z` or `x`.
+            sides: Corners of a ring.
+            caps: Which ends are closed: `b`, `t` or both.
+        """
+        turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
+        round_off = [(math.cos(turn), math.sin(turn)) for turn in turns]
+        corners, outward = [], []
+        for (x, y, z), one, two in rings:
+            if axis == "z":
+                row = [(x + one * c, y + two * s, z) for c, s in round_off]
+                way = [(c * two, s * one, 0.0) for c, s in round_off]
+            else:
+                row = [(x, y + one * c, z + two * s) for c, s in round_off]
+                way = [(0.0, c * two, s * one) for c, s in round_off]
+            corners.append(np.array(row))
+            rows = np.array(way)
+            outward.append(_unit_rows(rows, rows + np.array([0.0, 0.0, 1.0])))
+        names = [colours] * (len(rings) - 1) if isinstance(colours, str) else list(colours)
+        for k, name in enumerate(names):
+            uvs = np.tile(swatch_uv(name), (4, 1))
+            for i in range(sides):
+                j = (i + 1) % sides
+                self._add(
+                    np.array([corners[k][i], corners[k][j], corners[k + 1][j], corners[k + 1][i]]),
+                    uvs,
+                    np.array([outward[k][i], outward[k][j], outward[k + 1][j], outward[k + 1][i]]),
+                )
+        if "b" in caps:
+            self.polygon(corners[0][::-1], names[0])
+        if "t" in caps:
+            self.polygon(corners[-1], names[-1])
+        return self
+
     def loft(self, sections: Sequence[Sequence[Point]], colours: Sequence[str]) -> Self:
         """Join open outlines, one behind the other, by panels.
 
@@ -354,16 +420,24 @@ class MeshBuilder:
 
     def centred(self) -> Self:
         """Move everything so that the footprint's centre is the origin and the lowest z is 0."""
-        rows = np.concatenate(self._points)
-        low, high = rows.min(axis=0), rows.max(axis=0)
+        low, high = self.bounds
         return self.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]))
 
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner so far, m."""
+        rows = np.concatenate(self._points)
+        return rows.min(axis=0), rows.max(axis=0)
+
     def build(self, *, hollow: bool = False) -> Mesh:
-        """Return the mesh; without declared solids its bounding box is solid, unless `hollow`."""
+        """Return the mesh; its solids are cut to its bounds.
+
+        Without declared solids the whole bounding box is solid, unless `hollow`.
+        """
         vertices = np.concatenate(self._points)
-        solids = list(self._solids)
+        low, high = self.bounds
+        solids = [_cut(solid, low, high) for solid in self._solids]
         if not solids and not hollow:
-            low, high = vertices.min(axis=0), vertices.max(axis=0)
             centre, half = (low + high) / 2, (high - low) / 2
             solids = [
                 (
@@ -391,6 +465,14 @@ def _newell(corners: list[list[float]]) -> Point | None:
         nz += (x0 - x1) * (y0 + y1)
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     return (nx / length, ny / length, nz / length) if length > 1e-9 else None
+
+
+def _cut(solid: tuple[Point, Point], low: Array, high: Array) -> tuple[Point, Point]:
+    """Return a box cut to bounds."""
+    centre, half = np.array(solid[0]), np.array(solid[1])
+    below, above = np.maximum(centre - half, low), np.minimum(centre + half, high)
+    middle, size = ((below + above) / 2).tolist(), ((above - below) / 2).tolist()
+    return (middle[0], middle[1], middle[2]), (size[0], size[1], size[2])
 
 
 def _moved(point: Point, scale: float, offset: Point) -> Point:

@@ -3,7 +3,6 @@
 import itertools
 
 from oodscen_pybullet.meshes.bodywork import (
-    Lights,
     Section,
     arches,
     front_print,
@@ -18,6 +17,7 @@ from oodscen_pybullet.meshes.bodywork import (
     underside,
 )
 from oodscen_pybullet.meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet.meshes.shown import Lights, Shown
 
 _CAR: tuple[Section, ...] = (
     (-2.20, ((0.70, 0.34), (0.80, 0.62), (0.74, 0.90))),
@@ -29,14 +29,15 @@ _CAR: tuple[Section, ...] = (
 )
 
 
-def car(lights: Lights, paint: str) -> MeshBuilder:
+def car(shown: Shown) -> MeshBuilder:
     """A hatchback of the middle class."""
     mesh = MeshBuilder()
-    _car_body(mesh, lights, paint)
+    car_body(mesh, shown.lights, shown.paint)
     return mesh
 
 
-def _car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
+def car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
+    """Add a hatchback with wheels, lamps and plates, and what it collides with."""
     shell(mesh, _CAR, (paint, paint, paint), front=paint, rear=paint)
     mesh.polygon(
         [(-2.15, -0.8, 0.24), (-2.15, 0.8, 0.24), (2.1, 0.8, 0.24), (2.1, -0.8, 0.24)], "underbody"
@@ -67,10 +68,10 @@ def _car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
     mesh.solid((0, 0, 0.49), (4.46, 1.80, 0.98)).solid((-0.4, 0, 1.2), (3.1, 1.5, 0.52))
 
 
-def ego_car(lights: Lights, paint: str) -> MeshBuilder:
+def ego_car(shown: Shown) -> MeshBuilder:
     """The vehicle under test: a car of 4.5 x 1.85 x 1.5 m."""
     mesh = MeshBuilder()
-    built = car(lights, paint).build()
+    built = car(shown).build()
     low, high = built.bounds
     size = high - low
     scale = (4.5 / size[0], 1.85 / size[1], 1.5 / size[2])
@@ -109,10 +110,10 @@ def bonnet(paint: str) -> MeshBuilder:
     return mesh
 
 
-def police_car(lights: Lights, paint: str) -> MeshBuilder:
+def police_car(shown: Shown) -> MeshBuilder:
     """A patrol car with livery and light bar."""
     mesh = MeshBuilder()
-    _car_body(mesh, lights, "white")
+    car_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.0, 1.0), 0.912, (0.46, 0.84), "police")
     side_print(mesh, (-2.0, -1.62), 0.908, (0.46, 0.76), "checks")
     rear_print(mesh, -2.246, 0.50, (0.68, 0.90), "police")
@@ -120,20 +121,20 @@ def police_car(lights: Lights, paint: str) -> MeshBuilder:
         [(1.15, -0.4, 0.952), (1.9, -0.36, 0.80), (1.9, 0.36, 0.80), (1.15, 0.4, 0.952)], "navy"
     )
     rear_print(mesh, -2.248, 0.70, (0.33, 0.50), "chevrons")
-    light_bar(mesh, lights, -0.35, 1.45, 0.56)
+    light_bar(mesh, shown.lights, -0.35, 1.45, 0.56)
     return mesh
 
 
-def overturned_car(lights: Lights, paint: str) -> MeshBuilder:
+def overturned_car(shown: Shown) -> MeshBuilder:
     """A car on its crushed roof, wheels up, with glass and parts around it."""
-    whole = car(lights, paint).build()
+    whole = car(shown).build()
     mesh = MeshBuilder().add(whole, upside_down=1.44, yaw=0.0)
     mesh.shift((0, 0, 0.0))
     for index, (x, y) in enumerate(((1.9, 0.5), (-1.7, 0.6), (1.75, -0.7), (-1.2, -0.8))):
         mesh.box((x, y, 0.02 + 0.01 * index), (0.14, 0.1, 0.03), "glass_light")
-    mesh.beam((1.5, 0.75, 0.04), (2.05, 0.5, 0.06), 0.08, paint)
+    mesh.beam((1.5, 0.75, 0.04), (2.05, 0.5, 0.06), 0.08, shown.paint)
     mesh.centred()
-    if lights.left or lights.right:
+    if shown.lights.left or shown.lights.right:
         for x in (-2.1, 2.1):
             for y in (-0.7, 0.7):
                 mesh.lamp((x, y, 0.75), (1.0, 0.62, 0.08), (1.0 if x > 0 else -1.0, 0, 0), 2.5)
@@ -183,10 +184,10 @@ def _van_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
     mesh.solid((0, 0, 0.55), (5.28, 1.96, 1.1)).solid((-0.75, 0, 1.6), (3.75, 1.9, 1.06))
 
 
-def van(lights: Lights, paint: str) -> MeshBuilder:
+def van(shown: Shown) -> MeshBuilder:
     """A delivery van."""
     mesh = MeshBuilder()
-    _van_body(mesh, lights, paint)
+    _van_body(mesh, shown.lights, shown.paint)
     for side in (-1.0, 1.0):
         window = [
             (-2.637, side * 0.08, 1.32),
@@ -199,10 +200,10 @@ def van(lights: Lights, paint: str) -> MeshBuilder:
     return mesh
 
 
-def ambulance(lights: Lights, paint: str) -> MeshBuilder:
+def ambulance(shown: Shown) -> MeshBuilder:
     """An ambulance on a van, with stripes and beacons."""
     mesh = MeshBuilder()
-    _van_body(mesh, lights, "white")
+    _van_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.9, 0.3), 0.955, (1.45, 1.82), "ambulance")
     side_print(mesh, (-2.4, 0.7), 0.985, (0.86, 1.14), "checks")
     rear_print(mesh, -2.65, 0.74, (1.28, 1.58), "ambulance")
@@ -215,6 +216,6 @@ def ambulance(lights: Lights, paint: str) -> MeshBuilder:
             (-2.617, side * 0.1, 1.96),
         ]
         mesh.polygon(window if side < 0 else window[::-1], "glass")
-    light_bar(mesh, lights, 0.7, 2.13, 0.7)
-    light_bar(mesh, lights, -2.3, 2.13, 0.6)
+    light_bar(mesh, shown.lights, 0.7, 2.13, 0.7)
+    light_bar(mesh, shown.lights, -2.3, 2.13, 0.6)
     return mesh

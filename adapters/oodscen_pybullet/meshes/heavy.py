@@ -2,7 +2,6 @@
 
 from oodscen_pybullet.meshes.bodywork import (
     AMBER,
-    Lights,
     arches,
     front_print,
     head_lamps,
@@ -14,9 +13,10 @@ from oodscen_pybullet.meshes.bodywork import (
     side_print,
 )
 from oodscen_pybullet.meshes.builder import MeshBuilder
+from oodscen_pybullet.meshes.shown import Lights, Shown
 
 
-def _cab(
+def cab(
     mesh: MeshBuilder, lights: Lights, paint: str, front: float, depth: float, top: float
 ) -> None:
     """Add a forward-control cab that ends at x = front."""
@@ -46,22 +46,22 @@ def _cab(
         mesh.box((front - 0.1, side * 1.28, 1.95), (0.1, 0.14, 0.5), "black")
 
 
-def truck(lights: Lights, paint: str) -> MeshBuilder:
+def truck(shown: Shown) -> MeshBuilder:
     """A lorry with a box body."""
     mesh = MeshBuilder()
-    _cab(mesh, lights, paint, 4.0, 1.9, 2.9)
+    cab(mesh, shown.lights, shown.paint, 4.0, 1.9, 2.9)
     mesh.box((-1.0, 0, 2.15), (6.0, 2.44, 2.5), "white")
     mesh.box((-1.0, 0, 0.72), (6.0, 0.9, 0.3), "dark_grey")
     for side in (-1.0, 1.0):
-        mesh.box((-1.0, side * 1.225, 1.5), (6.0, 0.02, 0.22), paint)
+        mesh.box((-1.0, side * 1.225, 1.5), (6.0, 0.02, 0.22), shown.paint)
         mesh.box((0.0, side * 1.1, 0.62), (2.0, 0.12, 0.4), "grey")
         mesh.box((-4.01, side * 0.06, 2.15), (0.03, 0.03, 2.4), "dark_grey")
         mesh.box((-4.01, side * 0.4, 2.15), (0.04, 0.05, 2.3), "light_grey")
         mesh.box((-4.01, side * 1.12, 2.15), (0.02, 0.16, 2.4), "light_grey")
-    mesh.box((-3.98, 0, 3.3), (0.08, 2.4, 0.14), paint)
+    mesh.box((-3.98, 0, 3.3), (0.08, 2.4, 0.14), shown.paint)
     mesh.box((-3.9, 0, 0.55), (0.1, 2.3, 0.14), "dark_grey")
     rear_print(mesh, -3.955, 1.1, (0.49, 0.61), "stripes")
-    rear_lamps(mesh, lights, -3.98, 0.95, 0.84, (0.4, 0.12))
+    rear_lamps(mesh, shown.lights, -3.98, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-4.02, 0.8), (4.06, 0.55))
     for x in (-2.6, 2.9):
         for side in (-1.0, 1.0):
@@ -69,42 +69,42 @@ def truck(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.solid((-0.98, 0, 1.85), (6.06, 2.44, 3.1)).solid((3.0, 0, 1.5), (2.1, 2.4, 2.8))
 
 
-def overturned_truck(lights: Lights, paint: str) -> MeshBuilder:
+def overturned_truck(shown: Shown) -> MeshBuilder:
     """The same lorry on its right side, wheels towards the beholder's left."""
     from math import pi
 
-    mesh = MeshBuilder().add(truck(lights, paint).build(), roll=pi / 2)
+    mesh = MeshBuilder().add(truck(shown).build(), roll=pi / 2)
     mesh.centred()
-    if lights.left or lights.right:
+    if shown.lights.left or shown.lights.right:
         for x in (-4.0, 4.0):
             for y in (-0.9, 0.9):
                 mesh.lamp((x, y, 0.5), AMBER, (1.0 if x > 0 else -1.0, 0, 0), 2.5)
     return mesh.solid((-1.0, 0.0, 1.24), (6.1, 3.3, 2.48)).solid((3.0, 0.2, 1.2), (2.1, 2.7, 2.4))
 
 
-def bus(lights: Lights, paint: str) -> MeshBuilder:
+def bus(shown: Shown) -> MeshBuilder:
     """A city bus."""
     mesh = MeshBuilder()
-    mesh.box((0, 0, 0.85), (10.8, 2.5, 1.1), paint)
+    mesh.box((0, 0, 0.85), (10.8, 2.5, 1.1), shown.paint)
     mesh.hull((-5.4, 5.4, -1.25, 1.25, 1.4), (-5.38, 5.3, -1.22, 1.22, 2.55), "glass", caps="")
-    mesh.hull((-5.4, 5.34, -1.24, 1.24, 2.5), (-5.3, 5.1, -1.12, 1.12, 3.0), paint, caps="t")
+    mesh.hull((-5.4, 5.34, -1.24, 1.24, 2.5), (-5.3, 5.1, -1.12, 1.12, 3.0), shown.paint, caps="t")
     for index in range(8):
         x = -5.3 + 1.5 * index
         for side in (-1.0, 1.0):
-            mesh.box((x, side * 1.24, 1.95), (0.14, 0.04, 1.2), paint)
+            mesh.box((x, side * 1.24, 1.95), (0.14, 0.04, 1.2), shown.paint)
     for side in (-1.0, 1.0):
         mesh.box((0, side * 1.26, 1.32), (10.7, 0.02, 0.1), "white")
-        mesh.box((-5.38, side * 1.12, 1.95), (0.06, 0.26, 1.2), paint)
+        mesh.box((-5.38, side * 1.12, 1.95), (0.06, 0.26, 1.2), shown.paint)
         mesh.box((5.2, side * 1.36, 2.2), (0.12, 0.16, 0.42), "black")
-    mesh.box((-5.39, 0, 1.72), (0.06, 2.3, 0.62), paint)
+    mesh.box((-5.39, 0, 1.72), (0.06, 2.3, 0.62), shown.paint)
     mesh.box((-5.41, 0, 0.95), (0.04, 1.2, 0.5), "dark_grey")
     mesh.box((-5.41, 0, 2.72), (0.04, 0.9, 0.26), "black")
     mesh.box((-5.44, 0, 2.72), (0.02, 0.6, 0.14), "amber_lit")
     mesh.box((5.36, 0, 2.72), (0.04, 1.6, 0.3), "black")
     mesh.box((5.39, 0, 2.72), (0.02, 1.1, 0.16), "amber_lit")
     mesh.box((-5.41, 0, 0.42), (0.08, 2.4, 0.2), "dark_grey")
-    rear_lamps(mesh, lights, -5.41, 1.06, 1.15, (0.2, 0.42))
-    head_lamps(mesh, lights, 5.41, 0.9, 0.75, (0.36, 0.2))
+    rear_lamps(mesh, shown.lights, -5.41, 1.06, 1.15, (0.2, 0.42))
+    head_lamps(mesh, shown.lights, 5.41, 0.9, 0.75, (0.36, 0.2))
     plates(mesh, (-5.46, 0.6), (5.43, 0.5))
     for x in (-3.2, 2.9):
         arches(mesh, x, 1.25, 0.56)
@@ -113,11 +113,11 @@ def bus(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.solid((0, 0, 1.5), (10.9, 2.54, 3.0))
 
 
-def fire_truck(lights: Lights, paint: str) -> MeshBuilder:
+def fire_truck(shown: Shown) -> MeshBuilder:
     """A fire engine with ladder, shutters and beacons."""
     mesh = MeshBuilder()
     red = "fire_red"
-    _cab(mesh, lights, red, 4.0, 2.4, 2.75)
+    cab(mesh, shown.lights, red, 4.0, 2.4, 2.75)
     mesh.box((-1.25, 0, 1.75), (5.3, 2.46, 2.3), red)
     mesh.box((-1.25, 0, 0.62), (5.3, 0.9, 0.3), "dark_grey")
     side_print(mesh, (-0.6, 1.2), 1.24, (2.3, 2.75), "fire")
@@ -132,14 +132,15 @@ def fire_truck(lights: Lights, paint: str) -> MeshBuilder:
     rear_print(mesh, -3.91, 1.15, (0.75, 1.5), "chevrons")
     mesh.box((-3.91, 0, 2.1), (0.03, 1.5, 0.9), "light_grey")
     rear_print(mesh, -3.912, 0.6, (2.62, 2.86), "fire")
-    rear_lamps(mesh, lights, -3.92, 1.06, 1.85, (0.18, 0.4))
+    rear_lamps(mesh, shown.lights, -3.92, 1.06, 1.85, (0.18, 0.4))
     mesh.box((-3.9, 0, 0.55), (0.1, 2.3, 0.16), "dark_grey")
     plates(mesh, (-3.96, 0.62), (4.06, 0.55))
-    light_bar(mesh, lights, 3.0, 2.74, 0.8)
+    light_bar(mesh, shown.lights, 3.0, 2.74, 0.8)
     for side in (-1.0, 1.0):
-        glow = "beacon_lit" if lights.beacon else "beacon"
+        is_lit = shown.lights.beacon and (side > 0) == shown.lights.is_second
+        glow = "beacon_lit" if is_lit else "beacon"
         mesh.box((-3.75, side * 1.05, 3.0), (0.2, 0.2, 0.2), glow)
-        if lights.beacon:
+        if is_lit:
             mesh.lamp((-3.75, side * 1.05, 3.0), (0.25, 0.5, 1.0), (0, 0, 0), 4.0)
     for x in (-2.3, 2.7):
         arches(mesh, x, 1.245, 0.56)
@@ -148,7 +149,7 @@ def fire_truck(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.solid((0.05, 0, 1.5), (8.0, 2.48, 3.0))
 
 
-def tractor(lights: Lights, paint: str) -> MeshBuilder:
+def tractor(shown: Shown) -> MeshBuilder:
     """A farm tractor."""
     mesh = MeshBuilder()
     mesh.hull((0.2, 1.95, -0.36, 0.36, 0.75), (0.2, 1.9, -0.32, 0.32, 1.5), "green")
@@ -167,20 +168,20 @@ def tractor(lights: Lights, paint: str) -> MeshBuilder:
             (-1.5, -0.4, side * 0.88 - 0.22, side * 0.88 + 0.22, 1.72),
             "green",
         )
-    rear_lamps(mesh, lights, -1.74, 0.88, 1.62, (0.22, 0.1))
-    head_lamps(mesh, lights, 1.99, 0.2, 1.34, (0.16, 0.12))
+    rear_lamps(mesh, shown.lights, -1.74, 0.88, 1.62, (0.22, 0.1))
+    head_lamps(mesh, shown.lights, 1.99, 0.2, 1.34, (0.16, 0.12))
     mesh.beam((-1.5, 0, 0.6), (-2.0, 0, 0.6), 0.12, "dark_grey")
     mesh.polygon([(-1.52, 0.28, 0.82), (-1.52, -0.28, 0.82), (-1.52, 0, 1.3)], "orange")
-    blink = "amber_lit" if lights.left and lights.right else "amber"
+    blink = "amber_lit" if shown.lights.left and shown.lights.right else "amber"
     mesh.cylinder((-0.9, 0.5, 2.63), (-0.9, 0.5, 2.8), 0.07, blink)
-    if lights.left and lights.right:
+    if shown.lights.left and shown.lights.right:
         mesh.lamp((-0.9, 0.5, 2.72), AMBER, (0, 0, 0), 3.0)
     return (
         mesh.centred().solid((0, 0, 0.85), (3.9, 2.1, 1.7)).solid((-0.6, 0, 2.1), (1.5, 1.4, 1.1))
     )
 
 
-def excavator(lights: Lights, paint: str) -> MeshBuilder:
+def excavator(shown: Shown) -> MeshBuilder:
     """A tracked excavator with its boom forward and the bucket down."""
     mesh = MeshBuilder()
     for side in (-1.0, 1.0):
@@ -225,11 +226,11 @@ def excavator(lights: Lights, paint: str) -> MeshBuilder:
             "metal",
             end_width=0.03,
         )
-    blink = "amber_lit" if lights.left and lights.right else "amber"
+    blink = "amber_lit" if shown.lights.left and shown.lights.right else "amber"
     mesh.cylinder((-0.0, 0.7, 2.9), (-0.0, 0.7, 3.08), 0.08, blink)
-    if lights.left and lights.right:
+    if shown.lights.left and shown.lights.right:
         mesh.lamp((0.0, 0.7, 3.0), AMBER, (0, 0, 0), 3.0)
-    rear_lamps(mesh, lights, -2.19, 0.95, 1.55, (0.2, 0.1))
+    rear_lamps(mesh, shown.lights, -2.19, 0.95, 1.55, (0.2, 0.1))
     return (
         mesh.solid((-0.05, 0, 0.42), (4.2, 2.56, 0.84))
         .solid((-0.4, 0, 1.95), (3.6, 2.4, 1.9))

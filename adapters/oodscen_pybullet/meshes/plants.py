@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from oodscen_pybullet.meshes.bodywork import Lights
 from oodscen_pybullet.meshes.builder import MeshBuilder
+from oodscen_pybullet.meshes.shown import Shown
 
 
-def fallen_tree(lights: Lights, paint: str) -> MeshBuilder:
+def fallen_tree(shown: Shown) -> MeshBuilder:
     """A tree lying along its y axis: roots on the right, a leafy crown on the left."""
     mesh = MeshBuilder()
     mesh.cylinder(
@@ -73,7 +73,7 @@ def fallen_tree(lights: Lights, paint: str) -> MeshBuilder:
     )
 
 
-def branch(lights: Lights, paint: str) -> MeshBuilder:
+def branch(shown: Shown) -> MeshBuilder:
     """A broken bough with twigs and leaves, along its y axis."""
     mesh = MeshBuilder()
     mesh.cylinder(
@@ -172,3 +172,140 @@ def bush(key: int) -> MeshBuilder:
         key=200 + key,
     )
     return mesh
+
+
+def fallen_pole(shown: Shown) -> MeshBuilder:
+    """A wooden power pole lying across the lane, with cross arms, insulators and slack wires."""
+    mesh = MeshBuilder()
+    mesh.cylinder(
+        (0, -3.6, 0.17),
+        (0.1, 3.4, 0.24),
+        0.17,
+        "bark",
+        sides=9,
+        end_radius=0.12,
+        cap_colour="wood_fresh",
+    )
+    for k in range(5):
+        turn = 1.3 * k
+        mesh.beam(
+            (0, -3.5, 0.2),
+            (0.16 * math.cos(turn), -3.9, 0.2 + 0.16 * math.sin(turn)),
+            0.07,
+            "wood_fresh",
+            end_width=0.01,
+        )
+    for y in (2.3, 2.9):
+        mesh.beam((-0.95, y, 0.3), (1.1, y, 0.42), 0.13, "wood_dark")
+        for x in (-0.8, -0.4, 0.5, 0.95):
+            mesh.cylinder((x, y, 0.36), (x, y, 0.56), 0.05, "teal", sides=6, end_radius=0.035)
+    mesh.cylinder((0.36, 1.5, 0.36), (0.36, 2.1, 0.38), 0.2, "grey", sides=10)
+    for start, side in (
+        ((-0.8, 2.3, 0.5), -1.0),
+        ((0.95, 2.9, 0.5), 1.0),
+        ((-0.4, 2.9, 0.5), -1.0),
+        ((0.5, 2.3, 0.5), 1.0),
+    ):
+        before = start
+        for k in range(1, 7):
+            share = k / 6
+            point = (
+                start[0] + side * 1.3 * share,
+                start[1] - 4.6 * share + 0.3 * math.sin(7 * share),
+                max(0.02, 0.5 * (1 - 1.8 * share) + 0.05 * (k % 2)),
+            )
+            mesh.beam(before, point, 0.03, "black")
+            before = point
+    return (
+        mesh.flatten(0.0)
+        .solid((0.0, 0, 0.2), (0.4, 7.0, 0.4))
+        .solid((0.0, 2.75, 0.36), (1.9, 0.9, 0.4))
+    )
+
+
+def leaves_pile(shown: Shown) -> MeshBuilder:
+    """A heap of autumn leaves."""
+    mesh = MeshBuilder()
+    mesh.ball(
+        (0, 0, 0),
+        (0.85, 1.0, 0.34),
+        "leaf_autumn",
+        around=12,
+        down=8,
+        jitter=0.12,
+        key=701,
+        second_colour="leaf_yellow",
+    )
+    mesh.ball(
+        (0.3, 0.5, 0),
+        (0.55, 0.6, 0.28),
+        "leaf_yellow",
+        around=10,
+        down=6,
+        jitter=0.15,
+        key=702,
+        second_colour="burgundy",
+    )
+    for index in range(70):
+        turn, reach = index * 2.399963, 0.55 + 0.65 * ((index * 7) % 10) / 10
+        x, y = 1.05 * reach * math.cos(turn), 1.2 * reach * math.sin(turn)
+        dome = max(0.0, 1 - (x / 0.85) ** 2 - (y / 1.0) ** 2)
+        z, spin = 0.36 * math.sqrt(dome) + 0.02, 1.3 * index
+        leaf = [
+            (x + 0.09 * math.cos(spin + a) * r, y + 0.09 * math.sin(spin + a) * r, z + 0.02 * k)
+            for k, (a, r) in enumerate(((0.0, 1.0), (1.57, 0.6), (3.14, 1.0), (4.71, 0.6)))
+        ]
+        colour = ("leaf_autumn", "leaf_yellow", "burgundy", "rust", "straw")[index % 5]
+        mesh.polygon(leaf, colour).polygon(leaf[::-1], colour)
+    return mesh.flatten(0.0).solid((0, 0, 0.15), (1.4, 1.7, 0.3))
+
+
+def stump(shown: Shown) -> MeshBuilder:
+    """A tree stump with roots and rings."""
+    mesh = MeshBuilder()
+    mesh.cylinder((0, 0, 0), (0, 0, 0.28), 0.44, "bark", sides=12, end_radius=0.34)
+    mesh.cylinder(
+        (0, 0, 0.28),
+        (0.02, 0, 0.58),
+        0.34,
+        "bark",
+        sides=12,
+        end_radius=0.32,
+        cap_colour="wood_fresh",
+    )
+    for radius, colour, z in (
+        (0.25, "wood", 0.582),
+        (0.19, "wood_fresh", 0.586),
+        (0.12, "wood", 0.59),
+        (0.06, "wood_dark", 0.594),
+    ):
+        mesh.cylinder((0.02, 0, 0.57), (0.02, 0, z), radius, colour, sides=12)
+    for k in range(7):
+        turn = 0.9 * k
+        mesh.beam(
+            (0.3 * math.cos(turn), 0.3 * math.sin(turn), 0.2),
+            (0.72 * math.cos(turn), 0.72 * math.sin(turn), 0.03),
+            0.2,
+            "bark_dark",
+            end_width=0.05,
+        )
+    return mesh.flatten(0.0).solid((0, 0, 0.29), (0.9, 0.9, 0.58))
+
+
+def hay_bale(shown: Shown) -> MeshBuilder:
+    """A big round bale of straw."""
+    mesh = MeshBuilder()
+    mesh.cylinder(
+        (0, -0.6, 0.65), (0, 0.6, 0.65), 0.65, "straw", sides=18, cap_colour="leaf_yellow"
+    )
+    for radius, colour in ((0.5, "straw"), (0.34, "leaf_yellow"), (0.18, "straw")):
+        mesh.cylinder(
+            (0, -0.6 - 0.01 / radius, 0.65),
+            (0, 0.6 + 0.01 / radius, 0.65),
+            radius,
+            colour,
+            sides=14,
+        )
+    for y in (-0.4, -0.13, 0.13, 0.4):
+        mesh.cylinder((0, y - 0.01, 0.655), (0, y + 0.01, 0.655), 0.655, "white", sides=18)
+    return mesh.flatten(0.0)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen_pybullet.meshes.atlas import REGIONS
+from oodscen_pybullet.meshes.sign_prints import paint_sign
 
 Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -282,4 +283,5 @@ _PAINTERS = {
     "limit": _limit,
     "gantry": _gantry,
     "shop": _shop,
+    "sign": paint_sign,
 }

@@ -3,11 +3,11 @@
 import itertools
 import math
 
-from oodscen_pybullet.meshes.bodywork import Lights
 from oodscen_pybullet.meshes.builder import MeshBuilder, Point
+from oodscen_pybullet.meshes.shown import Shown
 
 
-def cardboard_box(lights: Lights, paint: str) -> MeshBuilder:
+def cardboard_box(shown: Shown) -> MeshBuilder:
     """A large carton, one pair of flaps open, taped and printed."""
     mesh = MeshBuilder()
     half, top = 0.45, 0.8
@@ -64,7 +64,7 @@ def cardboard_box(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred().solid((0, 0, 0.4), (0.9, 0.9, 0.8))
 
 
-def plant_pot(lights: Lights, paint: str) -> MeshBuilder:
+def plant_pot(shown: Shown) -> MeshBuilder:
     """A big terracotta pot with a bushy plant."""
     mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 0.46), 0.22, "terracotta", sides=14, end_radius=0.32)
@@ -125,7 +125,7 @@ def _torus(mesh: MeshBuilder, centre: Point, radius: float, thick: float, colour
             mesh.polygon([points[i][j], points[k][j], points[k][m], points[i][m]], colour)
 
 
-def tyre(lights: Lights, paint: str) -> MeshBuilder:
+def tyre(shown: Shown) -> MeshBuilder:
     """A lorry tyre that leans on another one lying flat."""
     mesh = MeshBuilder()
     _torus(mesh, (0, 0, 0.14), 0.36, 0.14, "tyre")
@@ -137,7 +137,7 @@ def tyre(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def mattress(lights: Lights, paint: str) -> MeshBuilder:
+def mattress(shown: Shown) -> MeshBuilder:
     """A sagging mattress with striped sides, one end bent up."""
     mesh = MeshBuilder()
     rows = [(-1.0, 0.0), (-0.4, 0.0), (0.2, 0.0), (0.6, 0.12), (0.92, 0.42)]
@@ -176,7 +176,7 @@ def mattress(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def sofa(lights: Lights, paint: str) -> MeshBuilder:
+def sofa(shown: Shown) -> MeshBuilder:
     """A red three-seater; its seat faces against x, towards a beholder who drives up."""
     mesh = MeshBuilder()
     mesh.box((0, 0, 0.26), (0.86, 2.0, 0.32), "sofa")
@@ -194,7 +194,7 @@ def sofa(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def pallet(lights: Lights, paint: str) -> MeshBuilder:
+def pallet(shown: Shown) -> MeshBuilder:
     """A stack of three wooden pallets."""
     flat = MeshBuilder()
     for index in range(7):
@@ -211,7 +211,7 @@ def pallet(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def ladder(lights: Lights, paint: str) -> MeshBuilder:
+def ladder(shown: Shown) -> MeshBuilder:
     """An aluminium ladder lying across the lane, along its y axis."""
     mesh = MeshBuilder()
     for x in (-0.22, 0.22):
@@ -225,7 +225,7 @@ def ladder(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def rock(lights: Lights, paint: str) -> MeshBuilder:
+def rock(shown: Shown) -> MeshBuilder:
     """A boulder with two smaller stones."""
     mesh = MeshBuilder()
     mesh.ball(
@@ -254,7 +254,7 @@ def rock(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def debris(lights: Lights, paint: str) -> MeshBuilder:
+def debris(shown: Shown) -> MeshBuilder:
     """A heap of broken planks, bent metal and rubble."""
     mesh = MeshBuilder()
     planks = (
@@ -293,7 +293,7 @@ def debris(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def shopping_cart(lights: Lights, paint: str) -> MeshBuilder:
+def shopping_cart(shown: Shown) -> MeshBuilder:
     """A supermarket trolley."""
     mesh = MeshBuilder()
     low, high = (-0.28, 0.36, -0.2, 0.2, 0.42), (-0.42, 0.46, -0.28, 0.28, 0.92)
@@ -338,7 +338,7 @@ def _between(a: tuple[float, float], b: tuple[float, float], f: float) -> tuple[
     return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])
 
 
-def suitcase(lights: Lights, paint: str) -> MeshBuilder:
+def suitcase(shown: Shown) -> MeshBuilder:
     """An upright blue suitcase with its handle drawn out."""
     mesh = MeshBuilder()
     mesh.box((0, 0, 0.40), (0.3, 0.52, 0.68), "blue")
@@ -354,7 +354,7 @@ def suitcase(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def wheelie_bin(lights: Lights, paint: str) -> MeshBuilder:
+def wheelie_bin(shown: Shown) -> MeshBuilder:
     """A green wheeled rubbish bin."""
     mesh = MeshBuilder()
     mesh.hull((-0.22, 0.26, -0.22, 0.22, 0.06), (-0.32, 0.32, -0.29, 0.29, 0.94), "bin_green")
@@ -367,7 +367,7 @@ def wheelie_bin(lights: Lights, paint: str) -> MeshBuilder:
     return mesh.centred()
 
 
-def snow_pile(lights: Lights, paint: str) -> MeshBuilder:
+def snow_pile(shown: Shown) -> MeshBuilder:
     """A heap of ploughed snow, dirty at the foot."""
     mesh = MeshBuilder()
     mesh.ball((0, 0, 0.02), (0.95, 1.25, 0.62), "snow", around=12, down=8, jitter=0.08, key=41)
@@ -376,23 +376,3 @@ def snow_pile(lights: Lights, paint: str) -> MeshBuilder:
         (-0.3, -0.6, 0.05), (0.6, 0.65, 0.42), "snow_shade", around=9, down=6, jitter=0.12, key=43
     )
     return mesh.flatten(0.0).centred()
-
-
-def puddle(lights: Lights, paint: str) -> MeshBuilder:
-    """A wide, shallow puddle; nothing that could be hit."""
-    mesh = MeshBuilder()
-    for scale, z, colour in (
-        (1.0, 0.02, "water"),
-        (0.72, 0.026, "water_light"),
-        (0.5, 0.032, "water"),
-    ):
-        outline = []
-        for index in range(20):
-            turn = 2 * math.pi * index / 20
-            wave = 1 + 0.10 * math.sin(3 * turn + 0.6) + 0.05 * math.sin(5 * turn)
-            outline.append(
-                (1.25 * scale * wave * math.cos(turn), 1.6 * scale * wave * math.sin(turn), z)
-            )
-        mesh.polygon(outline, colour)
-    mesh.polygon([(0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)], "water")
-    return mesh.centred()

@@ -1,9 +1,11 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 from oodscen_pybullet.catalogue import load_catalogue
-from oodscen_pybullet.meshes import FLAT, asset_ids, asset_mesh, paints_of
+from oodscen_pybullet.meshes import FLASHING, FLAT, GAITS, SMOKING, asset_ids, asset_mesh, paints_of
 
 from oodscen.catalogue import Asset, Catalogue
 from oodscen.driving import BEHAVIOURS, SHIPPED_MAPS
@@ -12,33 +14,75 @@ CATALOGUE = load_catalogue()
 ALL = (CATALOGUE.ego, *CATALOGUE.assets)
 
 
+def spans(asset: Asset, **look: object) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the bounds over all states of an asset at rest."""
+    bounds = [asset_mesh(asset.id, state, **look).bounds for state in asset.states or ("",)]
+    return np.min([low for low, _ in bounds], axis=0), np.max([high for _, high in bounds], axis=0)
+
+
 @pytest.mark.parametrize("asset", ALL, ids=lambda asset: asset.id)
 def test_sizes_are_those_of_the_meshes(asset: Asset) -> None:
-    for state in asset.states or ("",):
-        low, high = asset_mesh(asset.id, state).bounds
-        assert abs((high - low) - (asset.length, asset.width, asset.height)).max() <= 0.02
-        assert abs((high + low)[:2]).max() / 2 <= 0.02
-        assert abs(low[2]) <= 0.02
+    low, high = spans(asset)
+    assert abs((high - low) - (asset.length, asset.width, asset.height)).max() <= 0.02
+    assert abs((high + low)[:2]).max() / 2 <= 0.02
+    assert abs(low[2]) <= 0.02
 
 
 @pytest.mark.parametrize("asset", ALL, ids=lambda asset: asset.id)
-def test_every_look_has_the_same_size(asset: Asset) -> None:
-    first = asset_mesh(asset.id).bounds
+def test_every_look_has_the_same_size_and_every_normal_length_one(asset: Asset) -> None:
+    low, high = spans(asset)
     for paint in paints_of(asset.id):
         for running in (False, True):
-            other = asset_mesh(asset.id, paint=paint, running=running).bounds
-            assert max(abs(first[0] - other[0]).max(), abs(first[1] - other[1]).max()) <= 0.02
+            ours = spans(asset, paint=paint, running=running)
+            assert max(abs(low - ours[0]).max(), abs(high - ours[1]).max()) <= 0.05
+        mesh = asset_mesh(asset.id, asset.states[0] if asset.states else "", paint)
+        assert np.isfinite(mesh.vertices).all()
+        assert abs((mesh.normals**2).sum(axis=1) - 1.0).max() < 1e-6
 
 
 @pytest.mark.parametrize("asset", ALL, ids=lambda asset: asset.id)
 def test_what_collides_lies_within_what_is_seen(asset: Asset) -> None:
-    solids = asset_mesh(asset.id).solids
-    assert bool(solids) == (asset.id not in FLAT)
-    for (x, y, z), (half_x, half_y, half_z) in solids:
-        assert abs(x) + half_x <= asset.length / 2 + 0.02
-        assert abs(y) + half_y <= asset.width / 2 + 0.02
-        assert z - half_z >= -0.02
-        assert z + half_z <= asset.height + 0.02
+    for state in asset.states or ("",):
+        solids = asset_mesh(asset.id, state).solids
+        assert bool(solids) == (asset.id not in FLAT)
+        for (x, y, z), (half_x, half_y, half_z) in solids:
+            assert abs(x) + half_x <= asset.length / 2 + 0.02
+            assert abs(y) + half_y <= asset.width / 2 + 0.02
+            assert z - half_z >= -0.02
+            assert z + half_z <= asset.height + 0.02
+
+
+@pytest.mark.parametrize("asset", sorted(GAITS))
+def test_a_walk_stays_on_the_ground_and_about_its_place(asset: str) -> None:
+    rest = asset_mesh(asset).bounds
+    pictures = set()
+    for frame in range(1, 17):
+        mesh = asset_mesh(asset, frame=frame)
+        low, high = mesh.bounds
+        assert abs(low[2]) <= 0.02
+        assert high[2] <= rest[1][2] + 0.08
+        assert max(abs(low - rest[0])[:2].max(), abs(high - rest[1])[:2].max()) <= 0.6
+        pictures.add(mesh.vertices.round(3).tobytes())
+    assert len(pictures) >= 8
+
+
+@pytest.mark.parametrize("asset", ALL, ids=lambda asset: asset.id)
+def test_assets_are_neither_coarse_nor_heavy(asset: Asset) -> None:
+    assert 12 <= len(asset_mesh(asset.id).triangles) <= 1500
+    assert asset.description
+    assert asset.tags
+
+
+def test_smoke_moves_and_lamps_flash() -> None:
+    for asset in SMOKING:
+        steps = [asset_mesh(asset, frame=frame).puffs for frame in range(8)]
+        assert len(set(steps)) == 8
+        assert all(0.0 < puff.density <= 1.0 and puff.radius > 0.0 for puff in steps[0])
+    for asset in ALL:
+        for state in set(asset.states) & FLASHING:
+            lit, dark = (len(asset_mesh(asset.id, state, frame=frame).lamps) for frame in (0, 1))
+            assert lit >= dark
+            assert lit > 0
 
 
 def test_there_is_one_mesh_per_asset() -> None:
