@@ -55,6 +55,8 @@ class BehaviourKind(Data):
     categories: tuple[Category, ...]
     """Who can do it."""
     parameters: dict[str, BehaviourParameter] = {}
+    needs_other: bool = False
+    """Whether `Behaviour.other` must name the actor that carries, tows or owns this one."""
 
 
 class RoadMap(Data):
@@ -151,7 +153,7 @@ class Catalogue(Data):
         for key, ordinary in scene.hazard.actors.items():
             if ordinary is not None:
                 issues += self._check_actor(f"hazard.actors.{key}", ordinary)
-        return issues
+        return issues + _check_belonging(scene)
 
     def _check_actor(self, path: str, actor: Actor) -> list[Issue]:
         assets = {asset.id: asset for asset in self.assets}
@@ -168,6 +170,9 @@ class Catalogue(Data):
             issues += _unknown(f"{path}.state", "state", actor.state, asset.states)
         if kind:
             issues += _check_parameters(f"{here}.parameters", kind, actor.behaviour.parameters)
+        if kind and kind.needs_other and actor.behaviour.other is None:
+            message = f"{kind.id!r} needs the actor that carries, tows or owns this one"
+            issues.append(Issue(f"{here}.other", message))
         return issues
 
     def _check_weather(self, weather: Weather) -> list[Issue]:
@@ -188,6 +193,22 @@ class Catalogue(Data):
         if weather.friction < allowed.min_friction:
             issues.append(Issue("friction", f"at least {allowed.min_friction:g}"))
         return issues
+
+
+def _check_belonging(scene: Scene) -> list[Issue]:
+    """Find actors that belong to each other in a ring."""
+    owners = {actor.id: actor.behaviour.other for actor in scene.actors}
+    issues: list[Issue] = []
+    for index, actor in enumerate(scene.actors):
+        seen: set[str] = set()
+        name: str | None = actor.id
+        while name is not None and name not in seen:
+            seen.add(name)
+            name = owners.get(name)
+        if name == actor.id:
+            message = f"{actor.id!r} would belong to itself"
+            issues.append(Issue(f"actors[{index}].behaviour.other", message))
+    return issues
 
 
 def _check_parameters(path: str, kind: BehaviourKind, given: Mapping[str, float]) -> list[Issue]:

@@ -179,6 +179,10 @@ class State:
     """[n], m between the ego's body and each actor's; 0 on contact, infinity for row 0 and afar."""
     off_road: bool
     """The ego left the drivable road."""
+    accelerations: NDArray[np.float64] | None = None
+    """[n], m/s^2 along the heading, mean over the last step; `None` where it is not known."""
+    places: NDArray[np.float64] | None = None
+    """[n, 2]: s and t on the scene's corridor, m; `None` where it is not known."""
 
     @property
     def contacts(self) -> tuple[str, ...]:

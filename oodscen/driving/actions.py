@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from oodscen.driving.bodies import GRAVITY, MAX_STEERING
+from oodscen.driving.compiled import Kernel
+from oodscen.driving.exact import asin, atan, power, sin, tan
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Control, Driver, Observation
 
@@ -54,20 +56,55 @@ class LaneTracker:
 
     def _steer(self, now: Observation) -> tuple[float, float]:
         """Return the steering angle and the lateral acceleration that it asks for."""
-        offset, slope, bend = self.course()
-        reach = max(3.0, 0.8 * now.speed)
-        aside = now.offset_m - offset
-        ahead = now.curvature + bend / math.sqrt(1.0 - slope * slope)
-        # On a curve the centre's course differs from the heading by the slip angle.
-        slip = math.asin(min(max(0.5 * now.wheelbase * ahead, -0.6), 0.6))
-        askew = now.heading_error + slip - math.asin(slope)
-        curvature = ahead - aside / (reach * reach) - 2.0 * math.sin(askew) / reach
-        square = max(now.speed * now.speed, 0.01)
-        most = 0.92 * now.friction * GRAVITY / square
-        curvature = min(max(curvature, -most), most)
-        slip = math.asin(min(max(0.5 * now.wheelbase * curvature, -0.6), 0.6))
-        steering = math.atan(2.0 * math.tan(slip))
-        return min(max(steering, -MAX_STEERING), MAX_STEERING), square * curvature
+        return _steering(
+            *self.course(),
+            now.speed,
+            now.offset_m,
+            now.heading_error,
+            now.curvature,
+            now.wheelbase,
+            now.friction,
+        )
+
+
+@Kernel
+def _steering(
+    offset: float,
+    slope: float,
+    turn: float,
+    speed: float,
+    place: float,
+    heading: float,
+    curvature: float,
+    wheelbase: float,
+    friction: float,
+) -> tuple[float, float]:
+    """Return the steering angle that keeps to a course, and the lateral acceleration it asks for.
+
+    Args:
+        offset: Of the course, m.
+        slope: Its first derivative by the distance travelled.
+        turn: Its second derivative, 1/m.
+        speed: Of the ego, m/s.
+        place: Offset of the ego, m.
+        heading: Of the ego against the road, rad.
+        curvature: Of the road ahead, 1/m.
+        wheelbase: Of the ego, m.
+        friction: Scale of the road's friction.
+    """
+    reach = max(3.0, 0.8 * speed)
+    aside = place - offset
+    ahead = curvature + turn / math.sqrt(1.0 - slope * slope)
+    # On a curve the centre's course differs from the heading by the slip angle.
+    slip = asin(min(max(0.5 * wheelbase * ahead, -0.6), 0.6))
+    askew = heading + slip - asin(slope)
+    wanted = ahead - aside / (reach * reach) - 2.0 * sin(askew) / reach
+    square = max(speed * speed, 0.01)
+    most = 0.92 * friction * GRAVITY / square
+    wanted = min(max(wanted, -most), most)
+    slip = asin(min(max(0.5 * wheelbase * wanted, -0.6), 0.6))
+    steering = atan(2.0 * tan(slip))
+    return min(max(steering, -MAX_STEERING), MAX_STEERING), square * wanted
 
 
 class Cruise(LaneTracker):
@@ -130,12 +167,12 @@ class PullOver(LaneTracker):
         self.origin = observation.offset_m
         self.shift = observation.roadside_m - self.origin
         # Shorter, and the outer front corner would swing beyond the edge of the road.
-        shortest = (2800.0 * abs(self.shift)) ** (1.0 / 3.0)
+        shortest = power(2800.0 * abs(self.shift) + 1e-9, 1.0 / 3.0)
         planned = _stretch(observation, self.shift, seconds=2.0, share=0.45)
         self.distance = max(planned, shortest)
         comfortable = min(2.5, 0.5 * observation.friction * GRAVITY)
-        room = max(1.15 * self.distance, 0.5 * observation.speed**2 / comfortable)
-        self.deceleration = 0.5 * observation.speed**2 / max(room, 1.0)
+        room = max(1.15 * self.distance, 0.5 * observation.speed * observation.speed / comfortable)
+        self.deceleration = 0.5 * observation.speed * observation.speed / max(room, 1.0)
 
     def course(self) -> tuple[float, float, float]:
         """Return the smooth course from the first offset to the roadside."""

@@ -1,297 +1,20 @@
-"""What actors do: one small function per behaviour, and the vocabulary that catalogues list.
+"""What actors can do: the vocabulary of behaviours that catalogues list.
 
-A function moves its actor by one step in road coordinates. It sees the others where they were at
-the beginning of the step, so the order of actors never matters.
+The motion itself is in `oodscen.driving.acting`, one branch per behaviour.
 """
 
-import math
-from collections.abc import Callable
-from typing import Protocol
-
 from oodscen.catalogue import BehaviourKind, BehaviourParameter, Category
-from oodscen.driving.bodies import ActorBody, quantised, wrapped
-from oodscen.driving.corridor import Corridor
+from oodscen.driving.acting import NAMES
 
-_ACCELERATION = {"pedestrian": 2.5, "animal": 6.0, "cyclist": 1.5, "object": 4.0}
-"""How quickly a category reaches its speed, m/s^2; 2.5 for the others."""
-_MAX_SLOPE = 0.5
-"""Metres that a vehicle may move sideways per metre travelled."""
-_MAX_TURN = 1.2
-"""rad/s by which a lane follower's heading settles."""
-
-
-class Surroundings(Protocol):
-    """What a behaviour may know of the world."""
-
-    corridor: Corridor
-    dt: float
-    friction: float
-
-    @property
-    def time(self) -> float:
-        """Seconds since the start."""
-        ...
-
-    def free_road(self, body: ActorBody) -> tuple[float, float]:
-        """Return the gap to what is ahead in the body's path, m, and its speed away from it."""
-        ...
-
-
-# ------------------------------------------------------------------ motion
-
-
-def _move(body: ActorBody, world: Surroundings, distance: float) -> None:
-    """Move along the actor's own heading."""
-    stretch = max(0.2, 1.0 - world.corridor.bend(body.s) * body.t)
-    body.s = quantised(body.s + distance * math.cos(body.heading) / stretch)
-    body.t = quantised(body.t + distance * math.sin(body.heading))
-
-
-def _speed_up(body: ActorBody, acceleration: float, target: float, dt: float) -> float:
-    """Approach a speed, and return the distance covered meanwhile."""
-    before = body.speed
-    step = acceleration * dt
-    after = min(target, before + step) if target > before else max(target, before - step)
-    body.speed = quantised(after)
-    return 0.5 * (before + after) * dt
-
-
-def _accelerate(body: ActorBody, acceleration: float, dt: float) -> float:
-    """Change the speed without ever reversing, and return the distance covered meanwhile."""
-    before = body.speed
-    after = max(0.0, before + acceleration * dt)
-    body.speed = quantised(after)
-    return 0.5 * (before + after) * dt
-
-
-def _keep_lane(
-    body: ActorBody, world: Surroundings, distance: float, blend: float = 0.0, shift: float = 0.0
-) -> None:
-    """Move along the lane.
-
-    Args:
-        body: The actor.
-        world: Around it.
-        distance: Covered in this step, m.
-        blend: 0 in its own lane, 1 in its target lane.
-        shift: Further to the left, m.
-    """
-    road = world.corridor
-    stretch = max(0.2, 1.0 - road.bend(body.s) * body.t)
-    before = body.t
-    along = distance * math.cos(math.remainder(body.heading, math.pi))
-    body.s = quantised(body.s + body.direction * along / stretch)
-    wanted = road.centre(body.lane, body.s) * (1.0 - blend) + body.offset * (1.0 - blend) + shift
-    if blend > 0.0:
-        wanted += road.centre(body.target_lane, body.s) * blend
-    limit = _MAX_SLOPE * distance
-    aside = min(max(wanted - before, -limit), limit)
-    body.t = quantised(before + aside)
-    if distance > 1e-3:
-        aim = math.atan2(aside, body.direction * along)
-        most = _MAX_TURN * world.dt
-        error = wrapped(aim - body.heading)
-        body.heading = quantised(wrapped(body.heading + min(max(error, -most), most)))
-
-
-def _attentive(body: ActorBody, world: Surroundings, desired: float) -> float:
-    """Return the acceleration of the intelligent-driver model (Treiber et al. 2000)."""
-    speed = body.speed
-    gap, leader = world.free_road(body)
-    most, comfortable, headway, standstill = 1.8, 2.5, 1.2, 2.0
-    if desired <= 0.0:
-        return -comfortable
-    ratio = speed / desired
-    acceleration = most * (1.0 - ratio * ratio * ratio * ratio)
-    if speed > desired:
-        acceleration = max(acceleration, -comfortable)
-    if gap < math.inf:
-        closing = speed - leader
-        wanted = standstill + max(
-            0.0, speed * headway + speed * closing / (2.0 * math.sqrt(most * comfortable))
-        )
-        ratio = wanted / max(gap, 0.1)
-        acceleration -= most * ratio * ratio
-    return max(acceleration, -8.0 * min(1.0, world.friction))
-
-
-def _cruise(body: ActorBody, world: Surroundings, blend: float = 0.0, shift: float = 0.0) -> None:
-    """Drive in the lane at the behaviour's speed, attentive to what is ahead."""
-    acceleration = _attentive(body, world, body.parameters["speed"])
-    _keep_lane(body, world, _accelerate(body, acceleration, world.dt), blend, shift)
-
-
-def _brake(body: ActorBody, world: Surroundings, deceleration: float) -> None:
-    """Slow down in the lane until it stands."""
-    deceleration = min(deceleration, 9.0 * world.friction)
-    _keep_lane(body, world, _accelerate(body, -deceleration, world.dt))
-
-
-def _since(body: ActorBody, world: Surroundings) -> float:
-    """Return the time since the trigger, s; negative before."""
-    return world.time - body.triggered if body.triggered >= 0.0 else -1.0
-
-
-def _smooth(progress: float) -> float:
-    """Return a course from 0 to 1 that starts and ends without a jerk."""
-    p = min(max(progress, 0.0), 1.0)
-    return p * p * p * (10.0 + p * (6.0 * p - 15.0))
-
-
-def _weave(body: ActorBody, world: Surroundings) -> float:
-    """Return how far to the left a weaving actor is; the amplitude grows over one period."""
-    since, period = _since(body, world), body.parameters["period"]
-    if since < 0.0:
-        return 0.0
-    growth = min(1.0, since / period)
-    swing = math.sin(math.tau * since / period + body.phase)
-    return body.parameters["amplitude"] * growth * swing
-
-
-# ------------------------------------------------------------------ behaviours
-
-
-def _stand(body: ActorBody, world: Surroundings) -> None:
-    del body, world
-
-
-def _follow_lane(body: ActorBody, world: Surroundings) -> None:
-    _cruise(body, world)
-
-
-def _wrong_way(body: ActorBody, world: Surroundings) -> None:
-    distance = _speed_up(body, 2.0, body.parameters["speed"], world.dt)
-    _keep_lane(body, world, distance)
-
-
-def _cut_in(body: ActorBody, world: Surroundings) -> None:
-    _cruise(body, world, _smooth(_since(body, world) / body.parameters["duration"]))
-
-
-def _hard_brake(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered < 0.0:
-        _cruise(body, world)
-    else:
-        _brake(body, world, body.parameters["deceleration"])
-
-
-def _stop_and_go(body: ActorBody, world: Surroundings) -> None:
-    since, period = _since(body, world), body.parameters["period"]
-    goes = since < 0.0 or (since / period) % 1.0 >= 0.5
-    if goes:
-        _cruise(body, world)
-    else:
-        acceleration = min(-2.5, _attentive(body, world, body.parameters["speed"]))
-        _keep_lane(body, world, _accelerate(body, acceleration, world.dt))
-
-
-def _reverse(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered >= 0.0:
-        _move(body, world, _speed_up(body, 1.5, -body.parameters["speed"], world.dt))
-
-
-def _swerve(body: ActorBody, world: Surroundings) -> None:
-    _cruise(body, world, shift=_weave(body, world))
-
-
-def _pull_out(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered < 0.0:
-        return
-    acceleration = min(2.0, _attentive(body, world, body.parameters["speed"]))
-    blend = _smooth(_since(body, world) / body.parameters["duration"])
-    _keep_lane(body, world, _accelerate(body, acceleration, world.dt), blend)
-
-
-def _u_turn(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered < 0.0:
-        _cruise(body, world)
-        return
-    turned, rate = body.memory[0], math.pi / body.parameters["duration"]
-    turn = min(rate * world.dt, math.pi - turned)
-    body.memory[0] = quantised(turned + turn)
-    body.heading = quantised(wrapped(body.heading + turn))
-    _move(body, world, _speed_up(body, 2.0, body.parameters["speed"], world.dt))
-
-
-def _walk(body: ActorBody, world: Surroundings, distance: float) -> None:
-    """Go straight on for a distance and stop there."""
-    covered = _speed_up(
-        body, _ACCELERATION.get(body.asset.category, 2.5), body.parameters["speed"], world.dt
-    )
-    left = distance - body.memory[0]
-    if covered >= left:
-        covered = max(left, 0.0)
-        body.speed = 0.0
-    body.memory[0] = quantised(body.memory[0] + covered)
-    _move(body, world, covered)
-
-
-def _cross_road(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered >= 0.0:
-        _walk(body, world, body.parameters["distance"])
-
-
-def _hesitate(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered < 0.0:
-        return
-    distance = body.parameters["distance"]
-    if body.memory[0] < distance - 1e-9:
-        _walk(body, world, distance)
-    elif body.memory[1] < body.parameters["pause"] - 1e-9:
-        body.memory[1] = quantised(body.memory[1] + world.dt)
-    else:
-        if body.memory[2] == 0.0:
-            body.memory[2] = 1.0
-            body.heading = quantised(wrapped(body.heading + math.pi))
-        _walk(body, world, 2.0 * distance)
-
-
-def _walk_along(body: ActorBody, world: Surroundings) -> None:
-    if body.triggered >= 0.0:
-        _walk(body, world, math.inf)
-
-
-def _drift(body: ActorBody, world: Surroundings) -> None:
-    since = _since(body, world)
-    if since <= 0.0:
-        _cruise(body, world)
-        return
-    shift = body.parameters["lateral"] * since
-    road = world.corridor
-    centre = road.centre(body.lane, body.s) + body.offset
-    limits = road.drivable_range(body.s, centre)
-    if limits is not None:
-        half = 0.5 * body.asset.width
-        shift = min(max(shift, limits[0] + half - centre), limits[1] - half - centre)
-    _cruise(body, world, shift=shift)
-
-
-BEHAVE: dict[str, Callable[[ActorBody, Surroundings], None]] = {
-    "stand": _stand,
-    "follow_lane": _follow_lane,
-    "wrong_way": _wrong_way,
-    "cut_in": _cut_in,
-    "hard_brake": _hard_brake,
-    "stall": _hard_brake,
-    "stop_and_go": _stop_and_go,
-    "reverse": _reverse,
-    "swerve": _swerve,
-    "pull_out": _pull_out,
-    "u_turn": _u_turn,
-    "cross_road": _cross_road,
-    "hesitate": _hesitate,
-    "walk_along": _walk_along,
-    "bolt": _cross_road,
-    "wobble": _swerve,
-    "drift": _drift,
-}
-"""By behaviour id: moves the actor by one step."""
+BEHAVE: dict[str, int] = {name: code for code, name in enumerate(NAMES)}
+"""By behaviour id: how the kinematic world knows it."""
 
 MOVES_BEFORE_TRIGGER = frozenset(
     {
         "follow_lane",
         "wrong_way",
         "cut_in",
+        "cut_out",
         "hard_brake",
         "stall",
         "stop_and_go",
@@ -299,11 +22,14 @@ MOVES_BEFORE_TRIGGER = frozenset(
         "u_turn",
         "wobble",
         "drift",
+        "overtake",
+        "run_red",
     }
 )
-"""Behaviours that drive in a lane from the start, at their `speed`."""
+"""Behaviours that drive from the start, at their `speed`."""
 
-# ------------------------------------------------------------------ vocabulary
+QUICKNESS: dict[str, float] = {"pedestrian": 2.5, "animal": 6.0, "cyclist": 1.5, "object": 4.0}
+"""How quickly a category on foot reaches its speed, m/s^2; 2.5 for the others."""
 
 _ANYBODY: tuple[Category, ...] = (
     "vehicle",
@@ -323,8 +49,10 @@ def _number(low: float, high: float, default: float, text: str) -> BehaviourPara
     return BehaviourParameter(minimum=low, maximum=high, default=default, description=text)
 
 
-def _speed(high: float, default: float, low: float = 0.0) -> dict[str, BehaviourParameter]:
-    return {"speed": _number(low, high, default, "m/s")}
+def _speed(
+    high: float, default: float, low: float = 0.0, text: str = "m/s"
+) -> dict[str, BehaviourParameter]:
+    return {"speed": _number(low, high, default, text)}
 
 
 _LANES = _number(-3, 3, 1, "lanes to the left as the ego sees it; negative is to the right")
@@ -449,6 +177,94 @@ BEHAVIOURS: tuple[BehaviourKind, ...] = (
         parameters={
             **_speed(45, 10),
             "lateral": _number(-2, 2, 0.5, "m/s to the left as the ego sees it"),
+        },
+    ),
+    BehaviourKind(
+        id="cut_out",
+        description="drives ahead in its lane and minds moving traffic only; at the trigger moves "
+        "over by some lanes and reveals what it hid",
+        categories=_DRIVERS,
+        parameters={
+            **_speed(45, 10),
+            "lanes": _LANES,
+            "duration": _number(0.5, 8, 2, _DURATION),
+        },
+    ),
+    BehaviourKind(
+        id="overtake",
+        description="drives in its lane; from the trigger on passes with a shift to the side, "
+        "yields little, and moves back once the ego is behind it",
+        categories=_DRIVERS,
+        parameters={
+            **_speed(45, 20),
+            "lateral": _number(-4, 4, 2.4, "m to the left as the ego sees it"),
+        },
+    ),
+    BehaviourKind(
+        id="run_red",
+        description="drives along its own heading from the start, whatever the trigger and the "
+        "lights say, and yields to nobody",
+        categories=_DRIVERS,
+        parameters=_speed(30, 12),
+    ),
+    BehaviourKind(
+        id="roll_away",
+        description="stands; at the trigger rolls along its heading without a driver",
+        categories=("vehicle", "object", "work_zone"),
+        parameters={
+            **_speed(15, 4, -15, "m/s in the end; negative is backwards"),
+            "acceleration": _number(0.05, 3, 0.6, "m/s^2"),
+        },
+    ),
+    BehaviourKind(
+        id="wander",
+        description="stands; from the trigger on mills about its place",
+        categories=("pedestrian", "animal"),
+        parameters={**_speed(5, 0.9), "radius": _number(0.3, 15, 2, "m around its place")},
+    ),
+    BehaviourKind(
+        id="dart",
+        description="stands; at the trigger sprints along its own heading and stops after a "
+        "distance",
+        categories=("pedestrian", "animal", "cyclist", "object"),
+        parameters={**_speed(12, 4), "distance": _number(0.5, 60, 9, "m")},
+    ),
+    BehaviourKind(
+        id="fall",
+        description="rides on another actor; at the trigger falls off, lands, and slides to rest",
+        categories=("object", "vegetation", "work_zone", "vehicle", "cyclist", "animal"),
+        parameters={
+            "height": _number(0, 4, 1.2, "m above the road while it rides"),
+            "lateral": _number(-4, 4, 0, "m/s to the left of the carrier as it leaves it"),
+            "spin_deg": _number(-360, 360, 60, "degrees per second at first, counter-clockwise"),
+        },
+        needs_other=True,
+    ),
+    BehaviourKind(
+        id="towed",
+        description="follows another actor like a trailer, drawn at that one's tail",
+        categories=("vehicle", "cyclist", "object", "work_zone"),
+        needs_other=True,
+    ),
+    BehaviourKind(
+        id="open_door",
+        description="belongs to the side of another actor; at the trigger swings open about its "
+        "front edge",
+        categories=("object",),
+        parameters={
+            "angle_deg": _number(5, 90, 65, "degrees away from the other actor"),
+            "duration": _number(0.2, 5, 0.7, "s that it takes"),
+        },
+        needs_other=True,
+    ),
+    BehaviourKind(
+        id="blown",
+        description="stands; from the trigger on the wind drives it along its heading in gusts",
+        categories=("object", "vegetation", "work_zone"),
+        parameters={
+            **_speed(20, 5),
+            "period": _number(1, 10, 2.5, "s from gust to gust"),
+            "lift": _number(0, 3, 0.3, "m that it rises between gusts"),
         },
     ),
 )

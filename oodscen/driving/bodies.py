@@ -1,10 +1,15 @@
-"""What moves in the kinematic world: the ego as a bicycle, and actors in road coordinates."""
+"""The tables in which the kinematic world keeps its bodies, and the ego as a bicycle.
+
+Row 0 of every table is the ego; actors follow in the scene's order. `Situation` bundles the tables
+with the road and the air for kernels. State is rounded to 1e-6 in every step.
+"""
 
 import math
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
-from oodscen.catalogue import Asset
-from oodscen.protocols import Control
+from oodscen.driving.compiled import Integers, Numbers, part
+from oodscen.driving.exact import asin, atan, quantised, sin, sincos, tan, wrapped
+from oodscen.driving.track import Track
 
 GRAVITY = 9.81
 WHEELBASE = 2.7
@@ -14,118 +19,153 @@ MAX_STEERING = 0.6
 MAX_DRIVE = 4.0
 """Largest acceleration that the ego's motor gives, m/s^2."""
 
-EgoSnapshot = tuple[float, float, float, float, float, float]
-ActorSnapshot = tuple[float, ...]
+# Columns of `Situation.state`.
+X, Y, YAW = 0, 1, 2
+S, T = 3, 4
+"""Place on the road."""
+HEADING = 5
+"""Against the road, rad."""
+SPEED, ACCELERATION = 6, 7
+"""Along the heading."""
+LIFT = 8
+"""Above the road, m."""
+TRIGGERED = 9
+"""When the trigger fired, s; negative before."""
+MEMORY = 10
+"""What a behaviour remembers: this column and the next three."""
+STATE_WIDTH = 14
+
+# Columns of `Situation.traits`: constants of a body; a behaviour's parameters follow from FIRST on.
+LENGTH, WIDTH = 0, 1
+OFFSET = 2
+"""To the left of its lane's centre, where it is placed, m."""
+PHASE = 3
+"""Of whatever it does periodically, rad."""
+VALUE = 4
+"""Of its trigger, s or m."""
+QUICKNESS = 5
+"""How quickly it reaches its speed, m/s^2."""
+HOME_S, HOME_T = 6, 7
+"""Where it is placed."""
+APART_X, APART_Y, APART_YAW = 8, 9, 10
+"""Where it is in the axes of the body to which it belongs."""
+POLE = 11
+"""From the body that tows it to its own axle, m."""
+FIRST = 12
+PARAMETERS = (
+    "speed",
+    "duration",
+    "deceleration",
+    "period",
+    "amplitude",
+    "distance",
+    "pause",
+    "lateral",
+    "acceleration",
+    "radius",
+    "height",
+    "spin_deg",
+    "angle_deg",
+    "lift",
+)
+"""Of behaviours, in the order of their columns; `lanes` is kept as a lane instead."""
+TRAITS_WIDTH = FIRST + len(PARAMETERS)
+(
+    GOAL,
+    DURATION,
+    DECELERATION,
+    PERIOD,
+    AMPLITUDE,
+    DISTANCE,
+    PAUSE,
+    LATERAL,
+    PUSH,
+    RADIUS,
+    DROP,
+    SPIN,
+    ANGLE,
+    FLIGHT,
+) = range(FIRST, TRAITS_WIDTH)
+
+# Columns of `Situation.codes`.
+BEHAVIOUR, LANE, TARGET = 0, 1, 2
+"""What it does, and the strips in which it is placed and to which it may move."""
+DIRECTION = 3
+"""+1 when it travels towards larger s, else -1."""
+OTHER = 4
+"""Row of the body to which it belongs, -1 for none."""
+TRIGGER, MEASURED = 5, 6
+"""Kind of its trigger (`oodscen.driving.triggers`), and the row to which it is measured."""
+IS_FLAT, IS_LIT = 7, 8
+"""Whether it is driven over, and whether it has lamps."""
+CODES_WIDTH = 9
+
+# Columns of `Situation.paths`: the bodies at the beginning of a step, as others see them.
+PATH_S, PATH_T, PATH_SPEED, PATH_ALONG, PATH_ACROSS = range(5)
+PATHS_WIDTH = 5
 
 
-def quantised(value: float) -> float:
-    """Round to 1e-6, so that the last bits of a mathematical library never accumulate."""
-    return round(value, 6) + 0.0
+class Situation(NamedTuple):
+    """Everything that kernels know of a world."""
+
+    track: Track
+    state: Numbers
+    traits: Numbers
+    codes: Integers
+    paths: Numbers
+    order: Integers
+    """[n - 1] rows of the actors, each after the one to which it belongs."""
+    dt: float
+    friction: float
+    visual_range: float
+    """How far anybody sees, m."""
+    headlamp_range: float
+    """How far anybody sees what has no lamps, m."""
 
 
-def wrapped(angle: float) -> float:
-    """Return the same angle within (-pi, pi]."""
-    return math.remainder(angle, math.tau)
-
-
-@dataclass(slots=True)
-class EgoBody:
-    """A kinematic bicycle about the vehicle's centre, limited by a friction circle."""
-
-    x: float
-    y: float
-    yaw: float
-    speed: float
-    s: float
-    t: float
-    """Where on the road its centre is; kept by the world."""
-
-    def advance(self, control: Control, friction: float, dt: float) -> None:
-        """Move by one step.
-
-        The demanded longitudinal and lateral accelerations are scaled back together onto the
-        friction circle. There is no reverse gear.
-
-        Args:
-            control: Demand; not-a-number counts as zero.
-            friction: Scale of the road's friction.
-            dt: s
-        """
-        grip = friction * GRAVITY
-        steering = _bounded(control.steering, -MAX_STEERING, MAX_STEERING)
-        slip = math.atan(0.5 * math.tan(steering))
-        curvature = math.sin(slip) / (0.5 * WHEELBASE)
-        along = _bounded(control.acceleration, -2.0 * grip, min(MAX_DRIVE, grip))
-        if self.speed <= 0.0 and along < 0.0:
-            along = 0.0
-        across = self.speed * self.speed * curvature
-        total = math.sqrt(along * along + across * across)
-        if total > grip:
-            along *= grip / total
-        speed = max(0.0, self.speed + along * dt)
-        faster = max(speed, self.speed)
-        left = math.sqrt(max(0.0, grip * grip - along * along))
-        if faster * faster * abs(curvature) > left:
-            curvature = math.copysign(left / (faster * faster), curvature)
-        mean = 0.5 * (self.speed + speed)
-        slip = math.asin(_bounded(0.5 * WHEELBASE * curvature, -1.0, 1.0))
-        turn = mean * curvature * dt
-        course = self.yaw + 0.5 * turn + slip
-        self.x = quantised(self.x + mean * dt * math.cos(course))
-        self.y = quantised(self.y + mean * dt * math.sin(course))
-        self.yaw = quantised(wrapped(self.yaw + turn))
-        self.speed = quantised(speed)
-
-    def snapshot(self) -> EgoSnapshot:
-        """Return everything that changes."""
-        return (self.x, self.y, self.yaw, self.speed, self.s, self.t)
-
-    def restore(self, values: EgoSnapshot) -> None:
-        """Take back what `snapshot` returned."""
-        self.x, self.y, self.yaw, self.speed, self.s, self.t = values
-
-
-@dataclass(slots=True)
-class ActorBody:
-    """One actor in road coordinates; its behaviour changes s, t, heading, speed and memory."""
-
-    id: str
-    asset: Asset
-    state: str
-    behaviour: str
-    parameters: dict[str, float]
-    lane: int
-    """Index of the strip in which it is placed."""
-    target_lane: int
-    """Index of the strip to which its behaviour may move it."""
-    offset: float
-    """To the left of its lane's centre, where it is placed, m."""
-    direction: int
-    """+1 when it travels towards larger s."""
-    phase: float
-    """Of whatever it does periodically, rad."""
-    s: float
-    t: float
-    heading: float
-    """Against the road, rad."""
-    speed: float
-    triggered: float = -1.0
-    """When its trigger fired, s; negative before."""
-    memory: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """What its behaviour remembers."""
-
-    def snapshot(self) -> ActorSnapshot:
-        """Return everything that changes."""
-        return (self.s, self.t, self.heading, self.speed, self.triggered, *self.memory)
-
-    def restore(self, values: ActorSnapshot) -> None:
-        """Take back what `snapshot` returned."""
-        self.s, self.t, self.heading, self.speed, self.triggered, *memory = values
-        self.memory = list(memory)
-
-
-def _bounded(value: float, low: float, high: float) -> float:
+@part
+def bounded(value: float, low: float, high: float) -> float:
     """Return `value` within limits, 0 for not-a-number."""
-    if math.isnan(value):
+    if value != value:
         return 0.0
     return low if value < low else high if value > high else value
+
+
+@part
+def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
+    """Move the ego by one step: a kinematic bicycle about its centre within a friction circle.
+
+    The demanded longitudinal and lateral accelerations are scaled back together onto the circle
+    (Rajamani 2012, chapters 2 and 13). There is no reverse gear.
+
+    Args:
+        w: Of which row 0 moves.
+        acceleration: Demand, m/s^2; not-a-number counts as zero.
+        steering: Demand, rad; likewise.
+    """
+    state, dt = w.state, w.dt
+    before = state[0, SPEED]
+    grip = w.friction * GRAVITY
+    angle = bounded(steering, -MAX_STEERING, MAX_STEERING)
+    curvature = sin(atan(0.5 * tan(angle))) / (0.5 * WHEELBASE)
+    along = bounded(acceleration, -2.0 * grip, min(MAX_DRIVE, grip))
+    if before <= 0.0 and along < 0.0:
+        along = 0.0
+    across = before * before * curvature
+    total = math.sqrt(along * along + across * across)
+    if total > grip:
+        along *= grip / total
+    after = max(0.0, before + along * dt)
+    faster = max(after, before)
+    left = math.sqrt(max(0.0, grip * grip - along * along))
+    if faster * faster * abs(curvature) > left:
+        limit = left / (faster * faster)
+        curvature = limit if curvature > 0.0 else -limit
+    mean = 0.5 * (before + after)
+    slip = asin(bounded(0.5 * WHEELBASE * curvature, -1.0, 1.0))
+    turn = mean * curvature * dt
+    sine, cosine = sincos(state[0, YAW] + 0.5 * turn + slip)
+    state[0, X] = quantised(state[0, X] + mean * dt * cosine)
+    state[0, Y] = quantised(state[0, Y] + mean * dt * sine)
+    state[0, YAW] = quantised(wrapped(state[0, YAW] + turn))
+    state[0, SPEED] = quantised(after)

@@ -3,6 +3,9 @@
 import math
 from typing import NamedTuple
 
+from oodscen.driving.compiled import part
+from oodscen.driving.exact import sincos
+
 
 class Box(NamedTuple):
     """The footprint of a body."""
@@ -22,16 +25,45 @@ def radius(length: float, width: float) -> float:
 
 
 def gap(a: Box, b: Box) -> float:
-    """Return the distance between two boxes, m; 0 exactly when they touch or overlap.
+    """Return the distance between two boxes, m; 0 exactly when they touch or overlap."""
+    sin_a, cos_a = sincos(a.yaw)
+    sin_b, cos_b = sincos(b.yaw)
+    dx, dy = b.x - a.x, b.y - a.y
+    return box_gap(dx, dy, cos_a, sin_a, a.length, a.width, cos_b, sin_b, b.length, b.width)
+
+
+@part
+def box_gap(
+    dx: float,
+    dy: float,
+    cos_a: float,
+    sin_a: float,
+    length_a: float,
+    width_a: float,
+    cos_b: float,
+    sin_b: float,
+    length_b: float,
+    width_b: float,
+) -> float:
+    """Return the distance between two boxes, m; like `gap`, for kernels.
 
     Two convex shapes that are apart have a separating axis along one of their edges' normals, and
     their distance is attained at a corner of one and an edge of the other.
+
+    Args:
+        dx: From the centre of the first to that of the second.
+        dy: Likewise.
+        cos_a: Of the first one's yaw.
+        sin_a: Likewise.
+        length_a: Of the first.
+        width_a: Likewise.
+        cos_b: Of the second one's yaw.
+        sin_b: Likewise.
+        length_b: Of the second.
+        width_b: Likewise.
     """
-    cos_a, sin_a = math.cos(a.yaw), math.sin(a.yaw)
-    cos_b, sin_b = math.cos(b.yaw), math.sin(b.yaw)
-    dx, dy = b.x - a.x, b.y - a.y
-    half_la, half_wa = 0.5 * a.length, 0.5 * a.width
-    half_lb, half_wb = 0.5 * b.length, 0.5 * b.width
+    half_la, half_wa = 0.5 * length_a, 0.5 * width_a
+    half_lb, half_wb = 0.5 * length_b, 0.5 * width_b
     turn_cos = cos_a * cos_b + sin_a * sin_b
     turn_sin = cos_a * sin_b - sin_a * cos_b
     abs_cos, abs_sin = abs(turn_cos), abs(turn_sin)
@@ -51,6 +83,7 @@ def gap(a: Box, b: Box) -> float:
     return math.sqrt(nearest)
 
 
+@part
 def _corners_to_box(
     u: float,
     v: float,

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -24,6 +24,30 @@ _STRICT = {"fastmath": False, "error_model": "numpy"}
 
 _parts: list[Callable[..., object]] = []
 _registered: set[int] = set()
+
+
+class Numbers(Protocol):
+    """An array of float64 as kernels take it: indexed fully, by one number or a tuple of them."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        ...
+
+    def __getitem__(self, place: Any, /) -> float: ...
+
+    def __setitem__(self, place: Any, value: float, /) -> None: ...
+
+
+class Integers(Protocol):
+    """An array of int64 as kernels take it."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        ...
+
+    def __getitem__(self, place: Any, /) -> int: ...
 
 
 @cache
@@ -53,6 +77,9 @@ class Kernel(Generic[P, R]):
         self.plain = function
         """The function as it was written: the same bits, slowly."""
         self.__doc__ = function.__doc__
+        self._name = function.__qualname__
+        # So that pickle finds it: numba's files are named by what a kernel refers to.
+        function.__qualname__ += ".plain"
         self._run: Callable[P, R] | None = None
         _parts.append(function)
 
@@ -68,14 +95,14 @@ class Kernel(Generic[P, R]):
             return self.plain(*args, **kwargs)
         from numba.core import event
 
-        compiled = _compiled(self.plain)
+        compiled = _compiled(self.plain, self._name)
         with event.install_listener("numba:compile", _announcer()):
             result = compiled(*args, **kwargs)
         self._run = compiled
         return result
 
 
-def _compiled(function: Callable[P, R]) -> Callable[P, R]:
+def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
     """Return a function as numba compiles it."""
     import numba
     from numba.extending import register_jitable
@@ -91,7 +118,7 @@ def _compiled(function: Callable[P, R]) -> Callable[P, R]:
         digest  # noqa: B018
         return function(*args)  # type: ignore[call-arg]
 
-    entry.__name__, entry.__qualname__ = function.__name__, function.__qualname__
+    entry.__name__ = entry.__qualname__ = name
     entry.__module__ = function.__module__
     try:
         return numba.njit(cache=True, nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]

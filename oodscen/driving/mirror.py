@@ -1,6 +1,5 @@
 """The base of simulators that show the kinematic world and have no motion of their own."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from types import TracebackType
@@ -10,26 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.catalogue import Asset, Catalogue
-from oodscen.driving.boxes import Box, gap, radius
 from oodscen.driving.corridor import Corridor
 from oodscen.driving.placement import staging_issues
 from oodscen.driving.roads import find_map, load_corridor
-from oodscen.driving.world import KinematicWorld, WorldSnapshot
+from oodscen.driving.world import KinematicWorld, Published, WorldSnapshot
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Camera, Control, Frame, Observation, State
 from oodscen.scene import Scene
 
 NEAR_M = 12.0
-"""Below this distance between two bodies' circles the simulator itself measures their gap."""
-FAR_M = 60.0
-"""Beyond this distance a gap counts as infinite."""
+"""Up to this distance between two bodies' circles the simulator itself measures their gap."""
 
 
 class MirrorSimulator(ABC):
     """Implements the `Simulator` protocol on top of `KinematicWorld`.
 
-    A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place`, `gaps` and `draw`;
-    it should override `release` where it holds resources. Calls come in this order::
+    A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`; it may
+    override `gaps`, and should override `release` where it holds resources. Calls come in this order::
 
         catalogue()                        at any time, also before anything is started
         load, spawn (ego), spawn ..., place, gaps        in reset
@@ -48,6 +44,7 @@ class MirrorSimulator(ABC):
     def __init__(self) -> None:
         self._world: KinematicWorld | None = None
         self._state: State | None = None
+        self._seen: Published | None = None
         self._corridor: Corridor | None = None
 
     # ------------------------------------------------------------------ for the adapter
@@ -91,12 +88,14 @@ class MirrorSimulator(ABC):
             speeds: [n], m/s along the headings.
         """
 
-    @abstractmethod
     def gaps(self, rows: Sequence[int]) -> list[float]:
         """Return the distance between the ego's body (row 0) and these rows' bodies, m.
 
-        0 on contact. Only rows near the ego are asked for.
+        0 on contact. Only rows near the ego are asked for. By default it is that between the
+        footprints; override it where the simulator knows the bodies' shapes.
         """
+        assert self._seen is not None, "called in reset, step and restore only"
+        return [float(self._seen.gaps[row]) for row in rows]
 
     @abstractmethod
     def draw(self, camera: Camera) -> Frame:
@@ -130,7 +129,7 @@ class MirrorSimulator(ABC):
             SceneError: When the catalogue or the road refuses the scene.
             SpawnError: When one actor cannot be placed.
         """
-        self._world = self._state = None
+        self._world = self._state = self._seen = None
         catalogue = self.catalogue()
         issues = staging_issues(scene, catalogue)
         if issues:
@@ -176,7 +175,7 @@ class MirrorSimulator(ABC):
 
     def close(self) -> None:
         """Release everything; may be called twice."""
-        self._world = self._state = None
+        self._world = self._state = self._seen = None
         self.release()
 
     def __enter__(self) -> Self:
@@ -194,38 +193,24 @@ class MirrorSimulator(ABC):
 
     def _publish(self) -> State:
         world = self.world
-        poses, speeds = world.poses(), world.speeds()
-        self.place(poses, speeds)
-        state = State(
-            step=world.step_count,
-            time=world.time,
-            ids=world.ids,
-            poses=poses,
-            speeds=speeds,
-            gaps=self._gaps(world, poses),
-            off_road=world.is_off_road(),
-        )
-        for array in (state.poses, state.speeds, state.gaps):
-            array.setflags(write=False)
-        self._state = state
-        return state
-
-    def _gaps(self, world: KinematicWorld, poses: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Ask the simulator about near bodies; for the others their boxes are enough."""
-        rows = poses.tolist()
-        gaps = [math.inf] * len(rows)
-        ego = Box(rows[0][0], rows[0][1], rows[0][3], *world.sizes[0])
-        reach = radius(*world.sizes[0])
-        near = []
-        for row in range(1, len(rows)):
-            x, y, _, yaw = rows[row]
-            size = world.sizes[row]
-            apart = math.sqrt((x - ego.x) ** 2 + (y - ego.y) ** 2) - reach - radius(*size)
-            if apart <= NEAR_M:
-                near.append(row)
-            elif apart <= FAR_M:
-                gaps[row] = round(gap(ego, Box(x, y, yaw, *size)), 6)
+        seen = self._seen = world.publish()
+        self.place(seen.poses, seen.speeds)
+        gaps = seen.gaps
+        near = [row for row, apart in enumerate(seen.apart.tolist()) if apart <= NEAR_M]
         if near:
             for row, distance in zip(near, self.gaps(near), strict=True):
-                gaps[row] = max(0.0, round(float(distance), 6))
-        return np.array(gaps)
+                gaps[row] = max(0.0, round(float(distance), 4))
+        for array in (seen.poses, seen.speeds, gaps, seen.accelerations, seen.places):
+            array.setflags(write=False)
+        self._state = State(
+            world.step_count,
+            world.time,
+            world.ids,
+            seen.poses,
+            seen.speeds,
+            gaps,
+            seen.is_off_road,
+            seen.accelerations,
+            seen.places,
+        )
+        return self._state

@@ -1,8 +1,27 @@
 """When triggers fire: at a time, at a distance along the road, at a time to collision."""
 
+from oodscen.driving.compiled import part
 from oodscen.driving.corridor import Corridor
 from oodscen.protocols import State
 from oodscen.scene import Trigger
+
+TIME, DISTANCE, TTC = 0, 1, 2
+CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}
+"""By `Trigger.kind`: how kernels know it."""
+
+
+@part
+def fires(
+    code: int, value: float, time: float, ahead: float, ego_speed: float, actor_speed: float
+) -> bool:
+    """Tell whether one trigger's condition holds; like `is_reached`, for kernels."""
+    if code == TIME:
+        return time >= value - 1e-9
+    distance = abs(ahead)
+    if code == DISTANCE:
+        return distance <= value
+    closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
+    return distance <= max(0.0, value * closing)
 
 
 def is_reached(
@@ -18,13 +37,7 @@ def is_reached(
         ego_speed: Along the road, m/s.
         actor_speed: Along the road, m/s; negative when it comes towards an ego behind it.
     """
-    if kind == "time":
-        return time >= value - 1e-9
-    distance = abs(ahead)
-    if kind == "distance":
-        return distance <= value
-    closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
-    return distance <= max(0.0, value * closing)
+    return fires(CODES[kind], value, time, ahead, ego_speed, actor_speed)
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
@@ -40,14 +53,12 @@ def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor
         corridor: The scene's road.
     """
     if trigger.kind == "time":
-        return is_reached(
-            "time", trigger.value, time=state.time, ahead=0.0, ego_speed=0.0, actor_speed=0.0
-        )
+        return fires(TIME, trigger.value, state.time, 0.0, 0.0, 0.0)
     row = state.ids.index(trigger.actor or owner or "")
     places = []
     for index in (0, row):
         x, y, _, yaw = map(float, state.poses[index])
-        s, _ = corridor.locate(x, y)
+        s = corridor.locate(x, y)[0] if state.places is None else float(state.places[index, 0])
         places.append((s, float(state.speeds[index]) * corridor.alignment(s, yaw)))
     (ego_s, ego_speed), (actor_s, actor_speed) = places
     return is_reached(

@@ -8,41 +8,84 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.catalogue import Asset, Catalogue
-from oodscen.driving.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
-from oodscen.driving.bodies import (
-    WHEELBASE,
-    ActorBody,
-    ActorSnapshot,
-    EgoBody,
-    EgoSnapshot,
-    quantised,
-    wrapped,
-)
+from oodscen.driving import bodies as table
+from oodscen.driving.acting import FALL, OPEN_DOOR, RUN_RED, TOWED, stand_in_world, stand_on_road
+from oodscen.driving.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
+from oodscen.driving.bodies import WHEELBASE, Situation
+from oodscen.driving.compiled import seen
 from oodscen.driving.corridor import Corridor
-from oodscen.driving.triggers import is_reached
+from oodscen.driving.exact import PI, TAU, cos, quantised, sincos, wrapped
+from oodscen.driving.stepping import advance, is_pulled, look, publish, pull_triggers, see_paths
+from oodscen.driving.track import pack
+from oodscen.driving.traffic import curve_speed, free_road
+from oodscen.driving.triggers import CODES
+from oodscen.driving.visibility import visual_range
 from oodscen.protocols import Control, Observation
 from oodscen.scene import Actor, Scene, Trigger
 from oodscen.seeding import stream
 
-_CLEARANCE = 0.2
-"""Metres beside its own path within which a driver still counts a body as being in its way."""
+HEADLAMPS_M = 75.0
+"""How far dipped headlamps show what has no lamps itself."""
+NIGHT_DEG = -3.0
+"""The sun's elevation below which it is dark."""
 _FLAT = 0.08
 """Bodies that are lower than this are driven over, m."""
+_LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
+"""Categories that carry lamps or reflectors."""
+_BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
+"""Behaviours with a phase that the seed draws."""
 
 
 class WorldSnapshot(NamedTuple):
     """Everything that changes in a world; plain data."""
 
     step: int
-    ego: EgoSnapshot
-    actors: tuple[ActorSnapshot, ...]
+    state: bytes
+
+
+class Motion(NamedTuple):
+    """How one body moves: place in the world and on the road, speed and acceleration."""
+
+    x: float
+    y: float
+    yaw: float
+    s: float
+    t: float
+    heading: float
+    """Against the road, rad."""
+    speed: float
+    acceleration: float
+    """Along the heading, m/s^2."""
+    lift: float
+    """Above the road, m."""
+    triggered: float
+    """When its trigger fired, s; negative before."""
+
+
+class Published(NamedTuple):
+    """What others read of a world, rows as in `KinematicWorld.ids`."""
+
+    poses: NDArray[np.float64]
+    """[n, 4] x, y, z, yaw."""
+    speeds: NDArray[np.float64]
+    """[n] along the heading, m/s."""
+    accelerations: NDArray[np.float64]
+    """[n] along the heading, mean over the last step, m/s^2."""
+    gaps: NDArray[np.float64]
+    """[n] between the ego's footprint and others', m; infinite beyond `FAR_M`."""
+    apart: NDArray[np.float64]
+    """[n] between the circles around those footprints, m."""
+    places: NDArray[np.float64]
+    """[n, 2] s and t on the corridor, m."""
+    is_off_road: bool
+    """Whether a part of the ego's footprint is beside the drivable road."""
 
 
 class KinematicWorld:
     """Moves the ego and the actors of one scene along a corridor, in steps of `dt`.
 
-    All state is plain floats, rounded to 1e-6 in every step: the same scene, seed and controls
-    give the same bits.
+    All state is plain floats, rounded to 1e-6 in every step, and computed by plain arithmetic: the
+    same scene, seed and controls give the same bits, on any machine.
     """
 
     def __init__(
@@ -64,116 +107,126 @@ class KinematicWorld:
             dt: Seconds per step.
 
         Raises:
-            ValueError: When the ego's lane or an actor's lane does not exist.
+            ValueError: When the ego's lane or an actor's lane does not exist, or actors belong to
+                each other in a ring or to nobody.
             KeyError: When the catalogue has no such asset or behaviour.
         """
         self.corridor = corridor
         self.scene = scene
         self.dt = dt
         self.friction = scene.weather.friction
+        self.visual_range = quantised(visual_range(scene.weather))
         self.step_count = 0
         self.lane = ego_strip(corridor, scene.ego.lane)
-        start = corridor.start
-        offset = corridor.centre(self.lane, start)
-        x, y, _, yaw = corridor.point(start, offset)
-        self.ego = EgoBody(
-            quantised(x), quantised(y), quantised(yaw), scene.ego.speed, start, offset
-        )
-        self._locate_ego()
+        self.ids = ("ego", *(actor.id for actor in scene.actors))
+        """`ego`, then the actors in the scene's order."""
+        self._rows = {name: row for row, name in enumerate(self.ids)}
         assets = {asset.id: asset for asset in catalogue.assets}
         kinds = {kind.id: kind for kind in catalogue.behaviours}
-        self.actors: list[ActorBody] = []
-        self._triggers: list[Trigger] = []
-        for actor in scene.actors:
+        self._assets = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
+        self.sizes = [(asset.length, asset.width) for asset in self._assets]
+        """Length and width of every body, rows as in `ids`."""
+        count = len(self.ids)
+        self._state = np.zeros((count, table.STATE_WIDTH))
+        self._traits = np.zeros((count, table.TRAITS_WIDTH))
+        self._codes = np.zeros((count, table.CODES_WIDTH), dtype=np.int64)
+        order = self._order(scene)
+        is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
+        self._situation = Situation(
+            track=pack(corridor),
+            state=seen(self._state),
+            traits=seen(self._traits),
+            codes=seen(self._codes),
+            paths=seen(np.zeros((count, table.PATHS_WIDTH))),
+            order=seen(np.array(order, dtype=np.int64)),
+            dt=dt,
+            friction=self.friction,
+            visual_range=self.visual_range,
+            headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
+        )
+        self._traits[:, : table.WIDTH + 1] = self.sizes
+        self._place_ego(scene.ego.speed)
+        for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]
             defaults = {name: one.default for name, one in kind.parameters.items()}
-            parameters = {**defaults, **actor.behaviour.parameters}
-            self.actors.append(self._place(actor, assets[actor.asset], parameters, seed))
-            self._triggers.append(actor.behaviour.trigger)
-        self.ids = ("ego", *(actor.id for actor in self.actors))
-        """`ego`, then the actors in the scene's order."""
-        self._ego_asset = catalogue.ego
-        self.sizes = [
-            (asset.length, asset.width)
-            for asset in (catalogue.ego, *(actor.asset for actor in self.actors))
-        ]
-        """Length and width of every body, rows as in `ids`."""
-        rows = {name: row for row, name in enumerate(self.ids)}
-        self._measured = [
-            rows[trigger.actor or actor.id]
-            for trigger, actor in zip(self._triggers, self.actors, strict=True)
-        ]
-        self._rows = rows
-        self._paths: list[tuple[float, float, float, float, float, bool]] = []
-        self._pull_triggers()
+            self._place(row, actor, {**defaults, **actor.behaviour.parameters}, seed)
+        for row in order:
+            self._attach(row)
+        see_paths(self._situation)
+        pull_triggers(self._situation, 0.0)
 
     # ------------------------------------------------------------------ what others read
 
     @property
     def time(self) -> float:
         """Seconds since the start."""
-        return round(self.step_count * self.dt, 6)
+        return quantised(self.step_count * self.dt)
 
     def bodies(self) -> list[tuple[str, Asset, str]]:
         """Return id, asset and state of every body, rows as in `ids`."""
-        ego = self._ego_asset
-        first = ("ego", ego, ego.states[0] if ego.states else "")
-        return [first, *((actor.id, actor.asset, actor.state) for actor in self.actors)]
+        states = ["", *(actor.state for actor in self.scene.actors)]
+        return [
+            (name, asset, state or (asset.states[0] if asset.states else ""))
+            for name, asset, state in zip(self.ids, self._assets, states, strict=True)
+        ]
+
+    def publish(self) -> Published:
+        """Return everything that a state of a simulator is made of."""
+        count = len(self.ids)
+        poses, rows, places = np.empty((count, 4)), np.empty((4, count)), np.empty((count, 2))
+        off_road = publish(self._situation, seen(poses), seen(rows), seen(places))
+        return Published(poses, rows[0], rows[1], rows[2], rows[3], places, bool(off_road))
 
     def poses(self) -> NDArray[np.float64]:
         """Return x, y, z and yaw of every body: [n, 4], rows as in `ids`."""
-        point = self.corridor.point
-        ego = self.ego
-        _, _, z, _ = point(ego.s, ego.t)
-        rows = [(ego.x, ego.y, round(z, 6) + 0.0, ego.yaw)]
-        for actor in self.actors:
-            x, y, z, yaw = point(actor.s, actor.t)
-            yaw = math.remainder(yaw + actor.heading, math.tau)
-            rows.append(
-                (round(x, 6) + 0.0, round(y, 6) + 0.0, round(z, 6) + 0.0, round(yaw, 6) + 0.0)
-            )
-        return np.array(rows)
+        return self.publish().poses
 
     def speeds(self) -> NDArray[np.float64]:
         """Return everybody's speed along the heading, m/s: [n], rows as in `ids`."""
-        return np.array([self.ego.speed, *(actor.speed for actor in self.actors)])
+        return self._state[:, table.SPEED].copy()
+
+    def accelerations(self) -> NDArray[np.float64]:
+        """Return everybody's acceleration along the heading over the last step, m/s^2: [n]."""
+        return self._state[:, table.ACCELERATION].copy()
+
+    def places(self) -> NDArray[np.float64]:
+        """Return everybody's s and t on the corridor, m: [n, 2], rows as in `ids`."""
+        return self._state[:, table.S : table.T + 1].copy()
+
+    def motion(self, body: str) -> Motion:
+        """Return how one body moves, by its id."""
+        return Motion(*self._state[self._rows[body], : table.TRIGGERED + 1].tolist())
+
+    @property
+    def ego(self) -> Motion:
+        """How the ego moves."""
+        return self.motion("ego")
+
+    def lanes(self, body: str) -> tuple[int, int]:
+        """Return the strip in which an actor is placed, and the one to which it may move."""
+        row = self._rows[body]
+        return int(self._codes[row, table.LANE]), int(self._codes[row, table.TARGET])
 
     def observe(self) -> Observation:
         """Return what the ego's driver is told."""
-        road, ego, lane = self.corridor, self.ego, self.lane
-        centre = road.centre(lane, ego.s)
-        here = self._current_lane()
-        left, right = road.neighbour(here, ego.s, 1), road.neighbour(here, ego.s, -1)
+        offset, askew, curvature, left, right, roadside = look(self._situation, self.lane)
         return Observation(
-            time=self.time,
-            speed=ego.speed,
-            offset_m=ego.t - centre,
-            heading_error=wrapped(ego.yaw - road.point(ego.s, 0.0)[3]),
-            curvature=_curvature_at(road, ego.s + max(1.0, 0.2 * ego.speed), ego.t),
-            wheelbase=WHEELBASE,
-            lane_left_m=None if left is None else road.centre(left, ego.s) - centre,
-            lane_right_m=None if right is None else road.centre(right, ego.s) - centre,
-            roadside_m=self._roadside(lane) - centre,
-            friction=self.friction,
+            self.time,
+            float(self._state[0, table.SPEED]),
+            offset,
+            askew,
+            curvature,
+            WHEELBASE,
+            None if left == math.inf else left,
+            None if right == -math.inf else right,
+            roadside,
+            self.friction,
+            self.visual_range,
         )
 
     def is_off_road(self) -> bool:
         """Tell whether a part of the ego's footprint is beside the drivable road."""
-        road, ego = self.corridor, self.ego
-        length, width = self.sizes[0]
-        askew = ego.yaw - road.heading(ego.s)
-        reach = 0.5 * (length * abs(math.sin(askew)) + width * abs(math.cos(askew))) + 0.1
-        if abs(road.bend(ego.s)) < 0.02 and road.is_drivable(ego.s, ego.t - reach, ego.t + reach):
-            return False
-        cos, sin = math.cos(ego.yaw), math.sin(ego.yaw)
-        places = []
-        for along, across in ((0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)):
-            u, v = along * length, across * width
-            x, y = ego.x + u * cos - v * sin, ego.y + u * sin + v * cos
-            places.append(road.locate(x, y, ego.s))
-        offsets = [t for _, t in places]
-        low, high = min(offsets), max(offsets)
-        return not all(road.is_drivable(s, low, high) for s, _ in places)
+        return self.publish().is_off_road
 
     def is_due(self, trigger: Trigger, owner: str | None = None) -> bool:
         """Tell whether a trigger fires now.
@@ -184,160 +237,134 @@ class KinematicWorld:
         """
         name = trigger.actor or owner
         row = 0 if trigger.kind == "time" or name is None else self._rows[name]
-        return self._reached(trigger, row)
+        code = CODES[trigger.kind]
+        return bool(is_pulled(self._situation, code, trigger.value, row, self.time))
+
+    def free_road(self, body: str) -> tuple[float, float]:
+        """Return the gap to what an actor sees ahead in its path, m, and its speed away from it.
+
+        As at the beginning of the last step. The gap is infinite where nothing is ahead within the
+        visual range: that of fog, rain and snow, and at night `HEADLAMPS_M` for what has no lamps.
+        """
+        gap, away = free_road(self._situation, self._rows[body], -math.inf)
+        return float(gap), float(away)
 
     # ------------------------------------------------------------------ motion
 
     def step(self, control: Control) -> None:
         """Advance by one `dt`."""
-        self._paths = [self._path(row) for row in range(len(self.ids))]
-        self.ego.advance(control, self.friction, self.dt)
-        for actor in self.actors:
-            BEHAVE[actor.behaviour](actor, self)
+        advance(
+            self._situation, self.step_count, float(control.acceleration), float(control.steering)
+        )
         self.step_count += 1
-        self._locate_ego()
-        self._pull_triggers()
 
     def snapshot(self) -> WorldSnapshot:
         """Return everything that changes."""
-        return WorldSnapshot(
-            self.step_count,
-            self.ego.snapshot(),
-            tuple(actor.snapshot() for actor in self.actors),
-        )
+        return WorldSnapshot(self.step_count, self._state.tobytes())
 
     def restore(self, snapshot: WorldSnapshot) -> None:
         """Return to a state of this world; what follows equals what followed then."""
         self.step_count = snapshot.step
-        self.ego.restore(snapshot.ego)
-        for actor, values in zip(self.actors, snapshot.actors, strict=True):
-            actor.restore(values)
-
-    def free_road(self, body: ActorBody) -> tuple[float, float]:
-        """Return the gap to what is ahead in a body's path, m, and its speed away from it.
-
-        The gap is infinite where nothing is ahead.
-        """
-        row = self._rows[body.id]
-        s, t, _, half_length, half_width, _ = self._paths[row]
-        best, away = math.inf, 0.0
-        for other, (os, ot, speed, reach, half, is_flat) in enumerate(self._paths):
-            ahead = (os - s) * body.direction
-            if ahead <= 0.0 or other == row or is_flat:
-                continue
-            if abs(ot - t) >= half + half_width + _CLEARANCE:
-                continue
-            gap = ahead - reach - half_length
-            if gap < best:
-                best, away = gap, speed * body.direction
-        return best, away
+        self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
 
     # ------------------------------------------------------------------ inside
 
-    def _place(
-        self, actor: Actor, asset: Asset, parameters: Mapping[str, float], seed: int
-    ) -> ActorBody:
+    def _order(self, scene: Scene) -> list[int]:
+        """Return the actors' rows, each after the one to which it belongs."""
+        owners = {
+            row: self._rows[actor.behaviour.other]
+            for row, actor in enumerate(scene.actors, start=1)
+            if actor.behaviour.other is not None
+        }
+        waiting, order = list(range(1, len(self.ids))), []
+        while waiting:
+            ready = [row for row in waiting if owners.get(row) not in waiting]
+            if not ready:
+                names = ", ".join(self.ids[row] for row in waiting)
+                raise ValueError(f"actors belong to each other in a ring: {names}")
+            order += ready
+            waiting = [row for row in waiting if row not in ready]
+        return order
+
+    def _place_ego(self, speed: float) -> None:
+        state, start = self._state[0], self.corridor.start
+        state[table.S], state[table.T] = start, self.corridor.centre(self.lane, start)
+        state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
+        self._codes[0, table.OTHER] = -1
+        self._codes[0, table.IS_LIT] = 1
+        stand_on_road(self._situation, 0)
+        stand_in_world(self._situation, 0)
+
+    def _place(self, row: int, actor: Actor, parameters: Mapping[str, float], seed: int) -> None:
         road, place, name = self.corridor, actor.placement, actor.behaviour.name
         lane = neighbour_strip(road, self.lane, place.lane)
         target = lane
         if "lanes" in parameters:
             target = neighbour_strip(road, lane, round(parameters["lanes"]))
-        heading = math.radians(place.heading_deg)
+        heading = place.heading_deg * PI / 180.0
         if name == "wrong_way":
-            heading = math.pi
+            heading = PI
         if road.strips[lane].direction < 0:
-            heading += math.pi
+            heading += PI
         heading = quantised(wrapped(heading))
         s = quantised(road.start + place.ahead_m)
+        t = quantised(road.centre(lane, s) + place.offset_m)
+        asset, trigger = self._assets[row], actor.behaviour.trigger
+        phase = 0.0
+        if name in _BY_CHANCE:
+            phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
+        code = BEHAVE[name]
+        owner = actor.behaviour.other
+        if code in (FALL, TOWED, OPEN_DOOR) and owner is None:
+            raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
+        self._codes[row] = [
+            code,
+            lane,
+            target,
+            1 if cos(heading) >= 0.0 else -1,
+            -1 if owner is None else self._rows[owner],
+            CODES[trigger.kind],
+            self._rows[trigger.actor or actor.id],
+            asset.height < _FLAT,
+            asset.category in _LIT,
+        ]
+        traits, state = self._traits[row], self._state[row]
+        traits[table.OFFSET], traits[table.PHASE] = place.offset_m, phase
+        traits[table.VALUE] = trigger.value
+        traits[table.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
+        traits[table.HOME_S], traits[table.HOME_T] = s, t
+        traits[table.FIRST :] = [parameters.get(name, 0.0) for name in table.PARAMETERS]
         speed = parameters.get("speed", 0.0) if name in MOVES_BEFORE_TRIGGER else 0.0
-        return ActorBody(
-            id=actor.id,
-            asset=asset,
-            state=actor.state or (asset.states[0] if asset.states else ""),
-            behaviour=name,
-            parameters=dict(parameters),
-            lane=lane,
-            target_lane=target,
-            offset=place.offset_m,
-            direction=1 if math.cos(heading) >= 0.0 else -1,
-            phase=float(stream(seed, "actor", actor.id).uniform(0.0, math.tau)),
-            s=s,
-            t=quantised(road.centre(lane, s) + place.offset_m),
-            heading=heading,
-            speed=quantised(speed),
-        )
+        state[table.S], state[table.T], state[table.HEADING] = s, t, heading
+        state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
+        stand_on_road(self._situation, row)
+        if speed > 0.0 and code < RUN_RED:
+            fastest = float(curve_speed(self._situation, row))
+            state[table.SPEED] = quantised(min(speed, fastest))
 
-    def _locate_ego(self) -> None:
-        s, t = self.corridor.locate(self.ego.x, self.ego.y, self.ego.s)
-        self.ego.s, self.ego.t = quantised(s), quantised(t)
-
-    def _path(self, row: int) -> tuple[float, float, float, float, float, bool]:
-        """Return s, t, speed along the road, half extents along and across, and whether it is flat."""
-        length, width = self.sizes[row]
-        if row == 0:
-            ego = self.ego
-            heading = ego.yaw - self.corridor.heading(ego.s)
-            s, t, speed, is_flat = ego.s, ego.t, ego.speed, False
-        else:
-            actor = self.actors[row - 1]
-            heading, s, t, speed = actor.heading, actor.s, actor.t, actor.speed
-            is_flat = actor.asset.height < _FLAT
-        cos, sin = math.cos(heading), math.sin(heading)
-        along = 0.5 * (length * abs(cos) + width * abs(sin))
-        across = 0.5 * (length * abs(sin) + width * abs(cos))
-        return s, t, speed * cos, along, across, is_flat
-
-    def _pull_triggers(self) -> None:
-        """Note when each actor's trigger fires for the first time."""
-        for actor, trigger, row in zip(self.actors, self._triggers, self._measured, strict=True):
-            if actor.triggered < 0.0 and self._reached(trigger, row):
-                actor.triggered = self.time
-
-    def _reached(self, trigger: Trigger, row: int) -> bool:
-        ego = self.ego
-        ahead = actor_speed = ego_speed = 0.0
-        if trigger.kind != "time":
-            actor = self.actors[row - 1]
-            ahead = actor.s - ego.s
-            ego_speed = ego.speed * self.corridor.alignment(ego.s, ego.yaw)
-            actor_speed = actor.speed * math.cos(actor.heading)
-        return is_reached(
-            trigger.kind,
-            trigger.value,
-            time=self.time,
-            ahead=ahead,
-            ego_speed=ego_speed,
-            actor_speed=actor_speed,
-        )
-
-    def _current_lane(self) -> int:
-        """Return the driving strip that holds the ego's centre, or the one in which it started."""
-        road, ego = self.corridor, self.ego
-        for index in road.driving:
-            right, left = road.edges(index, ego.s)
-            if right <= ego.t < left:
-                return index
-        return self.lane
-
-    def _roadside(self, lane: int) -> float:
-        """Return t where the ego stands clear of the lanes, or as far right as the road allows."""
-        road, s = self.corridor, self.ego.s
-        outer: int | None = lane
-        rightmost = lane
-        while outer is not None:
-            rightmost = outer
-            outer = road.neighbour(rightmost, s, -1)
-        edge = road.edges(rightmost, s)[0]
-        limits = road.drivable_range(s, road.centre(rightmost, s))
-        verge = edge if limits is None else limits[0]
-        half = 0.5 * self.sizes[0][1]
-        return max(edge - half - 0.2, verge + half + 0.25)
-
-
-def _curvature_at(road: Corridor, s: float, t: float) -> float:
-    """Return the curvature of the line that keeps the offset `t`."""
-    bend = road.bend(s)
-    return bend / max(0.2, 1.0 - bend * t)
+    def _attach(self, row: int) -> None:
+        """Fix where an actor is in the axes of the one to which it belongs."""
+        code, other = self._codes[row, table.BEHAVIOUR], int(self._codes[row, table.OTHER])
+        if code not in (FALL, TOWED, OPEN_DOOR):
+            return
+        mine, its = self._state[row].tolist(), self._state[other].tolist()
+        sine, cosine = sincos(its[table.YAW])
+        dx, dy = mine[table.X] - its[table.X], mine[table.Y] - its[table.Y]
+        tail = 0.5 * self.sizes[other][0]
+        hitch_x, hitch_y = dx + tail * cosine, dy + tail * sine
+        pole = math.sqrt(hitch_x * hitch_x + hitch_y * hitch_y)
+        askew = wrapped(mine[table.YAW] - its[table.YAW])
+        traits = self._traits[row]
+        traits[table.APART_X] = dx * cosine + dy * sine
+        traits[table.APART_Y] = dy * cosine - dx * sine
+        traits[table.APART_YAW] = askew
+        traits[table.POLE] = max(pole, 0.5 * self.sizes[row][0])
+        state, speed = self._state[row], its[table.SPEED]
+        if code == FALL:
+            state[table.LIFT] = quantised(float(traits[table.DROP]))
+            state[table.MEMORY : table.MEMORY + 2] = speed * cosine, speed * sine
+        if code != OPEN_DOOR:
+            state[table.SPEED] = quantised(speed * cos(askew))
 
 
 def ego_strip(corridor: Corridor, lane: int) -> int:

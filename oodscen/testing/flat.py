@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.catalogue import Asset, Catalogue
-from oodscen.driving.boxes import Box, gap
 from oodscen.driving.corridor import Corridor
 from oodscen.driving.mirror import MirrorSimulator
 from oodscen.protocols import Camera, Frame
@@ -81,19 +80,10 @@ class FlatSimulator(MirrorSimulator):
         """Move the boxes."""
         self._poses = poses.tolist()
 
-    def gaps(self, rows: Sequence[int]) -> list[float]:
-        """Return the distances between the ego's box and others."""
-        ego = self._box(0)
-        return [gap(ego, self._box(row)) for row in rows]
-
     def release(self) -> None:
         """Forget the scene."""
         self._road = None
         self._assets, self._poses = [], []
-
-    def _box(self, row: int) -> Box:
-        x, y, _, yaw = self._poses[row]
-        return Box(x, y, yaw, self._assets[row].length, self._assets[row].width)
 
     def draw(self, camera: Camera) -> Frame:
         """Cast one ray through every pixel's centre."""

@@ -58,6 +58,6 @@ def test_a_trigger_may_watch_another_actor() -> None:
     watcher = actor("w", "adult", "walk_along", ahead=200.0, offset=-3.0,
                     trigger=Trigger(kind="distance", value=30.0, actor="mark"))  # fmt: skip
     one = world(scene(actor("mark", ahead=60.0, offset=3.0), watcher))
-    while one.actors[1].triggered < 0.0:
+    while one.motion("w").triggered < 0.0:
         one.step(Control())
-    assert 29.0 < one.actors[0].s - one.ego.s <= 30.0
+    assert 29.0 < one.motion("mark").s - one.ego.s <= 30.0
