@@ -22,6 +22,7 @@ from oodscen.driving.bodies import (
     GOAL,
     GRAVITY,
     HEADING,
+    HEADWAY,
     HOME_S,
     HOME_T,
     LANE,
@@ -212,6 +213,9 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
         cruise(w, i, 0.0, _within_road(w, i, traits[i, LATERAL] * waited))
     elif code == OVERTAKE:
         _overtake(w, i, waited)
+    elif code == FOLLOW_LANE:
+        acceleration = attentive(w, i, desired_speed(w, i), traits[i, HEADWAY], -math.inf)
+        keep_lane(w, i, accelerate(w, i, max(acceleration, -traits[i, DECELERATION])), 0.0, 0.0)
     else:
         cruise(w, i, 0.0, 0.0)
 

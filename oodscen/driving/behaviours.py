@@ -64,7 +64,11 @@ BEHAVIOURS: tuple[BehaviourKind, ...] = (
         id="follow_lane",
         description="drives in its lane and keeps a safe distance to whatever is ahead of it",
         categories=_DRIVERS,
-        parameters=_speed(45, 10),
+        parameters={
+            **_speed(45, 10),
+            "headway": _number(0.2, 5, 1.2, "s that it keeps behind whatever is ahead of it"),
+            "deceleration": _number(1, 9, 9, "m/s^2 with which it brakes at most"),
+        },
     ),
     BehaviourKind(
         id="wrong_way",

@@ -67,6 +67,7 @@ PARAMETERS = (
     "spin_deg",
     "angle_deg",
     "lift",
+    "headway",
 )
 """Of behaviours, in the order of their columns; `lanes` is kept as a lane instead."""
 TRAITS_WIDTH = FIRST + len(PARAMETERS)
@@ -85,6 +86,7 @@ TRAITS_WIDTH = FIRST + len(PARAMETERS)
     SPIN,
     ANGLE,
     FLIGHT,
+    HEADWAY,
 ) = range(FIRST, TRAITS_WIDTH)
 
 # Columns of `Situation.codes`.
