@@ -121,7 +121,7 @@ def _place_issues(
         return [*issues, Issue(f"{path}.placement.ahead_m", message)]
     t = corridor.centre(lane, s) + place.offset_m
     right, left = corridor.extent(s)
-    if not right <= t <= left:
+    if not right <= t <= left and not corridor.is_on_map(s, t):
         low, high = right - corridor.centre(lane, s), left - corridor.centre(lane, s)
         message = (
             f"{place.offset_m:g} m is beside the map; here it reaches from {low:.1f} to {high:.1f}"
@@ -133,7 +133,8 @@ def _place_issues(
     )
     strip = corridor.strip_at(s, min(t, left - 1e-6))
     beneath = "none" if strip is None else corridor.strips[strip].kind
-    if asset.category in _ROADSIDE and moves and beneath not in DRIVABLE:
+    is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)
+    if asset.category in _ROADSIDE and moves and not is_on_road:
         message = f"{asset.id!r} that drives must start on the road, not on a {beneath!r} strip"
         issues.append(Issue(f"{path}.placement", message))
     return issues

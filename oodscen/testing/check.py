@@ -1,45 +1,98 @@
 """The conformance check that every simulator should pass."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 
 from oodscen.catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.driving.roads import load_corridor
 from oodscen.errors import OodscenError, SceneError, SpawnError, UnknownComponent
-from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
-from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.protocols import Camera, Control, Frame, Simulator, State
+from oodscen.registry import make_simulator
+from oodscen.scene import Actor, Behaviour, Placement, Scene, Trigger
+from oodscen.testing.appearance import appearance_faults, weather_faults
+from oodscen.testing.isolation import leak_faults, process_faults
+from oodscen.testing.samples import (
+    SMALL,
+    STEPS,
+    follow_lane,
+    plain_scene,
+    run_bytes,
+    sample_scene,
+)
 
-_CAMERA = Camera(width=160, height=120)
-_STEPS = 40
+Factory = Callable[[], Simulator]
+
+PARTS = (
+    "catalogue",
+    "maps",
+    "assets",
+    "appearance",
+    "behaviours",
+    "weather",
+    "determinism",
+    "process",
+    "controls",
+    "snapshot",
+    "frames",
+    "refusals",
+    "leaks",
+)
+"""What `check_simulator` looks at, in order.
+
+`appearance` renders every asset in every state, `process` repeats the runs in a fresh process,
+`leaks` watches memory and open files over many resets: these take longest.
+"""
+
+QUICK = tuple(part for part in PARTS if part not in ("appearance", "process", "leaks"))
+"""The parts that take seconds."""
+
+RESETS = 200
+"""How many resets `leaks` watches."""
 
 
 def check_simulator(
-    factory: Callable[[], Simulator], *, scenes: Sequence[Scene] | None = None
+    simulator: Factory | str,
+    *,
+    scenes: Sequence[Scene] | None = None,
+    parts: Collection[str] = PARTS,
+    resets: int = RESETS,
+    progress: Callable[[str], None] | None = None,
 ) -> None:
     """Judge whether a simulator keeps the protocol's promises.
 
-    Checked are: an honest catalogue (every asset, state, behaviour and map can be had), one `dt`
-    per step, ids and shapes and dtypes of states and frames, frames that show something, the same
-    bytes for the same scene and seed whatever ran before, snapshots where offered, typed refusals,
-    and a `close` that may be called twice.
+    Checked are: an honest catalogue (every map, behaviour, weather extreme and asset in every
+    state can be had, and shows), one `dt` per step, ids and shapes and dtypes of states and
+    frames, frames that show something, finite depth and true ids of bodies, the same bytes for
+    the same scene and seed whatever ran before and in a fresh process, snapshots where offered,
+    typed refusals, a `close` that may be called twice, and memory and open files that do not grow.
 
     Args:
-        factory: Makes a fresh simulator; called twice.
+        simulator: Makes a fresh simulator, or a name as in `make_simulator`. Only names, and
+            classes and functions of modules that can be imported, can be run in a fresh process.
         scenes: Further scenes that must run; without them one per map is made.
+        parts: Which of `PARTS` to look at; `QUICK` takes seconds.
+        resets: How many `leaks` watches.
+        progress: Told the name of every part as it begins.
 
     Raises:
         AssertionError: Listing everything found, one line each.
+        UnknownComponent: When there is no such part.
     """
-    check = _Check()
+    for part in parts:
+        if part not in PARTS:
+            raise UnknownComponent("part", part, PARTS)
+    factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
+    check = _Check(parts, progress or (lambda part: None))
     with check.finding("the factory works"):
-        with factory() as simulator:
-            check.run(simulator, factory, scenes)
+        with factory() as opened:
+            check.run(opened, factory, simulator, scenes, resets)
         with check.finding("close may be called twice"):
-            simulator.close()
-            simulator.close()
+            opened.close()
+            opened.close()
     if check.findings:
         lines = "".join(f"\n  - {finding}" for finding in check.findings)
         raise AssertionError(f"the simulator breaks its protocol:{lines}")
@@ -48,8 +101,10 @@ def check_simulator(
 class _Check:
     """Collects findings, so that one run shows an adapter's author all of them."""
 
-    def __init__(self) -> None:
+    def __init__(self, parts: Collection[str], progress: Callable[[str], None]) -> None:
         self.findings: list[str] = []
+        self.parts = parts
+        self.progress = progress
 
     @contextmanager
     def finding(self, what: str) -> Iterator[None]:
@@ -64,11 +119,19 @@ class _Check:
         if not holds:
             self.findings.append(what)
 
+    def wants(self, part: str) -> bool:
+        """Tell whether a part shall be looked at, and report that it begins."""
+        if part in self.parts:
+            self.progress(part)
+        return part in self.parts
+
     def run(
         self,
         simulator: Simulator,
-        factory: Callable[[], Simulator],
+        factory: Factory,
+        source: Factory | str,
         scenes: Sequence[Scene] | None,
+        resets: int,
     ) -> None:
         """Run every group of checks."""
         self.that(isinstance(simulator, Simulator), "some members of the protocol are missing")
@@ -78,27 +141,38 @@ class _Check:
         if not catalogue.maps or not catalogue.assets:
             self.findings.append("catalogue: has no map or no asset")
             return
-        with self.finding("catalogue"):
-            self.check_catalogue(simulator, catalogue)
+        chosen = list(scenes or (plain_scene(catalogue, road) for road in catalogue.maps))
+        checks: tuple[tuple[str, Callable[[], None]], ...] = (
+            ("catalogue", lambda: self.check_catalogue(simulator, catalogue)),
+            ("maps", lambda: self.check_maps(simulator, catalogue)),
+            ("assets", lambda: self.check_assets(simulator, catalogue)),
+            ("appearance", lambda: self.findings.extend(appearance_faults(simulator))),
+            ("behaviours", lambda: self.check_behaviours(simulator, catalogue)),
+            ("weather", lambda: self.findings.extend(weather_faults(simulator))),
+            ("determinism", lambda: self.check_determinism(simulator, factory, chosen)),
+            ("process", lambda: self.findings.extend(process_faults(simulator, source, chosen))),
+            ("controls", lambda: self.check_controls(simulator, catalogue)),
+            ("snapshot", lambda: self.check_snapshot(simulator, chosen[0])),
+            ("frames", lambda: self.check_frames(simulator, catalogue)),
+            ("refusals", lambda: self.check_refusals(simulator, catalogue)),
+            ("leaks", lambda: self.findings.extend(leak_faults(simulator, chosen, resets))),
+        )
+        for part, check in checks:
+            if self.wants(part):
+                with self.finding(part):
+                    check()
+
+    def check_maps(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """Every map, one after the other."""
         for road in catalogue.maps:
             with self.finding(f"map {road.id}"):
                 self.check_map(simulator, catalogue, road)
-        with self.finding("assets"):
-            self.check_assets(simulator, catalogue)
+
+    def check_behaviours(self, simulator: Simulator, catalogue: Catalogue) -> None:
+        """Every behaviour, one after the other."""
         for kind in catalogue.behaviours:
             with self.finding(f"behaviour {kind.id}"):
                 self.check_behaviour(simulator, catalogue, kind)
-        chosen = list(scenes or (_plain_scene(catalogue, road) for road in catalogue.maps))
-        with self.finding("determinism"):
-            self.check_determinism(simulator, factory, chosen)
-        with self.finding("controls"):
-            self.check_controls(simulator, catalogue)
-        with self.finding("snapshot"):
-            self.check_snapshot(simulator, chosen[0])
-        with self.finding("frames"):
-            self.check_frames(simulator, catalogue)
-        with self.finding("refusals"):
-            self.check_refusals(simulator, catalogue)
 
     # ------------------------------------------------------------------ the catalogue
 
@@ -138,7 +212,7 @@ class _Check:
             not road.has_shoulder or has_shoulder, f"{where}: says it has a shoulder, has none"
         )
         for lane in range(road.lanes):
-            scene = _scene(catalogue, road, (), lane=lane, speed=road.speed_limit)
+            scene = sample_scene(road, (), lane=lane, speed=road.speed_limit)
             self.drive(simulator, scene, f"{where}, lane {lane}")
 
     def check_assets(self, simulator: Simulator, catalogue: Catalogue) -> None:
@@ -150,12 +224,12 @@ class _Check:
         for index, (asset, state) in enumerate(wanted):
             room = 0.5 * max(asset.length, asset.width) + 1.0
             if position + 2.0 * room > limit and group:
-                self.reset(simulator, _scene(catalogue, road, tuple(group)))
+                self.reset(simulator, sample_scene(road, tuple(group)))
                 group, position = [], 12.0
             place = Placement(ahead_m=position + room)
             group.append(Actor(id=f"a{index}", asset=asset.id, placement=place, state=state))
             position += 2.0 * room
-        self.reset(simulator, _scene(catalogue, road, tuple(group)))
+        self.reset(simulator, sample_scene(road, tuple(group)))
 
     def reset(self, simulator: Simulator, scene: Scene) -> None:
         """Load one scene; note whom it refused."""
@@ -182,16 +256,26 @@ class _Check:
             parameters = {}
             if "lanes" in kind.parameters:
                 parameters["lanes"] = 1.0 if len(load_corridor(road).driving) > 1 else 0.0
+            belongs = kind.needs_other
             actor = Actor(
                 id="a",
                 asset=asset.id,
                 placement=Placement(ahead_m=35.0),
                 behaviour=Behaviour(
-                    name=kind.id, trigger=Trigger(value=0.5), parameters=parameters
+                    name=kind.id,
+                    trigger=Trigger(value=0.5),
+                    parameters=parameters,
+                    other="owner" if belongs else None,
                 ),
             )
-            scene = _scene(catalogue, road, (actor,), speed=5.0)
+            actors = (actor, *(self.owners(catalogue) if belongs else ()))
+            scene = sample_scene(road, actors, speed=5.0)
             self.drive(simulator, scene, f"behaviour {kind.id} of {asset.id}")
+
+    def owners(self, catalogue: Catalogue) -> tuple[Actor, ...]:
+        """Return a vehicle to which another actor may belong."""
+        vehicle = next(one for one in catalogue.assets if one.category == "vehicle")
+        return (Actor(id="owner", asset=vehicle.id, placement=Placement(ahead_m=41.0)),)
 
     # ------------------------------------------------------------------ states
 
@@ -200,8 +284,8 @@ class _Check:
         first = simulator.reset(scene, 0)
         self.check_state(simulator, scene, first, 0, what)
         kept = first.fingerprint()
-        for step in range(1, _STEPS + 1):
-            control = _follow(simulator.observe())
+        for step in range(1, STEPS + 1):
+            control = follow_lane(simulator.observe())
             before = len(self.findings)
             self.check_state(simulator, scene, simulator.step(control), step, what)
             if len(self.findings) > before:
@@ -234,11 +318,11 @@ class _Check:
         self, simulator: Simulator, factory: Callable[[], Simulator], scenes: Sequence[Scene]
     ) -> None:
         """The same bytes again, after another scene, and from a fresh simulator."""
-        first = [_trace(simulator, scene, seed=3) for scene in scenes]
+        first = [run_bytes(simulator, scene, seed=3) for scene in scenes]
         with factory() as other:
             for scene, expected in list(zip(scenes, first, strict=True))[::-1]:
-                again = _trace(simulator, scene, seed=3)
-                fresh = _trace(other, scene, seed=3)
+                again = run_bytes(simulator, scene, seed=3)
+                fresh = run_bytes(other, scene, seed=3)
                 what = f"scene {scene.id}"
                 self.that(again == expected, f"{what}: another result after other scenes had run")
                 self.that(fresh == expected, f"{what}: another result from a fresh simulator")
@@ -246,7 +330,7 @@ class _Check:
     def check_controls(self, simulator: Simulator, catalogue: Catalogue) -> None:
         """The ego does what it is told, left is positive, and the observation agrees."""
         road = max(catalogue.maps, key=lambda road: road.length_m)
-        scene = _scene(catalogue, road, (), speed=8.0)
+        scene = sample_scene(road, (), speed=8.0)
         ends = {}
         for name, control in (
             ("coasting", Control()),
@@ -256,7 +340,7 @@ class _Check:
             ("steering right", Control(steering=-0.03)),
         ):
             simulator.reset(scene, 0)
-            for _ in range(_STEPS):
+            for _ in range(STEPS):
                 state = simulator.step(control)
             ends[name] = simulator.observe()
             speed = float(state.speeds[0])
@@ -292,8 +376,8 @@ class _Check:
         """Shapes, dtypes, something to see, and an actor where it stands."""
         size = max(catalogue.assets, key=_visibility)
         actor = Actor(id="a", asset=size.id, placement=Placement(ahead_m=20.0))
-        simulator.reset(_scene(catalogue, catalogue.maps[0], (actor,)), 0)
-        for camera in (_CAMERA, Camera(width=64, height=64, fov_deg=90.0)):
+        simulator.reset(sample_scene(catalogue.maps[0], (actor,)), 0)
+        for camera in (SMALL, Camera(width=64, height=64, fov_deg=90.0)):
             frame = simulator.render(camera)
             self.check_frame(frame, camera)
             shown = frame.ids == 2
@@ -322,21 +406,27 @@ class _Check:
         good_depth = bool((frame.depth > 0.0).all())
         self.that(good_depth, "frames: depth must be positive, infinite for the sky")
         self.that(bool(np.isfinite(frame.depth).any()), "frames: nothing has a finite depth")
+        bodies = bool(np.isfinite(frame.depth[frame.ids > 0]).all())
+        self.that(bodies, "frames: a pixel of a body has no finite depth")
+        if frame.unhidden is not None:
+            counts = np.bincount(frame.ids.ravel(), minlength=3)[1:3]
+            good = frame.unhidden.shape == (2,) and bool((frame.unhidden >= counts).all())
+            self.that(good, "frames: unhidden must count at least the visible pixels of each body")
 
     def check_refusals(self, simulator: Simulator, catalogue: Catalogue) -> None:
         """What cannot be shown is refused with a typed error, and the next scene runs."""
         road = catalogue.maps[0]
         box = Actor(id="a", asset=catalogue.assets[0].id, placement=Placement(ahead_m=30.0))
-        good = _scene(catalogue, road, (box,))
+        good = sample_scene(road, (box,))
         unknown = box.model_copy(update={"asset": "no-such-asset"})
         double = box.model_copy(update={"id": "b"})
         strange = box.model_copy(update={"behaviour": Behaviour(name="no-such-behaviour")})
         for what, scene in (
-            ("an unknown asset", _scene(catalogue, road, (unknown,))),
-            ("an unknown behaviour", _scene(catalogue, road, (strange,))),
+            ("an unknown asset", sample_scene(road, (unknown,))),
+            ("an unknown behaviour", sample_scene(road, (strange,))),
             ("an unknown map", good.model_copy(update={"map": "no-such-map"})),
-            ("a lane that is not there", _scene(catalogue, road, (), lane=6)),
-            ("two bodies in one place", _scene(catalogue, road, (box, double))),
+            ("a lane that is not there", sample_scene(road, (), lane=6)),
+            ("two bodies in one place", sample_scene(road, (box, double))),
         ):
             try:
                 simulator.reset(scene, 0)
@@ -348,69 +438,6 @@ class _Check:
             else:
                 self.findings.append(f"{what} is not refused")
             simulator.reset(good, 0)
-
-
-def _scene(
-    catalogue: Catalogue,
-    road: RoadMap,
-    actors: tuple[Actor, ...],
-    *,
-    lane: int = 0,
-    speed: float = 8.0,
-) -> Scene:
-    """Return a scene of some actors in good weather."""
-    return Scene(
-        id="check",
-        scenario_id="check",
-        map=road.id,
-        ego=Ego(speed=speed, lane=lane),
-        actors=actors,
-        hazard=Hazard(weather=Weather()),
-        decision=Trigger(kind="time", value=1.0),
-    )
-
-
-def _plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
-    """Return a scene in which something moves, if the catalogue has anything that can."""
-    kinds = {kind.id: kind for kind in catalogue.behaviours}
-    actors = []
-    for index, name in enumerate(("follow_lane", "wobble", "cross_road")):
-        categories = kinds[name].categories if name in kinds else ()
-        asset = next((one for one in catalogue.assets if one.category in categories), None)
-        if asset is not None:
-            place = Placement(ahead_m=25.0 + 20.0 * index)
-            actors.append(
-                Actor(
-                    id=f"{name.replace('_', '-')}",
-                    asset=asset.id,
-                    placement=place,
-                    behaviour=Behaviour(name=name),
-                )
-            )
-    scene = _scene(catalogue, road, tuple(actors))
-    return scene.model_copy(update={"id": f"check-{road.id}"})
-
-
-def _follow(observation: Observation) -> Control:
-    """Keep the lane with the simplest law that does."""
-    reach = max(4.0, observation.speed)
-    bend = observation.curvature - observation.offset_m / reach**2
-    bend -= 2.0 * observation.heading_error / reach
-    return Control(0.0, math.atan(observation.wheelbase * bend))
-
-
-def _trace(simulator: Simulator, scene: Scene, *, seed: int) -> list[bytes]:
-    """Return the bytes of a run: states, and the frames at its beginning and end."""
-    trace = [simulator.reset(scene, seed).fingerprint()]
-    trace += _bytes(simulator.render(_CAMERA))
-    for step in range(_STEPS):
-        control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)
-        trace.append(simulator.step(control).fingerprint())
-    return trace + _bytes(simulator.render(_CAMERA))
-
-
-def _bytes(frame: Frame) -> list[bytes]:
-    return [frame.rgb.tobytes(), frame.depth.tobytes(), frame.ids.tobytes()]
 
 
 def _visibility(asset: Asset) -> float:

@@ -1,18 +1,23 @@
+import dataclasses
 import itertools
+import os
 
 import numpy as np
 import pytest
 
 from oodscen.driving import SHIPPED_MAPS
-from oodscen.errors import SpawnError
+from oodscen.errors import SpawnError, UnknownComponent
 from oodscen.protocols import Control, Frame, State
+from oodscen.scene import Weather
 from oodscen.testing import FlatSimulator, check_simulator
+from oodscen.testing.check import PARTS, QUICK
 from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing.isolation import process_faults
 from tests.driving.staging import actor, scene
 
 SMALL = FLAT_CATALOGUE.model_copy(
     update={
-        "assets": FLAT_CATALOGUE.assets[:1] + FLAT_CATALOGUE.assets[12:14],
+        "assets": tuple(map(FLAT_CATALOGUE.asset, ("car", "cyclist", "adult"))),
         "behaviours": FLAT_CATALOGUE.behaviours[:2],
         "maps": SHIPPED_MAPS[:1],
     }
@@ -121,8 +126,85 @@ class ForgetsSpeed(Small):
         return state
 
 
+class Swallows(Small):
+    def draw(self, camera):
+        hidden = [asset.id == "adult" for asset in self._assets]
+        frame = super().draw(camera)
+        ids = np.where(np.isin(frame.ids - 1, np.flatnonzero(hidden)), 0, frame.ids)
+        return dataclasses.replace(frame, ids=ids)
+
+
+class Sunny(Small):
+    def load(self, corridor, scene, seed):
+        super().load(corridor, scene, seed)
+        self._weather = Weather()
+
+
+class Hoards(Small):
+    kept: list[bytearray] = []
+
+    def reset(self, scene, seed):
+        self.kept.append(bytearray(b"x") * 400_000)
+        return super().reset(scene, seed)
+
+
+class KeepsFiles(Small):
+    kept: list[object] = []
+
+    def reset(self, scene, seed):
+        self.kept.append(open(os.devnull))  # noqa: SIM115
+        return super().reset(scene, seed)
+
+    def release(self):
+        while self.kept:
+            self.kept.pop().close()
+
+
+class Floating(Small):
+    def draw(self, camera):
+        frame = super().draw(camera)
+        return dataclasses.replace(
+            frame, depth=np.where(frame.ids > 1, np.inf, frame.depth).astype(np.float32)
+        )
+
+
 def test_the_flat_simulator_keeps_the_protocol() -> None:
-    check_simulator(FlatSimulator)
+    begun: list[str] = []
+    check_simulator("flat", resets=40, progress=begun.append)
+    assert tuple(begun) == PARTS
+
+
+def test_unknown_parts_are_refused() -> None:
+    with pytest.raises(UnknownComponent):
+        check_simulator(FlatSimulator, parts=("framez",))
+
+
+def test_a_result_that_depends_on_the_process_is_found(tmp_path, monkeypatch) -> None:
+    (tmp_path / "process_bound.py").write_text(
+        "import os\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Bound(FlatSimulator):\n"
+        "    def reset(self, scene, seed):\n"
+        "        weather = scene.weather.model_copy(\n"
+        "            update={'sun_elevation_deg': float(os.getpid() % 7)}\n"
+        "        )\n"
+        "        return super().reset(scene.model_copy(update={'weather': weather}), seed)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    scenes = [scene(map="residential_two_lane")]
+    with FlatSimulator() as simulator:
+        assert process_faults(simulator, "flat", scenes) == []
+    faults = process_faults(_Fixed(), "process_bound:Bound", scenes)
+    assert faults == ["scene test: another result in a fresh process"]
+
+
+class _Fixed(FlatSimulator):
+    """What a process-bound simulator gives in no process: a sun that no process has."""
+
+    def reset(self, scene, seed):
+        weather = scene.weather.model_copy(update={"sun_elevation_deg": 30.0})
+        return super().reset(scene.model_copy(update={"weather": weather}), seed)
 
 
 @pytest.mark.parametrize(
@@ -141,6 +223,11 @@ def test_the_flat_simulator_keeps_the_protocol() -> None:
         (ForgetsSpeed, ["snapshot"]),
         (SteersRight, ["left must be positive"]),
         (Reuses, ["a later step changed an earlier state"]),
+        (Swallows, ["asset adult", "pixels"]),
+        (Sunny, ["lowest sun: looks like a clear day"]),
+        (Hoards, ["MiB of memory behind"]),
+        (KeepsFiles, ["open files behind"]),
+        (Floating, ["no finite depth"]),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
@@ -150,7 +237,7 @@ def test_broken_promises_are_found(factory, words: list[str]) -> None:
         factory = type("Remembers", (Remembers,), {"catalogue": FlatSimulator.catalogue})
         weaving = scene(actor("a", "cyclist", "wobble"), map="residential_two_lane")
     with pytest.raises(AssertionError) as caught:
-        check_simulator(factory, scenes=[weaving])
+        check_simulator(factory, scenes=[weaving], resets=100)
     for word in words:
         assert word in str(caught.value)
 
@@ -158,5 +245,5 @@ def test_broken_promises_are_found(factory, words: list[str]) -> None:
 def test_all_findings_are_listed() -> None:
     broken = type("Broken", (Blank, WrongTypes, ClosesOnce), {})
     with pytest.raises(AssertionError) as caught:
-        check_simulator(broken)
+        check_simulator(broken, parts=QUICK)
     assert str(caught.value).count("\n  - ") >= 3
