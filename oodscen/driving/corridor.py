@@ -5,7 +5,7 @@ direction and `t` metres to its left. It hides which roads of a map it was made 
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import exact
-from oodscen.driving.coverage import Band, Ranges, covered, merged
+from oodscen.driving.coverage import REACH_M, Band, Ranges, covered, merged
 
 StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
 
@@ -164,14 +164,13 @@ class Corridor:
         own = _intervals(self.strips)
         around: list[Ranges] = [()] * len(self.s)
         if self.others:
-            bands = [list(_bands(other.corridor)) for other in self.others]
+            bands = [one for other in self.others for one in self._bands(other.corridor)]
             count = len(self.s)
-            roads = [band for others in bands for is_drivable, band in others if is_drivable]
-            found = covered(roads, self.locate_all, self.step, count)
-            for sample, ranges in found.items():
+            roads = [band for is_drivable, band in bands if is_drivable]
+            for sample, ranges in covered(roads, self.step, count).items():
                 own[sample] = merged(own[sample], ranges)
-            every = [band for others in bands for _, band in others]
-            for sample, ranges in covered(every, self.locate_all, self.step, count).items():
+            every = covered((band for _, band in bands), self.step, count)
+            for sample, ranges in every.items():
                 around[sample] = tuple(ranges)
         put(self, "_drivable", own)
         put(self, "_around", around)
@@ -406,21 +405,31 @@ class Corridor:
             other += side
         return None
 
+    def _bands(self, road: "Corridor") -> list[tuple[bool, Band]]:
+        """Return the strips of a road near by, and whether each can be driven on."""
+        every = max(1, round(20.0 / self.step))
+        square = (self.x[::every] - road.x[::8, None]) ** 2
+        square += (self.y[::every] - road.y[::8, None]) ** 2
+        if float(square.min()) > (REACH_M + 40.0) ** 2:
+            return []
+        lx, ly, cos, sin = road._columns
+        strips = [one for one in road.strips if (one.left - one.right).max() > 0.01]
+        edges = [edge for one in strips for edge in (one.right, one.left)]
+        if not edges:
+            return []
+        places = self.locate_all(
+            np.concatenate([lx - edge * sin for edge in edges]),
+            np.concatenate([ly + edge * cos for edge in edges]),
+        )
+        s, t = (np.split(one, len(edges)) for one in places)
+        return [
+            (strip.kind in DRIVABLE, Band((s[2 * i], t[2 * i]), (s[2 * i + 1], t[2 * i + 1])))
+            for i, strip in enumerate(strips)
+        ]
+
     def _index(self, s: float) -> int:
         """Return the sample nearest to `s`."""
         return min(max(int(s / self.step + 0.5), 0), len(self._rows) - 1)
-
-
-def _bands(road: Corridor) -> Iterator[tuple[bool, Band]]:
-    """Yield the strips of a road as bands in the world, and whether each can be driven on."""
-    norm = np.sqrt(road.cos * road.cos + road.sin * road.sin)
-    cos, sin = road.cos / norm, road.sin / norm
-    for strip in road.strips:
-        if (strip.left - strip.right).max() > 0.01:
-            sides = [
-                (road.x - edge * sin, road.y + edge * cos) for edge in (strip.right, strip.left)
-            ]
-            yield strip.kind in DRIVABLE, Band(sides[0], sides[1])
 
 
 def _even_edges(strip: LaneStrip) -> tuple[float, float] | None:

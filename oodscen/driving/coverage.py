@@ -1,6 +1,6 @@
 """Where the cross-sections of a corridor run over the strips of other roads."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,24 +18,18 @@ _MAX_SPAN_M = 40.0
 
 
 class Band(NamedTuple):
-    """A strip of another road: its edges in the world, sample by sample."""
+    """A strip of another road, sample by sample, in the corridor's coordinates."""
 
     right: tuple[FloatArray, FloatArray]
-    """x and y"""
+    """s and t"""
     left: tuple[FloatArray, FloatArray]
 
 
-def covered(
-    bands: Iterable[Band],
-    locate: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
-    step: float,
-    count: int,
-) -> dict[int, list[tuple[float, float]]]:
+def covered(bands: Iterable[Band], step: float, count: int) -> dict[int, list[tuple[float, float]]]:
     """Return the ranges of t that bands cover, by sample of the corridor that they are on.
 
     Args:
         bands: Strips of other roads.
-        locate: Gives s and t on the corridor of points.
         step: Metres between two samples of the corridor.
         count: How many samples it has.
     """
@@ -43,13 +37,10 @@ def covered(
     lows: list[FloatArray] = []
     highs: list[FloatArray] = []
     for band in bands:
-        corners = [
-            locate(x[part], y[part])
-            for part in (slice(None, -1), slice(1, None))
-            for x, y in (band.right, band.left)
-        ]
-        s = np.stack([corners[index][0] for index in (0, 1, 3, 2)])
-        t = np.stack([corners[index][1] for index in (0, 1, 3, 2)])
+        s, t = (
+            np.stack([right[:-1], left[:-1], left[1:], right[1:]])
+            for right, left in zip(band.right, band.left, strict=True)
+        )
         low, high = s.min(axis=0), s.max(axis=0)
         usable = (high - low < _MAX_SPAN_M) & (np.abs(t).max(axis=0) < REACH_M)
         usable &= (high >= 0.0) & (low <= (count - 1) * step)

@@ -146,15 +146,61 @@ class Spiral(Curve):
 
 @dataclass(frozen=True)
 class ParamPoly3(Curve):
-    """A parametric cubic; `scale` is the parameter's value at the end of the piece."""
+    """A parametric cubic, measured by its arc length.
+
+    `scale` is the parameter's value at the end of the piece. Where the piece claims a length that
+    is not its arc's, it is stretched evenly.
+    """
 
     u: tuple[float, float, float, float]
     v: tuple[float, float, float, float]
     scale: float
+    _nodes: tuple[float, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        count = min(max(8, math.ceil(self.length)), 5_000)
+        nodes = [0.0]
+        for index in range(count):
+            ends = (self.scale * (index + part) / count for part in (0, 1))
+            nodes.append(nodes[-1] + self._arc(*ends))
+        object.__setattr__(self, "_nodes", tuple(nodes))
+
+    @property
+    def arc(self) -> float:
+        """Length of the curve itself, m."""
+        return self._nodes[-1]
+
+    def _speed(self, p: float) -> float:
+        du, dv = _derivatives(self.u, p)[1], _derivatives(self.v, p)[1]
+        return math.sqrt(du * du + dv * dv)
+
+    def _arc(self, start: float, end: float) -> float:
+        """Return the length of the curve between two values of the parameter."""
+        middle, half = 0.5 * (start + end), 0.5 * (end - start)
+        return half * sum(weight * self._speed(middle + half * node) for node, weight in _GAUSS)
+
+    def _parameter(self, along: float) -> float:
+        part = along / self.length
+        if not self.arc > 1e-9:
+            return part * self.scale
+        wanted = part * self.arc
+        count = len(self._nodes) - 1
+        index = min(max(bisect_right(self._nodes, wanted) - 1, 0), count - 1)
+        low, high = self._nodes[index], self._nodes[index + 1]
+        if not high > low:
+            return self.scale * index / count
+        begin = self.scale * index / count
+        p = begin + (wanted - low) / (high - low) * self.scale / count
+        for _ in range(2):
+            speed = self._speed(p)
+            if not speed > 1e-6 * self.arc / self.scale:
+                break
+            p += (wanted - low - self._arc(begin, p)) / speed
+        return min(max(p, begin), self.scale * (index + 1) / count)
 
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""
-        p = along / self.length * self.scale
+        p = self._parameter(along)
         u, du, ddu = _derivatives(self.u, p)
         v, dv, ddv = _derivatives(self.v, p)
         return self._place(u, v, atan2(dv, du), _bend(du, dv, ddu, ddv))

@@ -218,7 +218,10 @@ class _Reader:
         au, bu, cu, du = (number(shape, f"{name}U", inner) for name in "abcd")
         av, bv, cv, dv = (number(shape, f"{name}V", inner) for name in "abcd")
         scale = 1.0 if shape.get("pRange", "normalized") == "normalized" else length
-        return ParamPoly3(*base, (au, bu, cu, du), (av, bv, cv, dv), scale)
+        curve = ParamPoly3(*base, (au, bu, cu, du), (av, bv, cv, dv), scale)
+        if not abs(curve.arc - length) <= 0.5 + 0.1 * length:
+            self.document.add(f"{here}@length", f"{length:g} m, but the curve is {curve.arc:g} m")
+        return curve
 
 
 def _check_joint(document: Document, before: Curve, after: Curve, here: str) -> None:

@@ -1,7 +1,7 @@
 """Which roads follow each other: the legs that the ego drives through a network."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
 from oodscen.driving.exact import cos, sin
@@ -122,17 +122,22 @@ def fits(before: Leg, after: Leg) -> bool:
     return abs(along) <= 1.0 and abs(across) <= 30.0 and abs(turn) <= 0.25
 
 
-def straightest(network: Network, leg: Leg, direction: int = 1) -> Leg | None:
+def straightest(
+    network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
+) -> Leg | None:
     """Return the leg that goes on with the least turn.
 
     Args:
         network: All roads.
         leg: Whose end is continued.
         direction: +1 where the driver must find a lane ahead, -1 where traffic must come from it.
+        taken: Ids of roads that cannot be taken again.
     """
     best, least = None, math.inf
     heading = leg.end_pose().heading
     for after in followers(network, leg):
+        if after.road.id in taken:
+            continue
         if not (after.has_lane(direction) and after.has_lane(direction, -1) and fits(leg, after)):
             continue
         turn = abs(math.remainder(after.end_pose().heading - heading, math.tau))
@@ -141,16 +146,18 @@ def straightest(network: Network, leg: Leg, direction: int = 1) -> Leg | None:
     return best
 
 
-def straight_on(network: Network, leg: Leg, direction: int = 1) -> Iterator[Leg]:
+def straight_on(
+    network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
+) -> Iterator[Leg]:
     """Yield the legs after one, straight on wherever there is a choice; no road comes twice."""
-    seen = {leg.road.id}
-    current: Leg | None = leg
-    while current is not None and len(seen) < _MAX_LEGS:
-        current = straightest(network, current, direction)
-        if current is None or current.road.id in seen:
+    seen = {leg.road.id, *taken}
+    for _ in range(_MAX_LEGS):
+        after = straightest(network, leg, direction, seen)
+        if after is None:
             return
-        seen.add(current.road.id)
-        yield current
+        leg = after
+        seen.add(leg.road.id)
+        yield leg
 
 
 def find_route(
@@ -182,18 +189,17 @@ def find_route(
     taken = {leg.road.id for leg in legs}
     at = start_m if start.forward else start.road.length - start_m
     ahead = sum(leg.road.length for leg in legs) - at
-    for after in straight_on(network, legs[-1]):
-        if ahead >= AHEAD_M or after.road.id in taken:
+    for after in straight_on(network, legs[-1], 1, taken):
+        if ahead >= AHEAD_M:
             break
         legs.append(after)
         taken.add(after.road.id)
         ahead += after.road.length
     before: list[Leg] = []
-    for earlier in straight_on(network, start.turned, -1):
-        if at >= BEHIND_M or earlier.road.id in taken:
+    for earlier in straight_on(network, start.turned, -1, taken):
+        if at >= BEHIND_M:
             break
         before.append(earlier.turned)
-        taken.add(earlier.road.id)
         at += earlier.road.length
     return [*before[::-1], *legs], len(before), []
 
