@@ -37,7 +37,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "exhaust": (120, 96, 76),
     "tail": (150, 14, 20),
     "tail_lit": (255, 40, 36),
-    "brake_lit": (255, 72, 60),
+    "brake_lit": (255, 48, 40),
     "head": (226, 232, 236),
     "head_lit": (255, 252, 232),
     "amber": (206, 120, 20),
@@ -149,7 +149,9 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "ember": (232, 88, 28),
     "oil": (22, 20, 26),
     "oil_sheen": (74, 52, 104),
-    "hole": (34, 32, 32),
+    "oil_teal": (30, 84, 92),
+    "rubble": (150, 144, 134),
+    "hole": (20, 19, 19),
     "mud": (112, 96, 72),
     "flood": (138, 112, 70),
     "flood_light": (172, 150, 108),
@@ -157,6 +159,8 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "taxi": (250, 204, 28),
     "garbage": (60, 120, 76),
     "red_lit": (255, 64, 52),
+    "brake_core": (255, 206, 190),
+    "amber_core": (255, 240, 170),
     "green_lit": (70, 240, 130),
     "lens_red": (88, 18, 20),
     "lens_amber": (96, 66, 16),
@@ -171,11 +175,12 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "lit_window": (255, 212, 132),
     "lit_window_cool": (226, 232, 214),
     "lamp_on": (255, 240, 200),
-    "tunnel": (58, 58, 60),
-    "tunnel_dark": (40, 40, 43),
-    "tunnel_light": (92, 90, 84),
-    "asphalt_tunnel": (46, 46, 48),
-    "mark_tunnel": (150, 150, 144),
+    "tunnel": (96, 96, 94),
+    "tunnel_dark": (62, 62, 64),
+    "tunnel_light": (140, 136, 122),
+    "asphalt_tunnel": (66, 66, 68),
+    "mark_tunnel": (204, 204, 196),
+    "steel": (112, 136, 140),
     "crop": (120, 150, 62),
     "wall_blue": (150, 170, 186),
     "wall_ochre": (206, 168, 104),
@@ -217,8 +222,8 @@ _NAMES = tuple(COLOURS)
 
 EMISSIVE: frozenset[str] = frozenset(
     {
-        "tail_lit", "brake_lit", "head_lit", "red_lit", "green_lit", "screen_lit", "flame", "ember", "amber_lit", "beacon_lit", "beacon_red_lit",
-        "arrow_left", "arrow_right", "lit_window", "lit_window_cool", "lamp_on",
+        "tail_lit", "brake_lit", "head_lit", "red_lit", "green_lit", "brake_core", "amber_core", "screen_lit", "flame", "ember", "amber_lit", "beacon_lit", "beacon_red_lit",
+        "arrow_left", "arrow_right", "sign_man", "sign_walker", "sign_taxi", "sign_tram", "lit_window", "lit_window_cool", "lamp_on",
     }
 )  # fmt: skip
 """Colours and regions that shine by themselves: night does not darken them."""

@@ -55,25 +55,42 @@ def arches(mesh: MeshBuilder, x: float, half_width: float, radius: float) -> Non
         mesh.cylinder(centre, end, radius, "black", sides=14)
 
 
+def _lit_box(
+    mesh: MeshBuilder, at: Point, size: Point, names: tuple[str, str, str], *, is_lit: bool
+) -> None:
+    """Add a lamp: dark, lit and core colours; a lit one is larger and has a bright core."""
+    dark, lit, core = names
+    x, y, z = at
+    depth, width, height = size
+    if not is_lit:
+        mesh.box(at, size, dark)
+        return
+    mesh.box(at, (depth + 0.008, width + 0.03, height + 0.03), lit)
+    mesh.box((x, y, z), (depth + 0.02, 0.6 * width, 0.6 * height), core)
+
+
 def rear_lamps(
     mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float, size: tuple[float, float]
 ) -> None:
     """Add the tail, brake and indicator lamps of the rear on both sides."""
     width, height = size
+    low = z - height / 2 - 0.05
     for side in (-1.0, 1.0):
         at = (x, side * y, z)
-        tail = "brake_lit" if lights.brake else "tail_lit" if lights.running else "tail"
-        mesh.box((x, side * y, z), (0.06, width, height), tail)
+        mesh.box((x + 0.006, side * y, z - 0.05), (0.05, width + 0.05, height + 0.15), "black")
+        lit = "brake_lit" if lights.brake else "tail_lit"
+        core = "brake_core" if lights.brake else "tail_lit"
+        is_lit = lights.brake or lights.running
+        _lit_box(mesh, at, (0.06, width, height), ("tail", lit, core), is_lit=is_lit)
         blinks = lights.left if side > 0 else lights.right
-        amber = "amber_lit" if blinks else "amber"
-        low = z - height / 2 - 0.045
-        mesh.box((x, side * y, low), (0.06, width, 0.08), amber)
-        if lights.brake:
-            mesh.lamp(at, RED, (-1, 0, 0), 3.0)
-        elif lights.running:
-            mesh.lamp(at, RED, (-1, 0, 0), 1.0)
+        turn = (x, side * y, low)
+        _lit_box(
+            mesh, turn, (0.06, width, 0.09), ("amber", "amber_lit", "amber_core"), is_lit=blinks
+        )
+        if is_lit:
+            mesh.lamp(at, RED, (-1, 0, 0), 3.0 if lights.brake else 1.0)
         if blinks:
-            mesh.lamp((x, side * (y + 0.05), low), AMBER, (-1, 0, 0), 2.5)
+            mesh.lamp((x, side * (y + 0.05), low), AMBER, (-1, 0, 0), 3.0)
 
 
 def head_lamps(
@@ -84,12 +101,14 @@ def head_lamps(
     for side in (-1.0, 1.0):
         mesh.box((x, side * y, z), (0.06, width, height), "head_lit" if lights.running else "head")
         blinks = lights.left if side > 0 else lights.right
-        outer = side * (y + width / 2 + 0.03)
-        mesh.box((x - 0.02, outer, z), (0.06, 0.07, height), "amber_lit" if blinks else "amber")
+        outer = (x - 0.02, side * (y + width / 2 + 0.03), z)
+        _lit_box(
+            mesh, outer, (0.06, 0.07, height), ("amber", "amber_lit", "amber_core"), is_lit=blinks
+        )
         if lights.running:
             mesh.lamp((x, side * y, z), WHITE, (1, 0, 0), 4.0)
         if blinks:
-            mesh.lamp((x, outer, z), AMBER, (1, 0, 0), 2.5)
+            mesh.lamp((x, outer[1], z), AMBER, (1, 0, 0), 3.0)
 
 
 def plates(mesh: MeshBuilder, rear: tuple[float, float], front: tuple[float, float]) -> None:

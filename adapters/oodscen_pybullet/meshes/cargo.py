@@ -216,23 +216,19 @@ def tarpaulin(shown: Shown) -> MeshBuilder:
 
 
 def plastic_bag(shown: Shown) -> MeshBuilder:
-    """A white plastic bag puffed up by the wind, its handles up."""
+    """A white plastic carrier bag puffed up by the wind, printed in blue, its handles loops."""
     mesh = MeshBuilder()
-    mesh.ball(
-        (0, 0, 0.2),
-        (0.19, 0.22, 0.2),
-        "plastic",
-        around=9,
-        down=6,
-        jitter=0.16,
-        key=501,
-        second_colour="white",
-    )
+    mesh.hull((-0.12, 0.12, -0.17, 0.17, 0.0), (-0.17, 0.17, -0.24, 0.24, 0.16), "plastic")
+    mesh.hull((-0.17, 0.17, -0.24, 0.24, 0.16), (-0.14, 0.14, -0.23, 0.23, 0.34), "white", caps="")
+    mesh.hull((-0.14, 0.14, -0.23, 0.23, 0.34), (-0.06, 0.06, -0.2, 0.2, 0.42), "plastic", caps="t")
+    for x, out in ((-0.05, -1.0), (0.05, 1.0)):
+        for side in (-1.0, 1.0):
+            start, bend = (x, side * 0.17, 0.42), (x + 0.02 * out, side * 0.11, 0.54)
+            mesh.beam(start, bend, 0.045, "white")
+            mesh.beam(bend, (x + 0.02 * out, 0.0, 0.57), 0.04, "white")
     for side in (-1.0, 1.0):
-        mesh.beam((0.0, side * 0.09, 0.36), (0.02, side * 0.13, 0.48), 0.06, "white")
-        mesh.beam((0.02, side * 0.13, 0.48), (0.0, side * 0.05, 0.53), 0.05, "plastic")
-        mesh.beam((0.0, side * 0.05, 0.53), (-0.02, side * 0.03, 0.36), 0.05, "white")
-    mesh.box((-0.19, 0, 0.2), (0.03, 0.16, 0.1), "red")
+        mesh.box((side * 0.158, 0, 0.25), (0.012, 0.28, 0.05), "blue")
+        mesh.box((side * 0.166, 0, 0.17), (0.012, 0.2, 0.04), "blue")
     return mesh
 
 

@@ -26,6 +26,18 @@ def _fan(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
         mesh.polygon([middle, one, two], colour)
 
 
+def _fan_at(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
+    """Fill an outline about its own middle."""
+    count = len(outline)
+    middle = (
+        sum(p[0] for p in outline) / count,
+        sum(p[1] for p in outline) / count,
+        outline[0][2],
+    )
+    for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
+        mesh.polygon([middle, one, two], colour)
+
+
 def _foot(mesh: MeshBuilder, colour: str) -> None:
     """Reach down to the ground, so that the mesh has a thickness."""
     mesh.polygon([(0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)], colour)
@@ -43,18 +55,22 @@ def puddle(shown: Shown) -> MeshBuilder:
 
 
 def oil_spill(shown: Shown) -> MeshBuilder:
-    """A black pool of oil with a purple sheen."""
+    """A black, mirroring pool of oil with streaks of purple sheen."""
     mesh = MeshBuilder()
     waves = ((2, 0.12, 0.2), (5, 0.08, 1.0), (9, 0.04, 0.0))
     _fan(mesh, _blot((1.8, 1.35), 0.012, waves, 36), "oil")
-    for radii, colour, z in (
-        ((1.0, 0.7), "oil_sheen", 0.017),
-        ((0.7, 0.46), "teal", 0.021),
-        ((0.5, 0.3), "oil_sheen", 0.024),
-        ((0.3, 0.17), "oil", 0.028),
-    ):
-        points = [(x + 0.35, y - 0.15, h) for x, y, h in _blot(radii, z, ((3, 0.1, 1.0),), 20)]
-        mesh.polygon(points, colour)
+    streaks = (
+        (0.5, -0.3, 0.75, 0.22, "oil_sheen"),
+        (-0.5, 0.35, 0.6, 0.2, "oil_sheen"),
+        (0.35, -0.2, 0.4, 0.09, "oil_teal"),
+        (-0.75, 0.3, 0.28, 0.08, "oil_teal"),
+        (-0.2, -0.6, 0.5, 0.12, "oil_sheen"),
+        (0.7, 0.5, 0.35, 0.12, "oil_sheen"),
+    )
+    for index, (x, y, long, wide, colour) in enumerate(streaks):
+        outline = _blot((long, wide), 0.016 + 0.002 * index, ((2, 0.15, 0.5), (3, 0.1, 1.0)), 16)
+        c, s = math.cos(0.5 + 0.25 * index), math.sin(0.5 + 0.25 * index)
+        _fan_at(mesh, [(x + c * a - s * b, y + s * a + c * b, h) for a, b, h in outline], colour)
     for x, y, r in ((-2.1, 0.5, 0.2), (1.9, -0.9, 0.26), (0.6, 1.55, 0.16), (-1.2, -1.4, 0.22)):
         mesh.polygon([(x + a, y + b, h) for a, b, h in _blot((r, r), 0.012, (), 12)], "oil")
     _foot(mesh, "oil")
@@ -82,27 +98,43 @@ def broken_glass(shown: Shown) -> MeshBuilder:
 
 
 def pothole(shown: Shown) -> MeshBuilder:
-    """A deep hole in the asphalt with a broken rim."""
+    """A deep hole in the asphalt: a pale broken rim, dark walls and a puddle at the bottom."""
     mesh = MeshBuilder()
     waves = ((3, 0.10, 0.3), (7, 0.07, 0.9))
-    for radii, z, colour in (
-        ((0.78, 0.98), 0.008, "asphalt_light"),
-        ((0.66, 0.84), 0.012, "asphalt_dark"),
-        ((0.55, 0.70), 0.016, "hole"),
-        ((0.40, 0.5), 0.019, "oil"),
-    ):
-        _fan(mesh, _blot(radii, z, waves, 28), colour)
-    puddle_in = [
-        (x + 0.1, y - 0.1, z) for x, y, z in _blot((0.22, 0.3), 0.022, ((2, 0.1, 0.0),), 14)
-    ]
-    mesh.polygon(puddle_in, "water")
-    for index in range(16):
-        turn = index * 0.77
-        reach = 1.0 + 0.18 * (index % 4)
-        x, y = 0.72 * reach * math.cos(turn), 0.92 * reach * math.sin(turn)
-        size = 0.04 + 0.015 * (index % 3)
-        mesh.box(
-            (x, y, 0.015), (2 * size, 1.6 * size, 0.03), "asphalt_dark" if index % 2 else "rock"
+    rings = (
+        ((1.0, 1.3), 0.006, "asphalt_dark", 0.0),
+        ((0.86, 1.12), 0.010, "rubble", 0.0),
+        ((0.74, 0.98), 0.014, "hole", 0.04),
+        ((0.60, 0.80), 0.017, "mud", 0.10),
+        ((0.46, 0.62), 0.020, "water_light", 0.12),
+    )
+    for radii, z, colour, shift in rings:
+        _fan_at(mesh, [(x + shift, y, h) for x, y, h in _blot(radii, z, waves, 28)], colour)
+    for index in range(26):
+        turn = index * 2.399963
+        reach = 1.0 + 0.16 * (index % 5)
+        x, y = 0.9 * reach * math.cos(turn), 1.15 * reach * math.sin(turn)
+        size = 0.045 + 0.02 * (index % 3)
+        mesh.box((x, y, 0.02), (2 * size, 1.6 * size, 0.04), "asphalt" if index % 2 else "rubble")
+    for index in range(7):
+        turn = 0.9 * index + 0.2
+        a = (0.95 * math.cos(turn), 1.25 * math.sin(turn))
+        b = (1.45 * math.cos(turn + 0.12), 1.8 * math.sin(turn + 0.12))
+        mesh.polygon(
+            [
+                (a[0] - 0.03, a[1] - 0.03, 0.008),
+                (b[0], b[1], 0.008),
+                (a[0] + 0.03, a[1] + 0.03, 0.008),
+            ],
+            "hole",
+        )
+        mesh.polygon(
+            [
+                (a[0] + 0.03, a[1] + 0.03, 0.008),
+                (b[0], b[1], 0.008),
+                (a[0] - 0.03, a[1] - 0.03, 0.008),
+            ],
+            "hole",
         )
     return mesh
 

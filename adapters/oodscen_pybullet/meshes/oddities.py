@@ -43,7 +43,7 @@ def balloon(shown: Shown) -> MeshBuilder:
 
 
 def inflatable(shown: Shown) -> MeshBuilder:
-    """A giant inflatable duck that has blown onto the road."""
+    """A giant inflatable duck that has blown onto the road; it looks against x."""
     mesh = MeshBuilder()
     mesh.ball((-0.2, 0, 0.85), (1.35, 1.05, 0.85), "yellow", around=14, down=9)
     mesh.ball((0.65, 0, 1.95), (0.66, 0.62, 0.64), "yellow", around=12, down=8)
@@ -54,18 +54,15 @@ def inflatable(shown: Shown) -> MeshBuilder:
         mesh.ball((1.1, side * 0.3, 2.15), (0.14, 0.1, 0.18), "white", around=8, down=5)
         mesh.ball((1.19, side * 0.32, 2.15), (0.07, 0.06, 0.1), "black", around=8, down=5)
         mesh.ball((-0.3, side * 0.98, 1.0), (0.75, 0.2, 0.42), "machine", around=10, down=6)
-    return (
-        mesh.flatten(0.0)
-        .solid((-0.15, 0, 0.8), (2.5, 1.9, 1.6))
-        .solid((0.75, 0, 2.0), (1.3, 1.1, 1.0))
-    )
+    turned = MeshBuilder().add(mesh.flatten(0.0).build(hollow=True), yaw=math.pi)
+    return turned.solid((0.15, 0, 0.8), (2.5, 1.9, 1.6)).solid((-0.75, 0, 2.0), (1.3, 1.1, 1.0))
 
 
 def mannequin(shown: Shown) -> MeshBuilder:
-    """A white shop-window dummy without a face, on a stand."""
+    """A white shop-window dummy without a face, on a stand, looking against x."""
     mesh = MeshBuilder()
     white = "plastic"
-    clothes = Clothes(white, white, hair=white, skin=white, shoes=white)
+    clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
     figure(mesh, clothes, Shown(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
     grounded(mesh).shift((0, 0, 0.04))
     mesh.ball((0.02, 0, 1.66), (0.112, 0.095, 0.135), white)
@@ -73,7 +70,8 @@ def mannequin(shown: Shown) -> MeshBuilder:
     mesh.cylinder((-0.14, 0, 0.04), (-0.14, 0, 0.9), 0.02, "metal", sides=6)
     for z in (0.86, 1.2):
         mesh.column([((0, 0, z), 0.125, 0.172), ((0, 0, z + 0.015), 0.125, 0.172)], "grey", caps="")
-    return mesh.solid((0, 0, 0.9), (0.4, 0.5, 1.76))
+    turned = MeshBuilder().add(mesh.build(hollow=True), yaw=math.pi)
+    return turned.solid((0, 0, 0.9), (0.4, 0.5, 1.76))
 
 
 def drone(shown: Shown) -> MeshBuilder:
@@ -113,10 +111,18 @@ def smoke(shown: Shown) -> MeshBuilder:
             key=601 + index,
         )
     mesh.flatten(0.0)
-    smoke_column(mesh, shown, (0, 0, 0.7), 0.9, 2.2, colour=(0.45, 0.45, 0.46), drift=1.2, count=8)
-    smoke_column(
-        mesh, shown, (0.3, -0.6, 0.8), 0.9, 2.0, colour=(0.55, 0.55, 0.56), drift=-1.1, count=7
-    )
+    for y, key in ((0.0, 0.9), (-1.0, 0.35), (1.1, 0.3)):
+        smoke_column(
+            mesh,
+            shown,
+            (0.2 * y, y, 0.75),
+            1.05,
+            2.4,
+            colour=(0.56, 0.56, 0.57),
+            drift=key - 0.5,
+            density=0.95,
+            count=6,
+        )
     return mesh
 
 

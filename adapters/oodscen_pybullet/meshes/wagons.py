@@ -200,7 +200,7 @@ def burning_car(shown: Shown) -> MeshBuilder:
         (-1.5, 0.2, 1.05),
         (1.7, 0.4, 0.75),
     )
-    flames(mesh, shown, seats, 0.34)
+    flames(mesh, shown, seats, 0.42)
     smoke_column(mesh, shown, (-0.1, 0.0, 1.7), 0.75, 5.0)
     for index in range(6):
         turn = index * 1.05
