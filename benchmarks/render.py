@@ -16,10 +16,11 @@ import numpy as np
 from oodscen_pybullet.canvas import Canvas
 from oodscen_pybullet.cast import Look
 from oodscen_pybullet.engine import load_pybullet
-from oodscen_pybullet.light import Caster, Light
+from oodscen_pybullet.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet.meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.roadside import Scenery, build_scenery
+from oodscen_pybullet.simulator import DARK
 from oodscen_pybullet.stage import BulletStage, Pose, Shot, Stage
 from oodscen_pybullet.view import View
 
@@ -79,24 +80,29 @@ class Set:
         scenery = sum(len(mesh.triangles) for mesh in self.scenery.meshes)
         return scenery + sum(len(asset_mesh(look[0]).triangles) for look in self.looks)
 
-    def shoot(self, stage: Stage, light: Light) -> Shot:
+    def shoot(self, stage: Stage, light: Light, *, has_shadows: bool = False) -> Shot:
         """Take the raw picture."""
-        view = View.of(CAMERA, self.poses[0])
-        return stage.photograph(view, sun=light.sun, ambient=light.ambient, diffuse=light.diffuse)
+        return stage.photograph(
+            View.of(CAMERA, self.poses[0]),
+            sun=light.sun,
+            ambient=light.ambient,
+            diffuse=light.diffuse,
+            ground=self.poses[0][2] if has_shadows else None,
+            shades=light.shades,
+        )
 
     def develop(self, stage: Stage, weather: Weather, light: Light) -> None:
         """Take the picture with everything on."""
-        casters = [
-            Caster(pose, asset_mesh(look[0]).solids)
-            for look, pose in zip(self.looks[1:], self.poses[1:], strict=True)
+        glows = [
+            Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True)
+            for head in self.scenery.lamps
         ]
         picture = Picture(
-            shot=self.shoot(stage, light),
+            shot=self.shoot(stage, light, has_shadows=light.daylight > DARK),
             view=View.of(CAMERA, self.poses[0]),
             weather=weather,
             light=light,
-            casters=casters,
-            glows=(),
+            glows=glows,
             time=0.5,
             seed=1,
             road_height=self.poses[0][2],

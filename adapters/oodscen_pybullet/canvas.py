@@ -33,8 +33,7 @@ class Canvas:
         """Start with nothing on stage.
 
         Args:
-            detail: Samples per pixel along a row and along a column: 2 gives smooth edges, 1 is
-                quicker.
+            detail: Samples per pixel: 2 gives smooth edges, 1 is quicker.
         """
         self._detail = detail
         self._is_snowy = False
@@ -100,7 +99,8 @@ class Canvas:
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)
-        nearness, shown = self._clean(view.width * view.height * self._detail**2)
+        samples = view.width * view.height * self._detail
+        nearness, shown = self._clean(samples + raster.BLOCK)
         light = np.array([*sun, ambient, diffuse], np.float64)
         self._reserve(len(self._scenery.corners) + len(self._actors.corners))
         window = (0, 0, view.width, view.height)
@@ -122,8 +122,8 @@ class Canvas:
             shade=shade,
         )
         shading.gather(
-            nearness.reshape(view.height * self._detail, -1),
-            shown.reshape(view.height * self._detail, -1),
+            nearness[:samples].reshape(view.height * self._detail, -1),
+            shown[:samples].reshape(view.height * self._detail, -1),
             self._records,
             self._labels,
             sheet.texels,
@@ -149,9 +149,9 @@ class Canvas:
         pixels = np.zeros(len(actors.spans), np.int32)
         for row in range(len(pixels)):
             window = _window(view, actors.places[row], actors.spheres[row])
-            size = window[2] * window[3]
-            if size <= 0:
+            if window[2] * window[3] <= 0:
                 continue
+            size = window[2] * window[3] + raster.BLOCK
             nearness, shown = np.full(size, 1.0 / FAR, np.float32), np.full(size, -1, np.int32)
             self._scatter(actors, view, window, light, 1, nearness, shown, only=row)
             pixels[row] = np.count_nonzero(shown >= 0)

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, cast
 
 try:
     import numba
-except Exception:  # noqa: BLE001  # a broken numba fails in many ways; the other camera needs none
+except Exception:  # a broken numba fails in many ways; the other camera needs none
     numba = None
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])

@@ -22,7 +22,7 @@ def load_pybullet() -> ModuleType:
     except ImportError:
         raise MissingExtra("the PyBullet simulator", "pybullet", "cv2") from None
     try:
-        with _QuietDescriptors():
+        with QuietDescriptors():
             import pybullet
     except ImportError:
         raise MissingExtra("the PyBullet simulator", "pybullet", "pybullet") from None
@@ -30,7 +30,7 @@ def load_pybullet() -> ModuleType:
     return engine
 
 
-class _QuietDescriptors:
+class QuietDescriptors:
     """Sends what C code prints to nowhere."""
 
     def __enter__(self) -> None:

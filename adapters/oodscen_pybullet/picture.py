@@ -122,6 +122,7 @@ def _develop(picture: Picture) -> NDArray[np.uint8]:
             upwards * axes[1, 2] + axes[2, 2],
             settings[d.EYE_HEIGHT],
             np.float32(_MIRRORING if is_raining else 0.0),
+            np.float32(5.0 * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),
         )
     add_glare(image, view, light, shot.depth)

@@ -25,6 +25,8 @@ RECORD = 19
 """Numbers kept of a drawn triangle: a place on the grid of samples; 1/w, u/w, v/w and light/w there
 with their slopes along columns and rows; red, green, blue; 1 where it is lit unevenly; how squarely
 the sun meets it, 0 to 255."""
+BLOCK = 16
+"""Samples that are drawn together; sheets of samples are that much longer than they need be."""
 LABELS = 4
 """Whole numbers kept of one: texture, label, surface, kind."""
 
@@ -64,10 +66,11 @@ def scatter(
         camera: [17] eye, right, up, forward, focal length in pixels, nearest, farthest, m; column
             and row of the optical axis, pixels.
         sun: [5] direction towards the sun, ambient and diffuse share.
-        detail: Samples per pixel along a row and along a column.
-        width: Pixels.
+        detail: 1 samples each pixel in its middle. 2 adds a row of samples between two rows of
+            pixels, half a pixel further to the right: the pixels' corners.
+        width: Pixels, and samples in a row.
         height: Pixels.
-        nearness: [height * width * detail ** 2] 1/w in front, at first that of the farthest.
+        nearness: [height * detail * width + BLOCK] 1/w in front, at first that of the farthest.
         shown: The same of the record in front, at first -1.
         records: [k, RECORD] of drawn triangles, filled from `count` on.
         labels: [k, LABELS] of drawn triangles.
@@ -77,10 +80,11 @@ def scatter(
         Records now.
     """
     focal, near, far = camera[12], camera[13], camera[14]
-    columns, rows = width * detail, height * detail
-    scale = focal * detail
+    columns, rows = width, height * detail
+    tall = focal * detail
     axis_x, axis_y = camera[15], camera[16]
-    middle_x, middle_y = (axis_x - 0.5) * detail, (axis_y - 0.5) * detail
+    middle_x, middle_y = axis_x - 0.5, (axis_y - 0.5) * detail
+    rim = columns - 1.0 / detail
     slope_x = max(axis_x, width - axis_x) / focal
     slope_y = max(axis_y, height - axis_y) / focal
     lean_x = math.sqrt(1.0 + slope_x * slope_x)
@@ -132,8 +136,8 @@ def scatter(
             if behind == 0:
                 for j in range(3):
                     inverse = 1.0 / poly[j, 2]
-                    px[j] = middle_x + scale * poly[j, 0] * inverse
-                    py[j] = middle_y - scale * poly[j, 1] * inverse
+                    px[j] = middle_x + focal * poly[j, 0] * inverse
+                    py[j] = middle_y - tall * poly[j, 1] * inverse
                     pw[j] = inverse
                 n = 3
             else:
@@ -141,8 +145,8 @@ def scatter(
                     i = (j + 1) % 3
                     wj, wi = poly[j, 2], poly[i, 2]
                     if wj >= near:
-                        px[n] = middle_x + scale * poly[j, 0] / wj
-                        py[n] = middle_y - scale * poly[j, 1] / wj
+                        px[n] = middle_x + focal * poly[j, 0] / wj
+                        py[n] = middle_y - tall * poly[j, 1] / wj
                         pw[n] = 1.0 / wj
                         n += 1
                     if (wj >= near) != (wi >= near):
@@ -155,21 +159,21 @@ def scatter(
                             share = (near - wi) / (wj - wi)
                             x = poly[i, 0] + share * (poly[j, 0] - poly[i, 0])
                             y = poly[i, 1] + share * (poly[j, 1] - poly[i, 1])
-                        px[n] = middle_x + scale * x / near
-                        py[n] = middle_y - scale * y / near
+                        px[n] = middle_x + focal * x / near
+                        py[n] = middle_y - tall * y / near
                         pw[n] = 1.0 / near
                         n += 1
             low_x, high_x, low_y, high_y = px[0], px[0], py[0], py[0]
             for j in range(1, n):
                 low_x, high_x = min(low_x, px[j]), max(high_x, px[j])
                 low_y, high_y = min(low_y, py[j]), max(high_y, py[j])
-            if high_x < 0.0 or high_y < 0.0 or low_x > columns - 1 or low_y > rows - 1:
+            if high_x < 0.0 or high_y < 0.0 or low_x > rim or low_y > rows - 1:
                 continue
             first = max(math.floor(low_y) + 1.0, 0.0)
             last = min(math.floor(high_y), rows - 1.0)
             if first > last:
                 continue
-            if max(math.ceil(low_x), 0.0) > min(math.ceil(high_x) - 1.0, columns - 1.0):
+            if max(math.ceil(low_x * detail), 0.0) > math.ceil(high_x * detail) - 1.0:
                 continue
             # 1/w over the screen is linear: the plane through the eye-space triangle.
             ax, ay, aw = poly[0, 0], poly[0, 1], poly[0, 2]
@@ -183,13 +187,13 @@ def scatter(
             if det == 0.0:
                 continue
             turn = 1.0 / det
-            grow = turn / scale
+            grow_x, grow_y = turn / focal, turn / tall
             at_x = math.floor(min(max(0.5 * (low_x + high_x), 0.0), columns - 1.0))
             at_y = math.floor(min(max(0.5 * (low_y + high_y), 0.0), rows - 1.0))
-            view_x, view_y = (at_x - middle_x) / scale, (middle_y - at_y) / scale
+            view_x, view_y = (at_x - middle_x) / focal, (middle_y - at_y) / tall
             g0, g1, g2 = i00 + i10 + i20, i01 + i11 + i21, i02 + i12 + i22
             iw = (g0 * view_x + g1 * view_y + g2) * turn
-            iwx, iwy = g0 * grow, -g1 * grow
+            iwx, iwy = g0 * grow_x, -g1 * grow_y
             # Left and right ends of the rows, edge by edge from the upper corner down.
             for j in range(n):
                 i = j + 1 if j + 1 < n else 0
@@ -234,21 +238,27 @@ def scatter(
                             else:
                                 x = px[i] + (level - py[i]) * step[j]
                             left, right = min(left, x), max(right, x)
-                start = math.ceil(max(left, 0.0))
-                stop = min(math.ceil(right), np.float64(columns))
+                shift = 0.5 if detail == 2 and row & 1 else 0.0
+                start = math.ceil(max(left - shift, 0.0))
+                stop = min(math.ceil(right - shift), np.float64(columns))
                 if not start < stop:
                     continue
-                begin = np.float32(iw + iwx * (start - at_x) + iwy * (level - at_y))
+                begin = np.float32(iw + iwx * (start + shift - at_x) + iwy * (level - at_y))
                 base = np.uint64(row * columns + int(start))
                 hits = np.uint32(0)
-                for offset in range(np.uint64(int(stop) - int(start))):
-                    value = begin + slope * np.float32(np.int32(offset))
-                    before, other = nearness[base + offset], shown[base + offset]
-                    # Both are always written back: only so does the loop become vectors.
-                    is_nearer = value > before
-                    nearness[base + offset] = value if is_nearer else before
-                    shown[base + offset] = mark if is_nearer else other
-                    hits |= np.uint32(is_nearer)
+                length, offset = np.int32(int(stop) - int(start)), np.int32(0)
+                while offset < length:
+                    # A fixed number of samples, always written back: so this becomes vectors.
+                    for lane in range(np.uint64(BLOCK)):
+                        along = offset + np.int32(lane)
+                        value = begin + slope * np.float32(along)
+                        before, other = nearness[base + lane], shown[base + lane]
+                        is_nearer = (value > before) & (along < length)
+                        nearness[base + lane] = value if is_nearer else before
+                        shown[base + lane] = mark if is_nearer else other
+                        hits |= np.uint32(is_nearer)
+                    offset += np.int32(BLOCK)
+                    base += np.uint64(BLOCK)
                 if hits:
                     is_drawn = True
             if not is_drawn:
@@ -276,7 +286,7 @@ def scatter(
                 p1 = lights[0] * i01 + lights[1] * i11 + lights[2] * i21
                 p2 = lights[0] * i02 + lights[1] * i12 + lights[2] * i22
                 record[11] = (p0 * view_x + p1 * view_y + p2) * turn
-                record[12], record[13] = p0 * grow, -p1 * grow
+                record[12], record[13] = p0 * grow_x, -p1 * grow_y
             else:
                 strength = sun[3] + sun[4] * max(0.0, lights[0])
                 record[18] = 255.0 * min(max(lights[0], 0.0), 1.0)
@@ -287,7 +297,7 @@ def scatter(
                     p1 = t0 * i01 + t1 * i11 + t2 * i21
                     p2 = t0 * i02 + t1 * i12 + t2 * i22
                     record[5 + 3 * e] = (p0 * view_x + p1 * view_y + p2) * turn
-                    record[6 + 3 * e], record[7 + 3 * e] = p0 * grow, -p1 * grow
+                    record[6 + 3 * e], record[7 + 3 * e] = p0 * grow_x, -p1 * grow_y
                 record[14] = record[15] = record[16] = strength
             else:
                 for e in range(3):

@@ -20,6 +20,7 @@ def add_reflections(
     rise: F32,
     eye: np.float32,
     wet: np.float32,
+    gain: np.float32,
     seed: np.uint32,
 ) -> None:
     """Mirror what stands on wet ground in it, and the sky.
@@ -37,6 +38,7 @@ def add_reflections(
         rise: [height] how much higher than the eye things are for each metre of depth.
         eye: Height of the eye above the ground, m.
         wet: How much wet ground mirrors at flat angles, 0 to 1; 0 is dry.
+        gain: How much brighter lamps are than they look: 0 by day, when the sky outshines them.
         seed: Of the roughness.
     """
     height, width = depth.shape
@@ -70,7 +72,7 @@ def add_reflections(
             for e in range(3):
                 mirrored = np.float32(image[source, column, e])
                 # A lamp is far brighter than the brightest that a picture can show.
-                mirrored += np.float32(5.0) * max(mirrored - np.float32(205.0), zero)
+                mirrored += gain * max(mirrored - np.float32(205.0), zero)
                 streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)
                 before = np.float32(image[y, x, e])
                 after = before + (streak[x, e] - before) * share

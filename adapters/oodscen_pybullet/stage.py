@@ -1,5 +1,6 @@
 """What the camera sees: a PyBullet world of visual shapes only."""
 
+import contextlib
 import math
 import tempfile
 from collections.abc import Sequence
@@ -11,7 +12,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.errors import SimulatorError
 from oodscen_pybullet.cast import Look, mesh_of
+from oodscen_pybullet.engine import QuietDescriptors
 from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.shadows import Shade
@@ -92,22 +95,37 @@ class Stage(Protocol):
 
 
 class BulletStage:
-    """The stage of PyBullet's own software camera.
+    """The stage of PyBullet's own cameras.
 
     Shapes and textures are made once; showing another scene moves what can be moved.
     """
 
-    def __init__(self, engine: ModuleType, *, casts_shadows: bool = False) -> None:
+    def __init__(
+        self, engine: ModuleType, *, casts_shadows: bool = False, plugin: str | None = None
+    ) -> None:
         """Connect to the engine.
 
         Args:
             engine: PyBullet.
             casts_shadows: Whether the camera draws its own shadows, which takes it longer; pictures
                 get theirs when they are developed.
+            plugin: File of the OpenGL camera, which then stands in for the software camera.
+
+        Raises:
+            SimulatorError: When the plugin does not load.
         """
         self._engine = engine
         self._casts_shadows = casts_shadows
         self._client: int = engine.connect(engine.DIRECT)
+        self._has_plugin = plugin is not None
+        if plugin is not None:
+            with QuietDescriptors():
+                loaded = engine.loadPlugin(
+                    plugin, "_eglRendererPlugin", physicsClientId=self._client
+                )
+            if loaded < 0:
+                engine.disconnect(self._client)
+                raise SimulatorError(f"PyBullet's OpenGL camera does not load: {plugin}")
         self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
         self._written = 0
         self._textures: dict[bool, int] = {}
@@ -119,7 +137,8 @@ class BulletStage:
     def close(self) -> None:
         """Disconnect; may be called twice."""
         if self._client >= 0:
-            self._engine.disconnect(self._client)
+            with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
+                self._engine.disconnect(self._client)
             self._client = -1
             self._folder.cleanup()
 
@@ -186,20 +205,23 @@ class BulletStage:
     ) -> Shot:
         """Take a picture."""
         engine = self._engine
-        _, _, rgba, buffer, bodies = engine.getCameraImage(
-            view.width,
-            view.height,
-            view.view_matrix(),
-            view.projection_matrix(),
-            lightDirection=sun,
-            lightColor=(1, 1, 1),
-            lightAmbientCoeff=ambient,
-            lightDiffuseCoeff=diffuse,
-            lightSpecularCoeff=0.0,
-            shadow=int(self._casts_shadows),
-            renderer=engine.ER_TINY_RENDERER,
-            physicsClientId=self._client,
-        )
+        with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
+            _, _, rgba, buffer, bodies = engine.getCameraImage(
+                view.width,
+                view.height,
+                view.view_matrix(),
+                view.projection_matrix(samples_corners=not self._has_plugin),
+                lightDirection=sun,
+                lightColor=(1, 1, 1),
+                lightAmbientCoeff=ambient,
+                lightDiffuseCoeff=diffuse,
+                lightSpecularCoeff=0.0,
+                shadow=int(self._casts_shadows),
+                renderer=engine.ER_BULLET_HARDWARE_OPENGL
+                if self._has_plugin
+                else engine.ER_TINY_RENDERER,
+                physicsClientId=self._client,
+            )
         shape = (view.height, view.width)
         rgb = np.ascontiguousarray(np.reshape(rgba, (*shape, 4))[..., :3], dtype=np.uint8)
         depth = metres(np.reshape(buffer, shape).astype(np.float32, copy=False))

@@ -22,7 +22,7 @@ CELL = 24.0
 """Chunks are gathered from squares of this size, m."""
 PLAIN, SHINING, MIRROR = 0, 1, 2
 """What a triangle may be made of: most are plain, lamps shine in the dark, water mirrors."""
-WATER = frozenset({"water", "water_light"})
+WATER = frozenset({"water", "water_light", "flood", "flood_light"})
 """Colours of what mirrors."""
 _GRID = 2.0**14
 """Corners lie on a grid of so many lines per metre: their differences are exact in any chunk."""
@@ -33,7 +33,10 @@ class Textures:
     """The regions of the atlas, each in every size."""
 
     texels: NDArray[np.uint64]
-    """All of them, row by row: red, green and blue 21 bits apart."""
+    """All of them, row by row: red, green and blue 21 bits apart.
+
+    Each has one column and one row more than its size says; they repeat the last ones.
+    """
     sizes: I32
     """[regions, LEVELS, 3] where each begins, its width and height."""
 
@@ -188,7 +191,8 @@ def textures(is_snowy: bool) -> Textures:
         image = atlas[y : y + height, x : x + width]
         for _ in range(LEVELS):
             sizes.append((start, image.shape[1], image.shape[0]))
-            wide = image.reshape(-1, 3).astype(np.uint64)
+            wide = np.pad(image, ((0, 1), (0, 1), (0, 0)), mode="edge").reshape(-1, 3)
+            wide = wide.astype(np.uint64)
             texels.append(wide[:, 0] + (wide[:, 1] << 21) + (wide[:, 2] << 42))
             start += len(wide)
             image = _halved(image)

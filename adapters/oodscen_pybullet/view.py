@@ -59,18 +59,20 @@ class View:
             columns += [row[axis] for row in rows] + [0.0]
         return [*columns, *moves, 1.0]
 
-    def projection_matrix(self) -> list[float]:
+    def projection_matrix(self, *, samples_corners: bool = True) -> list[float]:
         """Return OpenGL's projection matrix, column by column.
 
-        The renderer samples pixel corners; the principal point moves by half a pixel so that what
-        it samples is the middle of each pixel.
+        Args:
+            samples_corners: Whether the renderer samples pixel corners; the principal point then
+                moves by half a pixel so that what it samples is the middle of each pixel.
         """
+        half = 1.0 if samples_corners else 0.0
         w, h, f = self.width, self.height, self.focal
         depth = FAR - NEAR
         return [
             2 * f / w, 0.0, 0.0, 0.0,
             0.0, 2 * f / h, 0.0, 0.0,
-            1.0 / w, 1.0 / h, -(FAR + NEAR) / depth, -1.0,
+            half / w, half / h, -(FAR + NEAR) / depth, -1.0,
             0.0, 0.0, -2 * FAR * NEAR / depth, 0.0,
         ]  # fmt: skip
 
