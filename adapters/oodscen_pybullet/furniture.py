@@ -59,6 +59,9 @@ def drive(length: float) -> Mesh:
     return mesh.build(hollow=True)
 
 
+_HEXAGON = ((1, 0), (0.5, 0.866), (-0.5, 0.866), (-1, 0), (-0.5, -0.866), (0.5, -0.866))
+
+
 @lru_cache(maxsize=16)
 def parked_car(paint: str) -> Mesh:
     """Return a car of few triangles, for drives and yards."""
@@ -79,8 +82,9 @@ def parked_car(paint: str) -> Mesh:
         cap_colour=paint,
     )
     for x in (-1.3, 1.3):
-        for y in (-0.86, 0.86):
-            mesh.cylinder((x, y - 0.06, 0.32), (x, y + 0.06, 0.32), 0.32, "tyre", sides=7)
+        for y in (-0.9, 0.9):
+            disc = [(x + 0.32 * a, y, 0.32 + 0.32 * b) for a, b in _HEXAGON]
+            mesh.polygon(disc if y < 0 else disc[::-1], "tyre")
     for y in (-0.6, 0.6):
         mesh.box((2.06, y, 0.62), (0.06, 0.34, 0.14), "head", caps="")
         mesh.box((-2.14, y, 0.68), (0.06, 0.3, 0.14), "tail", caps="")
@@ -186,14 +190,12 @@ def field_fence() -> Mesh:
 
 @lru_cache(maxsize=1)
 def power_pole() -> Mesh:
-    """Return a power pole with its wires along x, forty metres of them."""
+    """Return a power pole whose arm is along y."""
     mesh = MeshBuilder()
     mesh.beam((0, 0, -0.5), (0, 0, 8.5), 0.26, "bark", end_width=0.18)
     mesh.beam((0, -1.0, 8.0), (0, 1.0, 8.0), 0.12, "bark")
     for y in (-0.9, 0.9):
-        for a, b in ((-20.0, 0.0), (0.0, 20.0)):
-            low = (8.15, 7.7) if a == 0.0 else (7.7, 8.15)
-            mesh.beam((a, y, low[0]), (b, y, low[1]), 0.03, "dark_grey")
+        mesh.box((0, y, 8.12), (0.08, 0.08, 0.16), "white", caps="")
     return mesh.build(hollow=True)
 
 

@@ -62,26 +62,23 @@ def _trunk(height: float, radius: float) -> MeshBuilder:
     return mesh
 
 
-@lru_cache(maxsize=32)
-def broad_tree(key: int, *, is_tall: bool = False) -> Mesh:
-    """Return a broad-leaved tree of six to eight metres, or one of nine."""
+@lru_cache(maxsize=64)
+def broad_tree(key: int, *, is_tall: bool = False, is_far: bool = False) -> Mesh:
+    """Return a broad-leaved tree of six to eight metres, or one of nine; plainer for afar."""
     rng = np.random.Generator(np.random.PCG64(4000 + key % _TREES))
     scale = float(rng.uniform(0.85, 1.15)) * (1.25 if is_tall else 1.0)
     trunk = 2.5 * scale
     mesh = _trunk(trunk + 1.2 * scale, 0.2 * scale)
-    for side in (-1.0, 1.0):
-        mesh.beam(
-            (0, 0, trunk - 0.2), (side * 0.9, side * 0.5 - 0.2, trunk + 1.3), 0.12, "bark",
-            end_width=0.05,
-        )  # fmt: skip
     light, dark = (("leaf", "leaf_dark"), ("leaf_light", "leaf"), ("leaf_dark", "leaf_dark"))[
         key % 3
     ]
     lumps = [((0.0, 0.0, trunk + 2.1 * scale), 1.75 * scale)]
-    for x, y in ((1.1, 0.5), (-1.0, 0.6), (0.1, -1.15)):
+    for x, y in ((1.15, 0.4), (-0.75, 1.0), (-0.35, -1.15)):
         size = float(rng.uniform(0.95, 1.35)) * scale
         z = trunk + float(rng.uniform(0.7, 1.9)) * scale
         lumps.append(((x * scale, y * scale, z), size))
+    if is_far:
+        lumps = [(lumps[0][0], 1.25 * lumps[0][1]), lumps[2]]
     parts = [_clump(at, (r, r, 0.85 * r), (light, dark), rng) for at, r in lumps]
     return joined([mesh.build(hollow=True), *parts])
 

@@ -169,6 +169,7 @@ class Ground:
             )
         self.ways: tuple[Way, ...] = tuple(ways)
         self.kerbed = any(way.has_kerb for way in ways)
+        self._bounds = [_bounds(way) for way in ways]
 
     @property
     def ego(self) -> Way:
@@ -186,19 +187,17 @@ class Ground:
         asphalt, paved = np.full(count, 1e4), np.full(count, 1e4)
         weight, height = np.zeros(count), np.zeros(count)
         s, t, ego = np.zeros(count), np.zeros(count), np.zeros(count)
-        for way in self.ways:
+        x0, x1, y0, y1 = float(x.min()), float(x.max()), float(y.min()), float(y.max())
+        for way, bounds in zip(self.ways, self._bounds, strict=True):
             line = way.course
-            rows = np.arange(count)
-            if not way.is_ego:
-                reach = _NEAR + max(
-                    float(np.abs(way.paved[0]).max()), float(np.abs(way.paved[1]).max())
-                )
-                rows = np.flatnonzero(
-                    (x > line.x.min() - reach)
-                    & (x < line.x.max() + reach)
-                    & (y > line.y.min() - reach)
-                    & (y < line.y.max() + reach)
-                )
+            if way.is_ego:
+                rows = np.arange(count)
+            else:
+                low_x, high_x, low_y, high_y = bounds
+                if x1 < low_x or x0 > high_x or y1 < low_y or y0 > high_y:
+                    continue
+                inside = (x > low_x) & (x < high_x) & (y > low_y) & (y < high_y)
+                rows = np.flatnonzero(inside)
             if len(rows) == 0:
                 continue
             index = _nearest(line, x[rows], y[rows])
@@ -228,6 +227,16 @@ class Ground:
         """Tell whether no point is on asphalt or closer to it than a margin, m."""
         near = self.near(np.array(list(x), np.float64), np.array(list(y), np.float64))
         return bool((near.asphalt > margin).all())
+
+
+def _bounds(way: Way) -> tuple[float, float, float, float]:
+    """Return lowest and highest x and y of where a road matters, m."""
+    reach = _NEAR + max(float(np.abs(edge).max()) for edge in way.paved)
+    x, y = way.course.x, way.course.y
+    return (
+        float(x.min()) - reach, float(x.max()) + reach,
+        float(y.min()) - reach, float(y.max()) + reach,
+    )  # fmt: skip
 
 
 def _outline(corridor: Corridor, course: Course, kinds: frozenset[str]) -> tuple[Array, Array]:

@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 Heading = tuple[float, float]
 """Cosine and sine of a direction."""
 
+FAR_M = 280.0
+"""Small things are left out so far ahead of the ego's start, m."""
 SHORT_M = 110.0
 """Scenery ends so far before the ego's road does: it is small by then."""
 
@@ -152,11 +154,19 @@ class Site:
 
     def is_spanned(self, spot: Spot, margin: float = 6.0) -> bool:
         """Tell whether a spot is on a bridge or in a tunnel, or close to one's end."""
+        if not self.ground.corridor.structures:
+            return False
         near = self.ground.near(np.array([spot.x]), np.array([spot.y]))
         s = float(near.s[0])
         return any(
             one.start - margin < s < one.end + margin for one in self.ground.corridor.structures
         )
+
+    def is_far(self, spot: Spot) -> bool:
+        """Tell whether a spot is so far that nobody sees small things there."""
+        near = self.ground.near(np.array([spot.x]), np.array([spot.y]))
+        ahead = float(near.s[0]) - self.ground.corridor.start
+        return ahead > FAR_M or ahead < -40.0 or float(near.ego[0]) > 0.35 * FAR_M
 
     def turn(self) -> Heading:
         """Return some direction."""

@@ -3,6 +3,7 @@
 import math
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ from oodscen_pybullet.view import View
 
 REACH = 20.0
 """Gaps are measured up to this distance, m."""
-STAGES = 6
+STAGES = 16
 """Roads whose scenery stays loaded."""
 DARK = 0.2
 """Daylight up to which nothing throws a shadow."""
@@ -134,7 +135,9 @@ class PyBulletSimulator(MirrorSimulator):
         stage, scenery = self._set(corridor, scene, seed)
         view = View.of(camera, self._poses[0])
         is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
-        looks = self._cast.looks(self._poses, self._speeds, self._accelerations(), self.world.time)
+        looks = self._cast.looks(
+            self._poses, self._speeds, self.world.accelerations().tolist(), self.world.time
+        )
         if self._shown != (id(stage), is_inside, looks):
             ego: Look | Mesh = bonnet("silver").build(hollow=True) if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
@@ -205,12 +208,8 @@ class PyBulletSimulator(MirrorSimulator):
         scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
         stage = open_stage(self.renderer, self._engine)
         stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene))
-        self._stages[key] = (stage, scenery)
-        return stage, scenery
-
-    def _accelerations(self) -> list[float]:
-        known = getattr(self.world, "accelerations", None)
-        return [0.0] * len(self._poses) if known is None else known().tolist()
+        self._stages[key] = (stage, replace(scenery, meshes=()))
+        return self._stages[key]
 
     def _stand(self, scenery: Scenery) -> list[Pose]:
         """Return the poses with everything beside the asphalt lifted onto the ground there."""

@@ -23,7 +23,8 @@ def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
     meshes: list[Mesh] = []
     lamps: list[Point] = []
     for one in ground.corridor.structures:
-        line = Course.between(ground.corridor, one.start, one.end)
+        reach = 0.45 if one.kind == "tunnel" else 0.0
+        line = Course.between(ground.corridor, one.start - reach, one.end + reach)
         edges = [np.interp(line.s, ground.ego.course.s, edge) for edge in ground.ego.paved]
         if one.kind == "tunnel":
             meshes.append(_tunnel(ground, one, line, edges[0], edges[1], lamps))
@@ -137,6 +138,34 @@ def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> No
     mesh.polygon(other, "concrete").polygon(other[::-1], "concrete")
 
 
+def _arches(mesh: MeshBuilder, ground: Ground, line: Course, right: Array, left: Array) -> None:
+    """Add a steel arch above each edge of a bridge, with hangers, and braces between them."""
+    first, last = float(line.s[0]) + 8.0, float(line.s[-1]) - 8.0
+    count = max(8, 2 * int((last - first) / 18.0))
+    rise = min(16.0, 0.11 * (last - first))
+    if last - first < 40.0:
+        return
+
+    def at(index: int, edge: Array, out: float, height: float) -> Point:
+        s = first + (last - first) * index / count
+        x, y, z, _ = ground.corridor.point(s, float(np.interp(s, line.s, edge)) + out)
+        return (x, y, z + height)
+
+    heights = [4.0 * rise * k * (count - k) / (count * count) - 0.6 for k in range(count + 1)]
+    for edge, out in ((right, -0.75), (left, 0.75)):
+        for index in range(count):
+            start = at(index, edge, out, heights[index])
+            mesh.beam(start, at(index + 1, edge, out, heights[index + 1]), 0.55, "steel")
+            if index and heights[index] > 2.0:
+                mesh.beam(at(index, edge, out, 0.0), start, 0.12, "steel")
+        mesh.box(at(0, edge, out, -2.0), (1.6, 1.6, 4.0), "concrete", caps="t")
+        mesh.box(at(count, edge, out, -2.0), (1.6, 1.6, 4.0), "concrete", caps="t")
+    for index in range(1, count):
+        if heights[index] > 6.5:
+            one = at(index, right, -0.75, heights[index])
+            mesh.beam(one, at(index, left, 0.75, heights[index]), 0.3, "steel")
+
+
 def _bridge(ground: Ground, line: Course, right: Array, left: Array) -> list[Mesh]:
     """Return deck edges, railings, piers and the water below."""
     ribbons = Ribbons(line)
@@ -158,9 +187,10 @@ def _bridge(ground: Ground, line: Course, right: Array, left: Array) -> list[Mes
             x, y, z, _ = ground.corridor.point(s, float(np.interp(s, line.s, edge)) + shift)
             mesh.box((x, y, z + 0.55), (0.1, 0.1, 1.1), "post", caps="")
     for s in np.arange(float(line.s[0]) + 26.0, float(line.s[-1]) - 20.0, 28.0).tolist():
-        for t in (float(right.mean()) * 0.6, float(left.mean()) * 0.6):
-            x, y, z, _ = ground.corridor.point(s, t)
+        for across in (float(right.mean()) * 0.6, float(left.mean()) * 0.6):
+            x, y, z, _ = ground.corridor.point(s, across)
             mesh.box((x, y, z - 1.3 - VALLEY_M / 2), (1.2, 1.2, VALLEY_M), "concrete", caps="")
+    _arches(mesh, ground, line, right, left)
     water = Ribbons(line)
     middle = line.z - line.z.min()
     for side in (-1.0, 1.0):

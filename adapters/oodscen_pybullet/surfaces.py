@@ -140,8 +140,12 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
 def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.Generator) -> None:
     """Add the strips of one road."""
     course, strips = way.course, way.corridor.strips
-    spanned = _spanned(way)
+    spanned, dark = _spanned(way, ("tunnel", "bridge")), _spanned(way, ("tunnel",))
     right_most, left_most = way.asphalt
+    low = (layer, layer)
+    medians: list[tuple[Array, Array, Mask]] = []
+    if way.has_kerb:
+        _lay_below(way, ribbons, layer)
     for strip in strips:
         right, left = strip_edges(way.corridor, course, strip)
         is_there = _pieces((left - right) > 0.02)
@@ -150,41 +154,89 @@ def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.
             widened = _WIDER if way.has_kerb else 0.03
             right = np.where(right <= right_most + 0.01, right - widened, right)
             left = np.where(left >= left_most - 0.01, left + widened, left)
-            low = (layer, layer)
+            ribbons.band(right, left, "asphalt_tunnel", heights=low, where=is_there & dark)
+            is_there = is_there & ~dark
             if surface == "asphalt" and not way.is_connecting:
-                is_worn = rng.uniform(size=len(is_there)) < 0.14
-                ribbons.band(
-                    right,
-                    left,
-                    "asphalt_worn",
-                    heights=low,
-                    is_region=True,
-                    where=is_there & is_worn,
-                )
-                is_there = is_there & ~is_worn
+                worn = is_there & (rng.uniform(size=len(is_there)) < 0.14)
+                ribbons.band(right, left, "asphalt_worn", heights=low, is_region=True, where=worn)
+                is_there = is_there & ~worn
             ribbons.band(right, left, surface, heights=low, is_region=is_region, where=is_there)
         elif strip.kind == "sidewalk":
-            high = (KERB, KERB)
-            where = is_there & spanned
-            ribbons.band(right, left, "paving", heights=high, is_region=True, where=where)
-            for t, low_left in ((right, True), (left, False)):
-                order = (0.0, KERB) if low_left else (KERB, 0.0)
-                ribbons.band(t, t + 1e-5, "kerb_side", heights=order, where=where)
+            _raise(ribbons, right, left, "tunnel_light", is_there & dark)
+            _raise(ribbons, right, left, "paving", is_there & spanned & ~dark)
         else:
-            is_inner = (right > right_most - 0.1) & (left < left_most + 0.1)
-            where = is_there & (_pieces(is_inner) | spanned)
+            is_inner = _pieces((right > right_most - 0.1) & (left < left_most + 0.1))
             surface = "gravel" if theme == "highway" else "grass"
-            if strip.kind != "median":
-                surface = "concrete_dark" if spanned.any() else surface
-            ribbons.band(right, left, surface, heights=(layer, layer), where=where)
+            where = is_there & is_inner & ~dark
+            if theme in ("residential", "urban"):
+                ribbons.band(right, left, surface, heights=(KERB, KERB), where=where)
+                medians.append((right, left, where))
+            else:
+                ribbons.band(right, left, surface, heights=low, where=where)
+            outer = is_there & spanned & ~is_inner
+            ribbons.band(right, left, "concrete_dark", heights=low, where=outer & ~dark)
+            ribbons.band(right, left, "tunnel_light", heights=low, where=is_there & dark)
+    _kerb_medians(ribbons, medians)
 
 
-def _spanned(way: Way) -> Mask:
+def _kerb_medians(ribbons: Ribbons, medians: Sequence[tuple[Array, Array, Mask]]) -> None:
+    """Add kerbs along both edges of raised medians, not between two that touch."""
+    if not medians:
+        return
+    some = np.array([where for _, _, where in medians])
+    is_there = np.zeros((len(medians), some.shape[1] + 1), bool)
+    is_there[:, :-1] |= some
+    is_there[:, 1:] |= some
+    right = np.where(is_there, np.array([r for r, _, _ in medians]), np.inf).min(axis=0)
+    left = np.where(is_there, np.array([e for _, e, _ in medians]), -np.inf).max(axis=0)
+    where: Mask = np.logical_or.reduce(some, axis=0)
+    right, left = (
+        np.where(is_there.any(axis=0), right, 0.0),
+        np.where(is_there.any(axis=0), left, 0),
+    )
+    _kerbs(ribbons, right, left, "kerb", "kerb_side", where)
+
+
+def _raise(ribbons: Ribbons, right: Array, left: Array, surface: str, where: Mask) -> None:
+    """Add a band as high as a pavement, with kerbs."""
+    ribbons.band(
+        right, left, surface, heights=(KERB, KERB), is_region=surface == "paving", where=where
+    )
+    side = "tunnel" if surface == "tunnel_light" else "kerb_side"
+    top = "tunnel_light" if surface == "tunnel_light" else "kerb"
+    _kerbs(ribbons, right, left, top, side, where)
+
+
+def _kerbs(ribbons: Ribbons, right: Array, left: Array, top: str, side: str, where: Mask) -> None:
+    """Add kerbs along both edges of a raised band."""
+    high = (KERB + 0.004, KERB + 0.004)
+    half = np.minimum(0.16, 0.5 * np.maximum(left - right, 0.0))
+    ribbons.band(right, right + half, top, heights=high, where=where)
+    ribbons.band(left - half, left, top, heights=high, where=where)
+    ribbons.band(right - 1e-5, right, side, heights=(-0.03, KERB), where=where)
+    ribbons.band(left, left + 1e-5, side, heights=(KERB, -0.03), where=where)
+
+
+def _lay_below(way: Way, ribbons: Ribbons, layer: float) -> None:
+    """Add asphalt below kerbs where the width changes or the road ends: no gap is left there."""
+    right, left = way.asphalt
+    changes = (np.abs(np.diff(right)) > 0.05) | (np.abs(np.diff(left)) > 0.05)
+    changes[:1] = changes[-1:] = True
+    changes |= np.roll(changes, 1) | np.roll(changes, -1)
+    if way.is_connecting:
+        changes[:] = True
+    wide = 2.6
+    height = layer - 0.03
+    ribbons.band(right - wide, left + wide, "asphalt", heights=(height, height), where=changes)
+
+
+def _spanned(way: Way, kinds: Sequence[str]) -> Mask:
     """Tell which pieces of a course lie on bridges or in tunnels."""
     middle = 0.5 * (way.course.s[1:] + way.course.s[:-1])
     found = np.zeros(len(middle), bool)
     for one in way.corridor.structures:
-        found |= (middle > one.start) & (middle < one.end)
+        if one.kind in kinds:
+            found |= (middle > one.start) & (middle < one.end)
     return found
 
 
@@ -212,7 +264,7 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float) -> None:
     first, last = float(road.s[0]), float(road.s[-1])
     if not way.is_ego:
         outside &= (course.s > first - 1e3) & (course.s < last + 1e3)
-    free = _pieces(outside)
+    free, dark = _pieces(outside), _spanned(way, ("tunnel",))
     height = layer + PAINT
     for index in range(len(strips) + 1):
         mark = strips[0].right_mark if index == 0 else strips[index - 1].mark
@@ -224,11 +276,11 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float) -> None:
         where = free & _pieces(left - right > 0.3)
         if _is_double(strips, index):
             for side in (-0.14, 0.14):
-                _line(ribbons, middle + side, 0.06, height, where)
+                _line(ribbons, middle + side, 0.06, height, where, dark)
         elif mark == "broken":
-            _line(ribbons, middle, 0.075, height, where & _dashes(course))
+            _line(ribbons, middle, 0.075, height, where & _dashes(course), dark)
         else:
-            _line(ribbons, middle, 0.075, height, where)
+            _line(ribbons, middle, 0.075, height, where, dark)
     for strip in strips:
         if strip.kind == "parking":
             _bays(way, ribbons, strip, height, outside)
@@ -240,8 +292,10 @@ def _dashes(course: Course) -> Mask:
     return np.asarray((0.5 * (course.s[1:] + course.s[:-1])) % period < period / 3)
 
 
-def _line(ribbons: Ribbons, t: Array, half: float, height: float, where: Mask) -> None:
-    ribbons.band(t - half, t + half, "mark", heights=(height, height), where=where)
+def _line(ribbons: Ribbons, t: Array, half: float, height: float, where: Mask, dark: Mask) -> None:
+    heights = (height, height)
+    ribbons.band(t - half, t + half, "mark", heights=heights, where=where & ~dark)
+    ribbons.band(t - half, t + half, "mark_tunnel", heights=heights, where=where & dark)
 
 
 def _is_double(strips: tuple[LaneStrip, ...], index: int) -> bool:
@@ -278,6 +332,8 @@ def _wear(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
         for s in np.arange(float(course.s[0]) + 8.0, float(course.s[-1]) - 60.0, 19.0).tolist():
             at = s + float(rng.uniform(-7.0, 7.0))
             kind = float(rng.uniform())
+            if any(one.start - 6.0 < at < one.end + 1.0 for one in road.structures):
+                continue
             right = float(np.interp(at, road.s, strip.right))
             left = float(np.interp(at, road.s, strip.left))
             if left - right < 2.5:
@@ -288,8 +344,7 @@ def _wear(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
                 long = float(rng.uniform(1.2, 5.0))
                 low = right + 0.25 + float(rng.uniform(0.0, 0.9))
                 high = min(left - 0.25, low + float(rng.uniform(0.7, 1.9)))
-                shade = "asphalt_dark" if rng.uniform() < 0.75 else "asphalt_light"
-                _slab(road, ribbons, (at, at + long, low, high), LAYER, shade)
+                _slab(road, ribbons, (at, at + long, low, high), LAYER, "asphalt_dark")
 
 
 def _slab(
@@ -317,7 +372,7 @@ _EIGHT = (
 def _disc(road: Corridor, ribbons: Ribbons, s: float, t: float) -> None:
     """Add a manhole cover."""
     x, y, z, _ = road.point(s, t)
-    for radius, colour, height in ((0.36, "asphalt_dark", 0.003), (0.29, "dark_grey", 0.006)):
+    for radius, colour, height in ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_dark", 0.006)):
         ribbons.patch([(x + radius * a, y + radius * b, z + height) for a, b in _EIGHT], colour)
 
 
@@ -363,6 +418,8 @@ def _paint_crossings(ground: Ground, ribbons: Ribbons) -> None:
     """Paint crosswalks as zebras, and stop lines."""
     for outline in ground.corridor.crosswalks:
         points = np.asarray(outline.points, np.float64)
+        if len(points) > 1 and bool((points[0] == points[-1]).all()):
+            points = points[:-1]
         if len(points) < 3:
             continue
         x, y = points[:, 0], points[:, 1]

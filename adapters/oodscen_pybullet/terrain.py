@@ -14,6 +14,7 @@ from oodscen.driving import Corridor
 from oodscen.driving.corridor import Structure
 from oodscen_pybullet.cutting import cut
 from oodscen_pybullet.ground import TIGHT, Ground
+from oodscen_pybullet.islands import Islands
 from oodscen_pybullet.meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet.meshes.builder import Mesh
 
@@ -30,10 +31,12 @@ PORTAL_M = 7.4
 """Height of a tunnel's front above the road, m."""
 BANK_M = 13.0
 """From the asphalt to where the ground beside a tunnel's front is as high as the front, m."""
-VALLEY_M = 9.0
+VALLEY_M = 11.0
 """Depth of the ground below a bridge, m."""
-WATER_M = 6.0
+WATER_M = 5.5
 """Depth of the water's surface below a bridge, m."""
+ISLAND_RIM = 1.6
+"""Width of the paved edge of an island, m."""
 _UNIT = 1.5
 _ROOT = 64
 _X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _IN = range(9)
@@ -84,6 +87,12 @@ class Terrain:
         self._waves = rng.uniform(-1.0, 1.0, (64, 64))
         self._crops = rng.integers(0, len(_CROPS), (64, 64))
         self._meeting = _meeting_points(ground)
+        self._islands = Islands.of(ground, self._meeting)
+
+    @property
+    def islands(self) -> "Islands":
+        """Land that roads go around."""
+        return self._islands
 
     @property
     def lift(self) -> float:
@@ -118,25 +127,17 @@ class Terrain:
         """Return the ground with its kerbs."""
         corners = self._corners()
         pieces: list[tuple[Array, Array]] = []
-        open_, over = corners, corners[:0]
-        for tunnel in self._tunnels():
-            before, rest, _ = cut(open_, _S, tunnel.start)
-            middle, after, _ = cut(rest, _S, tunnel.end)
-            open_, over = np.concatenate([before, after]), np.concatenate([over, middle])
-        over[:, :, _Z] = over[:, :, _IN]
-        over[:, :, _ASPHALT] = np.maximum(over[:, :, _ASPHALT], 20.0)
-        over[:, :, _PAVED] = over[:, :, _ASPHALT]
-        for bridge in self._bridges():
-            before, rest, _ = cut(open_, _S, bridge.start)
-            middle, after, _ = cut(rest, _S, bridge.end)
-            middle[:, :, _ASPHALT] = np.maximum(middle[:, :, _ASPHALT], 14.0)
-            middle[:, :, _PAVED] = middle[:, :, _ASPHALT]
-            open_, over = np.concatenate([before, after]), np.concatenate([over, middle])
+        open_, over = self._spanned(corners)
         _, land, border = cut(open_, _ASPHALT, 0.0)
         if self.ground.kerbed:
             pieces.append(_walls(border))
             kerb, land, _ = cut(land, _ASPHALT, 0.18)
             pieces.append(self._surface(kerb, "kerb", False))
+            is_island = self._islands.covers(land[:, :, : _Y + 1].mean(axis=1))
+            island, land = land[is_island], land[~is_island]
+            rim, lawn, _ = cut(island, _ASPHALT, ISLAND_RIM)
+            pieces.append(self._surface(rim, "paving", True))
+            pieces.append(self._surface(lawn, "turf", True))
             paved, land, _ = cut(land, _PAVED, 0.0)
             pieces.append(self._surface(paved, "paving", True))
         land = np.concatenate([land, over])
@@ -149,6 +150,33 @@ class Terrain:
         vertices = np.concatenate([vertices for vertices, _ in pieces])
         uvs = np.concatenate([uvs for _, uvs in pieces])
         return _mesh(vertices, uvs)
+
+    def _spanned(self, corners: Array) -> tuple[Array, Array]:
+        """Cut the ground at tunnels and bridges: what is in the open, and what goes over or under.
+
+        Heights are asked for again along the cuts, since there they do not follow from those of
+        the squares' corners.
+        """
+        open_, over = corners, corners[:0]
+        for one in self.ground.corridor.structures:
+            ends: tuple[float, ...] = (one.start, one.end)
+            if one.kind == "bridge":
+                ends = (one.start, one.start + 10.0, one.end - 10.0, one.end)
+            before, rest, _ = cut(open_, _S, ends[0])
+            for index, end in enumerate(ends[1:]):
+                middle, rest, _ = cut(rest, _S, end)
+                if one.kind == "bridge" and index != 1:
+                    _, middle, _ = cut(middle, _PAVED, 0.46)
+                over = np.concatenate([over, middle])
+            open_ = np.concatenate([before, rest])
+        if len(over):
+            for part, column in ((open_, 0), (over, 1)):
+                flat = part.reshape(-1, part.shape[2])
+                heights = self._heights(flat[:, _X], flat[:, _Y])
+                flat[:, _Z] = heights[column]
+            over[:, :, _ASPHALT] = np.maximum(over[:, :, _ASPHALT], 20.0)
+            over[:, :, _PAVED] = over[:, :, _ASPHALT]
+        return open_, over
 
     # ------------------------------------------------------------------ shape
 
@@ -182,7 +210,10 @@ class Terrain:
         for bridge in self._bridges():
             deep = np.minimum(near.s - bridge.start, bridge.end - near.s)
             share = _rise(deep, 0.0, 24.0)
+            dry = 1.0 - share * (1.0 - _rise(away, 120.0, 190.0))
+            outside = near.z + low + (outside - near.z - low) * dry
             outside = outside - np.minimum(np.maximum(deep, 0.0), 0.5) - VALLEY_M * share
+            inside = np.where(deep > -0.5, outside, inside)
         return outside, inside, within
 
     def _wave(self, x: Array, y: Array, size: float) -> Array:
@@ -208,7 +239,7 @@ class Terrain:
         cells, size = (grid * _ROOT).astype(np.int64), _ROOT
         found: list[tuple[Ints, int]] = []
         while len(cells):
-            middle = (cells + size / 2) * _UNIT
+            middle: Array = (cells.astype(np.float64) + size / 2.0) * _UNIT
             radius = size * _UNIT * 0.7072
             near = self.ground.near(middle[:, 0], middle[:, 1])
             away = np.maximum(np.abs(near.asphalt) - radius, 0.0)
@@ -240,7 +271,9 @@ class Terrain:
             square = (middle[:, :1] - points[None, :, 0]) ** 2
             square += (middle[:, 1:] - points[None, :, 1]) ** 2
             gap = np.sqrt(square.min(axis=1)) - radius
-            wanted = np.where(gap < 7.0, 1.0, np.where(gap < 13.0, 4.0, wanted))
+            wanted = np.where(
+                gap < 2.5, 1.0, np.where(gap < 7.0, 2.0, np.where(gap < 13.0, 4.0, wanted))
+            )
         return wanted
 
     def _is_spanned(self, s: Array, margin: float) -> NDArray[np.bool_]:
@@ -283,11 +316,11 @@ class Terrain:
             ],
             axis=1,
         )  # fmt: skip
-        order, owner = np.array(rows, np.int64), np.array(owners, np.int64)
+        order, held = np.array(rows, np.int64), np.array(owners, np.int64)
         corners = columns[order]
-        size = np.maximum(sizes[owner], 4).astype(np.float64)
-        corner = np.stack([np.floor(left[owner] / size), np.floor(low[owner] / size)], axis=1)
-        local = (points[order] / _UNIT - (corner * size[:, None])[:, None, :]) / size[:, None, None]
+        tile = np.maximum(sizes[held], 4).astype(np.float64)
+        corner = np.stack([np.floor(left[held] / tile), np.floor(low[held] / tile)], axis=1)
+        local = (points[order] / _UNIT - (corner * tile[:, None])[:, None, :]) / tile[:, None, None]
         corners[:, :, _U : _V + 1] = local
         return corners
 

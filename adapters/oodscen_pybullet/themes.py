@@ -15,7 +15,8 @@ from oodscen_pybullet.buildings import (
     tower,
 )
 from oodscen_pybullet.ground import Array, Way
-from oodscen_pybullet.meshes.builder import Mesh
+from oodscen_pybullet.meshes import asset_ids, asset_mesh
+from oodscen_pybullet.meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet.placing import Site, Spot
 from oodscen_pybullet.surfaces import Ribbons, strip_edges
 from oodscen_pybullet.terrain import Theme
@@ -39,7 +40,38 @@ def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
         "highway": _highway,
         "rural": _rural,
     }
+    for x, y, radius in site.terrain.islands.middles:
+        _plant_island(site, x, y, radius)
     makers[theme](site, is_night)
+
+
+def _plant_island(site: Site, x: float, y: float, radius: float) -> None:
+    """Plant trees and bushes on the middle of a roundabout."""
+    spot = Spot(x, y, (1.0, 0.0), 0.0, 1)
+    site.claim(x, y, spot.heading, radius, radius, margin=0.0)
+    site.stand(greenery.broad_tree(int(site.rng.integers(0, 10)), is_tall=True), spot, 0.0, 0.0)
+    for share, count in ((0.35, 5), (0.62, 9)):
+        for index in range(count):
+            c, s = _CIRCLE[(index * len(_CIRCLE)) // count]
+            reach = share * radius
+            site.stand(
+                greenery.bush(int(site.rng.integers(0, 10))),
+                spot,
+                reach * c,
+                reach * s,
+                site.turn(),
+            )
+
+
+_CIRCLE = tuple(
+    (sign * c, other * s)
+    for sign, other, flip in ((1, 1, 0), (-1, 1, 1), (-1, -1, 0), (1, -1, 1))
+    for c, s in (
+        ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
+        if not flip
+        else ((0.0, 1.0), (0.3827, 0.9239), (0.7071, 0.7071), (0.9239, 0.3827))
+    )
+)
 
 
 def _streets(site: Site) -> list[Way]:
@@ -66,16 +98,27 @@ def _lamps(
 
 
 def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
+    """Put up signs with the road's own limit, where there is a face with that number."""
+    limit = round(way.corridor.speed_limit * 3.6)
+    if limit == 30 and "speed_limit_sign" in asset_ids():
+        mesh = asset_mesh("speed_limit_sign")
+    elif limit == 50:
+        mesh = furniture.speed_sign()
+    else:
+        return
     for spot in site.spots(way, -1, 210.0, first=first):
         x, y = spot.beside(0.0, out)
         if site.ground.is_free((x,), (y,), 0.4) and not site.is_spanned(spot):
-            site.stand(furniture.speed_sign(), spot, 0.0, out, (-spot.heading[0], -spot.heading[1]))
+            site.stand(mesh, spot, 0.0, out, (-spot.heading[0], -spot.heading[1]))
 
 
 def _tree(site: Site, spot: Spot, along: float, out: float, margin: float, kind: str = "") -> None:
     """Put up a tree unless there is no room for it."""
     key = int(site.rng.integers(0, 10))
-    mesh = greenery.broad_tree(key, is_tall=kind == "tall")
+    is_far = out > 14.0 or site.is_far(spot)
+    if is_far and kind == "bush":
+        return
+    mesh = greenery.broad_tree(key, is_tall=kind == "tall", is_far=is_far)
     if kind == "conifer":
         mesh = greenery.conifer(key)
     elif kind == "bush":
@@ -127,6 +170,9 @@ def _home(site: Site, spot: Spot, is_night: bool) -> None:
     if not site.claim(x, y, spot.heading, HOUSE[0] / 2 + 0.3, HOUSE[1] / 2 + 0.3, margin=6.0):
         return
     site.stand(mesh, spot, 0.0, setback)
+    if site.is_far(spot):
+        _tree(site, spot, -4.5, 2.6, 3.5)
+        return
     x, y = spot.beside(-1.8, 0.35)
     if style < 3 and site.claim(x, y, spot.heading, 5.0, 0.3, margin=2.2):
         site.stand(furniture.front(style), spot, -1.8, 0.35)
@@ -240,7 +286,7 @@ def _highway(site: Site, is_night: bool) -> None:
         for strip in way.corridor.strips:
             if strip.kind == "median" and strip.direction >= 0:
                 _, left = strip_edges(way.corridor, way.course, strip)
-                _concrete_barrier(site, way, left)
+                _median_rail(site, way, left)
                 break
         _guard_rails(site, way)
         for side in _SIDES:
@@ -257,33 +303,34 @@ def _highway(site: Site, is_night: bool) -> None:
 
 
 def _guard_rails(site: Site, way: Way) -> None:
-    """Add a rail with posts along both sides, a metre beside the asphalt."""
-    ribbons = Ribbons(way.course)
+    """Add rails with posts along both sides, a metre beside the asphalt."""
     right, left = way.asphalt
-    for t, side in ((left + 1.0, 1), (right - 1.0, -1)):
-        for low, high, colour in ((0.44, 0.56, "rail"), (0.56, 0.60, "post"), (0.60, 0.74, "rail")):
-            if side > 0:
-                ribbons.band(t, t + 1e-4, colour, heights=(low, high))
-            else:
-                ribbons.band(t - 1e-4, t, colour, heights=(high, low))
-        ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74))
-    site.add(ribbons.mesh(), (0.0, 0.0, 0.0), (1.0, 0.0))
-    for side in _SIDES:
-        for spot in site.spots(way, side, 6.0):
-            if not site.is_spanned(spot, 0.0):
-                site.stand(furniture.rail_post(), spot, 0.0, 1.0)
+    _rail(site, way, left + 1.0, 1)
+    _rail(site, way, right - 1.0, -1)
 
 
-def _concrete_barrier(site: Site, way: Way, t: Array) -> None:
-    ribbons = Ribbons(way.course)
-    for side in (-1, 1):
-        for out0, z0, out1, z1 in ((0.32, 0.0, 0.14, 0.3), (0.14, 0.3, 0.1, 0.85)):
-            if side < 0:
-                ribbons.band(t - out0, t - out1, "concrete", heights=(z0, z1))
-            else:
-                ribbons.band(t + out1, t + out0, "concrete", heights=(z1, z0))
-    ribbons.band(t - 0.1, t + 0.1, "light_grey", heights=(0.85, 0.85))
+def _median_rail(site: Site, way: Way, t: Array) -> None:
+    """Add a rail with two faces, back to back, between two carriageways."""
+    _rail(site, way, t - 0.16, 1)
+    _rail(site, way, t + 0.16, -1)
+
+
+def _rail(site: Site, way: Way, t: Array, side: int) -> None:
+    """Add a steel rail whose face looks towards the road: to the right for `side` +1."""
+    ribbons, line = Ribbons(way.course), way.course
+    for low, high, colour in ((0.44, 0.56, "rail"), (0.56, 0.60, "post"), (0.60, 0.74, "rail")):
+        if side > 0:
+            ribbons.band(t, t + 1e-4, colour, heights=(low, high))
+        else:
+            ribbons.band(t - 1e-4, t, colour, heights=(high, low))
+    ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74))
     site.add(ribbons.mesh(), (0.0, 0.0, 0.0), (1.0, 0.0))
+    for row in range(0, len(line.s) - 1):
+        c, s = float(line.cos[row]), float(line.sin[row])
+        x, y = float(line.x[row] - t[row] * s), float(line.y[row] + t[row] * c)
+        heading = (c, s) if side > 0 else (-c, -s)
+        if not any(o.start < line.s[row] < o.end for o in way.corridor.structures):
+            site.add(furniture.rail_post(), (x, y, float(line.z[row])), heading)
 
 
 # ------------------------------------------------------------------ country
@@ -328,11 +375,7 @@ def _rural(site: Site, is_night: bool) -> None:
         for spot in site.spots(way, 1, 4.0):
             if not site.is_spanned(spot):
                 site.try_to_stand(furniture.field_fence(), spot, 0.0, 10.0, margin=6.0, radius=0.3)
-        for spot in site.spots(way, -1, 40.0):
-            x, y = spot.beside(0.0, 13.0)
-            if site.ground.is_free((x,), (y,), 6.0) and not site.is_spanned(spot, 24.0):
-                site.claim(x, y, spot.heading, 0.3, 0.3, margin=0.0)
-                site.stand(furniture.power_pole(), spot, 0.0, 13.0)
+        _power_line(site, way)
         _speed_signs(site, way, 1.6, 90.0)
         for spot in site.spots(way, 1, 330.0, first=40.0):
             _farm(site, spot, is_night)
@@ -343,6 +386,29 @@ def _rural(site: Site, is_night: bool) -> None:
                 )
         _woods(site, way, 15.0, (7.5, 40.0))
     _horizon(site, 70.0)
+
+
+def _power_line(site: Site, way: Way) -> None:
+    """Put up poles along the right side, with wires from each to the next."""
+    last: tuple[Point, Point] | None = None
+    wires = MeshBuilder()
+    for spot in site.spots(way, -1, 40.0):
+        x, y = spot.beside(0.0, 13.0)
+        if not site.ground.is_free((x,), (y,), 6.0) or site.is_spanned(spot, 24.0):
+            last = None
+            continue
+        site.claim(x, y, spot.heading, 0.3, 0.3, margin=0.0)
+        _, _, z = site.stand(furniture.power_pole(), spot, 0.0, 13.0)
+        (ax, ay), (bx, by) = spot.beside(0.0, 12.1), spot.beside(0.0, 13.9)
+        ends: tuple[Point, Point] = ((ax, ay, z + 8.15), (bx, by, z + 8.15))
+        if last is not None:
+            for start, end in zip(last, ends, strict=True):
+                middle = [0.5 * (p + q) for p, q in zip(start, end, strict=True)]
+                low = (middle[0], middle[1], middle[2] - 0.5)
+                wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
+        last = ends
+    if last is not None:
+        site.add(wires.build(hollow=True), (0.0, 0.0, 0.0), (1.0, 0.0))
 
 
 def _farm(site: Site, spot: Spot, is_night: bool) -> None:

@@ -53,7 +53,7 @@ def test_the_ground_has_no_holes(road: RoadMap) -> None:
 @each_map
 def test_scenery_is_large_enough_to_be_rich_and_small_enough_to_be_quick(road: RoadMap) -> None:
     count = sum(len(mesh.triangles) for mesh in built(road)[1].meshes)
-    assert 9_000 < count < 55_000
+    assert 9_000 < count < 60_000
 
 
 @each_map
