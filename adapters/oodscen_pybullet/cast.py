@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from oodscen.catalogue import Asset
+from oodscen.driving import exact
 from oodscen.scene import Scene
 from oodscen.seeding import stream
 from oodscen_pybullet.light import Glow
@@ -15,9 +16,13 @@ Pose = tuple[float, float, float, float]
 STEPS = 8
 """Pictures of one stride, and of one cycle of smoke."""
 RUNNING = 2.4
-"""Speed from which on legs run, in body lengths of a stride per second."""
+"""Speed from which on legs run, in walking strides per second."""
 BRAKING = -1.0
-"""Acceleration below which a vehicle's brake lamps are on, m/s^2."""
+"""Acceleration below which brake lamps are on, m/s^2."""
+_STANDING = 0.05
+"""Speed below which somebody stands, m/s."""
+_IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "hard_brake", "cut_in", "cut_out"})
+"""Behaviours of drivers who keep a foot on the brake while they stand."""
 _FLASHES = 1.5
 """Cycles of a flashing lamp per second; it is lit for two thirds of each."""
 _PUFFS = 6.0
@@ -52,7 +57,8 @@ class Cast:
         """
         self._scene = scene
         self._seed = seed
-        self._members: list[tuple[Asset, str, str, bool]] = []
+        self._members: list[tuple[Asset, str, str, bool, bool]] = []
+        self._behaviours = {actor.id: actor.behaviour.name for actor in scene.actors}
 
     def __len__(self) -> int:
         """Return how many bodies there are."""
@@ -66,7 +72,8 @@ class Cast:
     def add(self, actor_id: str, asset: Asset, state: str) -> None:
         """Add one body; the ego comes first."""
         paint = _paint(self._seed, actor_id, asset.id)
-        self._members.append((asset, state, paint, _runs(self._scene, actor_id)))
+        holds = self._behaviours.get(actor_id) in _IN_TRAFFIC
+        self._members.append((asset, state, paint, _runs(self._scene, actor_id), holds))
 
     def looks(
         self,
@@ -84,11 +91,12 @@ class Cast:
             time: Since the start, s.
         """
         looks = []
-        for (asset, state, paint, runs), pose, speed, acceleration in zip(
+        for (asset, state, paint, runs, holds), pose, speed, acceleration in zip(
             self._members, poses, speeds, accelerations, strict=True
         ):
             shown = state
-            if asset.category == "vehicle" and "brake" in asset.states and acceleration < BRAKING:
+            brakes = acceleration < BRAKING or (holds and abs(speed) < _STANDING)
+            if brakes and "brake" in asset.states:
                 shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
             frame = frame_of(asset.id, state, pose, speed, time)
             looks.append(Look(asset.id, shown, paint, runs, frame))
@@ -98,7 +106,7 @@ class Cast:
         """Return every lamp that is on in world coordinates, the ego's left out."""
         glows = []
         for look, (x, y, z, yaw) in zip(looks[1:], poses[1:], strict=True):
-            c, s = math.cos(yaw), math.sin(yaw)
+            s, c = exact.sincos(yaw)
             for lamp in mesh_of(look).lamps:
                 (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
                 place = (x + c * px - s * py, y + s * px + c * py, z + pz)
@@ -129,12 +137,13 @@ def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> i
 
 def _step(stride: float, pose: Pose, speed: float) -> int:
     pace = abs(speed)
-    if pace < 0.05:
+    if pace < _STANDING:
         return 0
     runs = pace > RUNNING * stride
     length = stride * (1.7 if runs else 1.0)
     x, y, _, yaw = pose
-    way = (x * math.cos(yaw) + y * math.sin(yaw)) / length
+    s, c = exact.sincos(yaw)
+    way = (x * c + y * s) / length
     step = math.floor(round(STEPS * (way - math.floor(way)), 3)) % STEPS
     return 1 + step + (STEPS if runs else 0)
 

@@ -162,12 +162,16 @@ def rest_look(asset: Asset) -> Look:
     return Look(asset.id, asset.states[0] if asset.states else "", paints_of(asset.id)[0])
 
 
+def best_side(asset: Asset) -> float:
+    """Return from where an asset shows its face, degrees counter-clockwise from its front."""
+    return 205.0 if asset.category in _FACES_BACK else 35.0
+
+
 def sheet(assets: Sequence[Asset]) -> Image:
     """Return the pictures of some assets with names and sizes under them."""
     cells = []
     for asset in assets:
-        turn = 205.0 if asset.category in _FACES_BACK else 35.0
-        picture = photograph(rest_look(asset), turn_deg=turn)
+        picture = photograph(rest_look(asset), turn_deg=best_side(asset))
         size = f"{asset.length:g} x {asset.width:g} x {asset.height:g} m"
         cells.append(captioned(picture, asset.id, size))
     return tiled(cells)
