@@ -1,6 +1,7 @@
 """The kernels behind the kinematic world: one step, what is published, what the driver is told."""
 
 import math
+
 from oodscen.driving.acting import act, stand_in_world
 from oodscen.driving.bodies import (
     ACCELERATION,
