@@ -8,6 +8,7 @@ Parts: rate, processes, study, memory, hashes.
 import argparse
 import gc
 import hashlib
+import importlib
 import json
 import multiprocessing
 import os
@@ -282,12 +283,8 @@ def digests(name: str, *, is_reversed: bool = False) -> dict[str, str]:
 
 def environments() -> dict[str, dict[str, str]]:
     """Return the settings that change which instructions libraries choose."""
-    from numpy._core._multiarray_umath import (  # type: ignore[attr-defined]  # not in the stubs
-        __cpu_dispatch__,
-        __cpu_features__,
-    )
-
-    here = [name for name in __cpu_dispatch__ if __cpu_features__.get(name)]
+    chosen = importlib.import_module("numpy._core._multiarray_umath")
+    here = [name for name in chosen.__cpu_dispatch__ if chosen.__cpu_features__.get(name)]
     return {
         "another order": {"ORDER": "reversed"},
         "OPENBLAS_CORETYPE=Prescott": {"OPENBLAS_CORETYPE": "Prescott"},

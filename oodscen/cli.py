@@ -420,12 +420,21 @@ def plugins(as_json: bool) -> None:
 
 
 @main.command()
+@click.argument("simulator", required=False)
+@click.option("--quick", is_flag=True, help="With SIMULATOR: only the parts that take seconds.")
 @json_option
-def doctor(as_json: bool) -> None:
-    """Check that everything the default run needs is here."""
-    from oodscen.doctor import examine
+def doctor(simulator: str | None, quick: bool, as_json: bool) -> None:
+    """Check that everything the default run needs is here; or judge an adapter, SIMULATOR.
 
-    findings = examine()
+    An adapter is judged by what oodscen.testing.check_simulator looks at.
+    """
+    from oodscen.doctor import examine, examine_simulator
+
+    if simulator is None:
+        findings = examine()
+    else:
+        with _bars() as progress:
+            findings = examine_simulator(simulator, is_quick=quick, progress=progress)
     if as_json:
         click.echo(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:

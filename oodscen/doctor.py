@@ -28,6 +28,36 @@ def examine() -> list[Finding]:
     ]
 
 
+def examine_simulator(
+    name: str, *, is_quick: bool = False, progress: Callable[[str, int, int], None] | None = None
+) -> list[Finding]:
+    """Judge one simulator by the conformance check; one finding per fault.
+
+    Args:
+        name: Registered, or `module:attr`.
+        is_quick: Leave out the parts that take long.
+        progress: Told about every part.
+
+    Raises:
+        UsageError: When there is no such simulator.
+    """
+    from oodscen.registry import make_simulator
+    from oodscen.testing.check import PARTS, QUICK, check_simulator
+
+    make_simulator(name).close()
+    parts = QUICK if is_quick else PARTS
+    told = progress or (lambda stage, done, total: None)
+    try:
+        check_simulator(
+            name, parts=parts, progress=lambda part: told("check", parts.index(part), len(parts))
+        )
+    except AssertionError as error:
+        faults = str(error).split("\n  - ")[1:]
+        return [Finding(f"simulator {name}", False, fault) for fault in faults]
+    told("check", len(parts), len(parts))
+    return [Finding(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
+
+
 def _tried(what: str, check: Callable[[], str]) -> Finding:
     try:
         return Finding(what, True, check())

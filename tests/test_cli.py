@@ -175,3 +175,15 @@ def test_doctor_finds_this_installation_healthy():
     findings = {row["what"]: row for row in json.loads(result.stdout)}
     assert result.exit_code == 0, findings
     assert set(findings) == {"python", "built-in author", "encoder", "simulator", "language models"}
+
+
+def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
+    assert call("doctor", "flat", "--quick").exit_code == 0
+    (tmp_path / "odd_simulator.py").write_text(
+        "from oodscen.testing import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = ''\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    result = call("doctor", "odd_simulator:Odd", "--quick", "--json")
+    assert result.exit_code == 1
+    assert [row["detail"] for row in json.loads(result.stdout)] == ["name is empty"]
+    assert call("doctor", "pybulet").exit_code == 2
