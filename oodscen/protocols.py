@@ -6,6 +6,7 @@ plain classes with these members; no base class is required. Most simulators are
 subclass of `oodscen.driving.MirrorSimulator`.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -270,6 +271,8 @@ class Observation:
     """Scale of the road's friction."""
     visual_range_m: float = 10_000.0
     """How far a driver sees through fog, rain and snow."""
+    curve_speed: float = math.inf
+    """Fastest speed from which the curves ahead can be taken on a dry road, m/s."""
     frame: Frame | None = None
     """Where the driver asked for it."""
 

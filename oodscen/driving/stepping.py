@@ -5,6 +5,7 @@ import math
 from oodscen.driving.acting import act, stand_in_world
 from oodscen.driving.bodies import (
     ACCELERATION,
+    GRAVITY,
     HEADING,
     LENGTH,
     LIFT,
@@ -42,10 +43,13 @@ from oodscen.driving.track import (
     neighbour,
     point,
 )
+from oodscen.driving.traffic import curve_speed
 from oodscen.driving.triggers import TIME, fires
 
 FAR_M = 60.0
 """Beyond this distance a gap counts as infinite."""
+_SAMPLES = 12
+"""Places ahead at which the driver looks for a roadside to stop at."""
 
 
 @Kernel
@@ -181,7 +185,7 @@ def is_off_road(w: Situation, sine: float, cosine: float) -> bool:
 
 
 @Kernel
-def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, float]:
+def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, float, float]:
     """Return what the driver is told about the road.
 
     Args:
@@ -190,7 +194,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
 
     Returns:
         Offset, heading error, curvature ahead, offsets of the lanes to the left and to the right
-        (infinite where there is none) and of the roadside.
+        (infinite where there is none) and of the roadside, and the speed that curves ahead allow.
     """
     track, s, t = w.track, w.state[0, S], w.state[0, T]
     middle = centre(track, lane, s)
@@ -202,19 +206,34 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
             break
     beside_left, beside_right = neighbour(track, here, s, 1), neighbour(track, here, s, -1)
     _, _, _, cosine, sine = point(track, s, 0.0)
-    outer, next_right = lane, lane
-    while next_right >= 0:
-        outer = next_right
-        next_right = neighbour(track, outer, s, -1)
-    edge, _ = edges(track, outer, s)
-    is_road, low, _ = drivable_range(track, s, centre(track, outer, s))
-    verge = low if is_road else edge
-    half = 0.5 * w.traits[0, WIDTH]
+    # Room to stop in, as `PullOver` plans it.
+    speed = w.state[0, SPEED]
+    braking = min(2.5, 0.5 * w.friction * GRAVITY)
+    reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
+    roadside = -math.inf
+    for k in range(_SAMPLES):
+        place = roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0))
+        roadside = max(roadside, place)
     return (
         t - middle,
         wrapped(w.state[0, YAW] - atan2(sine, cosine)),
         curvature(track, s + max(1.0, 0.2 * w.state[0, SPEED]), t),
         math.inf if beside_left < 0 else centre(track, beside_left, s) - middle,
         -math.inf if beside_right < 0 else centre(track, beside_right, s) - middle,
-        max(edge - half - 0.2, verge + half + 0.25) - middle,
+        roadside,
+        curve_speed(w, 0, GRAVITY),
     )
+
+
+@part
+def roadside_at(w: Situation, lane: int, s: float) -> float:
+    """Return the offset from the lane's centre at which the ego stands clear of the lanes at `s`."""
+    track, outer, beside = w.track, lane, lane
+    while beside >= 0:
+        outer = beside
+        beside = neighbour(track, outer, s, -1)
+    edge, _ = edges(track, outer, s)
+    is_road, low, _ = drivable_range(track, s, centre(track, outer, s))
+    verge = low if is_road else edge
+    half = 0.5 * w.traits[0, WIDTH]
+    return max(edge - half - 0.2, verge + half + 0.25) - centre(track, lane, s)

@@ -37,6 +37,8 @@ _USED = 0.9
 """Share of the grip that actors use at most."""
 _COMFORT = 0.6
 """Share of the grip that drivers use in curves."""
+_SAMPLES = 10
+"""Places ahead at which a driver looks for curves."""
 _PEAK = 5.7735
 """Largest second derivative of the smooth course from 0 to 1."""
 _MOST, _COMFORTABLE, _HEADWAY, _STANDSTILL = 1.8, 2.5, 1.2, 2.0
@@ -170,16 +172,22 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
 
 
 @part
-def curve_speed(w: Situation, i: int) -> float:
-    """Return the speed from which the curves ahead can be taken within the grip, m/s."""
-    along = _COMFORT * grip(w)
-    braking = min(_COMFORTABLE, 0.5 * grip(w))
+def curve_speed(w: Situation, i: int, grip: float) -> float:
+    """Return the speed from which the curves ahead can be taken, m/s.
+
+    Args:
+        w: The world.
+        i: Row of the driver.
+        grip: What the tyres give at most, m/s^2.
+    """
+    along = _COMFORT * grip
+    braking = min(_COMFORTABLE, 0.5 * grip)
     speed, rows, step = w.state[i, SPEED], w.track.samples, w.track.step
     s, t = w.state[i, S], w.state[i, T]
     reach = 0.5 * speed * speed / braking + 10.0
     square, last = 1e6, rows.shape[0] - 1
-    for k in range(8):
-        ahead = reach * k / 7.0
+    for k in range(_SAMPLES):
+        ahead = reach * k / (_SAMPLES - 1.0)
         place = (s + w.codes[i, DIRECTION] * ahead) / step
         turn = rows[min(max(int(place + 0.5), 0), last), 5]
         if abs(turn) > 1e-5:
@@ -216,7 +224,7 @@ def attentive(w: Situation, i: int, desired: float, headway: float, slowest: flo
 @part
 def desired_speed(w: Situation, i: int) -> float:
     """Return the behaviour's speed, or what the curves ahead allow."""
-    return min(w.traits[i, GOAL], curve_speed(w, i))
+    return min(w.traits[i, GOAL], curve_speed(w, i, grip(w)))
 
 
 @part

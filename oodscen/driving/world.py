@@ -17,7 +17,7 @@ from oodscen.driving.corridor import Corridor
 from oodscen.driving.exact import PI, TAU, cos, quantised, sincos, wrapped
 from oodscen.driving.stepping import advance, is_pulled, look, publish, pull_triggers, see_paths
 from oodscen.driving.track import pack
-from oodscen.driving.traffic import curve_speed, free_road
+from oodscen.driving.traffic import curve_speed, free_road, grip
 from oodscen.driving.triggers import CODES
 from oodscen.driving.visibility import visual_range
 from oodscen.protocols import Control, Observation
@@ -209,7 +209,7 @@ class KinematicWorld:
 
     def observe(self) -> Observation:
         """Return what the ego's driver is told."""
-        offset, askew, curvature, left, right, roadside = look(self._situation, self.lane)
+        offset, askew, curvature, left, right, roadside, fastest = look(self._situation, self.lane)
         return Observation(
             self.time,
             float(self._state[0, table.SPEED]),
@@ -222,6 +222,7 @@ class KinematicWorld:
             roadside,
             self.friction,
             self.visual_range,
+            fastest,
         )
 
     def is_off_road(self) -> bool:
@@ -290,7 +291,7 @@ class KinematicWorld:
         state, start = self._state[0], self.corridor.start
         state[table.S], state[table.T] = start, self.corridor.centre(self.lane, start)
         state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
-        self._codes[0, table.OTHER] = -1
+        self._codes[0, table.OTHER], self._codes[0, table.DIRECTION] = -1, 1
         self._codes[0, table.IS_LIT] = 1
         stand_on_road(self._situation, 0)
         stand_in_world(self._situation, 0)
@@ -339,7 +340,7 @@ class KinematicWorld:
         state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
         stand_on_road(self._situation, row)
         if speed > 0.0 and code < RUN_RED:
-            fastest = float(curve_speed(self._situation, row))
+            fastest = float(curve_speed(self._situation, row, grip(self._situation)))
             state[table.SPEED] = quantised(min(speed, fastest))
 
     def _attach(self, row: int) -> None:

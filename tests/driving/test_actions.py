@@ -10,7 +10,7 @@ from oodscen.driving import (
     action_driver,
     is_available,
 )
-from oodscen.driving.actions import ChangeLane
+from oodscen.driving.actions import ChangeLane, PullOver
 from oodscen.episode import ACTIONS
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation
@@ -61,10 +61,8 @@ def test_actions_keep_to_the_road_and_to_their_course(road, action: str) -> None
                     continue
                 one, told, driver = result
                 target = 0.0
-                if isinstance(driver, ChangeLane):
+                if isinstance(driver, ChangeLane | PullOver):
                     target = driver.origin + driver.shift
-                elif action == "pull_over":
-                    target = told[-1].roadside_m
                 offsets = [now.offset_m for now in told]
                 assert abs(offsets[-1] - target) < 0.15
                 assert max(offsets) < max(0.0, target) + 0.15

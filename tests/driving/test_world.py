@@ -109,7 +109,7 @@ def test_a_blind_driver_keeps_its_lane(road) -> None:
             told = one.observe()
             assert abs(told.offset_m) < 0.1
             assert not one.is_off_road()
-        assert math.isclose(one.ego.speed, road.speed_limit, abs_tol=0.05)
+        assert math.isclose(one.ego.speed, min(road.speed_limit, told.curve_speed), abs_tol=0.05)
 
 
 def test_the_driver_is_told_about_the_lanes_beside_it() -> None:
