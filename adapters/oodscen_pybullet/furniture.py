@@ -34,9 +34,10 @@ def front(style: int) -> Mesh:
     if style == 0:
         mesh.box((0, 0, 0.4), (10.0, 0.6, 1.3), "hedge", caps="t")
     elif style == 1:
-        for index in range(11):
-            mesh.box((-5.0 + 1.0 * index, 0, 0.4), (0.55, 0.05, 1.0), "fence", caps="t")
-        mesh.box((0, 0.05, 0.7), (10.0, 0.05, 0.08), "fence", caps="")
+        for index in range(6):
+            mesh.box((-5.0 + 2.0 * index, 0, 0.4), (0.12, 0.12, 1.3), "wall_white", caps="t")
+        for z in (0.3, 0.6, 0.9):
+            mesh.box((0, 0, z), (10.0, 0.05, 0.14), "wall_white", caps="t")
     else:
         mesh.box((0, 0, 0.2), (10.0, 0.25, 0.9), "wall_brick", caps="")
         mesh.box((0, 0, 0.67), (10.0, 0.32, 0.06), "concrete", caps="t")

@@ -60,6 +60,8 @@ class Course:
         s[-1] = max(last, float(s[-2]) + 0.25 * step)
         middle = np.interp(0.5 * (s[1:] + s[:-1]), corridor.s, np.abs(corridor.curvature))
         parts = [s[:-1], *(s[:-1][middle > TIGHT] + k * step / 3 for k in (1, 2)), s[-1:]]
+        spans = [end for one in corridor.structures for end in (one.start, one.end)]
+        parts.append(np.array([end for end in spans if first < end < last], np.float64))
         s = np.unique(np.concatenate(parts))
         inside = np.clip(s, 0.0, corridor.length)
         cos = np.interp(inside, corridor.s, corridor.cos)

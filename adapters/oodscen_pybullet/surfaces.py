@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import Corridor, LaneStrip
-from oodscen.driving.corridor import DRIVABLE
+from oodscen.driving.corridor import DRIVABLE, Outline
 from oodscen_pybullet.ground import Course, Ground, Way
 from oodscen_pybullet.meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet.meshes.builder import Mesh
@@ -19,6 +19,8 @@ LAYER = 0.004
 """Height between what lies upon each other on the road, m."""
 PAINT = 0.008
 """Height of marks above the asphalt, m."""
+_MOUTH_M = 9.0
+"""Marks end at a crosswalk that is this close to its junction, m."""
 _WIDER = 0.25
 """How far asphalt reaches below kerbs, m."""
 
@@ -116,7 +118,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
         layer = 0.0 if way.is_ego else -LAYER * (1 + index % 5)
         _lay(way, ribbons, theme, layer, rng)
         if not way.is_connecting:
-            _mark_lanes(way, ribbons, layer)
+            _mark_lanes(way, ribbons, layer, ground.corridor.crosswalks)
         if way.is_ego:
             _wear(way, ribbons, rng)
         parts.append(ribbons)
@@ -195,6 +197,13 @@ def _kerb_medians(ribbons: Ribbons, medians: Sequence[tuple[Array, Array, Mask]]
         np.where(is_there.any(axis=0), left, 0),
     )
     _kerbs(ribbons, right, left, "kerb", "kerb_side", where)
+    rows = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
+    low, high = ribbons.course.points(right, -0.03), ribbons.course.points(left, KERB)
+    for row, is_first in zip(rows.tolist(), [True, False] * (len(rows) // 2), strict=True):
+        (ax, ay, az), (bx, by, bz) = low[row].tolist(), high[row].tolist()
+        front = np.array([[(bx, by, az), (ax, ay, az), (ax, ay, bz), (bx, by, bz)]])
+        uv = np.broadcast_to(swatch_uv("kerb_side"), (1, 4, 2))
+        ribbons.quads(front if is_first else front[:, [1, 0, 3, 2]], uv)
 
 
 def _raise(ribbons: Ribbons, right: Array, left: Array, surface: str, where: Mask) -> None:
@@ -257,14 +266,11 @@ def _surface(strip: LaneStrip, theme: Theme) -> tuple[str, bool]:
 # ------------------------------------------------------------------ marks
 
 
-def _mark_lanes(way: Way, ribbons: Ribbons, layer: float) -> None:
+def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Outline]) -> None:
     """Paint the marks on the edges of lanes, and the bays of parking strips."""
     course, strips, road = way.course, way.corridor.strips, way.corridor
     outside = np.interp(course.s, road.s, road.in_junction.astype(np.float64)) < 0.5
-    first, last = float(road.s[0]), float(road.s[-1])
-    if not way.is_ego:
-        outside &= (course.s > first - 1e3) & (course.s < last + 1e3)
-    free, dark = _pieces(outside), _spanned(way, ("tunnel",))
+    free, dark = _pieces(outside) & ~_crossed(way, outlines), _spanned(way, ("tunnel",))
     height = layer + PAINT
     for index in range(len(strips) + 1):
         mark = strips[0].right_mark if index == 0 else strips[index - 1].mark
@@ -284,6 +290,28 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float) -> None:
     for strip in strips:
         if strip.kind == "parking":
             _bays(way, ribbons, strip, height, outside)
+
+
+def _crossed(way: Way, outlines: Sequence[Outline]) -> Mask:
+    """Tell which pieces lie below a crosswalk or a stop line, or between one and the junction."""
+    line, road = way.course, way.corridor
+    found = np.zeros(len(line.s) - 1, bool)
+    inside = np.interp(line.s, road.s, road.in_junction.astype(np.float64)) > 0.5
+    mouths = [0.0, road.length, *line.s[inside].tolist()]
+    for outline in outlines:
+        middle = np.asarray(outline.points, np.float64)[:-1].mean(axis=0)
+        s, t = road.locate(float(middle[0]), float(middle[1]))
+        right = float(np.interp(s, line.s, way.asphalt[0]))
+        left = float(np.interp(s, line.s, way.asphalt[1]))
+        if not (0.0 <= s <= road.length and right < t < left):
+            continue
+        places = [road.locate(x, y)[0] for x, y in np.asarray(outline.points).tolist()]
+        low, high = min(places), max(places)
+        for mouth in mouths:
+            if abs(mouth - s) < _MOUTH_M:
+                low, high = min(low, mouth), max(high, mouth)
+        found |= (line.s[1:] > low + 0.05) & (line.s[:-1] < high - 0.05)
+    return found
 
 
 def _dashes(course: Course) -> Mask:

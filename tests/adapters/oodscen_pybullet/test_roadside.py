@@ -1,9 +1,12 @@
+import math
 from functools import lru_cache
 
 import numpy as np
 import pytest
 from oodscen_pybullet.ground import Ground
+from oodscen_pybullet.meshes.atlas import swatch_uv
 from oodscen_pybullet.roadside import Scenery, build_scenery
+from oodscen_pybullet.signals import replaced
 
 from oodscen.catalogue import RoadMap
 from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
@@ -84,3 +87,84 @@ def test_windows_are_lit_at_night() -> None:
         for dark in (False, True)
     )
     assert len(night.meshes[2].triangles) > len(day.meshes[2].triangles)
+
+
+@each_map
+def test_marks_lie_on_the_edges_of_lanes(road: RoadMap) -> None:
+    corridor, scenery = built(road)
+    mesh = scenery.meshes[0]
+    is_mark = (np.abs(mesh.uvs - swatch_uv("mark")) < 1e-9).all(axis=1)
+    corners = mesh.vertices[is_mark][::37]
+    outlines = [np.asarray(one.points) for one in corridor.crosswalks]
+    roads = [corridor, *(o.corridor for o in corridor.others if not o.is_connecting)]
+    for x, y, _ in corners.tolist():
+        in_outline = any(
+            (o.min(axis=0) - 0.1 <= (x, y)).all() and (o.max(axis=0) + 0.1 >= (x, y)).all()
+            for o in outlines
+        )
+        assert in_outline or any(_is_on_edge(one, x, y) for one in roads), (x, y)
+
+
+def _is_on_edge(road: Corridor, x: float, y: float) -> bool:
+    s, t = road.locate(x, y)
+    edges = [edge for strip in range(len(road.strips)) for edge in road.edges(strip, s)]
+    return min(abs(t - edge) for edge in edges) < 0.26
+
+
+def test_a_scenes_own_signal_stands_in_for_the_maps() -> None:
+    corridor, _ = built(next(road for road in SHIPPED_MAPS if road.id == "urban_junction"))
+    first, *others = corridor.signals
+    near = replaced(corridor, [(first.x + 2.0, first.y)])
+    assert first.id in near
+    assert near != {one.id for one in corridor.signals}
+    assert replaced(corridor, [(first.x + 300.0, first.y)]) == frozenset()
+    assert others
+
+
+def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "urban_junction")
+    corridor, scenery = built(road)
+    green = [one for one in scenery.signals if one.colour[1] > one.colour[0]]
+    red = [one for one in scenery.signals if one.colour[0] > one.colour[1]]
+    ahead = corridor.heading(corridor.start)
+    along = np.array([math.cos(ahead), math.sin(ahead)])
+    assert green
+    assert red
+    for lamps, is_along in ((green, True), (red, False)):
+        for lamp in lamps:
+            cosine = abs(float((np.array(lamp.facing[:2]) * along).sum()))
+            assert (cosine > 0.7) == is_along
+    without = frozenset(one.id for one in corridor.signals)
+    assert not build_scenery(corridor, frozenset(road.traits), 0, road.id, without=without).signals
+
+
+def test_the_ground_rises_with_the_road() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "rural_hill")
+    corridor, scenery = built(road)
+    for s in np.linspace(corridor.start, corridor.start + 300.0, 13).tolist():
+        left, right = corridor.extent(s)[1] + 1.0, corridor.extent(s)[0] - 1.0
+        for t in (left, right):
+            x, y, z, _ = corridor.point(s, t)
+            assert abs(scenery.terrain.height(x, y) - z) < 0.6
+
+
+def test_ground_lifts_what_stands_on_a_pavement_and_nothing_on_the_road() -> None:
+    corridor, scenery = built(SHIPPED_MAPS[1])
+    strip = next(i for i, one in enumerate(corridor.strips) if one.kind == "sidewalk")
+    s = corridor.start + 20.0
+    places = [corridor.point(s, corridor.centre(i, s)) for i in (strip, corridor.ego_lanes[0])]
+    lifts = scenery.terrain.lifts(
+        np.array([place[0] for place in places]), np.array([place[1] for place in places])
+    )
+    assert lifts.tolist() == pytest.approx([0.1, 0.0])
+
+
+def test_a_roundabouts_middle_is_an_island() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
+    _, scenery = built(road)
+    islands = scenery.terrain.islands
+    assert len(islands.middles) == 1
+    x, y, radius = islands.middles[0]
+    assert radius > 5.0
+    assert islands.covers(np.array([[x, y]])).all()
+    assert not built(SHIPPED_MAPS[0])[1].terrain.islands.middles
