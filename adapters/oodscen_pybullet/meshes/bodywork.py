@@ -167,6 +167,6 @@ def underside(mesh: MeshBuilder, front: float, rear: float, half: float, z: floa
         mesh.beam((x, -half, z + 0.02), (x, half, z + 0.02), 0.09, "rust")
     mesh.beam((front, 0.12, z), (rear, 0.12, z), 0.08, "metal")
     mesh.beam((front - 0.3, -0.35, z), (rear - 0.7, -0.35, z), 0.08, "exhaust")
-    mesh.box((rear - 0.55, -0.4, z + 0.02), (0.5, 0.3, 0.12), "metal")
+    mesh.box((rear - 0.45, -0.4, z + 0.06), (0.5, 0.3, 0.1), "dirty_hub")
     mesh.box((rear + 0.6, 0.35, z + 0.03), (0.7, 0.5, 0.1), "black")
     mesh.box((front + 0.15, 0, z + 0.03), (0.6, 0.5, 0.12), "dark_grey")

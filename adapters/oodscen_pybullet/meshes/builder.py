@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen_pybullet.meshes.atlas import region_uv, swatch_uv
+from oodscen_pybullet.meshes.shapes import Array, Point, cut, flat_normal, moved, ring, unit_rows
 
-Point = tuple[float, float, float]
-Array = NDArray[np.float64]
+__all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class MeshBuilder:
 
     def _add(self, corners: Array, uvs: Array, normals: Array | None = None) -> Self:
         if normals is None:
-            normal = _newell(corners.tolist())
+            normal = flat_normal(corners.tolist())
             if normal is None:
                 return self
             normals = np.tile(np.array(normal), (len(corners), 1))
@@ -171,10 +171,8 @@ class MeshBuilder:
         self, start: Point, end: Point, width: float, colour: str, *, end_width: float | None = None
     ) -> Self:
         """Add a square bar from one point to another, which may taper."""
-        ring_a = _ring(start, end, [width / 2] * 4, 4, start)
-        ring_b = _ring(
-            start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end
-        )
+        ring_a = ring(start, end, [width / 2] * 4, 4, start)
+        ring_b = ring(start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end)
         return self._tube(ring_a, ring_b, colour, colour, smooth=False)
 
     def cylinder(
@@ -191,8 +189,8 @@ class MeshBuilder:
     ) -> Self:
         """Add a round bar, cone or disc from one point to another."""
         last = radius if end_radius is None else end_radius
-        ring_a = _ring(start, end, [radius] * sides, sides, start, phase)
-        ring_b = _ring(start, end, [last] * sides, sides, end, phase)
+        ring_a = ring(start, end, [radius] * sides, sides, start, phase)
+        ring_b = ring(start, end, [last] * sides, sides, end, phase)
         return self._tube(ring_a, ring_b, colour, cap_colour or colour, smooth=True)
 
     def _tube(
@@ -200,7 +198,7 @@ class MeshBuilder:
     ) -> Self:
         sides = len(ring_a)
         uvs = np.tile(swatch_uv(colour), (4, 1))
-        outward_a = _unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
+        outward_a = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
         for i in range(sides):
             j = (i + 1) % sides
             corners = np.array([ring_a[i], ring_a[j], ring_b[j], ring_b[i]])
@@ -294,7 +292,7 @@ class MeshBuilder:
                 way = [(0.0, c * two, s * one) for c, s in round_off]
             corners.append(np.array(row))
             rows = np.array(way)
-            outward.append(_unit_rows(rows, rows + np.array([0.0, 0.0, 1.0])))
+            outward.append(unit_rows(rows, rows + np.array([0.0, 0.0, 1.0])))
         names = [colours] * (len(rings) - 1) if isinstance(colours, str) else list(colours)
         for k, name in enumerate(names):
             uvs = np.tile(swatch_uv(name), (4, 1))
@@ -399,15 +397,14 @@ class MeshBuilder:
         move = np.array(offset)
         self._points = [rows * scale + move for rows in self._points]
         self._solids = [
-            (_moved(c, scale, offset), (h[0] * scale, h[1] * scale, h[2] * scale))
+            (moved(c, scale, offset), (h[0] * scale, h[1] * scale, h[2] * scale))
             for c, h in self._solids
         ]
         self._lamps = [
-            Lamp(_moved(p.position, scale, offset), p.colour, p.facing, p.power)
-            for p in self._lamps
+            Lamp(moved(p.position, scale, offset), p.colour, p.facing, p.power) for p in self._lamps
         ]
         self._puffs = [
-            replace(p, position=_moved(p.position, scale, offset), radius=p.radius * scale)
+            replace(p, position=moved(p.position, scale, offset), radius=p.radius * scale)
             for p in self._puffs
         ]
         return self
@@ -436,7 +433,7 @@ class MeshBuilder:
         """
         vertices = np.concatenate(self._points)
         low, high = self.bounds
-        solids = [_cut(solid, low, high) for solid in self._solids]
+        solids = [cut(solid, low, high) for solid in self._solids]
         if not solids and not hollow:
             centre, half = (low + high) / 2, (high - low) / 2
             solids = [
@@ -454,59 +451,3 @@ class MeshBuilder:
             lamps=tuple(self._lamps),
             puffs=tuple(self._puffs),
         )
-
-
-def _newell(corners: list[list[float]]) -> Point | None:
-    """Return a flat polygon's unit normal, or `None` where it has no area."""
-    nx = ny = nz = 0.0
-    for (x0, y0, z0), (x1, y1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
-        nx += (y0 - y1) * (z0 + z1)
-        ny += (z0 - z1) * (x0 + x1)
-        nz += (x0 - x1) * (y0 + y1)
-    length = math.sqrt(nx * nx + ny * ny + nz * nz)
-    return (nx / length, ny / length, nz / length) if length > 1e-9 else None
-
-
-def _cut(solid: tuple[Point, Point], low: Array, high: Array) -> tuple[Point, Point]:
-    """Return a box cut to bounds."""
-    centre, half = np.array(solid[0]), np.array(solid[1])
-    below, above = np.maximum(centre - half, low), np.minimum(centre + half, high)
-    middle, size = ((below + above) / 2).tolist(), ((above - below) / 2).tolist()
-    return (middle[0], middle[1], middle[2]), (size[0], size[1], size[2])
-
-
-def _moved(point: Point, scale: float, offset: Point) -> Point:
-    return (
-        point[0] * scale + offset[0],
-        point[1] * scale + offset[1],
-        point[2] * scale + offset[2],
-    )
-
-
-def _ring(
-    start: Point, end: Point, radii: Sequence[float], sides: int, at: Point, phase: float = 0.0
-) -> Array:
-    """Return points around the axis from `start` to `end`, counter-clockwise seen from `end`."""
-    axis = np.array(end) - np.array(start)
-    axis = axis / math.sqrt(float((axis * axis).sum()))
-    helper = np.array([0.0, 0.0, 1.0]) if abs(axis[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    first = np.cross(helper, axis)
-    first = first / math.sqrt(float((first * first).sum()))
-    second = np.cross(axis, first)
-    if sides == 4:
-        radii = [radius * math.sqrt(2.0) for radius in radii]
-        phase += math.pi / 4
-    turns = [2 * math.pi * i / sides + phase for i in range(sides)]
-    return np.array(
-        [
-            np.array(at) + radius * (math.cos(turn) * first + math.sin(turn) * second)
-            for radius, turn in zip(radii, turns, strict=True)
-        ]
-    )
-
-
-def _unit_rows(rows: Array, fallback: Array) -> Array:
-    """Scale rows to unit length; rows of length zero take the fallback's direction."""
-    lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
-    rows = np.where(lengths > 1e-9, rows, fallback)
-    return np.asarray(rows / np.maximum(np.sqrt((rows * rows).sum(axis=1, keepdims=True)), 1e-9))

@@ -129,9 +129,8 @@ def spilled_gravel(shown: Shown) -> MeshBuilder:
         "gravel",
         around=12,
         down=8,
-        jitter=0.07,
+        jitter=0.13,
         key=401,
-        second_colour="rock",
     )
     mesh.ball(
         (-0.5, 0.7, 0.0),
@@ -141,12 +140,11 @@ def spilled_gravel(shown: Shown) -> MeshBuilder:
         down=6,
         jitter=0.1,
         key=402,
-        second_colour="rock",
     )
-    for index in range(14):
-        turn, reach = index * 2.4, 1.0 + 0.06 * (index % 5)
+    for index in range(24):
+        turn, reach = index * 2.4, 1.0 + 0.05 * (index % 5)
         x, y = 1.25 * reach * math.cos(turn), 1.6 * reach * math.sin(turn)
-        size = 0.06 + 0.02 * (index % 3)
+        size = 0.07 + 0.03 * (index % 3)
         mesh.ball(
             (x, y, 0.6 * size),
             (size, size, 0.8 * size),
