@@ -111,6 +111,8 @@ class Terrain:
 
     def lifts(self, x: Array, y: Array) -> Array:
         """Return how far the ground is above the roads around it at places, m; 0 on asphalt."""
+        if len(x) == 0:
+            return np.zeros(0)
         near = self.ground.near(x, y)
         outside, inside, within = self._heights(x, y)
         high = np.where(within, inside, outside) + self.lift - near.z
