@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving.exact import cos, sin
 from oodscen_pybullet.meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet.meshes.shapes import Array, Point, cut, flat_normal, moved, ring, unit_rows
 
@@ -238,9 +239,9 @@ class MeshBuilder:
             for j in range(around):
                 turn = 2 * math.pi * j / around
                 grid[i, j] = (
-                    math.sin(polar) * math.cos(turn),
-                    math.sin(polar) * math.sin(turn),
-                    math.cos(polar),
+                    sin(polar) * cos(turn),
+                    sin(polar) * sin(turn),
+                    cos(polar),
                 )
         smooth = grid.copy()
         if jitter:
@@ -281,7 +282,7 @@ class MeshBuilder:
             caps: Which ends are closed: `b`, `t` or both.
         """
         turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
-        round_off = [(math.cos(turn), math.sin(turn)) for turn in turns]
+        round_off = [(cos(turn), sin(turn)) for turn in turns]
         corners, outward = [], []
         for (x, y, z), one, two in rings:
             if axis == "z":
@@ -374,7 +375,7 @@ class MeshBuilder:
         """
         points, normals = other.vertices.copy(), other.normals.copy()
         if roll:
-            c, s = math.cos(roll), math.sin(roll)
+            c, s = cos(roll), sin(roll)
             for rows in (points, normals):
                 y, z = rows[:, 1].copy(), rows[:, 2].copy()
                 rows[:, 1], rows[:, 2] = c * y - s * z, s * y + c * z
@@ -382,7 +383,7 @@ class MeshBuilder:
             points[:, 1] *= -1
             points[:, 2] = upside_down - points[:, 2]
             normals[:, 1:] *= -1
-        c, s = math.cos(yaw), math.sin(yaw)
+        c, s = cos(yaw), sin(yaw)
         for rows in (points, normals):
             x, y = rows[:, 0].copy(), rows[:, 1].copy()
             rows[:, 0], rows[:, 1] = c * x - s * y, s * x + c * y

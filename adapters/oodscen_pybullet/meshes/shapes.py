@@ -6,6 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving.exact import cos, sin
+
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 
@@ -54,7 +56,7 @@ def ring(
     turns = [2 * math.pi * i / sides + phase for i in range(sides)]
     return np.array(
         [
-            np.array(at) + radius * (math.cos(turn) * first + math.sin(turn) * second)
+            np.array(at) + radius * (cos(turn) * first + sin(turn) * second)
             for radius, turn in zip(radii, turns, strict=True)
         ]
     )
