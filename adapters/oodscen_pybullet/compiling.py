@@ -37,11 +37,12 @@ def kernel(function: Kernel) -> Kernel:
 
 
 def inlined(function: Kernel) -> Kernel:
-    """Compile a function into every kernel that calls it."""
+    """Compile a function into every kernel that calls it; for others it stays what it is."""
     if numba is None:
         return function
-    compiled = numba.njit(inline="always", error_model="numpy")(function)
-    return cast(Kernel, compiled)
+    from numba.extending import register_jitable
+
+    return cast(Kernel, register_jitable(inline="always", error_model="numpy")(function))
 
 
 @contextlib.contextmanager
@@ -55,7 +56,8 @@ def announcing() -> Iterator[None]:
     class _Listener(event.Listener):  # type: ignore[misc]  # numba is not typed
         def on_start(self, event: Any) -> None:
             global _announced
-            if not _announced:
+            module = str(event.data["dispatcher"].py_func.__module__)
+            if not _announced and module.startswith("oodscen"):
                 _announced = True
                 print(
                     "oodscen: compiling the rasteriser; this takes about a minute and happens once",

@@ -65,9 +65,10 @@ def cloud_share(cloud: Any, edge: Any, floor: Any) -> Any:
 @inlined
 def grain(number: Any) -> Any:
     """Return noise between -4 and 4 from the number of a pixel; uint32 in."""
-    mixed = number * np.uint32(2654435761)
-    mixed = (mixed ^ (mixed >> np.uint32(15))) * np.uint32(2246822519)
-    mixed = mixed ^ (mixed >> np.uint32(13))
+    # numba multiplies in 64 bits, NumPy in 32.
+    mixed = np.uint32(number * np.uint32(2654435761))
+    mixed = np.uint32((mixed ^ (mixed >> np.uint32(15))) * np.uint32(2246822519))
+    mixed = np.uint32(mixed ^ (mixed >> np.uint32(13)))
     return np.float32(mixed % np.uint32(9)) - np.float32(4.0)
 
 
@@ -249,8 +250,8 @@ def develop_pixels(
         if is_sky:
             through = settings[SKY_THROUGH]
             low, between = np.int64(heaven[y, 3]), heaven[y, 4]
-            for i in range(sheet.shape[1]):
-                clouds[i] = sheet[low, i] + (sheet[low + 1, i] - sheet[low, i]) * between
+            for x in range(sheet.shape[1]):
+                clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
             for x in range(width):
                 if sky[y, x] == 0:
                     continue
@@ -263,9 +264,11 @@ def develop_pixels(
                 g = heaven[y, 1] + (grey * np.float32(0.984) - heaven[y, 1]) * share
                 b = heaven[y, 2] + (grey - heaven[y, 2]) * share
                 if through < _ONE:
-                    r = settings[AIR_R] + glow + (r - settings[AIR_R] - glow) * through
-                    g = settings[AIR_G] + glow + (g - settings[AIR_G] - glow) * through
-                    b = settings[AIR_B] + glow + (b - settings[AIR_B] - glow) * through
+                    air_r, air_g = settings[AIR_R] + glow, settings[AIR_G] + glow
+                    air_b = settings[AIR_B] + glow
+                    r = air_r + (r - air_r) * through
+                    g = air_g + (g - air_g) * through
+                    b = air_b + (b - air_b) * through
                 if sky[y, x] == full:
                     red[x], green[x], blue[x] = r, g, b
                 else:
@@ -337,7 +340,8 @@ def develop_arrays(
     blue = heaven[:, :3].T[:, :, None]
     tones = np.array([0.971, 0.984, 1.0], np.float32).reshape(3, 1, 1)
     behind = blue + (grey[None] * tones - blue) * share[None]
-    behind = air + (behind - air) * settings[SKY_THROUGH]
+    if settings[SKY_THROUGH] < _ONE:
+        behind = air + (behind - air) * settings[SKY_THROUGH]
     colours += (behind - colours) * (sky.astype(np.float32) * _TINY)[None]
     if settings[GRAIN] > 0.0:
         numbers = np.arange(height * width, dtype=np.uint32) + np.uint32(settings[NOISE])

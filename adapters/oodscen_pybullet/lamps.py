@@ -56,11 +56,11 @@ def ground_light(view: View, glows: Sequence[Glow], light: Light) -> Float | Non
         ]
         x = np.arange(j0, j1, dtype=np.float32) - np.float32(GRID_ASIDE / 2)
         x = (x * np.float32(GRID_CELL) - np.float32(aside))[None, :]
-        square = x * x + y * y
+        square = np.asarray(x * x + y * y, np.float32)
         rim = np.maximum(np.float32(1.0) - square * np.float32(1.0 / reach**2), np.float32(0.0))
         if glow.is_street:
             fall = np.float32(1.0) + square * np.float32(1.0 / 55.0)
-            pool = np.float32(0.62) / (fall * fall)
+            pool: NDArray[np.floating] = np.float32(0.62) / (fall * fall)
         elif has_cone:
             along = x * np.float32(facing[0]) + y * np.float32(facing[1])
             across = square - along * along

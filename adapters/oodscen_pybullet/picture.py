@@ -180,4 +180,4 @@ def _spread(across: F32, width: float) -> F32:
 def _halo(upwards: F32) -> F32:
     """Return how bright the air before the ego's lamps is, by rows, [height]."""
     high = np.clip((upwards + np.float32(0.06)) * np.float32(1.0 / 0.3), 0.0, 8.0)
-    return (np.float32(1.0) / (np.float32(1.0) + high * high)).astype(np.float32)
+    return np.asarray(np.float32(1.0) / (np.float32(1.0) + high * high), np.float32)

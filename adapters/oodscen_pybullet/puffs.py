@@ -114,7 +114,7 @@ def filled(view: View, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
     depth = np.full(shape, np.inf, np.float32)
     some = [ball for ball in balls if ball.row == row]
     add_puffs(image, depth, rows, view, some, _DAY, 0.0, (0.0, 0.0, 0.0))
-    return rows == row
+    return np.asarray(rows == row)
 
 
 _DAY = Light((0.0, 0.0, 1.0), 1.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0), has_glare=False)

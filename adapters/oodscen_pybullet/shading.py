@@ -387,8 +387,8 @@ def gather(
                 if last >= 0:
                     _smooth(
                         spots,
-                        starts[last],
-                        starts[last + 1],
+                        int(starts[last]),
+                        int(starts[last + 1]),
                         mixtures,
                         nearness,
                         shown,
@@ -402,6 +402,6 @@ def gather(
                         sky,
                     )
                 if last >= 1:
-                    _settle(spots, starts[last - 1], starts[last], mixtures, rgb)
+                    _settle(spots, int(starts[last - 1]), int(starts[last]), mixtures, rgb)
     if detail == 2:
-        _settle(spots, starts[height - 1], starts[height], mixtures, rgb)
+        _settle(spots, int(starts[height - 1]), int(starts[height]), mixtures, rgb)

@@ -123,23 +123,22 @@ def cast(
             give = 0.5 * (abs(slope_x) + abs(slope_y))
             first, last = int(max(math.floor(low_y), 0.0)), int(min(math.ceil(high_y), most))
             floor, top = np.float32(low_z), np.float32(high_z)
-            west, east = most + 1.0, -1.0
+            west, east = float(most) + 1.0, -1.0
             for row in range(first, last + 1):
                 at = min(max(np.float64(row), low_y), high_y)
                 left, right = 1e30, -1e30
                 for j in range(3):
                     i = j + 1 if j < 2 else 0
                     if (py[j] < at) != (py[i] < at) or py[j] == at:
-                        x = px[j]
-                        if py[j] != py[i]:
-                            x += (px[i] - px[j]) * ((at - py[j]) / (py[i] - py[j]))
+                        share = (at - py[j]) / (py[i] - py[j]) if py[j] != py[i] else 0.0
+                        x = px[j] + (px[i] - px[j]) * share
                         left, right = min(left, x), max(right, x)
                 # Half a cell wider on both sides: what is thin must not be lost between cells.
                 start = max(math.ceil(left - 0.5), 0.0)
                 stop = min(math.floor(right + 0.5), most) + 1.0
                 if not start < stop:
                     continue
-                west, east = min(west, start), max(east, stop - 1.0)
+                west, east = min(west, float(start)), max(east, float(stop) - 1.0)
                 begin = np.float32(
                     pz[0] + slope_x * (start - px[0]) + slope_y * (row - py[0]) - give
                 )

@@ -89,7 +89,7 @@ def cloud_columns(view: View) -> Float:
     turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
     columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / _TAU)
     columns -= np.floor(columns * np.float32(1 / SHEET[1])) * np.float32(SHEET[1])
-    return np.clip(columns, 0.0, np.float32(SHEET[1] - 0.001)).astype(np.float32)
+    return np.asarray(np.clip(columns, 0.0, np.float32(SHEET[1] - 0.001)), np.float32)
 
 
 def cloud_cover(weather: Weather) -> float:

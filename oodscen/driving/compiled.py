@@ -9,7 +9,7 @@ call after an installation waits; a line on stderr says so.
 """
 
 import hashlib
-import importlib.util
+import importlib
 import sys
 from collections.abc import Callable
 from functools import cache
@@ -52,8 +52,12 @@ class Integers(Protocol):
 
 @cache
 def is_compiled() -> bool:
-    """Tell whether kernels are compiled here."""
-    return importlib.util.find_spec("numba") is not None
+    """Tell whether kernels are compiled here: numba is installed, and works."""
+    try:
+        importlib.import_module("numba")
+    except Exception:  # a broken numba fails in many ways
+        return False
+    return True
 
 
 def part(function: Function) -> Function:

@@ -13,6 +13,7 @@ from oodscen_pybullet.engine import load_pybullet
 from oodscen_pybullet.meshes import Mesh, asset_ids, paints_of
 from oodscen_pybullet.meshes.builder import MeshBuilder
 from oodscen_pybullet.stage import BulletStage, Pose, Shot, Stage
+from oodscen_pybullet.triangles import MIRROR, PLAIN, SHINING
 from oodscen_pybullet.view import View
 
 from oodscen.protocols import Camera
@@ -186,3 +187,29 @@ def test_neighbours_leave_no_gap_wherever_the_camera_is() -> None:
     for x, y, yaw, pitch in rng.uniform((695, -310, -3, 30), (705, -290, 3, 60), (12, 4)).tolist():
         view = View.of(Camera(320, 240, pitch_deg=pitch), (x, y, 0.0, yaw))
         assert np.isfinite(shoot(stage, view).depth).all()
+
+
+def test_a_body_that_is_partly_hidden_would_fill_more_than_it_does() -> None:
+    stage = Canvas()
+    stage.show_scenery([box(1.0, x=-90.0)], is_snowy=False)
+    stage.show_actors([box(2.0, x=0.0), box(0.8, x=0.0), box(1.0, x=0.0)])
+    view = View.of(CAMERA, (0.0, 0.0, 0.0, 0.0))
+    stage.pose_actors([(14.0, 0.0, 0.0, 0.2), (7.0, 0.3, 0.0, 0.0), (-20.0, 0.0, 0.0, 0.0)])
+    shown = shoot(stage, view)
+    visible = [int((shown.rows == row).sum()) for row in range(3)]
+    unhidden = stage.unhidden(view)
+    assert unhidden is not None
+    assert unhidden.dtype == np.int32
+    assert unhidden[1] == visible[1] > 0
+    assert unhidden[0] > visible[0] > 0
+    assert unhidden[2] == visible[2] == 0
+    stage.pose_actors([(14.0, 0.0, 0.0, 0.2), (-7.0, 0.3, 0.0, 0.0), (-20.0, 0.0, 0.0, 0.0)])
+    alone = shoot(stage, view)
+    assert unhidden[0] == (alone.rows == 0).sum()
+
+
+def test_what_shines_and_what_mirrors_are_told_apart() -> None:
+    stage = empty_road(box(1.0, "head_lit"), box(1.0, "water", x=14.0, z=4.4))
+    shot = shoot(stage, View.of(CAMERA, (0.0, 0.0, 0.0, 0.0)))
+    assert set(np.unique(shot.kinds)) == {PLAIN, SHINING, MIRROR}
+    assert (shot.kinds[np.isinf(shot.depth) & (shot.sky == 255)] == PLAIN).all()

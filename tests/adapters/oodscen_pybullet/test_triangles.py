@@ -62,7 +62,8 @@ def test_textures_halve_and_keep_their_mean() -> None:
         assert all(2 * b[1] >= a[1] > b[1] or a[1] == 1 for a, b in itertools.pairwise(sizes))
         if width == height:
             means = [
-                float((sheet.texels[start : start + w * h] & np.uint64(0xFF)).mean())
+                float((image[:h, :w] & np.uint64(0xFF)).mean())
                 for start, w, h in sizes
+                for image in [sheet.texels[start : start + (w + 1) * (h + 1)].reshape(h + 1, w + 1)]
             ]
-            assert max(means) - min(means) < 3.0
+            assert max(means) - min(means) < 6.0
