@@ -26,6 +26,7 @@ from tqdm import tqdm
 from oodscen import Augmenter, Describer, Pruner, RedTeamer, TreeGrower, make_llm, make_simulator
 from oodscen.driving import action_driver
 from oodscen.episode import ACTIONS, MOMENTS
+from oodscen.errors import LLMError
 from oodscen.protocols import Camera, Simulator
 from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.simulation import simulate
@@ -194,18 +195,27 @@ def processes(name: str) -> list[Row]:
 
 
 def study_scenes(name: str, count: int = STUDY_SCENES) -> list[Scene]:
-    """Stage the default study's scenes, spread evenly over its paths."""
+    """Stage scenes of the default study, spread evenly over its paths.
+
+    A text that cannot be staged is named on standard error and left out.
+    """
     llm, catalogue = make_llm("builtin", seed=0), make_simulator(name).catalogue()
     tree = Pruner(llm, catalogue).run(RedTeamer(llm).run(TreeGrower(llm).run()))
     scenarios = list(Describer(llm, None).run(tree))
     chosen = [scenarios[index * len(scenarios) // count] for index in range(count)]
-    augmenter = Augmenter(llm, catalogue)
-    return [augmenter.run(one) for one in tqdm(chosen, desc="staging", disable=None)]
+    augmenter, scenes = Augmenter(llm, catalogue), []
+    for one in tqdm(chosen, desc="staging", disable=None):
+        try:
+            scenes.append(augmenter.run(one))
+        except LLMError as error:
+            print(f"{one.id} is not staged: {error}", file=sys.stderr)
+    return scenes
 
 
 def study(name: str) -> list[Row]:
     """Run the study's scenes as the study does: two processes, key frames, every action."""
     scenes = study_scenes(name)
+    lost = STUDY_SCENES - len(scenes)
     failed = unseen = 0
     with tempfile.TemporaryDirectory() as folder:
         store = Store(folder)
@@ -215,10 +225,14 @@ def study(name: str) -> list[Row]:
             result.save(store)
             failed += result.episode.status == "failed"
             unseen += result.episode.hazard_visible is False
+            if result.episode.status == "failed" or result.episode.hazard_visible is False:
+                fault = result.episode.error or "its hazard is not visible"
+                print(f"{result.episode.id}: {fault}", file=sys.stderr)
         seconds = time.perf_counter() - began
     what = f"{STUDY_SCENES} scenes, key frames and {len(ACTIONS)} actions each, on 2 cores"
     return [
         row(what, seconds, "s", 60.0, is_most=True),
+        row("of these, not staged", lost, "scenes", 0.0, is_most=True),
         row("of these, failed", failed, "scenes", 0.0, is_most=True),
         row("of these, hazard not visible in any key frame", unseen, "scenes", 0.0, is_most=True),
     ]
