@@ -257,9 +257,9 @@ class Observation:
     offset_m: float
     """Of the ego's centre to the left of its starting lane's centre."""
     heading_error: float
-    """Of the ego against the road, rad, left positive."""
+    """Of the ego against its starting lane, rad, left positive."""
     curvature: float
-    """Of the road at the look-ahead point, 1/m, left positive."""
+    """Of that lane at the look-ahead point, 1/m, left positive."""
     wheelbase: float
     lane_left_m: float | None
     """Offset of the centre of the next driving lane to the left; `None` if there is none."""

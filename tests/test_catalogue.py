@@ -164,3 +164,39 @@ def test_looking_up_finds_what_is_there(kind, name):
     if name not in known:
         with pytest.raises(KeyError):
             look_up(name)
+
+
+def belonging(*pairs):
+    """Return the catalogue with trailers, and a scene of who is towed by whom."""
+    towed = BehaviourKind(
+        id="towed", description="follows", categories=("vehicle",), needs_other=True
+    )
+    catalogue = CATALOGUE.model_copy(update={"behaviours": (*CATALOGUE.behaviours, towed)})
+    actors = tuple(
+        Actor(
+            id=name,
+            asset="car",
+            placement=Placement(ahead_m=20.0 + 10.0 * index),
+            behaviour=Behaviour(name=behaviour, other=other),
+        )
+        for index, (name, behaviour, other) in enumerate(pairs)
+    )
+    staged = Scene(
+        id="s",
+        scenario_id="s",
+        map="avenue",
+        ego=Ego(speed=5),
+        actors=actors,
+        hazard=Hazard(weather=Weather()),
+        decision=Trigger(),
+    )
+    return [issue.path for issue in catalogue.check(staged)]
+
+
+def test_whoever_is_towed_needs_somebody_and_not_itself():
+    assert belonging(("car", "stand", None), ("trailer", "towed", "car")) == []
+    assert belonging(("trailer", "towed", None)) == ["actors[0].behaviour.other"]
+    assert belonging(("a", "towed", "b"), ("b", "towed", "a")) == [
+        "actors[0].behaviour.other",
+        "actors[1].behaviour.other",
+    ]

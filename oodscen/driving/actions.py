@@ -94,7 +94,8 @@ def _steering(
         wheelbase: Of the ego, m.
         friction: Scale of the road's friction.
     """
-    reach = max(3.0, 0.8 * speed)
+    # Look less far ahead where the lane bends tightly.
+    reach = max(3.0, min(0.8 * speed, 0.3 / max(abs(curvature), 1e-3)))
     aside = place - offset
     ahead = curvature + turn / math.sqrt(1.0 - slope * slope)
     # On a curve the centre's course differs from the heading by the slip angle.

@@ -50,6 +50,8 @@ FAR_M = 60.0
 """Beyond this distance a gap counts as infinite."""
 _SAMPLES = 12
 """Places ahead at which the driver looks for a roadside to stop at."""
+_REACH = 3.0
+"""Metres to either side over which a lane's course is measured."""
 
 
 @Kernel
@@ -206,6 +208,10 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
             break
     beside_left, beside_right = neighbour(track, here, s, 1), neighbour(track, here, s, -1)
     _, _, _, cosine, sine = point(track, s, 0.0)
+    stretch = max(0.2, 1.0 - bend(track, s) * t)
+    slope, _ = lane_course(w, lane, s)
+    preview = s + max(1.0, 0.2 * w.state[0, SPEED])
+    _, turn = lane_course(w, lane, preview)
     # Room to stop in, as `PullOver` plans it.
     speed = w.state[0, SPEED]
     braking = min(2.5, 0.5 * w.friction * GRAVITY)
@@ -216,13 +222,21 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
         roadside = max(roadside, place)
     return (
         t - middle,
-        wrapped(w.state[0, YAW] - atan2(sine, cosine)),
-        curvature(track, s + max(1.0, 0.2 * w.state[0, SPEED]), t),
+        wrapped(w.state[0, YAW] - atan2(sine, cosine) - atan2(slope, stretch)),
+        curvature(track, preview, t) + turn / (stretch * stretch),
         math.inf if beside_left < 0 else centre(track, beside_left, s) - middle,
         -math.inf if beside_right < 0 else centre(track, beside_right, s) - middle,
         roadside,
         curve_speed(w, 0, GRAVITY),
     )
+
+
+@part
+def lane_course(w: Situation, lane: int, s: float) -> tuple[float, float]:
+    """Return the slope and the bend of a lane's centre against the reference line."""
+    behind, here = centre(w.track, lane, s - _REACH), centre(w.track, lane, s)
+    ahead = centre(w.track, lane, s + _REACH)
+    return (ahead - behind) / (2.0 * _REACH), (ahead - 2.0 * here + behind) / (_REACH * _REACH)
 
 
 @part

@@ -1,4 +1,5 @@
 import math
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -29,6 +30,16 @@ def offset(result: KinematicWorld, name: str = "a") -> float:
 def test_every_behaviour_is_described_and_done() -> None:
     assert {kind.id for kind in BEHAVIOURS} == set(BEHAVE)
     assert set(BEHAVE) >= MOVES_BEFORE_TRIGGER
+
+
+def test_the_page_on_motion_lists_every_behaviour_as_it_is() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "motion.md").read_text(encoding="utf-8")
+    for kind in BEHAVIOURS:
+        (row,) = [line for line in page.splitlines() if line.startswith(f"| `{kind.id}` |")]
+        assert f"| {kind.description} |" in row
+        for name, one in kind.parameters.items():
+            limits = f"({one.minimum:g} to {one.maximum:g} {one.description})"
+            assert f"`{name}` {one.default:g} {limits}" in row
 
 
 def staged(name: str, asset: str, **options) -> list[Actor]:
