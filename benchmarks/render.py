@@ -10,6 +10,7 @@ import json
 import sys
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from statistics import median
 
 import numpy as np
@@ -145,6 +146,8 @@ def speeds() -> list[Row]:
         for stage in (quick, fine, bare, shaded):
             stage.close()
     return [
+        *weathers(),
+        *(row(f"{name} (not run: not installed here)", 0.0, "", None) for name in missing()),
         row(
             "camera, one sample per pixel : TinyRenderer without shadows", median(plain), "x", 15.0
         ),
@@ -156,6 +159,36 @@ def speeds() -> list[Row]:
         ),
         row("camera with smooth edges : TinyRenderer without shadows", median(whole), "x", None),
     ]
+
+
+def weathers() -> list[Row]:
+    """Measure a frame with everything on, in several kinds of weather, on the first map."""
+    one, stage = Set(0, 1), Canvas()
+    one.dress(stage)
+    kinds = {
+        "clear": Weather(),
+        "fog": Weather(fog_visual_range_m=80.0),
+        "rain": Weather(precipitation="rain", precipitation_mm_h=20.0),
+        "snow": Weather(precipitation="snow", precipitation_mm_h=5.0),
+        "night": Weather(sun_elevation_deg=-20.0),
+    }
+    rows = []
+    for name, weather in kinds.items():
+        light = Light.of(weather, one.corridor.heading(one.corridor.start), is_snowy=False)
+        one.develop(stage, weather, light)
+        times = []
+        for _ in range(ROUNDS):
+            start = time.process_time()
+            one.develop(stage, weather, light)
+            times.append(time.process_time() - start)
+        rows.append(row(f"frame with everything on, {name}", 1e3 * median(times), "ms", None))
+    return rows
+
+
+def missing() -> list[str]:
+    """Return the other renderers that are not installed."""
+    others = {"moderngl": "moderngl on llvmpipe", "mujoco": "MuJoCo", "panda3d": "Panda3D"}
+    return [name for module, name in others.items() if find_spec(module) is None]
 
 
 def agreement(scenes: int) -> list[Row]:
