@@ -20,8 +20,10 @@ StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "bor
 DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
 """Kinds of strips on which the ego may be."""
 
-_BATCH = 2048
-"""Points that are located at once."""
+_BATCH = 2_000_000
+"""Pairs of a point and a sample that are compared at once."""
+_AROUND_M = (600.0, 2_600.0)
+"""How far behind and ahead of the start other roads count as road to drive on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,19 +272,27 @@ class Corridor:
         Returns:
             s and t, [n] each.
         """
+        return self._locate_among(x, y, np.arange(len(self.x)))
+
+    def _locate_among(
+        self, x: NDArray[np.float64], y: NDArray[np.float64], among: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Search from the nearest one of some samples, batch by batch to bound the memory."""
         s, t = np.empty(len(x)), np.empty(len(x))
-        for first in range(0, len(x), _BATCH):
-            part = slice(first, first + _BATCH)
-            s[part], t[part] = self._locate_batch(x[part], y[part])
+        batch = max(1, _BATCH // len(among))
+        for first in range(0, len(x), batch):
+            part = slice(first, first + batch)
+            px, py = x[part], y[part]
+            square = (self.x[among] - px[:, None]) ** 2 + (self.y[among] - py[:, None]) ** 2
+            s[part], t[part] = self._locate_from(px, py, among[square.argmin(axis=1)])
         return s, t
 
-    def _locate_batch(
-        self, x: NDArray[np.float64], y: NDArray[np.float64]
+    def _locate_from(
+        self, x: NDArray[np.float64], y: NDArray[np.float64], nearest: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         lx, ly, lc, ls = self._columns
         step, last = self.step, len(lx) - 2
-        square = (self.x - x[:, None]) ** 2 + (self.y - y[:, None]) ** 2
-        index = np.clip((square.argmin(axis=1) * step / step).astype(np.int64), 0, last)
+        index = np.clip((nearest * step / step).astype(np.int64), 0, last)
         pending = np.arange(len(x))
         for _ in range(200):
             here = index[pending]
@@ -316,7 +326,8 @@ class Corridor:
         cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
         norm = np.sqrt(cos * cos + sin * sin)
         dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
-        s, t = (index + f) * step, (dy * cos - dx * sin) / norm
+        s: NDArray[np.float64] = (index + f) * step
+        t: NDArray[np.float64] = (dy * cos - dx * sin) / norm
         early, late = before < 0.0, ~(before < 0.0) & (after > 0.0)
         s = np.where(early, before, np.where(late, self.length + after, s))
         t = np.where(early, (y - y0) * c0 - (x - x0) * s0, t)
@@ -407,25 +418,29 @@ class Corridor:
 
     def _bands(self, road: "Corridor") -> list[tuple[bool, Band]]:
         """Return the strips of a road near by, and whether each can be driven on."""
-        every = max(1, round(20.0 / self.step))
-        square = (self.x[::every] - road.x[::8, None]) ** 2
-        square += (self.y[::every] - road.y[::8, None]) ** 2
-        if float(square.min()) > (REACH_M + 40.0) ** 2:
+        first, last = (self._index(self.start + m) for m in (-_AROUND_M[0], _AROUND_M[1]))
+        among = np.arange(first, last + 1, max(1, round(4.0 / self.step)))
+        coarse = among[::4]
+        near = np.zeros(len(road.x), dtype=np.bool_)
+        for begin in range(0, len(road.x), 4096):
+            part = slice(begin, begin + 4096)
+            square = (self.x[coarse] - road.x[part, None]) ** 2
+            square += (self.y[coarse] - road.y[part, None]) ** 2
+            near[part] = square.min(axis=1) < (REACH_M + 40.0) ** 2
+        if not near.any():
             return []
-        lx, ly, cos, sin = road._columns
-        strips = [one for one in road.strips if (one.left - one.right).max() > 0.01]
-        edges = [edge for one in strips for edge in (one.right, one.left)]
-        if not edges:
-            return []
-        places = self.locate_all(
-            np.concatenate([lx - edge * sin for edge in edges]),
-            np.concatenate([ly + edge * cos for edge in edges]),
-        )
-        s, t = (np.split(one, len(edges)) for one in places)
-        return [
-            (strip.kind in DRIVABLE, Band((s[2 * i], t[2 * i]), (s[2 * i + 1], t[2 * i + 1])))
-            for i, strip in enumerate(strips)
-        ]
+        lx, ly, cos, sin = (column[near] for column in road._columns)
+        bands = []
+        for strip in road.strips:
+            if (strip.left - strip.right).max() > 0.01:
+                sides = []
+                for edge in (strip.right[near], strip.left[near]):
+                    s, t = np.full(len(near), -1e9), np.full(len(near), -1e9)
+                    x, y = lx - edge * sin, ly + edge * cos
+                    s[near], t[near] = self._locate_among(x, y, among)
+                    sides.append((s, t))
+                bands.append((strip.kind in DRIVABLE, Band(sides[0], sides[1])))
+        return bands
 
     def _index(self, s: float) -> int:
         """Return the sample nearest to `s`."""

@@ -192,7 +192,9 @@ def _chains(
                 if len(chains) > _MAX_STRIPS:
                     raise ValueError("has too many lanes that do not continue each other")
             found.lanes[number] = lane
-            current[identity] = asleep[identity, lane.type] = found
+            current[identity] = found
+            if not leg.road.junction:
+                asleep[identity, lane.type] = found
         if number + 1 == len(stages):
             break
         following = stages[number + 1]

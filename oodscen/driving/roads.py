@@ -2,7 +2,7 @@
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.catalogue import Catalogue, RoadMap
 from oodscen.driving.corridor import Corridor, OtherRoad, Outline, RoadSignal, Structure
@@ -34,6 +35,11 @@ SAMPLE_STEP = 0.5
 NEAR_M = 400.0
 """Other roads and signals are kept up to this far from the ego's road."""
 
+_MAX_OTHERS_M = 60_000.0
+"""Metres of other roads that are kept, the nearest ones."""
+_MAX_FURNITURE = 5_000
+_BEFORE_END_M = 20.0
+"""In a file of one's own the ego starts this far before its road ends, at least."""
 _DEFAULT_SPEED_LIMIT = 13.9
 _SNAP = 1e-3
 """Metres below which two reference lines count as one."""
@@ -149,7 +155,8 @@ def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
     found: tuple[int, float] | None = None
     for index, leg in enumerate(legs):
         if not leg.road.junction and leg.has_lane(1):
-            found = index, min(max(at, 0.0), leg.road.length)
+            latest = max(0.5 * leg.road.length, leg.road.length - _BEFORE_END_M)
+            found = index, min(max(at, 0.0), latest)
         at -= leg.road.length
         if at <= 0.0 and found is not None:
             break
@@ -240,15 +247,19 @@ def build_route(
     corridor = _sampled(network, legs, index, start_m)
     taken = {leg.road.id for leg in legs}
     near = _Nearness(corridor)
-    others = [
-        OtherRoad(build_corridor(road), road.id, bool(road.junction), road.junction)
-        for road in network.roads.values()
-        if road.id not in taken and near.has(road)
-    ]
+    others: list[OtherRoad] = []
+    room = _MAX_OTHERS_M
+    for road in near.sorted(road for road in network.roads.values() if road.id not in taken):
+        room -= road.length
+        if room < 0.0:
+            break
+        others.append(OtherRoad(build_corridor(road), road.id, bool(road.junction), road.junction))
+    order = {identity: place for place, identity in enumerate(network.roads)}
+    others.sort(key=lambda other: order[other.road_id])
     signals: list[RoadSignal] = []
     outlines: list[Outline] = []
-    for road in network.roads.values():
-        if (road.signals or road.patches) and near.has(road):
+    for road in near.sorted(network.roads.values()):
+        if len(signals) + len(outlines) < _MAX_FURNITURE:
             signals += [_signal(road, signal, corridor) for signal in road.signals]
             outlines += _outlines(road)
     return replace(
@@ -409,15 +420,27 @@ class _Nearness:
     def __init__(self, corridor: Corridor) -> None:
         every = max(1, round(20.0 / corridor.step))
         self.x, self.y = corridor.x[::every], corridor.y[::every]
+        self.start = corridor.point(corridor.start, 0.0)[:2]
 
-    def has(self, road: Road) -> bool:
-        """Tell whether a road has a piece that begins or ends near the corridor."""
-        ends = [(curve.x, curve.y) for curve in road.curves]
-        last = road_point(road, road.length)
-        for x, y in [*ends, (last.x, last.y)]:
-            if bool(((self.x - x) ** 2 + (self.y - y) ** 2 <= NEAR_M * NEAR_M).any()):
-                return True
-        return False
+    def sorted(self, roads: Iterable[Road]) -> list[Road]:
+        """Return the roads that have a piece near the corridor, those by the start first."""
+        ranked: list[tuple[float, int, Road]] = []
+        for road in roads:
+            last = road_point(road, road.length)
+            x = np.array([*(curve.x for curve in road.curves), last.x])
+            y = np.array([*(curve.y for curve in road.curves), last.y])
+            least = min(
+                float(((self.x - px[:, None]) ** 2 + (self.y - py[:, None]) ** 2).min())
+                for px, py in zip(_blocks(x), _blocks(y), strict=True)
+            )
+            if least <= NEAR_M * NEAR_M:
+                away = float(((x - self.start[0]) ** 2 + (y - self.start[1]) ** 2).min())
+                ranked.append((away, len(ranked), road))
+        return [road for _, _, road in sorted(ranked, key=lambda one: one[:2])]
+
+
+def _blocks(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    return [values[first : first + 1024] for first in range(0, len(values), 1024)]
 
 
 def _signal(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:
