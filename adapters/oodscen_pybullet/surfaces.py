@@ -372,7 +372,7 @@ def _wear(way: Way, ribbons: Ribbons, rng: np.random.Generator) -> None:
                 long = float(rng.uniform(1.2, 5.0))
                 low = right + 0.25 + float(rng.uniform(0.0, 0.9))
                 high = min(left - 0.25, low + float(rng.uniform(0.7, 1.9)))
-                _slab(road, ribbons, (at, at + long, low, high), LAYER, "asphalt_dark")
+                _slab(road, ribbons, (at, at + long, low, high), LAYER, "asphalt_patch")
 
 
 def _slab(
@@ -400,7 +400,7 @@ _EIGHT = (
 def _disc(road: Corridor, ribbons: Ribbons, s: float, t: float) -> None:
     """Add a manhole cover."""
     x, y, z, _ = road.point(s, t)
-    for radius, colour, height in ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_dark", 0.006)):
+    for radius, colour, height in ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_patch", 0.006)):
         ribbons.patch([(x + radius * a, y + radius * b, z + height) for a, b in _EIGHT], colour)
 
 

@@ -181,6 +181,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "asphalt_tunnel": (66, 66, 68),
     "mark_tunnel": (204, 204, 196),
     "steel": (112, 136, 140),
+    "asphalt_patch": (72, 73, 76),
     "crop": (120, 150, 62),
     "wall_blue": (150, 170, 186),
     "wall_ochre": (206, 168, 104),
@@ -214,6 +215,7 @@ SNOWED: dict[str, tuple[int, int, int]] = {
     "roof_grey": (236, 240, 246),
     "roof_brown": (232, 236, 242),
     "hill": (206, 214, 224),
+    "asphalt_patch": (194, 200, 208),
     "crop": (238, 242, 247),
 }
 """What lying snow makes of the colours that it covers."""
