@@ -326,12 +326,13 @@ class Corridor:
         cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
         norm = np.sqrt(cos * cos + sin * sin)
         dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
-        s: NDArray[np.float64] = (index + f) * step
-        t: NDArray[np.float64] = (dy * cos - dx * sin) / norm
+        s = (index + f) * step
+        t = np.asarray((dy * cos - dx * sin) / norm, dtype=np.float64)
         early, late = before < 0.0, ~(before < 0.0) & (after > 0.0)
         s = np.where(early, before, np.where(late, self.length + after, s))
         t = np.where(early, (y - y0) * c0 - (x - x0) * s0, t)
-        return s, np.where(late, (y - y1) * c1 - (x - x1) * s1, t)
+        t = np.where(late, (y - y1) * c1 - (x - x1) * s1, t)
+        return s.astype(np.float64), t.astype(np.float64)
 
     def heading(self, s: float) -> float:
         """Return the road's heading at `s`, rad."""
