@@ -48,7 +48,7 @@ from oodscen.driving.triggers import TIME, fires
 
 FAR_M = 60.0
 """Beyond this distance a gap counts as infinite."""
-_SAMPLES = 12
+_SAMPLES = 8
 """Places ahead at which the driver looks for a roadside to stop at."""
 _REACH = 3.0
 """Metres to either side over which a lane's course is measured."""
@@ -217,7 +217,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
     braking = min(2.5, 0.5 * w.friction * GRAVITY)
     reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
     roadside = -math.inf
-    for k in range(_SAMPLES):
+    for k in range(1 if w.track.is_even else _SAMPLES):
         place = roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0))
         roadside = max(roadside, place)
     return (

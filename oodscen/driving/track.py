@@ -31,6 +31,8 @@ class Track(NamedTuple):
     """[d] the driving strips at the start, from right to left."""
     step: float
     length: float
+    is_even: bool
+    """Whether the cross-section is the same everywhere."""
 
 
 @lru_cache(maxsize=16)
@@ -60,6 +62,8 @@ def pack(corridor: Corridor) -> Track:
         driving=seen(np.array(corridor.driving, dtype=np.int64)),
         step=corridor.step,
         length=corridor.length,
+        is_even=bool((ranges == ranges[:1]).all())
+        and all(bool((side == side[:1]).all()) for side in sides),
     )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from oodscen.driving.corridor import Corridor
+from oodscen.driving.exact import power
 from oodscen.protocols import Camera
 from oodscen.scene import Weather
 
@@ -51,9 +52,9 @@ def visual_range(weather: Weather) -> float:
     rate = 2.9957 / fog if fog < _CLEAR_AIR_M else 0.0
     intensity = weather.precipitation_mm_h
     if weather.precipitation == "rain":
-        rate += 0.0011 * intensity**0.67
+        rate += 0.0011 * power(max(intensity, 1e-6), 0.67)
     elif weather.precipitation == "snow":
-        rate += 0.0085 * intensity**0.6
+        rate += 0.0085 * power(max(intensity, 1e-6), 0.6)
     return min(_CLEAR_AIR_M, 2.9957 / rate) if rate > 0.0 else _CLEAR_AIR_M
 
 
