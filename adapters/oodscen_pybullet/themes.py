@@ -21,6 +21,8 @@ from oodscen_pybullet.placing import Site, Spot
 from oodscen_pybullet.surfaces import Ribbons, strip_edges
 from oodscen_pybullet.terrain import Theme
 
+BUS_STOP_M = 17.0
+"""A bus stop stands so far ahead of the ego's start, m: not where scenes put people."""
 _SIDES = (1, -1)
 _PAINTS = ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy")
 _BACK = (-1.0, 0.0)
@@ -205,7 +207,7 @@ def _urban(site: Site, is_night: bool) -> None:
     for way in streets:
         for side in _SIDES:
             _frontage(site, way, side, is_night)
-    stop = site.spot(streets[0], site.ground.corridor.start + 48.0, -1)
+    stop = site.spot(streets[0], site.ground.corridor.start + BUS_STOP_M, -1)
     x, y = stop.beside(0.0, -0.95)
     is_free = site.ground.is_free((x,), (y,), 0.9) and not site.is_spanned(stop)
     is_free = is_free and not site.terrain.is_corner(x, y, 14.0)
