@@ -59,7 +59,8 @@ def add_puffs(
 
     Args:
         image: [height, width, 3]
-        depth: [height, width] m
+        depth: [height, width] m; where balls fill a pixel by more than a half, at most the distance
+            of the body's middle ball.
         rows: The same with actors; pixels that a body's balls fill by more than a half become its.
         view: The camera.
         balls: What to blend in.
@@ -104,7 +105,10 @@ def add_puffs(
             np.array(tone, np.float32),
         )
     for row, index in layers.items():
-        rows[cover[index] > np.float32(0.5)] = row
+        filled_up = cover[index] > np.float32(0.5)
+        ahead = sorted(-behind for behind, *_, ball in near if ball.row == row)
+        rows[filled_up] = row
+        depth[filled_up] = np.minimum(depth[filled_up], np.float32(ahead[len(ahead) // 2]))
 
 
 def filled(view: View, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
