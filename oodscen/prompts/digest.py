@@ -4,6 +4,8 @@ from typing import Self
 
 from oodscen._data import Data
 from oodscen.catalogue import BehaviourKind, Catalogue, RoadMap
+from oodscen.errors import DataError, UnknownComponent
+from oodscen.prompts.landmarks import Landmark, landmarks
 
 
 class AssetLine(Data):
@@ -13,6 +15,9 @@ class AssetLine(Data):
     category: str
     description: str
     states: tuple[str, ...] = ()
+    length_m: float = 0.0
+    width_m: float = 0.0
+    height_m: float = 0.0
 
 
 class BehaviourLine(Data):
@@ -34,6 +39,7 @@ class MapLine(Data):
     oncoming_lanes: int
     speed_limit: float
     traits: tuple[str, ...]
+    landmarks: tuple[Landmark, ...] = ()
 
 
 class CatalogueDigest(Data):
@@ -50,11 +56,19 @@ class CatalogueDigest(Data):
         """Summarise a catalogue."""
         return cls(
             assets=tuple(
-                AssetLine(id=a.id, category=a.category, description=a.description, states=a.states)
+                AssetLine(
+                    id=a.id,
+                    category=a.category,
+                    description=a.description,
+                    states=a.states,
+                    length_m=a.length,
+                    width_m=a.width,
+                    height_m=a.height,
+                )
                 for a in catalogue.assets
             ),
             behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
-            maps=tuple(_map_line(road) for road in catalogue.maps),
+            maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
             weather=_weather_line(catalogue),
         )
 
@@ -64,12 +78,13 @@ def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
         f"{name} {p.minimum:g}..{p.maximum:g} ({p.default:g})"
         for name, p in kind.parameters.items()
     )
+    description = f"{kind.description} (needs `other`)" if kind.needs_other else kind.description
     return BehaviourLine(
-        id=kind.id, description=kind.description, categories=kind.categories, parameters=parameters
+        id=kind.id, description=description, categories=kind.categories, parameters=parameters
     )
 
 
-def _map_line(road: RoadMap) -> MapLine:
+def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
     return MapLine(
         id=road.id,
         description=road.description,
@@ -77,7 +92,18 @@ def _map_line(road: RoadMap) -> MapLine:
         oncoming_lanes=road.oncoming_lanes,
         speed_limit=road.speed_limit,
         traits=road.traits,
+        landmarks=_landmarks(road, catalogue),
     )
+
+
+def _landmarks(road: RoadMap, catalogue: Catalogue) -> tuple[Landmark, ...]:
+    """Find what a map's file has; nothing where there is no file that can be read."""
+    from oodscen.driving.roads import find_map, load_corridor
+
+    try:
+        return landmarks(load_corridor(find_map(road.id, catalogue)), road.traits)
+    except (DataError, UnknownComponent):
+        return ()
 
 
 def _weather_line(catalogue: Catalogue) -> str:

@@ -17,6 +17,7 @@ from oodscen.prompts import (
     StageScene,
 )
 from oodscen.prompts.digest import AssetLine, BehaviourLine, MapLine
+from oodscen.prompts.landmarks import Landmark
 from oodscen.tree import Node
 
 DIGEST = CatalogueDigest(
@@ -37,6 +38,10 @@ DIGEST = CatalogueDigest(
             oncoming_lanes=1,
             speed_limit=13.9,
             traits=("urban",),
+            landmarks=(
+                Landmark(kind="tunnel", ahead_m=60.5, length_m=200.0),
+                Landmark(kind="traffic_light", ahead_m=90.5, left_m=-2.5),
+            ),
         ),
     ),
     weather="no night; no fog",

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from oodscen.llms.author.anchors import ahead_of_start
 from oodscen.llms.author.knowledge import Hazard, Place, Recipe, RecipeActor
 
 _COMFORTABLE = 3.5
@@ -42,6 +43,12 @@ def braking(speed: float, friction: float = 1.0) -> float:
     return speed * speed / (2.0 * min(_HARDEST, _GRIP * friction)) + 0.5 * _EGO_LENGTH + 0.6
 
 
+def calm_braking(speed: float, friction: float = 1.0) -> float:
+    """Return the same for braking without drama."""
+    least = min(_COMFORTABLE, _GRIP * friction)
+    return speed * speed / (2.0 * least) + 0.5 * _EGO_LENGTH + 0.6
+
+
 def swerving(speed: float, width: float, aside: float = 0.0) -> float:
     """Return the same for a change of lane.
 
@@ -78,8 +85,9 @@ def approach(hazard: Hazard, place: Place) -> Approach:
     recipe = hazard.stage
     if recipe is not None:
         actor = decisive(recipe)
-        if actor is not None and not scales(recipe):
-            return Approach(recipe.speed, actor.ahead)
+        ahead = None if actor is None else ahead_of_start(recipe, actor)
+        if ahead is not None and not scales(recipe):
+            return Approach(recipe.speed, ahead)
         if actor is not None:
             speed = 0.5 * sum(place.speed)
             decision = room(speed) + spare(recipe)

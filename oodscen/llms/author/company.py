@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oodscen.llms.author.knowledge import Company
+from oodscen.llms.author.cast import Stage
+from oodscen.llms.author.knowledge import Company, Recipe, Traffic
 from oodscen.prompts.digest import MapLine
 from oodscen.scene import Actor, Behaviour, Placement, Trigger
 
@@ -15,6 +16,10 @@ _OVERHANGS = 1.2
 """m from its lane's centre beyond which something may reach into the next lane."""
 _BESIDE = 2.5
 """m from its lane's centre beyond which something stands off the road."""
+_EAGER = 1.25
+"""How much faster than the ego somebody close behind it would like to drive."""
+_BUMPERS = 9.0
+"""m between two centres when a lorry stands close behind a car."""
 _DRIVES = frozenset(
     """follow_lane wrong_way cut_in hard_brake stall stop_and_go swerve u_turn wobble drift""".split()
 )
@@ -44,6 +49,8 @@ def company(
     lane, speed = ego
     found: list[Actor] = []
     for kind in kinds:
+        if kind.side == "behind":
+            continue
         draws = rng.random(3)
         pick = kind.asset[int(rng.integers(len(kind.asset)))]
         side = -1 if kind.side == "right" else 1
@@ -74,6 +81,54 @@ def company(
             )
         )
     return found
+
+
+def is_followed(
+    kinds: Sequence[Company], recipe: Recipe, told: Traffic | None, rng: np.random.Generator
+) -> Company | None:
+    """Return who drives close behind the ego, if anybody does.
+
+    Args:
+        kinds: What there may be.
+        recipe: May forbid or demand it.
+        told: Traffic that the text mentions; where it mentions any, that is all there is.
+        rng: Draws once, whatever comes of it.
+    """
+    draw = float(rng.random())
+    behind = next((kind for kind in kinds if kind.side == "behind"), None)
+    if behind is None or not recipe.company:
+        return None
+    if recipe.company == "follower" or (told is not None and told.key == "follower"):
+        return behind
+    return behind if told is None and draw < behind.share else None
+
+
+def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor]:
+    """Draw who drives close behind the ego, unless somebody else is there.
+
+    It would like to go faster than the ego, keeps less than the usual distance and cannot brake as
+    hard as a car: it stops in time behind an ego that brakes calmly, not behind one that brakes
+    with all its might.
+
+    Args:
+        kind: Who it may be, and how it drives.
+        scene: Has the ego's speed and lane.
+        actors: Of the scene so far.
+    """
+    if any(a.placement.ahead_m < 0.0 and not a.placement.lane for a in actors):
+        return []
+    asset = scene.choose(kind.asset)
+    parameters = {name: scene.draw(limits) for name, limits in kind.parameters.items()}
+    parameters["speed"] = round(_EAGER * scene.speed, 2)
+    gap = scene.draw(kind.gap) * scene.speed + _BUMPERS
+    return [
+        Actor(
+            id="behind-traffic",
+            asset=asset,
+            placement=Placement(ahead_m=round(-gap, 2)),
+            behaviour=Behaviour(name="follow_lane", parameters=parameters),
+        )
+    ]
 
 
 def _between(limits: tuple[float, float], share: float) -> float:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from oodscen.llms.author.anchors import has_landmarks, landmarks_needed
 from oodscen.llms.author.knowledge import Hazard
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.prompts import BranchJudgement, CatalogueDigest, JudgeBranch
@@ -125,10 +126,14 @@ def missing_for(hazard: Hazard, catalogue: CatalogueDigest) -> Iterable[str]:
     for name in hazard.needs.weather:
         if not limits.offers(name):
             yield f"weather: {_WORDS.get(name, _words(name))}"
-    traits = set(hazard.needs.traits)
-    if traits and not any(traits <= set(road.traits) for road in catalogue.maps):
-        lacking = sorted(traits - {trait for road in catalogue.maps for trait in road.traits})
-        yield f"a map with: {', '.join(map(_words, lacking or sorted(traits)))}"
+    fitting = [road for road in catalogue.maps if set(hazard.needs.traits) <= set(road.traits)]
+    if not fitting:
+        there = {trait for road in catalogue.maps for trait in road.traits}
+        lacking = sorted(set(hazard.needs.traits) - there) or sorted(hazard.needs.traits)
+        yield f"a map with: {', '.join(map(_words, lacking))}"
+    elif not any(has_landmarks(road, recipe) for road in fitting):
+        assert recipe is not None
+        yield f"a map with: {', '.join(map(_words, landmarks_needed(recipe)))}"
 
 
 def _replaceable(name: str, hazard: Hazard, assets: set[str]) -> bool:

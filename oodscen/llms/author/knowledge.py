@@ -53,6 +53,10 @@ class RecipeTrigger(Data):
     actor: str | None = None
 
 
+LandmarkName = Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
+"""What a recipe can measure from along the road, besides the ego's start."""
+
+
 class Counterpart(Data):
     """How the ordinary actor differs from the unusual one."""
 
@@ -68,20 +72,33 @@ class Counterpart(Data):
     state: str | None = None
 
 
+Drawn = Range | Literal["ego"]
+"""A range to draw from; `ego` stands for the ego's speed."""
+
+
 class RecipeActor(Data):
     """One actor, or a row of equal actors, with ranges to draw from."""
 
     id: str
     asset: Names
     ahead: Range
-    """m ahead of the ego's start."""
+    """m ahead of the ego's start, or of what `at` names."""
+    at: str = "start"
+    """A landmark: the middle of a junction or roundabout, the near end of a tunnel or bridge, a
+    crest's highest point, or `traffic_light`, where every light that faces the ego becomes such an
+    actor. Or the id of an actor listed before, from which `offset` is measured as well."""
     lane: Lanes = (0,)
     offset: Range = (0.0, 0.0)
     """m to the left of the lane's centre."""
+    meets: Range | None = None
+    """For traffic that crosses: s after the ego, going on as it does, by which it reaches the middle
+    of the ego's lane. It stands in for `offset`, and the side follows from `heading_deg`."""
     heading_deg: Range = (0.0, 0.0)
     behaviour: str = "stand"
-    parameters: dict[str, Range] = {}
+    parameters: dict[str, Drawn] = {}
     trigger: RecipeTrigger = RecipeTrigger()
+    other: str | None = None
+    """The actor to which this one belongs: what tows it, carries it, or its car."""
     state: str = ""
     hazard: bool = True
     """Whether it is part of what is unusual."""
@@ -120,8 +137,9 @@ class Recipe(Data):
     ego_lane: Literal["right", "any", "mirror"] = "right"
     """In which lane the ego may start: in the rightmost, in any, or in the leftmost with everything
     mirrored. In another lane than the rightmost, what is beside the road stays there."""
-    company: bool = True
-    """Whether ordinary traffic may drive beside the ego or come towards it."""
+    company: bool | Literal["follower"] = True
+    """Whether ordinary traffic may drive beside the ego, behind it or come towards it; with
+    `follower` somebody always drives close behind."""
     width: float = Field(default=0.0, ge=0.0)
     """m across of what is in the way. Where it is given, and nothing moves, some decisions come so
     late that braking does not suffice and a change of lane does."""
@@ -234,14 +252,16 @@ class Traffic(Data):
 class Company(Data):
     """Ordinary traffic that no text mentions, there when the ego must decide."""
 
-    side: Literal["left", "right", "oncoming"]
+    side: Literal["left", "right", "oncoming", "behind"]
     share: float = Field(ge=0.0, le=1.0)
     """Of the scenes in which the road has room for it."""
     asset: Names
     gap: Range
-    """m ahead of the ego at the decision."""
+    """m ahead of the ego at the decision; for who follows it, s between the two at the start."""
     speed: Range | Literal["ego"] = "ego"
     """m/s; `ego` stands for the ego's."""
+    parameters: dict[str, Range] = {}
+    """Further ones of the behaviour, such as how close it follows."""
 
 
 class Wording(Data):

@@ -98,16 +98,16 @@ def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
     Who crosses the road from there has further to go, and starts earlier.
     """
     update: dict[str, object] = {}
-    if actor.lane == (0,) and max(actor.offset) < -_BESIDE:
+    if actor.at == "start" and actor.lane == (0,) and max(actor.offset) < -_BESIDE:
         update["lane"] = (-lanes,)
         if actor.behaviour in _CROSSES:
             further = _LANE_WIDTH * lanes
-            low, high = actor.parameters.get("distance", (12.0, 12.0))
+            low, high = _numbers(actor, "distance", 12.0)
             update["parameters"] = {
                 **actor.parameters,
                 "distance": (low + further, high + further),
             }
-            seconds = further / (0.5 * sum(actor.parameters.get("speed", (1.4, 1.4))))
+            seconds = further / (0.5 * sum(_numbers(actor, "speed", 1.4)))
             sooner = {"ttc": seconds, "distance": 10.0 * seconds}.get(actor.trigger.kind, 0.0)
             low, high = actor.trigger.value
             value = (low + sooner, high + sooner)
@@ -116,6 +116,11 @@ def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
     if "lane" not in update and isinstance(twin, Counterpart) and _steps_aside(twin):
         update["ordinary"] = twin.model_copy(update={"lane": -lanes})
     return actor.model_copy(update=update)
+
+
+def _numbers(actor: RecipeActor, name: str, default: float) -> Range:
+    limits = actor.parameters.get(name, (default, default))
+    return (default, default) if limits == "ego" else limits
 
 
 def _steps_aside(twin: Counterpart) -> bool:
@@ -134,7 +139,7 @@ def _mirrored_actors(actors: Iterable[RecipeActor]) -> Iterable[RecipeActor]:
             "offset": _negative(actor.offset),
             "heading_deg": _negative(actor.heading_deg),
             "parameters": {
-                key: _negative(limits) if key in _SIDED else limits
+                key: _negative(limits) if key in _SIDED and limits != "ego" else limits
                 for key, limits in actor.parameters.items()
             },
             "spread_offset": -actor.spread_offset,

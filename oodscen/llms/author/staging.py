@@ -1,33 +1,23 @@
 """Staging: from a text and a catalogue's digest to the draft of a scene, by recipe."""
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable
 
 import numpy as np
 
 from oodscen.errors import LLMError
 from oodscen.llms.author import approach
-from oodscen.llms.author.company import company
+from oodscen.llms.author.anchors import LANDMARKS, has_landmarks, root
+from oodscen.llms.author.cast import Stage, cast, told_traffic
+from oodscen.llms.author.company import company, follower, is_followed
 from oodscen.llms.author.feasibility import WeatherLimits
-from oodscen.llms.author.knowledge import (
-    Counterpart,
-    Hazard,
-    Knowledge,
-    Place,
-    Range,
-    Recipe,
-    RecipeActor,
-    RecipeTrigger,
-    TrafficActor,
-)
+from oodscen.llms.author.knowledge import Hazard, Knowledge, Place, Recipe, RecipeActor
 from oodscen.llms.author.lanes import settled, varied
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.llms.author.weather import draw_weather
 from oodscen.prompts import SceneDraft, StageScene
 from oodscen.prompts.digest import CatalogueDigest, MapLine
-from oodscen.scene import Actor, Behaviour, Ego, Placement, Trigger
+from oodscen.scene import Actor, Ego, Trigger
 from oodscen.scene import Hazard as Unusual
 from oodscen.seeding import stream
 
@@ -38,44 +28,16 @@ _LATE = 0.75
 """Share of late decisions where there is a distance from which only a change of lane helps."""
 _URGENT = 0.55
 """Share of the others that come where emergency braking suffices and calm braking hardly does."""
-_SMALL, _SEEN = 1.2, 45.0
-"""m: what is less wide than the first is not made out from farther than the second."""
+_HURRIED = 0.35
+"""Share of the scenes in which somebody crosses, or a group blocks the road, where the same is so."""
+_STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
+"""Behaviours that do not change how far away along the road somebody is."""
+_CLEAR_PX = 300.0
+"""What covers less of the dash camera's picture, in square pixels, is not made out at a glance."""
 _ASIDE = 0.4
 """m by which an obstacle that calls for a change of lane lies on the other side of its lane."""
 _INSIDE = 1.2
 """m from its lane's centre within which something is in the way."""
-_SLOWED = frozenset({"vehicle", "cyclist"})
-"""Categories whose speeds go down with the road's limit."""
-
-
-@dataclass
-class _Set:
-    """What is known when the actors are placed."""
-
-    digest: CatalogueDigest
-    road: MapLine
-    recipe: Recipe
-    rng: np.random.Generator
-    speed: float
-    """Of the ego, m/s."""
-    slowed: float
-    """Factor on the speed of other vehicles, where the road's limit slows the ego down."""
-    ego_lane: int
-    escape: int = 0
-    """Where only a change of lane helps its direction: 1 left, -1 right; 0 otherwise."""
-
-    @property
-    def ego(self) -> tuple[float, float]:
-        """Its speed as a range."""
-        return (self.speed, self.speed)
-
-    def draw(self, limits: Range) -> float:
-        return round(float(self.rng.uniform(*limits)), 2)
-
-    def choose(self, options: tuple[str, ...]) -> str:
-        offered = {asset.id for asset in self.digest.assets}
-        fitting = [option for option in options if option in offered] or list(options)
-        return fitting[int(self.rng.integers(len(fitting)))]
 
 
 class Stager:
@@ -109,18 +71,22 @@ class Stager:
         distance = _distance(prompt.text)
         recipe, lane = settled(recipe, road, prompt.text, rng)
         scene = _set(prompt.catalogue, road, recipe, place, lane, rng)
+        traffic = self.recogniser.traffic(prompt.text)
+        tailgater = is_followed(self.knowledge.company, recipe, traffic, rng)
+        scene.is_followed = tailgater is not None
         shift, decision = _timing(scene, weather.friction, distance)
         recipe = scene.recipe
         actors: list[Actor] = []
         unusual: dict[str, Actor | None] = {}
         for part in recipe.actors:
-            for actor, counterpart in _actors(part, scene, shift):
+            for actor, counterpart in cast(part, scene, shift):
                 actors.append(actor)
                 if part.hazard:
                     unusual[actor.id] = counterpart
-        traffic = self.recogniser.traffic(prompt.text)
         if traffic is not None and traffic.actor is not None and attempt < 2:
-            actors += _traffic(traffic.actor, scene)
+            actors += told_traffic(traffic.actor, scene)
+        if tailgater is not None and scene.is_followed:
+            actors += follower(tailgater, scene, actors)
         if traffic is None and recipe.company and attempt < 2:
             decisive = decision.actor or next(iter(unusual), None)
             actors += company(
@@ -180,7 +146,11 @@ def _distance(text: str) -> float | None:
 def _map_for(place: Place, hazard: Hazard, digest: CatalogueDigest) -> MapLine:
     """Return the map that shares most traits with the place."""
     needed = set(hazard.needs.traits)
-    fitting = [road for road in digest.maps if needed <= set(road.traits)]
+    fitting = [
+        road
+        for road in digest.maps
+        if needed <= set(road.traits) and has_landmarks(road, hazard.stage)
+    ]
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")
     return max(fitting, key=lambda road: len(set(place.traits) & set(road.traits)))
@@ -193,12 +163,12 @@ def _set(
     place: Place,
     lane: int,
     rng: np.random.Generator,
-) -> _Set:
+) -> Stage:
     """Choose the ego's speed."""
     limits = place.speed if approach.scales(recipe) else recipe.speed
     wanted = round(float(rng.uniform(*limits)), 2)
     speed = round(min(wanted, road.speed_limit), 2)
-    return _Set(
+    return Stage(
         digest=digest,
         road=road,
         recipe=recipe,
@@ -209,7 +179,7 @@ def _set(
     )
 
 
-def _timing(scene: _Set, friction: float, distance: float | None) -> tuple[float, Trigger]:
+def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[float, Trigger]:
     """Return by how far all actors move along the road, and the decision's trigger.
 
     A distance in the text is where the scene starts: the decision comes later.
@@ -218,7 +188,10 @@ def _timing(scene: _Set, friction: float, distance: float | None) -> tuple[float
     value = scene.draw(decision.value)
     actor = approach.decisive(recipe)
     shift = 0.0
-    if actor is not None and approach.scales(recipe):
+    if actor is not None and root(recipe, actor).at in LANDMARKS:
+        if approach.scales(recipe):
+            value = _room(scene, actor, friction)(scene.speed)
+    elif actor is not None and approach.scales(recipe):
         away = _room(scene, actor, friction)
         middle = 0.5 * sum(actor.ahead)
         value = away(scene.speed)
@@ -233,10 +206,22 @@ def _timing(scene: _Set, friction: float, distance: float | None) -> tuple[float
     elif actor is not None and distance is not None:
         low, high = actor.ahead
         shift = min(max(distance, low), high) - 0.5 * (low + high)
+    if actor is not None and decision.kind == "ttc" and actor.behaviour in _STILL:
+        value = _hurried(scene, actor, friction, value)
     return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
 
 
-def _room(scene: _Set, actor: RecipeActor, friction: float) -> Callable[[float], float]:
+def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) -> float:
+    """Return the time to collision of the decision, at times such that only hard braking suffices."""
+    draw, share = (float(draw) for draw in scene.rng.random(2))
+    if scene.is_followed or draw >= _HURRIED:
+        return seconds
+    hard = approach.braking(scene.speed, friction) + scene.reach(actor)
+    calm = approach.calm_braking(scene.speed, friction) + scene.reach(actor)
+    return min(seconds, (hard + 1.0 + 0.6 * share * max(calm - hard - 1.0, 0.0)) / scene.speed)
+
+
+def _room(scene: Stage, actor: RecipeActor, friction: float) -> Callable[[float], float]:
     """Choose how much room the decision leaves, and return it as a function of the speed, m.
 
     There is room to stop calmly or to change lane; or just to brake hard; or, where the speed is
@@ -245,6 +230,8 @@ def _room(scene: _Set, actor: RecipeActor, friction: float) -> Callable[[float],
     recipe, spare = scene.recipe, approach.spare(scene.recipe)
     late, urgent, share = (float(draw) for draw in scene.rng.random(3))
     is_inside = max(map(abs, actor.offset)) < _INSIDE
+    if scene.is_followed:
+        urgent = 1.0
     if recipe.width and is_inside and late < _LATE and scene.road.lanes > 1:
         low = approach.swerving(scene.speed, recipe.width, _ASIDE)
         high = approach.braking(scene.speed, friction)
@@ -256,146 +243,9 @@ def _room(scene: _Set, actor: RecipeActor, friction: float) -> Callable[[float],
             scene.recipe = recipe.model_copy(update={"actors": actors})
             value = low + share * (high - 1.5 - low)
             return lambda speed: value
-    is_unseen = 0.0 < recipe.width < _SMALL and approach.room(scene.speed) > _SEEN
+    is_unseen = scene.pixels(actor, approach.room(scene.speed, friction) + spare) < _CLEAR_PX
+    if is_unseen:
+        scene.is_followed = False
     if urgent < _URGENT or is_unseen:
         return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
     return lambda speed: approach.room(speed, friction) + (0.9 + 0.4 * share) * spare
-
-
-def _actors(part: RecipeActor, scene: _Set, shift: float) -> list[tuple[Actor, Actor | None]]:
-    """Draw an actor, or a row of them, each with its ordinary counterpart."""
-    decides = approach.decisive(scene.recipe) is part
-    low, high = part.ahead
-    if shift and decides:
-        low = high = 0.5 * (low + high)
-    elif shift:
-        middle = 0.5 * (low + high)
-        low, high = middle - 0.25 * (high - low), middle + 0.25 * (high - low)
-    first = scene.draw((low, high)) + shift
-    aside, asset = scene.draw(part.offset), scene.choose(part.asset)
-    lane = _lane(part.lane, scene)
-    drawn = []
-    for number, name in enumerate(part.names):
-        actor = Actor(
-            id=name,
-            asset=asset if part.count == 1 else scene.choose(part.asset),
-            placement=Placement(
-                ahead_m=round(first + number * part.spread_ahead, 2),
-                lane=lane,
-                offset_m=round(aside + number * part.spread_offset, 2),
-                heading_deg=scene.draw(part.heading_deg),
-            ),
-            behaviour=Behaviour(
-                name=part.behaviour,
-                trigger=_trigger(part.trigger, scene),
-                parameters=_parameters(part.behaviour, part.parameters, scene, asset),
-            ),
-            state=_state(asset, part.state, scene.digest),
-        )
-        ordinary = part.ordinary
-        counterpart = None if ordinary == "remove" else _ordinary(actor, ordinary, scene)
-        drawn.append((actor, counterpart))
-    return drawn
-
-
-def _lane(options: tuple[int, ...], scene: _Set) -> int:
-    """Choose a lane that the road has."""
-    lanes = scene.road.lanes + scene.road.oncoming_lanes
-    fitting = [lane for lane in options if 0 <= scene.ego_lane + lane < lanes] or list(options)
-    return fitting[int(scene.rng.integers(len(fitting)))]
-
-
-def _trigger(trigger: RecipeTrigger, scene: _Set) -> Trigger:
-    return Trigger(kind=trigger.kind, value=scene.draw(trigger.value), actor=trigger.actor)
-
-
-def _ordinary(actor: Actor, change: Counterpart, scene: _Set) -> Actor:
-    """Return what stands in an actor's place in the ordinary twin."""
-    old, behaviour = actor.placement, actor.behaviour
-    name = change.behaviour or behaviour.name
-    trigger = behaviour.trigger if name == behaviour.name else Trigger()
-    if change.trigger is not None:
-        trigger = _trigger(change.trigger, scene)
-    asset = scene.choose(change.asset) if change.asset else actor.asset
-    drawn: dict[str, Range | Literal["ego"]] = {}
-    drawn.update((key, (value, value)) for key, value in behaviour.parameters.items())
-    parameters = _parameters(name, drawn, scene)
-    parameters.update(_parameters(name, change.parameters or {}, scene, asset))
-    state = actor.state if change.state is None else change.state
-    return Actor(
-        id=actor.id,
-        asset=asset,
-        placement=Placement(
-            ahead_m=old.ahead_m if change.ahead is None else scene.draw(change.ahead),
-            lane=old.lane if change.lane is None else _there(change.lane, scene),
-            offset_m=old.offset_m if change.offset is None else scene.draw(change.offset),
-            heading_deg=(
-                old.heading_deg if change.heading_deg is None else scene.draw(change.heading_deg)
-            ),
-        ),
-        behaviour=Behaviour(name=name, trigger=trigger, parameters=parameters),
-        state=_state(asset, state, scene.digest),
-    )
-
-
-def _there(lane: int, scene: _Set) -> int:
-    """Return a lane that the road has: on the ego's other side, if there is none on this."""
-    lanes = scene.road.lanes + scene.road.oncoming_lanes
-    return lane if 0 <= scene.ego_lane + lane < lanes else -lane
-
-
-def _parameters(
-    name: str,
-    limits: Mapping[str, Range | Literal["ego"]],
-    scene: _Set,
-    asset: str | None = None,
-) -> dict[str, float]:
-    """Draw the parameters that a behaviour has, within what the catalogue allows.
-
-    Args:
-        name: Of the behaviour.
-        limits: Ranges to draw from; what the behaviour does not have is left out.
-        scene: Gives the draws.
-        asset: Whose speed goes down where the road's limit slows the ego down; `None` if it has.
-    """
-    category = next((line.category for line in scene.digest.assets if line.id == asset), "")
-    line = next((b.parameters for b in scene.digest.behaviours if b.id == name), "")
-    allowed = {
-        key: (float(low), float(high))
-        for key, low, high in re.findall(r"(\w+) (-?[\d.e+]+?)\.\.(-?[\d.e+]+) ", line)
-    }
-    drawn = {}
-    for key, limit in limits.items():
-        value = scene.draw(scene.ego if limit == "ego" else limit)
-        if key not in allowed:
-            continue
-        if key == "speed" and limit != "ego" and category in _SLOWED:
-            value = round(value * scene.slowed, 2)
-        low, high = allowed[key]
-        drawn[key] = min(max(value, low), high)
-    return drawn
-
-
-def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
-    known = next((line.states for line in digest.assets if line.id == asset), ())
-    return state if state in known else ""
-
-
-def _traffic(part: TrafficActor, scene: _Set) -> list[Actor]:
-    """Add the ordinary road user that the text mentions, where the road has a lane for it."""
-    left = scene.road.lanes - scene.ego_lane
-    lane = left if part.side == "oncoming" else 1
-    there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else left > 1
-    if not there:
-        return []
-    return [
-        Actor(
-            id=part.id,
-            asset=scene.choose(part.asset),
-            placement=Placement(ahead_m=scene.draw(part.ahead), lane=lane),
-            behaviour=Behaviour(
-                name=part.behaviour,
-                parameters=_parameters(part.behaviour, part.parameters, scene),
-            ),
-        )
-    ]

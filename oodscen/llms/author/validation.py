@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from oodscen.errors import DataError, Issue
+from oodscen.llms.author.anchors import LANDMARKS
 from oodscen.llms.author.knowledge import Hazard, Knowledge, Recipe, gather
 from oodscen.scene import Weather
 
@@ -105,9 +106,15 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
     if recipe.decision.kind != "time" and recipe.decision.actor is None and not unusual:
         yield Issue("stage.decision.actor", "say to which actor it is measured")
     for index, actor in enumerate(recipe.actors):
-        target = actor.trigger.actor
-        if target is not None and target not in names:
-            yield Issue(f"stage.actors[{index}].trigger.actor", f"there is no actor {target!r}")
+        for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
+            if target is not None and target not in names:
+                yield Issue(f"stage.actors[{index}].{field}", f"there is no actor {target!r}")
+        earlier = {one.id for one in recipe.actors[:index]}
+        if actor.at != "start" and actor.at not in LANDMARKS | earlier:
+            message = f"{actor.at!r} is neither a landmark nor an actor listed before"
+            yield Issue(f"stage.actors[{index}].at", message)
+        if actor.meets is not None and "speed" not in actor.parameters:
+            yield Issue(f"stage.actors[{index}].meets", "needs the parameter 'speed'")
     known = {actor.id for actor in recipe.actors}
     for index, variant in enumerate(recipe.variants):
         for name in sorted(set(variant.actors) - known):
@@ -129,4 +136,6 @@ def _ranges(recipe: Recipe) -> Iterable[tuple[str, float, float]]:
             yield (f"actors[{index}].{field}", *getattr(actor, field))
         yield (f"actors[{index}].trigger.value", *actor.trigger.value)
         for name, limits in actor.parameters.items():
+            if limits == "ego":
+                continue
             yield (f"actors[{index}].parameters.{name}", *limits)

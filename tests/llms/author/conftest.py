@@ -31,6 +31,17 @@ def catalogue() -> Any:
 
 
 @pytest.fixture(scope="session")
+def rich_catalogue() -> Any:
+    """Everything that the PyBullet adapter shows; its data need no PyBullet."""
+    return pytest.importorskip("oodscen_pybullet.catalogue").load_catalogue()
+
+
+@pytest.fixture(scope="session")
+def rich_digest(rich_catalogue: Any) -> CatalogueDigest:
+    return CatalogueDigest.of(rich_catalogue)
+
+
+@pytest.fixture(scope="session")
 def digest(catalogue: Any) -> CatalogueDigest:
     return CatalogueDigest.of(catalogue)
 
