@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from oodscen._data import Data
-from oodscen.metrics.similarity import Vectors, extremes
+from oodscen.metrics.similarity import Vectors, nearest_other
 from oodscen.metrics.statistics import Interval, bootstrap_mean, bootstrap_pairwise
 
 
@@ -68,15 +68,15 @@ def diversity(
             encoder=encoder,
             reason="one text has no other to differ from",
         )
-    found = extremes(vectors, vectors, skip=np.arange(n))
-    nearest = bootstrap_mean(0.0 - found.largest, clusters, seed=seed)
+    found = nearest_other(vectors)
+    nearest = bootstrap_mean(0.0 - found.cosine, clusters, seed=seed)
     pairwise = bootstrap_pairwise(vectors, clusters, seed=seed)
     return Diversity(
-        nearest=0.0 - float(found.largest.mean()),
+        nearest=0.0 - float(found.cosine.mean()),
         pairwise=0.0 - mean_pairwise(vectors),
         nearest_interval=nearest,
         pairwise_interval=_negated(pairwise),
-        nearest_index=tuple(found.nearest.tolist()),
+        nearest_index=tuple(found.index.tolist()),
         n=n,
         encoder=encoder,
     )
@@ -84,7 +84,7 @@ def diversity(
 
 def mean_nearest(vectors: Vectors) -> float:
     """Return the mean over texts of the largest cosine to another text; at least two rows."""
-    return float(extremes(vectors, vectors, skip=np.arange(len(vectors))).largest.mean())
+    return float(nearest_other(vectors).cosine.mean())
 
 
 def mean_pairwise(vectors: Vectors) -> float:

@@ -23,7 +23,7 @@ from oodscen.metrics.report import (
     GroupScore,
     Report,
 )
-from oodscen.metrics.similarity import Extremes, Vectors, extremes, unit
+from oodscen.metrics.similarity import Vectors, nearest, smallest, unit
 from oodscen.metrics.statistics import bootstrap_mean
 from oodscen.protocols import Encoder
 from oodscen.scenario import Scenario
@@ -173,8 +173,8 @@ class Metrics:
         found = []
         for _ in range(repeats):
             order = draws.permutation(len(vectors))
-            batch = extremes(vectors[order[:size]], vectors[order[size:]])
-            found.append(float(scores(batch, definition).mean()))
+            batch, rest = vectors[order[:size]], vectors[order[size:]]
+            found.append(float(scores(batch, rest, definition).mean()))
         return BaselineBatch(
             mean=float(np.mean(found)),
             spread=float(np.std(found, ddof=1)) if repeats > 1 else 0.0,
@@ -266,16 +266,17 @@ class Metrics:
     def _oodness(
         self, texts: tuple[str, ...], clusters: tuple[str, ...] | None, definition: Definition
     ) -> Oodness:
-        found = self._found(texts)
-        values = scores(found, definition)
-        nearest = tuple(
+        vectors, reference = self._vectors(texts), self._reference()
+        found = nearest(vectors, reference)
+        values = smallest(vectors, reference) if definition == "printed" else 0.0 - found.cosine
+        neighbours = tuple(
             Neighbour(index=index, text=self.baseline.texts[index], cosine=cosine)
-            for index, cosine in zip(found.nearest.tolist(), found.largest.tolist(), strict=True)
+            for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=True)
         )
         return Oodness(
             mean=float(values.mean()),
             per_text=tuple(values.tolist()),
-            nearest=nearest,
+            nearest=neighbours,
             interval=bootstrap_mean(values, clusters, seed=self.seed),
             n=len(texts),
             N=len(self.baseline),
@@ -284,10 +285,8 @@ class Metrics:
         )
 
     def _scores(self, texts: tuple[str, ...], definition: Definition) -> list[float]:
-        return [float(value) for value in scores(self._found(texts), definition)]
-
-    def _found(self, texts: tuple[str, ...]) -> Extremes:
-        return extremes(self._vectors(texts), self._reference())
+        values: list[float] = scores(self._vectors(texts), self._reference(), definition).tolist()
+        return values
 
     def _vectors(self, texts: tuple[str, ...]) -> Vectors:
         return unit(encode(self._memory, texts))

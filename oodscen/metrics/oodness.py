@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from oodscen._data import Data
-from oodscen.metrics.similarity import Extremes
+from oodscen.metrics.similarity import Rows, Vectors, nearest, smallest
 from oodscen.metrics.statistics import Interval
 
 Definition = Literal["tabulated", "printed"]
@@ -63,10 +63,17 @@ class Oodness(Data):
     """Name of the encoder, with the hash of its weights."""
 
 
-def scores(found: Extremes, definition: Definition) -> NDArray[np.float64]:
-    """Turn cosines to the baseline into OOD-ness.
+def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[np.float64]:
+    """Return the OOD-ness of each text.
+
+    Args:
+        vectors: [n, d] of the texts, rows of unit length or zero.
+        baseline: [N, d], likewise.
+        definition: Which of the two.
 
     Returns:
         [n], in [-1, 1].
     """
-    return 0.0 - found.largest if definition == "tabulated" else found.smallest
+    if definition == "printed":
+        return smallest(vectors, baseline)
+    return 0.0 - nearest(vectors, baseline).cosine

@@ -1,27 +1,44 @@
-"""Cosines between sets of vectors, in blocks: memory stays bounded whatever the sizes."""
+"""Cosines between sets of vectors, in blocks: memory stays bounded whatever the sizes.
+
+Everything here is exact: each pair is looked at, in float32, and values agree with float64 to 1e-5. A
+block of cosines is at most 16 MB. References may lie on disk and are read once, in order.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-_ROWS = 1024
-_COLUMNS = 4096
+_ROWS = 4096
+_COLUMNS = 1024
+_MOST_COLUMNS = 16_384
+_GROUP = 64
 
 Vectors = NDArray[np.float32]
 """[n, d] float32."""
 
 
-@dataclass(frozen=True, eq=False)
-class Extremes:
-    """For each query the cosines to its nearest and farthest reference."""
+class Rows(Protocol):
+    """Vectors that can be read a slice at a time: an array, a memory map, or a file's reader."""
 
-    largest: NDArray[np.float64]
+    def __len__(self) -> int:
+        """Return their number."""
+        ...
+
+    def __getitem__(self, rows: slice, /) -> Vectors:
+        """Return some of them, rows of unit length or zero."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Nearest:
+    """For each query its nearest reference."""
+
+    cosine: NDArray[np.float64]
     """[n], in [-1, 1]."""
-    smallest: NDArray[np.float64]
-    """[n], in [-1, 1]."""
-    nearest: NDArray[np.int64]
+    index: NDArray[np.int64]
     """[n], row of the nearest reference; the first of equals."""
 
 
@@ -32,41 +49,132 @@ def unit(vectors: Vectors) -> Vectors:
     return np.ascontiguousarray(scaled, dtype=np.float32)
 
 
-def extremes(
-    queries: Vectors, references: Vectors, skip: NDArray[np.int64] | None = None
-) -> Extremes:
-    """Find the nearest and the farthest reference of each query.
+def nearest(queries: Vectors, references: Rows, skip: NDArray[np.int64] | None = None) -> Nearest:
+    """Find the nearest reference of each query.
 
     Args:
         queries: [n, d], rows of unit length or zero.
         references: [m, d], likewise.
-        skip: [n], for each query the one reference that does not count (itself).
+        skip: [n], for each query the one reference that does not count; negative for none.
     """
-    n = len(queries)
-    largest, smallest = np.full(n, -np.inf), np.full(n, np.inf)
-    nearest = np.zeros(n, np.int64)
+    best = _Best(len(queries))
     for rows, first, cosines in _blocks(queries, references):
-        low = cosines
         if skip is not None:
             own = skip[rows] - first
             here = np.flatnonzero((own >= 0) & (own < cosines.shape[1]))
-            low = cosines.copy()
-            low[here, own[here]] = np.inf
             cosines[here, own[here]] = -np.inf
-        best = cosines.argmax(axis=1)
-        value = np.take_along_axis(cosines, best[:, None], axis=1)[:, 0]
-        better = value > largest[rows]
-        nearest[rows] = np.where(better, best + first, nearest[rows])
-        largest[rows] = np.where(better, value, largest[rows])
-        smallest[rows] = np.minimum(smallest[rows], low.min(axis=1))
-    return Extremes(largest, smallest, nearest)
+        best.offer(rows.start, first, cosines)
+    return best.found()
 
 
-def _blocks(
-    queries: Vectors, references: Vectors
-) -> Iterator[tuple[slice, int, NDArray[np.float32]]]:
-    for row in range(0, len(queries), _ROWS):
-        rows = slice(row, min(row + _ROWS, len(queries)))
-        for first in range(0, len(references), _COLUMNS):
-            cosines = queries[rows] @ references[first : first + _COLUMNS].T
-            yield rows, first, np.clip(cosines, -1.0, 1.0)
+def nearest_other(vectors: Vectors) -> Nearest:
+    """Find for each row the nearest other row of the same set; at least two rows.
+
+    The cosine of a pair is computed once and offered to both: half the work of `nearest`.
+    """
+    best = _Best(len(vectors))
+    space = np.empty(_ROWS * _COLUMNS, np.float32)
+    for first in range(0, len(vectors), _COLUMNS):
+        block = vectors[first : first + _COLUMNS]
+        last = first + len(block)
+        for row in range(0, last, _ROWS):
+            panel = vectors[row : min(row + _ROWS, last)]
+            cosines = _product(panel, block, space)
+            own = np.arange(max(row, first), row + len(panel))
+            cosines[own - row, own - first] = -np.inf
+            best.offer_columns(first, row, cosines)
+            best.offer(row, first, cosines[: max(first - row, 0)])
+    return best.found()
+
+
+def smallest(queries: Vectors, references: Rows) -> NDArray[np.float64]:
+    """Return the cosine of each query to its farthest reference: [n], in [-1, 1]."""
+    found = np.full(len(queries), np.inf, np.float32)
+    for rows, _, cosines in _blocks(queries, references):
+        np.minimum(found[rows], cosines.min(axis=1), out=found[rows])
+    return np.clip(found.astype(np.float64), -1.0, 1.0)
+
+
+def largest(
+    queries: Vectors, references: Rows, k: int, skip: NDArray[np.int64] | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the cosines and the rows of the k nearest references, the nearest first.
+
+    Args:
+        queries: [n, d], rows of unit length or zero.
+        references: [m, d], likewise, with at least k rows that count.
+        k: At least 1.
+        skip: [n], for each query the one reference that does not count; negative for none.
+
+    Returns:
+        [n, k] float64 and [n, k] int64; of equal cosines the first row comes first.
+    """
+    values = np.full((len(queries), k), -np.inf, np.float32)
+    places = np.full((len(queries), k), -1, np.int64)
+    for rows, first, cosines in _blocks(queries, references):
+        if skip is not None:
+            own = skip[rows] - first
+            here = np.flatnonzero((own >= 0) & (own < cosines.shape[1]))
+            cosines[here, own[here]] = -np.inf
+        some = min(k, cosines.shape[1])
+        chosen = np.argpartition(-cosines, some - 1, axis=1)[:, :some]
+        both = np.hstack([values[rows], np.take_along_axis(cosines, chosen, axis=1)])
+        where = np.hstack([places[rows], chosen + first])
+        order = np.lexsort((where, -both), axis=1)[:, :k]
+        values[rows] = np.take_along_axis(both, order, axis=1)
+        places[rows] = np.take_along_axis(where, order, axis=1)
+    return np.clip(values.astype(np.float64), -1.0, 1.0), places
+
+
+class _Best:
+    """The largest cosine so far of each of n rows, and where it was."""
+
+    def __init__(self, n: int) -> None:
+        self._cosine = np.full(n, -np.inf, np.float32)
+        self._index = np.zeros(n, np.int64)
+
+    def offer(self, row: int, first: int, cosines: Vectors) -> None:
+        """Take note of the cosines of rows `row` on to references `first` on."""
+        if not cosines.size:
+            return
+        values = cosines.max(axis=1)
+        better = np.flatnonzero(values > self._cosine[row : row + len(values)])
+        # Few rows are bettered by a late block: looking for the place in these alone is cheap.
+        for place in better.tolist():
+            self._index[row + place] = first + int(cosines[place].argmax())
+        self._cosine[row + better] = values[better]
+
+    def offer_columns(self, row: int, first: int, cosines: Vectors) -> None:
+        """Take note of the cosines of references `first` on to rows `row` on."""
+        # Going down a column of a large block is slow: its place is first found among groups of rows.
+        whole, columns = len(cosines) // _GROUP, cosines.shape[1]
+        groups = cosines[: whole * _GROUP].reshape(whole, _GROUP, columns).max(axis=1)
+        if len(cosines) % _GROUP:
+            groups = np.vstack([groups, cosines[whole * _GROUP :].max(axis=0)])
+        values = groups.max(axis=0)
+        better = np.flatnonzero(values > self._cosine[row : row + len(values)])
+        start = groups[:, better].argmax(axis=0) * _GROUP
+        inside = np.minimum(start + np.arange(_GROUP)[:, None], len(cosines) - 1)
+        self._index[row + better] = first + start + cosines[inside, better].argmax(axis=0)
+        self._cosine[row + better] = values[better]
+
+    def found(self) -> Nearest:
+        return Nearest(np.clip(self._cosine.astype(np.float64), -1.0, 1.0), self._index)
+
+
+def _blocks(queries: Vectors, references: Rows) -> Iterator[tuple[slice, int, Vectors]]:
+    """Yield rows of the queries, first row of the references, and their cosines, to be used at once."""
+    tall = max(min(len(queries), _ROWS), 1)
+    wide = min(max(_COLUMNS, _ROWS * _COLUMNS // tall), _MOST_COLUMNS)
+    space = np.empty(tall * min(wide, max(len(references), 1)), np.float32)
+    for first in range(0, len(references), wide):
+        block = references[first : first + wide]
+        for row in range(0, len(queries), tall):
+            panel = queries[row : row + tall]
+            yield slice(row, row + len(panel)), first, _product(panel, block, space)
+
+
+def _product(a: Vectors, b: Vectors, space: NDArray[np.float32]) -> Vectors:
+    out = space[: len(a) * len(b)].reshape(len(a), len(b))
+    np.matmul(a, b.T, out=out)
+    return out
