@@ -23,6 +23,12 @@ from oodscen.scene import Actor, Behaviour, Placement, Trigger
 
 _SLOWED = frozenset({"vehicle", "cyclist"})
 """Categories whose speeds go down with the road's limit."""
+_WALKS = frozenset({"walk_along", "bolt"})
+_COURSES = {
+    **dict.fromkeys(("wrong_way", "reverse"), -1.0),
+    **dict.fromkeys(("follow_lane", "wobble", "swerve", "stop_and_go", "towed"), 1.0),
+}
+"""Behaviours that go along the road, and which way; oncoming lanes do not count."""
 _EYE, _FOCAL = 1.4, 554.0
 """Height of the dash camera, m, and its focal length, pixels."""
 _FARTHEST = 150.0
@@ -73,6 +79,14 @@ class Stage:
             if one.id in actor.asset
         ]
         return max(extents, default=0.0)
+
+    def along(self, actor: RecipeActor) -> float:
+        """Return an actor's mean speed along the ego's road, m/s; negative towards the ego."""
+        limits = actor.parameters.get("speed", (0.0, 0.0))
+        speed = self.speed if limits == "ego" else 0.5 * sum(limits)
+        if actor.behaviour in _WALKS:
+            return speed * math.cos(math.radians(0.5 * sum(actor.heading_deg)))
+        return speed * _COURSES.get(actor.behaviour, 0.0)
 
     def pixels(self, actor: RecipeActor, away: float) -> float:
         """Return how much of the dash camera's picture an actor covers at least, square pixels.

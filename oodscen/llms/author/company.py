@@ -115,7 +115,7 @@ def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor
         scene: Has the ego's speed and lane.
         actors: Of the scene so far.
     """
-    if any(a.placement.ahead_m < 0.0 and not a.placement.lane for a in actors):
+    if any(_is_behind(actor) for actor in actors):
         return []
     asset = scene.choose(kind.asset)
     parameters = {name: scene.draw(limits) for name, limits in kind.parameters.items()}
@@ -129,6 +129,11 @@ def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor
             behaviour=Behaviour(name="follow_lane", parameters=parameters),
         )
     ]
+
+
+def _is_behind(actor: Actor) -> bool:
+    place = actor.placement
+    return place.ahead_m < 0.0 and not place.lane and abs(place.offset_m) < _BESIDE
 
 
 def _between(limits: tuple[float, float], share: float) -> float:

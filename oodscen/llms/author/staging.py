@@ -30,9 +30,11 @@ _URGENT = 0.55
 """Share of the others that come where emergency braking suffices and calm braking hardly does."""
 _HURRIED = 0.35
 """Share of the scenes in which somebody crosses, or a group blocks the road, where the same is so."""
+_EVADING_S = 2.2
+"""s before a head-on meeting at which there is still time to evade."""
 _STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
 """Behaviours that do not change how far away along the road somebody is."""
-_CLEAR_PX = 300.0
+_CLEAR_PX = 400.0
 """What covers less of the dash camera's picture, in square pixels, is not made out at a glance."""
 _ASIDE = 0.4
 """m by which an obstacle that calls for a change of lane lies on the other side of its lane."""
@@ -206,19 +208,33 @@ def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[floa
     elif actor is not None and distance is not None:
         low, high = actor.ahead
         shift = min(max(distance, low), high) - 0.5 * (low + high)
-    if actor is not None and decision.kind == "ttc" and actor.behaviour in _STILL:
+    if actor is not None and decision.kind == "ttc":
         value = _hurried(scene, actor, friction, value)
     return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
 
 
 def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) -> float:
-    """Return the time to collision of the decision, at times such that only hard braking suffices."""
+    """Return the time to collision of the decision: so late that the actor is made out.
+
+    In some of the scenes it comes so late that only hard braking suffices.
+    """
     draw, share = (float(draw) for draw in scene.rng.random(2))
-    if scene.is_followed or draw >= _HURRIED:
+    along = scene.along(actor)
+    closing = scene.speed - along
+    if closing < _LEAST_SPEED:
         return seconds
-    hard = approach.braking(scene.speed, friction) + scene.reach(actor)
-    calm = approach.calm_braking(scene.speed, friction) + scene.reach(actor)
-    return min(seconds, (hard + 1.0 + 0.6 * share * max(calm - hard - 1.0, 0.0)) / scene.speed)
+    reach = scene.reach(actor)
+    hard = approach.braking(closing, friction) + reach + 1.0
+    calm = max(approach.calm_braking(closing, friction) + reach, hard)
+    least = _EVADING_S * closing if along < -1.0 else hard
+    away = seconds * closing
+    while away > least and scene.pixels(actor, away) < _CLEAR_PX:
+        away *= 0.95
+    if away < calm:
+        scene.is_followed = False
+    if actor.behaviour in _STILL and not scene.is_followed and draw < _HURRIED:
+        away = min(away, hard + 0.6 * share * (calm - hard))
+    return min(seconds, away / closing)
 
 
 def _room(scene: Stage, actor: RecipeActor, friction: float) -> Callable[[float], float]:
