@@ -1,7 +1,7 @@
 import pytest
 
 from oodscen.llms.author import BuiltinAuthor, Knowledge
-from oodscen.llms.author.feasibility import WeatherLimits
+from oodscen.llms.author.feasibility import WeatherLimits, missing_for
 from oodscen.prompts import CatalogueDigest, JudgeBranch
 
 
@@ -75,3 +75,22 @@ def test_the_line_on_the_weather_is_read(digest: CatalogueDigest) -> None:
         WeatherLimits(False, 10_000.0, False, False, 0.0, 1.0)
     )
     assert WeatherLimits.of(digest.weather).night
+
+
+def test_a_map_without_the_landmark_is_named(
+    author: BuiltinAuthor, ask, rich_digest: CatalogueDigest
+) -> None:
+    label = "Cross traffic running a red light"
+    assert ask(author, JudgeBranch(path=("x", label), catalogue=rich_digest)).simulatable
+    bare = tuple(line.model_copy(update={"landmarks": ()}) for line in rich_digest.maps)
+    poorer = rich_digest.model_copy(update={"maps": bare})
+    judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
+    assert judged.missing == ["a map with: junction"]
+
+
+def test_everything_that_has_a_recipe_can_be_shown(
+    knowledge: Knowledge, rich_digest: CatalogueDigest
+) -> None:
+    for hazard in knowledge.hazards:
+        if hazard.stage is not None:
+            assert list(missing_for(hazard, rich_digest)) == [], hazard.id

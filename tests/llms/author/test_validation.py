@@ -89,6 +89,38 @@ def test_an_unreadable_file_is_one_typed_error(tmp_path: Path, text: str) -> Non
     assert validate_knowledge(path)
 
 
+def test_the_manual_counts_right(knowledge: Knowledge) -> None:
+    text = " ".join(Path("docs/author.md").read_text().split())
+    recipes = sum(hazard.stage is not None for hazard in knowledge.hazards)
+    assert f"hold {len(knowledge.hazards)} hazards in {len(knowledge.families)} families" in text
+    assert f"{recipes} of the hazards have a recipe" in text
+
+
+def test_what_a_recipe_is_measured_from_must_exist(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(
+        GOOD
+        + """
+[hazard.stage]
+speed = [8.0, 12.0]
+decision = { kind = "ttc", value = 3.0 }
+[[hazard.stage.actors]]
+id = "piano"
+asset = "piano"
+ahead = 5.0
+at = "violin"
+other = "cello"
+meets = 0.0
+"""
+    )
+    start = "own.toml: hazard[0] piano: stage.actors[0]"
+    assert {issue.path for issue in validate_knowledge(path)} == {
+        f"{start}.at",
+        f"{start}.other",
+        f"{start}.meets",
+    }
+
+
 def test_a_recipe_is_checked(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text(
