@@ -154,7 +154,7 @@ def test_nights_are_darker_than_days_and_snow_is_brighter_than_rain(
     simulator: PyBulletSimulator, camera: Camera, make_scene: MakeScene, make_actor: MakeActor
 ) -> None:
     def brightness(**weather: object) -> float:
-        simulator.reset(make_scene(make_actor("cone", 15.0), **weather), 0)
+        simulator.reset(make_scene(make_actor("cone", 15.0), road="rural_curve", **weather), 0)
         return float(simulator.render(camera).rgb.mean())
 
     day, night = brightness(), brightness(sun_elevation_deg=-20.0)
