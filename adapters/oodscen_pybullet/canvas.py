@@ -10,14 +10,16 @@ from numpy.typing import NDArray
 from oodscen.driving import exact
 from oodscen_pybullet import raster, shading
 from oodscen_pybullet.cast import Look, mesh_of
-from oodscen_pybullet.compiling import announcing
 from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.shadows import Shade, ShadowMap
+from oodscen_pybullet.shelter import Shelter
 from oodscen_pybullet.stage import Shot
 from oodscen_pybullet.triangles import Triangles, textures
 from oodscen_pybullet.view import FAR, NEAR, Point, View
 
+_LAMPS = (0.06, 0.08, 0.995)
+"""Whence shadows fall in tunnels."""
 _LOOKS = 256
 """Actors' looks that stay converted."""
 
@@ -44,6 +46,7 @@ class Canvas:
         self._records = np.empty((0, raster.RECORD), np.float32)
         self._labels = np.empty((0, raster.LABELS), np.int32)
         self._shadows = ShadowMap()
+        self._shelter: Shelter | None = None
 
     def close(self) -> None:
         """Forget everything; may be called twice."""
@@ -51,14 +54,19 @@ class Canvas:
         self._known.clear()
         self._shadows.forget()
 
-    def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
-        """Put up scenery in place of everything that is there."""
+    def show_scenery(
+        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+    ) -> None:
+        """Put up scenery in place of everything that is there, with the road's tunnels."""
         self.close()
         self._is_snowy = is_snowy
         atlas = draw_atlas(is_snowy)
         self._scenery = Triangles.joined(
             [Triangles.of(mesh, atlas, is_chunked=True) for mesh in meshes]
         )
+        self._shelter = shelter
+        if shelter is not None:
+            self._scenery.shelter(shelter.covers(self._scenery.middles()))
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
         """Put up the actors in place of earlier ones; row i of `pose_actors` is look i."""
@@ -72,6 +80,10 @@ class Canvas:
         for place, (x, y, z, yaw) in zip(self._actors.places, poses, strict=True):
             sine, cosine = exact.sincos(yaw)
             place[:] = (x, y, z, cosine, sine)
+        if self._shelter is not None:
+            middles = np.array([(x, y, z + 0.1) for x, y, z, _ in poses])
+            lengths = self._actors.spans[:, 1] - self._actors.spans[:, 0]
+            self._actors.shelter(np.repeat(self._shelter.covers(middles), lengths))
 
     def photograph(
         self,
@@ -82,16 +94,18 @@ class Canvas:
         diffuse: float,
         ground: float | None = None,
         shades: Point | None = None,
+        is_inside: bool = False,
     ) -> Shot:
         """Take a picture."""
-        with announcing():
-            shade = None
-            if ground is not None:
-                assert self._scenery is not None
-                assert self._actors is not None
-                towards = shades or sun
-                shade = self._shadows.draw(view, towards, ground, self._scenery, self._actors)
-            return self._photograph(view, sun, ambient, diffuse, shade)
+        shade = None
+        if ground is not None:
+            assert self._scenery is not None
+            assert self._actors is not None
+            towards = _LAMPS if is_inside else shades or sun
+            shade = self._shadows.draw(
+                view, towards, ground, self._scenery, self._actors, is_inside=is_inside
+            )
+        return self._photograph(view, sun, ambient, diffuse, shade)
 
     def _photograph(
         self, view: View, sun: Point, ambient: float, diffuse: float, shade: Shade | None
@@ -102,6 +116,7 @@ class Canvas:
         samples = view.width * view.height * self._detail
         nearness, shown = self._clean(samples + raster.BLOCK)
         light = np.array([*sun, ambient, diffuse], np.float64)
+        kinds = np.empty(shape, np.uint8)
         self._reserve(len(self._scenery.corners) + len(self._actors.corners))
         window = (0, 0, view.width, view.height)
         count = 0
@@ -118,7 +133,7 @@ class Canvas:
             reach=np.empty(shape, np.float32),
             sky=np.empty(shape, np.uint8),
             lit=np.empty(shape, np.uint8),
-            kinds=np.empty(shape, np.uint8),
+            kinds=kinds,
             shade=shade,
         )
         shading.gather(
@@ -136,7 +151,7 @@ class Canvas:
             shot.reach,
             shot.sky,
             shot.lit,
-            shot.kinds,
+            kinds,
         )
         return shot
 

@@ -9,17 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from oodscen_pybullet.compiling import inlined, kernel
-from oodscen_pybullet.raster import F32, I32, U8
+from oodscen.driving.compiled import Kernel, inlined, part
+from oodscen_pybullet.raster import F32, U8
 
 GRID_AHEAD, GRID_ASIDE, GRID_CELL = 192, 160, 0.5
 """Cells before and across the camera in which lamps light the ground, and their size, m."""
-SETTINGS = 32
+SETTINGS = 56
 (
     RATE, AIR_R, AIR_G, AIR_B, SKY_THROUGH, EYE_HEIGHT, DAY_R, DAY_G, DAY_B, BEAM, HAS_SHADOW,
     SHADOW_X, SHADOW_Y, SHADOW_Z, SHADOW_SCALE, LEAN_X, LEAN_Y, WET, HALO, GRAIN, CLOUD_EDGE,
-    CLOUD_FLOOR, CLOUD_SHADE, CLOUD_BRIGHT, HAS_GRID, NOISE,
-) = range(26)  # fmt: skip
+    CLOUD_FLOOR, CLOUD_SHADE, CLOUD_BRIGHT, HAS_GRID, NOISE, SHADE_R, SHADE_G, SHADE_B, SUN_GAIN,
+    FAR_X, FAR_Y, FAR_SCALE, FOG_RATE, HAS_PORTAL, IS_INSIDE, PORTAL, PORTAL_RIGHT, PORTAL_UP,
+    PORTAL_AHEAD, TUNNEL_R, TUNNEL_G, TUNNEL_B, AIR_INSIDE,
+) = range(44)  # fmt: skip
 """Places in the settings of `develop_pixels`."""
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
 _BEAM_G, _BEAM_B = np.float32(0.97), np.float32(0.88)
@@ -40,10 +42,26 @@ def fade(optical_depth: Any) -> Any:
     return _ONE / (eight * eight)
 
 
-@inlined
-def ground_limit(near: Any) -> Any:
-    """Return the height, m, below which what is so far away counts as ground."""
-    return np.float32(0.16) + near * np.float32(0.02)
+@part
+def lit_share(heights: Any, u: Any, v: Any, z: Any) -> Any:
+    """Return which share of the sun reaches a place of a map of shadows.
+
+    Args:
+        heights: The map.
+        u: Column of the place, not on the last one.
+        v: Row of the place.
+        z: Its height.
+    """
+    one = np.uint64(1)
+    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+    fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
+    a = _ONE if heights[j, i] <= z else _ZERO
+    b = _ONE if heights[j, i + one] <= z else _ZERO
+    c = _ONE if heights[j + one, i] <= z else _ZERO
+    d = _ONE if heights[j + one, i + one] <= z else _ZERO
+    a += (b - a) * fu
+    c += (d - c) * fu
+    return a + (c - a) * fv
 
 
 @inlined
@@ -72,12 +90,11 @@ def grain(number: Any) -> Any:
     return np.float32(mixed % np.uint32(9)) - np.float32(4.0)
 
 
-@kernel
+@Kernel
 def develop_pixels(
     rgb: U8,
     depth: F32,
     reach: F32,
-    rows: I32,
     lit: U8,
     kinds: U8,
     sky: U8,
@@ -93,6 +110,7 @@ def develop_pixels(
     grid: F32,
     heights: F32,
     tiles: F32,
+    far_heights: F32,
     image: U8,
 ) -> None:
     """Develop a picture.
@@ -101,7 +119,6 @@ def develop_pixels(
         rgb: [3, height, width] raw colours.
         depth: [height, width] m, of the pixels' centres.
         reach: The same, mean of what is not sky.
-        rows: The same, actors; -1 is scenery or sky.
         lit: The same, how squarely the sun meets the surface, 0 to 255.
         kinds: The same, `triangles.SHINING` and so on.
         sky: The same, share of sky, 0 to 255.
@@ -117,6 +134,7 @@ def develop_pixels(
         grid: [GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground.
         heights: Of the map of shadows.
         tiles: Of the map of shadows.
+        far_heights: Of the coarse map of shadows.
         image: [height, width, 3] to be filled.
     """
     height, width = depth.shape
@@ -125,6 +143,15 @@ def develop_pixels(
     has_shadow, has_grid = settings[HAS_SHADOW] > _ZERO, settings[HAS_GRID] > _ZERO
     has_beam, has_grain = settings[BEAM] > _ZERO, settings[GRAIN] > _ZERO
     is_wet = settings[WET] > _ZERO
+    has_portal, is_inside = settings[HAS_PORTAL] > _ZERO, settings[IS_INSIDE] > _ZERO
+    far_cells = np.float32(far_heights.shape[0] - 1)
+    far_share = settings[FAR_SCALE] / settings[SHADOW_SCALE] if has_shadow else _ONE
+    # 1 in the sun, 0 in the shade; how bright a tunnel's lamps make what is in it; way to the portal.
+    sunny, indoors, gate = (
+        np.ones(width, np.float32),
+        np.zeros(width, np.float32),
+        np.empty(width, np.float32),
+    )
     cells = np.float32(heights.shape[0] - 1)
     clear = np.empty(width, np.float32)
     red, green, blue = (
@@ -153,38 +180,74 @@ def develop_pixels(
             step_x = (axes[2, 0] + up * axes[1, 0] - settings[LEAN_X] * rise) * scale
             step_y = (axes[2, 1] + up * axes[1, 1] - settings[LEAN_Y] * rise) * scale
             for x in range(width):
-                if lit[y, x] == 0 or kinds[y, x] == 1:
+                sunny[x] = _ZERO
+                kind = kinds[y, x]
+                if lit[y, x] == 0 or kind & 1:
                     continue
+                if kind & 8 and not is_inside:
+                    continue
+                sunny[x] = _ONE
                 far = depth[y, x]
-                if far > np.float32(78.0):
-                    continue
-                u = settings[SHADOW_X] + far * (step_x + across[x] * right_x)
-                v = settings[SHADOW_Y] + far * (step_y + across[x] * right_y)
-                if not (_ZERO <= u < cells and _ZERO <= v < cells):
-                    continue
                 z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
-                i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
-                if tiles[j >> np.uint64(4), i >> np.uint64(4)] <= z:
-                    continue
-                one = np.uint64(1)
-                fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
-                a = _ONE if heights[j, i] <= z else _ZERO
-                b = _ONE if heights[j, i + one] <= z else _ZERO
-                c = _ONE if heights[j + one, i] <= z else _ZERO
-                d = _ONE if heights[j + one, i + one] <= z else _ZERO
-                a += (b - a) * fu
-                c += (d - c) * fu
-                a += (c - a) * fv
-                share = np.minimum((np.float32(78.0) - far) * np.float32(0.07), _ONE)
-                clear[x] = _ONE - dark[lit[y, x]] * (_ONE - a) * share
+                if not kind & 4:
+                    # Things are made of faces that meet at all angles: more room for them.
+                    slant = _ONE - np.float32(lit[y, x]) * _TINY
+                    z += np.float32(0.05) + np.float32(0.25) * slant
+                aside = step_x + across[x] * right_x
+                along = step_y + across[x] * right_y
+                u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
+                edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
+                share = np.minimum(np.float32(78.0) - far, edge * np.float32(0.25))
+                share = np.minimum(share * np.float32(0.07), _ONE)
+                sun = _ONE
+                if share > _ZERO:
+                    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+                    if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
+                        sun = lit_share(heights, u, v, z)
+                else:
+                    share = _ZERO
+                if share < _ONE:
+                    u = settings[FAR_X] + far * aside * far_share
+                    v = settings[FAR_Y] + far * along * far_share
+                    wide = _ONE
+                    if _ZERO <= u < far_cells and _ZERO <= v < far_cells:
+                        wide = lit_share(far_heights, u, v, z + np.float32(0.3))
+                    sun = wide + (sun - wide) * share
+                loss = dark[lit[y, x]]
+                if kind & 8:
+                    loss = _HALF
+                clear[x] = _ONE - loss * (_ONE - sun)
+                sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
+        if has_portal:
+            for x in range(width):
+                towards = (
+                    settings[PORTAL_AHEAD]
+                    + up * settings[PORTAL_UP]
+                    + across[x] * settings[PORTAL_RIGHT]
+                )
+                gate[x] = np.float32(1e6)
+                if towards > np.float32(1e-4):
+                    gate[x] = settings[PORTAL] / towards
+                indoors[x] = _ZERO
+                if kinds[y, x] & 8:
+                    # Daylight comes in for some metres.
+                    way = (np.minimum(reach[y, x], _FARTHEST) * towards - settings[PORTAL]) * (
+                        np.float32(1.0 / 7.0)
+                    )
+                    indoors[x] = clear[x]
+                    clear[x] = clear[x] / (_ONE + way * way)
+                    sunny[x] = _ZERO
         for x in range(width):
-            red[x] = settings[DAY_R] * clear[x]
-            green[x] = settings[DAY_G] * clear[x]
-            blue[x] = settings[DAY_B] * clear[x]
+            part = sunny[x]
+            bright = clear[x]
+            red[x] = (settings[SHADE_R] + (settings[DAY_R] - settings[SHADE_R]) * part) * bright
+            green[x] = (settings[SHADE_G] + (settings[DAY_G] - settings[SHADE_G]) * part) * bright
+            blue[x] = (settings[SHADE_B] + (settings[DAY_B] - settings[SHADE_B]) * part) * bright
         if has_beam:
             for x in range(width):
                 near = np.minimum(reach[y, x], _FARTHEST)
-                bright = beam(near, eye + near * rise, spread[0, x], settings[BEAM])
+                aloft = _ZERO if kinds[y, x] & 20 == 4 else eye + near * rise
+                bright = beam(near, aloft, spread[0, x], settings[BEAM])
                 red[x] += bright
                 green[x] += bright * _BEAM_G
                 blue[x] += bright * _BEAM_B
@@ -199,6 +262,8 @@ def develop_pixels(
                 one = np.uint64(1)
                 fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
                 aloft = np.maximum(eye + near * rise, _ZERO) * np.float32(0.2)
+                if kinds[y, x] & 20 == 4:
+                    aloft = _ZERO
                 share = _ONE / (_ONE + aloft * aloft)
                 w11 = fu * fv * share
                 w10, w01 = fu * share - w11, fv * share - w11
@@ -217,9 +282,14 @@ def develop_pixels(
                         green[x] += bright
                     else:
                         blue[x] += bright
+        if has_portal:
+            for x in range(width):
+                red[x] = np.maximum(red[x], settings[TUNNEL_R] * indoors[x])
+                green[x] = np.maximum(green[x], settings[TUNNEL_G] * indoors[x])
+                blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
         for x in range(width):
             # What shines by itself is as bright by night as it is by day.
-            shines = kinds[y, x] == 1
+            shines = kinds[y, x] & 1 != 0
             red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
             green[x] = np.float32(rgb[1, y, x]) * (
                 np.maximum(green[x], _ONE) if shines else green[x]
@@ -227,8 +297,7 @@ def develop_pixels(
             blue[x] = np.float32(rgb[2, y, x]) * (np.maximum(blue[x], _ONE) if shines else blue[x])
         if is_wet:
             for x in range(width):
-                near = np.minimum(reach[y, x], _FARTHEST)
-                if rows[y, x] < 0 and eye + near * rise < ground_limit(near):
+                if kinds[y, x] & 28 == 4:
                     red[x] *= settings[WET]
                     green[x] *= settings[WET]
                     blue[x] *= settings[WET]
@@ -237,10 +306,26 @@ def develop_pixels(
             for x in range(width):
                 stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
                 far = np.minimum(reach[y, x], np.float32(1e6)) * stretch
-                veil[x] = fade(np.minimum(far * rate, np.float32(40.0)))
+                veil[x] = far * rate
+            if has_portal:
+                # Rain and snow are in the way outside only.
+                fog = settings[FOG_RATE]
+                for x in range(width):
+                    stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
+                    near = np.minimum(reach[y, x], np.float32(1e6))
+                    wet = np.minimum(near, gate[x]) if kinds[y, x] & 8 else near
+                    if is_inside:
+                        wet = _ZERO if kinds[y, x] & 8 else np.maximum(near - gate[x], _ZERO)
+                    veil[x] = (near * fog + wet * (rate - fog)) * stretch
+            for x in range(width):
+                veil[x] = fade(np.minimum(veil[x], np.float32(40.0)))
             for x in range(width):
                 glow = back * spread[1, x]
                 r, g, b = settings[AIR_R] + glow, settings[AIR_G] + glow, settings[AIR_B] + glow
+                if has_portal and is_inside and kinds[y, x] & 8:
+                    r = settings[AIR_R] * settings[AIR_INSIDE] + glow
+                    g = settings[AIR_G] * settings[AIR_INSIDE] + glow
+                    b = settings[AIR_B] * settings[AIR_INSIDE] + glow
                 red[x] = r + (red[x] - r) * veil[x]
                 green[x] = g + (green[x] - g) * veil[x]
                 blue[x] = b + (blue[x] - b) * veil[x]
@@ -292,7 +377,7 @@ def develop_pixels(
 def develop_arrays(
     rgb: U8,
     reach: F32,
-    rows: I32,
+    kinds: U8,
     sky: U8,
     settings: F32,
     across: F32,
@@ -303,7 +388,7 @@ def develop_arrays(
     heaven: F32,
     sheet: F32,
 ) -> U8:
-    """Develop a picture without numba: as `develop_pixels` does, but without shadows and lamps.
+    """Develop a picture without numba: as `develop_pixels` does, without shadows, lamps, tunnels.
 
     Args are those of `develop_pixels`.
 
@@ -313,15 +398,14 @@ def develop_arrays(
     height, width = reach.shape
     rise = (upwards * axes[1, 2] + axes[2, 2])[:, None]
     near = np.minimum(reach, _FARTHEST)
-    aloft = settings[EYE_HEIGHT] + near * rise
+    aloft = np.where((kinds & 20) == 4, _ZERO, settings[EYE_HEIGHT] + near * rise)
     light = settings[DAY_R : DAY_B + 1].reshape(3, 1, 1) * np.ones((1, height, width), np.float32)
     if settings[BEAM] > 0.0:
         bright = beam(near, aloft, spread[0][None, :], settings[BEAM])
         light += bright[None] * np.array([1.0, _BEAM_G, _BEAM_B], np.float32).reshape(3, 1, 1)
     colours = rgb.astype(np.float32) * light
     if settings[WET] > 0.0:
-        is_ground = (rows < 0) & (aloft < ground_limit(near))
-        colours *= np.where(is_ground, settings[WET], _ONE)
+        colours *= np.where((kinds & 28) == 4, settings[WET], _ONE)
     air = settings[AIR_R : AIR_B + 1].reshape(3, 1, 1)
     air = air + (settings[HALO] * halo[:, None] * spread[1][None, :])[None]
     if settings[RATE] > 0.0:

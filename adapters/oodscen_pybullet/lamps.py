@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import exact
-from oodscen_pybullet.compiling import kernel
+from oodscen.driving.compiled import Kernel
 from oodscen_pybullet.developing import GRID_AHEAD, GRID_ASIDE, GRID_CELL
 from oodscen_pybullet.light import Glow, Light
 from oodscen_pybullet.view import Point, View
@@ -133,7 +133,7 @@ def add_glare(image: U8, view: View, light: Light, depth: Float) -> None:
     warm = (1.0, 0.90, 0.66)
     disc = _visible(depth, column, row, 399.0)
     shown = 0.55 + 0.45 * disc
-    _add(image, column, row, view.width * 0.7, 84.0 * shown, warm)
+    _add(image, column, row, view.width * 0.6, 52.0 * shown, (1.0, 0.94, 0.80))
     _add(image, column, row, view.width * 0.12, 150.0 * disc, warm)
     _add(image, column, row, view.width * 0.04, 255.0 * disc, (1.0, 0.98, 0.9))
 
@@ -170,7 +170,7 @@ def _add(
     splash(image, np.float32(column), np.float32(row), np.float32(radius), light)
 
 
-@kernel
+@Kernel
 def splash(
     image: U8, column: np.float32, row: np.float32, radius: np.float32, light: Float
 ) -> None:

@@ -37,6 +37,8 @@ class Light:
     tint: Point
     """Colour of the light."""
     has_glare: bool
+    shade: Point = (1.0, 1.0, 1.0)
+    """Colour of the light where the sun does not reach."""
     shades: Point = (0.0, 0.0, 1.0)
     """Direction from which shadows fall: the sun's, or near the zenith under an overcast sky."""
 
@@ -63,19 +65,23 @@ class Light:
         sun = (level * exact.cos(turn), level * exact.sin(turn), exact.sin(height))
         clear = (1.0 - hidden) * (1.0 if elevation > 0.0 else 0.0)
         warm = max(0.0, 1.0 - max(elevation, 0.0) / 20.0) * clear
+        # Cameras expose for the shade where the sun hardly reaches the ground.
+        low = max(0.0, 1.0 - max(elevation, 0.0) / 28.0) * clear
+        blue = clear * (0.4 + 0.6 * warm)
         dark = 1.0 - daylight
         return cls(
             sun=sun,
-            ambient=0.54 + 0.28 * (1.0 - clear) + (0.06 if is_snowy else 0.0),
+            ambient=0.54 + 0.26 * low + 0.28 * (1.0 - clear) + (0.06 if is_snowy else 0.0),
             diffuse=0.10 + 0.50 * clear,
             daylight=daylight,
-            shadow=0.34 + 0.06 * clear,
+            shadow=0.34 + 0.06 * clear - 0.2 * low,
             tint=(
                 1.0 + 0.08 * warm - 0.22 * dark * (1 - warm),
                 1.0 - 0.04 * warm - 0.10 * dark * (1 - warm),
                 1.0 - 0.20 * warm + 0.10 * dark * (1 - warm),
             ),
             has_glare=has_glare,
+            shade=(1.0 - 0.07 * blue, 1.0 - 0.01 * blue, 1.0 + 0.08 * blue),
             shades=sun if clear > 0.25 else (0.12, 0.16, 0.98),
         )
 

@@ -6,17 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.driving.compiled import is_compiled
 from oodscen.scene import Weather
 from oodscen.seeding import stream
 from oodscen_pybullet import developing as d
-from oodscen_pybullet.compiling import announcing, is_compiled
 from oodscen_pybullet.lamps import add_glare, add_glows, ground_light
 from oodscen_pybullet.light import Glow, Light
 from oodscen_pybullet.puffs import Ball, add_puffs
 from oodscen_pybullet.reflections import add_reflections
-from oodscen_pybullet.shadows import CELLS, SIDE_M
+from oodscen_pybullet.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M
+from oodscen_pybullet.shelter import Portal
 from oodscen_pybullet.stage import Shot
-from oodscen_pybullet.triangles import MIRROR
+from oodscen_pybullet.triangles import GROUND, MIRROR
 from oodscen_pybullet.view import View
 from oodscen_pybullet.weather import (
     SKY_M,
@@ -38,6 +39,8 @@ _MIRRORING = 0.62
 """How much it mirrors at the flattest angles."""
 _NO_GRID = np.zeros((1, 1, 3), np.float32)
 _NO_SHADE = np.zeros((1, 1), np.float32)
+_TUNNEL = (1.03, 1.0, 0.93)
+"""Colour of a tunnel's lamps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,17 +58,14 @@ class Picture:
     seed: int
     road_height: float
     """Where the ground is below the camera, m."""
+    portal: Portal | None = None
+    """The end of a tunnel that the camera looks at."""
     balls: Sequence[Ball] = ()
     """Smoke, fire and dust."""
 
 
 def develop(picture: Picture) -> NDArray[np.uint8]:
     """Apply light and weather: [height, width, 3] uint8; a function of its argument alone."""
-    with announcing():
-        return _develop(picture)
-
-
-def _develop(picture: Picture) -> NDArray[np.uint8]:
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
     across, upwards = view.slopes()
@@ -74,6 +74,7 @@ def _develop(picture: Picture) -> NDArray[np.uint8]:
     spread = np.stack([_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]).astype(
         np.float32
     )
+    kinds = _kinds(picture)
     planes = np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0))
     sky, sheet = heaven(view, weather, light), cloud_sheet(picture.seed)
     if is_compiled():
@@ -85,9 +86,8 @@ def _develop(picture: Picture) -> NDArray[np.uint8]:
             planes,
             shot.depth,
             shot.reach,
-            shot.rows,
             shot.lit,
-            shot.kinds,
+            kinds,
             shot.sky,
             settings,
             across,
@@ -101,36 +101,66 @@ def _develop(picture: Picture) -> NDArray[np.uint8]:
             _NO_GRID if grid is None else grid,
             _NO_SHADE if shade is None else shade.heights,
             _NO_SHADE if shade is None else shade.tiles,
+            _NO_SHADE if shade is None else shade.far,
             image,
         )
     else:
         image = d.develop_arrays(
-            planes, shot.reach, shot.rows, shot.sky, settings, across, upwards, axes, spread, halo,
+            planes, shot.reach, kinds, shot.sky, settings, across, upwards, axes, spread, halo,
             sky, sheet,
         )  # fmt: skip
     if picture.balls:
         add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
     add_glows(image, view, shot.depth, picture.glows, light, rate)
     is_raining = weather.precipitation == "rain"
-    if is_compiled() and (is_raining or (shot.kinds == MIRROR).any()):
+    if is_compiled() and (is_raining or (kinds & MIRROR).any()):
         add_reflections(
             image,
             shot.depth,
-            shot.rows,
-            shot.kinds,
-            across,
-            upwards * axes[1, 2] + axes[2, 2],
-            settings[d.EYE_HEIGHT],
+            kinds,
             np.float32(_MIRRORING if is_raining else 0.0),
             np.float32(5.0 * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),
         )
     add_glare(image, view, light, shot.depth)
     if is_raining:
-        add_rain(image, view, weather, light, picture.seed, picture.time)
+        add_rain(
+            image,
+            view,
+            weather,
+            light,
+            shot.reach,
+            kinds,
+            picture.portal,
+            picture.seed,
+            picture.time,
+        )
     elif weather.precipitation == "snow":
-        add_snow(image, view, weather, light, shot.reach, picture.seed, picture.time)
+        add_snow(
+            image,
+            view,
+            weather,
+            light,
+            shot.reach,
+            kinds,
+            picture.portal,
+            picture.seed,
+            picture.time,
+        )
     return image
+
+
+def _kinds(picture: Picture) -> NDArray[np.uint8]:
+    """Return what is true of the surfaces; where that is unknown, what lies low is ground."""
+    shot, view = picture.shot, picture.view
+    if shot.kinds is not None:
+        return shot.kinds
+    _, upwards = view.slopes()
+    near = np.minimum(shot.reach, np.float32(400.0))
+    rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
+    height = np.float32(view.eye[2] - picture.road_height) + near * rise[:, None]
+    is_low = height < np.float32(0.16) + near * np.float32(0.02)
+    return np.where((shot.rows < 0) & is_low, np.uint8(GROUND), np.uint8(0))
 
 
 def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
@@ -157,6 +187,15 @@ def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
         values[d.SHADOW_Y] = (y - shade.lean[1] * z - shade.corner[1]) * scale
         values[d.SHADOW_Z], values[d.SHADOW_SCALE] = z, scale
         values[d.LEAN_X], values[d.LEAN_Y] = shade.lean
+        x, y = (view.eye[i] - shade.lean[i] * z - shade.far_corner[i] for i in range(2))
+        scale = FAR_CELLS / FAR_SIDE_M
+        values[d.FAR_X], values[d.FAR_Y], values[d.FAR_SCALE] = x * scale, y * scale, scale
+        values[d.SUN_GAIN] = 1.0 / max(float(light.darkness()[round(255 * light.sun[2])]), 0.05)
+    values[d.SHADE_R : d.SHADE_B + 1] = [
+        values[d.DAY_R + e] / light.tint[e] * (light.shade[e] if shade else light.tint[e])
+        for e in range(3)
+    ]
+    _set_portal(values, picture)
     values[d.WET] = _WET if weather.precipitation == "rain" else 0.0
     if light.daylight <= 0.6 and rate > 0.0:
         values[d.HALO] = 104.0 * dark * min(1.0, rate * 30.0)
@@ -169,6 +208,22 @@ def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
         noise = stream(picture.seed, "grain", round(picture.time, 3))
         values[d.NOISE] = int(noise.integers(1 << 22))
     return values
+
+
+def _set_portal(values: F32, picture: Picture) -> None:
+    """Add what `develop_pixels` wants to know of a tunnel ahead."""
+    portal, weather, daylight = picture.portal, picture.weather, picture.light.daylight
+    if portal is None:
+        return
+    values[d.HAS_PORTAL], values[d.IS_INSIDE] = 1.0, float(portal.is_inside)
+    values[d.PORTAL] = portal.distance
+    values[d.PORTAL_RIGHT : d.PORTAL_AHEAD + 1] = portal.normal
+    values[d.FOG_RATE] = extinction(weather.model_copy(update={"precipitation": "none"}))
+    # A camera in daylight hardly sees into the dark.
+    dull = 0.6 + 0.4 * (1.0 - daylight)
+    bright = dull + (1.06 - dull) * portal.deep
+    values[d.TUNNEL_R : d.TUNNEL_B + 1] = [bright * part for part in _TUNNEL]
+    values[d.AIR_INSIDE] = 0.55 if daylight > 0.4 else 1.0
 
 
 def _spread(across: F32, width: float) -> F32:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import exact
-from oodscen_pybullet.compiling import kernel
+from oodscen.driving.compiled import Kernel
 from oodscen_pybullet.light import Light
 from oodscen_pybullet.meshes.builder import Puff
 from oodscen_pybullet.view import NEAR, Point, View
@@ -106,9 +106,9 @@ def add_puffs(
         )
     for row, index in layers.items():
         filled_up = cover[index] > np.float32(0.5)
-        ahead = sorted(-behind for behind, *_, ball in near if ball.row == row)
+        way = sorted(-behind for behind, *_, ball in near if ball.row == row)
         rows[filled_up] = row
-        depth[filled_up] = np.minimum(depth[filled_up], np.float32(ahead[len(ahead) // 2]))
+        depth[filled_up] = np.minimum(depth[filled_up], np.float32(way[len(way) // 2]))
 
 
 def filled(view: View, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
@@ -124,7 +124,7 @@ def filled(view: View, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
 _DAY = Light((0.0, 0.0, 1.0), 1.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0), has_glare=False)
 
 
-@kernel
+@Kernel
 def draw_puff(image: U8, depth: F32, cover: F32, ball: F32, colour: F32) -> None:
     """Blend one ball into a picture.
 

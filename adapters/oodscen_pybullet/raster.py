@@ -4,8 +4,7 @@ It notes for every sample which triangle is nearest, and nothing else; `shading`
 their colours. Everything is plain arithmetic on scalars, so that the bits do not depend on the
 processor.
 
-Kernels compile when they are first called, which takes some seconds, and are kept on disk by numba
-(beside this file, or in its own cache where this folder is read-only).
+Kernels compile when they are first called, which takes some seconds: `oodscen.driving.compiled`.
 """
 
 import math
@@ -13,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet.compiling import kernel
+from oodscen.driving.compiled import Kernel
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -27,11 +26,13 @@ with their slopes along columns and rows; red, green, blue; 1 where it is lit un
 the sun meets it, 0 to 255."""
 BLOCK = 16
 """Samples that are drawn together; sheets of samples are that much longer than they need be."""
+TUNNEL_AMBIENT, TUNNEL_DIFFUSE = 0.78, 0.22
+"""Shares of a tunnel's light that come from everywhere, and from the ceiling."""
 LABELS = 4
 """Whole numbers kept of one: texture, label, surface, kind."""
 
 
-@kernel
+@Kernel
 def scatter(
     corners: F32,
     planes: F32,
@@ -274,6 +275,15 @@ def scatter(
                 corners[k, 1, 3] * sx + corners[k, 1, 4] * sy + corners[k, 1, 5] * sz,
                 corners[k, 2, 3] * sx + corners[k, 2, 4] * sy + corners[k, 2, 5] * sz,
             )
+            ambient, diffuse = sun[3], sun[4]
+            if kinds[k] & 8:
+                # In a tunnel light comes from the ceiling.
+                lights = (
+                    np.float64(corners[k, 0, 5]),
+                    np.float64(corners[k, 1, 5]),
+                    np.float64(corners[k, 2, 5]),
+                )
+                ambient, diffuse = TUNNEL_AMBIENT, TUNNEL_DIFFUSE
             is_uneven = (
                 max(lights[0], lights[1], lights[2]) - min(lights[0], lights[1], lights[2]) > 1e-3
             )
@@ -288,7 +298,7 @@ def scatter(
                 record[11] = (p0 * view_x + p1 * view_y + p2) * turn
                 record[12], record[13] = p0 * grow_x, -p1 * grow_y
             else:
-                strength = sun[3] + sun[4] * max(0.0, lights[0])
+                strength = ambient + diffuse * max(0.0, lights[0])
                 record[18] = 255.0 * min(max(lights[0], 0.0), 1.0)
             if regions[k] >= 0:
                 for e in range(2):
@@ -308,7 +318,7 @@ def scatter(
                 tone = tone * 4096 + int(record[16] * 8.0)
                 if regions[k] >= 0:
                     tone = int(strength * 255.0) * 256 + regions[k] + (1 << 40)
-                tone = ((tone * 8 + kinds[k]) * 512 + spans[index, 2] + 1) % 2147483629
+                tone = ((tone * 32 + kinds[k]) * 512 + spans[index, 2] + 1) % 2147483629
                 labels[count, 2] = -2 - np.int32(tone)
             count += 1
     return count

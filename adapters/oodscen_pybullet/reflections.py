@@ -3,22 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet.compiling import kernel
-from oodscen_pybullet.developing import ground_limit
+from oodscen.driving.compiled import Kernel
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 
 
-@kernel
+@Kernel
 def add_reflections(
     image: U8,
     depth: F32,
-    rows: NDArray[np.int32],
     kinds: U8,
-    across: F32,
-    rise: F32,
-    eye: np.float32,
     wet: np.float32,
     gain: np.float32,
     seed: np.uint32,
@@ -32,11 +27,7 @@ def add_reflections(
     Args:
         image: [height, width, 3], changed in place.
         depth: [height, width] m
-        rows: The same with actors; -1 is scenery or sky.
-        kinds: The same with what surfaces are made of; 2 is water.
-        across: [width] x / depth.
-        rise: [height] how much higher than the eye things are for each metre of depth.
-        eye: Height of the eye above the ground, m.
+        kinds: The same with what is true of surfaces: `triangles.MIRROR` and so on.
         wet: How much wet ground mirrors at flat angles, 0 to 1; 0 is dry.
         gain: How much brighter lamps are than they look: 0 by day, when the sky outshines them.
         seed: Of the roughness.
@@ -48,12 +39,8 @@ def add_reflections(
     for y in range(height):
         for x in range(width):
             near = depth[y, x]
-            is_water = kinds[y, x] == 2
-            is_ground = is_water or (
-                rows[y, x] < 0
-                and near < np.float32(300.0)
-                and eye + near * rise[y] < ground_limit(near)
-            )
+            is_water = kinds[y, x] & 2 != 0
+            is_ground = is_water or (kinds[y, x] & 28 == 4 and near < np.float32(300.0))
             if not is_ground:
                 base[x] = y
                 for e in range(3):
@@ -69,8 +56,13 @@ def add_reflections(
             share, keep = wet * flat * flat, np.float32(0.93)
             if is_water:
                 share, keep = np.float32(0.26) + np.float32(0.6) * flat, np.float32(0.4)
+            grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
+            grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
+            # The sky that lies about the horizon is paler than the one above, and water is murky.
+            pale = np.float32(0.7) if depth[source, column] > np.float32(400.0) else zero
             for e in range(3):
                 mirrored = np.float32(image[source, column, e])
+                mirrored += (grey * np.float32(0.93) - mirrored) * pale
                 # A lamp is far brighter than the brightest that a picture can show.
                 mirrored += gain * max(mirrored - np.float32(205.0), zero)
                 streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)

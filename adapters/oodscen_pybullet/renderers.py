@@ -8,8 +8,8 @@ from functools import cache
 from types import ModuleType
 from typing import Literal, get_args
 
+from oodscen.driving.compiled import is_compiled
 from oodscen.errors import SimulatorError, UnknownComponent
-from oodscen_pybullet.compiling import is_compiled
 from oodscen_pybullet.stage import BulletStage, Stage
 
 Renderer = Literal["raster", "pybullet", "opengl"]

@@ -1,6 +1,6 @@
 """The scenery of a map: its roads, the land, and what stands beside them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from oodscen.driving import Corridor
 from oodscen.seeding import stream
@@ -57,7 +57,12 @@ def build_scenery(
     furnish(site, theme, is_night=is_night)
     spans, tunnel_lamps = build_structures(ground)
     return Scenery(
-        meshes=(road, terrain.mesh(), site.mesh(), *spans),
+        meshes=(
+            replace(road, is_ground=True),
+            replace(terrain.mesh(), is_ground=True),
+            site.mesh(),
+            *spans,
+        ),
         lamps=(*site.lamps, *tunnel_lamps),
         signals=tuple(lights),
         terrain=terrain,

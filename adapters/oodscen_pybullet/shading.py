@@ -6,8 +6,8 @@ another surface, these are mixed.
 
 import numpy as np
 
-from oodscen_pybullet.compiling import inlined, kernel
-from oodscen_pybullet.raster import F32, I32, U8, U64
+from oodscen.driving.compiled import Kernel, inlined, part
+from oodscen_pybullet.raster import F32, I32, TUNNEL_AMBIENT, TUNNEL_DIFFUSE, U8, U64
 
 _RUN = 32
 """Most pixels that are shaded together."""
@@ -65,12 +65,15 @@ def _paint(
     if is_uneven:
         shade_x = records[k, 12]
         shade = records[k, 11] + records[k, 12] * across + records[k, 13] * down
+    ambient, diffuse = light[0], light[1]
+    if labels[k, 3] & 8:
+        ambient, diffuse = np.float32(TUNNEL_AMBIENT), np.float32(TUNNEL_DIFFUSE)
     if region < 0:
         plain_r, plain_g, plain_b = records[k, 14], records[k, 15], records[k, 16]
         for i in range(np.uint64(count)):
             t = np.float32(np.int32(i))
             slant = max((shade + shade_x * t) / (iw + iwx * t), zero)
-            strength = light[0] + light[1] * slant
+            strength = ambient + diffuse * slant
             red[first + i] = np.uint8(min(plain_r * strength + half, full))
             green[first + i] = np.uint8(min(plain_g * strength + half, full))
             blue[first + i] = np.uint8(min(plain_b * strength + half, full))
@@ -113,7 +116,7 @@ def _paint(
         scratch[one, i] = np.int32((u - np.float32(x0)) * np.float32(64.0))
         scratch[two, i] = np.int32((v - np.float32(y0)) * np.float32(64.0))
         slant = max((shade + shade_x * t) * w, zero)
-        strength = light[0] + light[1] * slant if is_uneven else records[k, 14]
+        strength = ambient + diffuse * slant if is_uneven else records[k, 14]
         scratch[three, i] = np.int32(strength * np.float32(4096.0))
         scratch[four, i] = np.int32(min(slant * full, full) if is_uneven else records[k, 18])
     rounding = np.uint64(0x800 + (0x800 << 21) + (0x800 << 42))
@@ -145,7 +148,7 @@ def _differs(mark: int, other: int, labels: I32) -> bool:
     return bool(labels[np.uint64(mark), 2] != labels[np.uint64(other), 2])
 
 
-@kernel
+@part
 def _smooth(
     spots: I32,
     begin: int,
@@ -245,7 +248,7 @@ def _smooth(
         )
 
 
-@kernel
+@part
 def _settle(spots: I32, begin: int, end: int, mixed: U8, rgb: U8) -> None:
     """Write the mixed colours of some pixels."""
     for n in range(np.uint64(begin), np.uint64(end)):
@@ -253,7 +256,7 @@ def _settle(spots: I32, begin: int, end: int, mixed: U8, rgb: U8) -> None:
             rgb[e, np.uint64(spots[n, 0]), np.uint64(spots[n, 1])] = mixed[n, e]
 
 
-@kernel
+@Kernel
 def gather(
     nearness: F32,
     shown: I32,

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen_pybullet.compiling import kernel
-from oodscen_pybullet.raster import F32, F64, I32
-from oodscen_pybullet.triangles import Triangles
+from oodscen.driving.compiled import Kernel
+from oodscen_pybullet.raster import F32, F64, I32, U8
+from oodscen_pybullet.triangles import SHELTERED, Triangles
 from oodscen_pybullet.view import Point, View
 
 CELLS = 1024
@@ -27,6 +27,12 @@ AHEAD_M = 38.0
 """How far before the camera the middle of the map is."""
 LOWEST = 0.25
 """Least rise of the sun's rays: the shadows of a sun that is lower would leave the map."""
+FAR_CELLS = 512
+"""Cells along a side of the coarse map, which goes on where the other one ends."""
+FAR_SIDE_M = 448.0
+"""Length of its side."""
+FAR_SNAP_M = 64.0
+FAR_AHEAD_M = 150.0
 NOTHING = -1e6
 """Height in cells that nothing covers, m."""
 
@@ -45,19 +51,25 @@ class Shade:
     """x and y of the map's lowest corner on the ground, m."""
     level: float
     """z of the ground, m."""
+    far: F32
+    """[FAR_CELLS, FAR_CELLS] heights of the coarse map, of scenery alone."""
+    far_corner: tuple[float, float]
+    """Of the coarse map, m."""
     lean: tuple[float, float]
     """How far a shadow falls against x and y for each metre of height."""
 
 
-@kernel
+@Kernel
 def cast(
     corners: F32,
     planes: F32,
     spans: I32,
     places: F64,
     spheres: F32,
+    kinds: U8,
     sun: F64,
     frame: F64,
+    skipped: int,
     heights: F32,
     tiles: F32,
 ) -> None:
@@ -72,8 +84,11 @@ def cast(
         spans: Of `raster.scatter`.
         places: Of `raster.scatter`.
         spheres: Of `raster.scatter`.
+        kinds: Of `raster.scatter`.
         sun: [3] direction towards the sun.
-        frame: [6] x and y of the map's corner, z of the ground, lean along x and y, cells per metre.
+        frame: [7] x and y of the map's corner, z of the ground, lean along x and y, cells per metre,
+            and by how many cells everything is wider than it is.
+        skipped: Kinds of triangles that throw no shadow.
         heights: [n, n] of the map, changed in place.
         tiles: [n / TILE, n / TILE] of the map, changed in place.
     """
@@ -100,6 +115,8 @@ def cast(
             continue
         sx, sy, sz = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0], sun[2]
         for k in range(spans[index, 0], spans[index, 1]):
+            if kinds[k] & skipped:
+                continue
             if planes[k, 0] * sx + planes[k, 1] * sy + planes[k, 2] * sz >= 0.0:
                 continue
             for j in range(3):
@@ -134,8 +151,8 @@ def cast(
                         x = px[j] + (px[i] - px[j]) * share
                         left, right = min(left, x), max(right, x)
                 # Half a cell wider on both sides: what is thin must not be lost between cells.
-                start = max(math.ceil(left - 0.5), 0.0)
-                stop = min(math.floor(right + 0.5), most) + 1.0
+                start = max(math.ceil(left - frame[6]), 0.0)
+                stop = min(math.floor(right + frame[6]), most) + 1.0
                 if not start < stop:
                     continue
                 west, east = min(west, float(start)), max(east, float(stop) - 1.0)
@@ -165,16 +182,25 @@ class ShadowMap:
     def __init__(self) -> None:
         """Start without a map."""
         self._key: Key | None = None
+        self._far_key: Key | None = None
+        self._far = np.empty((0, 0), np.float32)
         self._heights = self._still = np.empty((0, 0), np.float32)
         self._tiles = self._still_tiles = np.empty((0, 0), np.float32)
         self._touched: list[tuple[slice, slice]] = []
 
     def forget(self) -> None:
         """Let go of the map, as when scenery changes."""
-        self._key = None
+        self._key = self._far_key = None
 
     def draw(
-        self, view: View, sun: Point, level: float, scenery: Triangles, actors: Triangles
+        self,
+        view: View,
+        sun: Point,
+        level: float,
+        scenery: Triangles,
+        actors: Triangles,
+        *,
+        is_inside: bool = False,
     ) -> Shade:
         """Return the map for a picture.
 
@@ -184,6 +210,7 @@ class ShadowMap:
             level: Height of the ground near the camera, m.
             scenery: What stays; the same object until `forget` is called.
             actors: What moves.
+            is_inside: Whether the camera is in a tunnel: its roof then throws no shadow.
         """
         rise = max(sun[2], LOWEST)
         flat = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1]) or 1.0
@@ -191,32 +218,72 @@ class ShadowMap:
         towards = (sun[0] / flat * cosine, sun[1] / flat * cosine, rise)
         lean = (towards[0] / rise, towards[1] / rise)
         level = math.floor(level)
-        corner = tuple(
-            math.floor((view.eye[i] + AHEAD_M * view.forward[i]) / SNAP_M + 0.5) * SNAP_M
-            - SIDE_M / 2
-            for i in range(2)
+        frame = np.array(
+            [*_corner(view, AHEAD_M, SNAP_M, SIDE_M), level, *lean, CELLS / SIDE_M, 0.5]
         )
-        frame = np.array([*corner, level, *lean, CELLS / SIDE_M])
-        key: Key = (*frame.tolist(), *towards)
+        wide = np.array(
+            [
+                *_corner(view, FAR_AHEAD_M, FAR_SNAP_M, FAR_SIDE_M),
+                level,
+                *lean,
+                FAR_CELLS / FAR_SIDE_M,
+                0.0,
+            ]
+        )
+        skipped = SHELTERED if is_inside else 0
+        key: Key = (*frame.tolist(), *towards, skipped)
         direction = np.array(towards)
+        far_key: Key = (*wide.tolist(), *towards, skipped)
+        if far_key != self._far_key:
+            self._far_key = far_key
+            self._far = np.full((FAR_CELLS, FAR_CELLS), NOTHING, np.float32)
+            tiles = np.full((FAR_CELLS // TILE, FAR_CELLS // TILE), NOTHING, np.float32)
+            _cast(scenery, direction, wide, skipped, self._far, tiles)
         if key != self._key:
             self._key = key
             self._still = np.full((CELLS, CELLS), NOTHING, np.float32)
             self._still_tiles = np.full((CELLS // TILE, CELLS // TILE), NOTHING, np.float32)
-            _cast(scenery, direction, frame, self._still, self._still_tiles)
+            _cast(scenery, direction, frame, skipped, self._still, self._still_tiles)
             self._heights, self._tiles = self._still.copy(), self._still_tiles.copy()
             self._touched.clear()
         for rows, columns in self._touched:
             self._heights[rows, columns] = self._still[rows, columns]
         np.copyto(self._tiles, self._still_tiles)
         self._touched = _areas(actors, frame)
-        _cast(actors, direction, frame, self._heights, self._tiles)
-        return Shade(self._heights, self._tiles, (frame[0], frame[1]), level, lean)
+        _cast(actors, direction, frame, 0, self._heights, self._tiles)
+        return Shade(
+            heights=self._heights,
+            tiles=self._tiles,
+            corner=(frame[0], frame[1]),
+            level=level,
+            far=self._far,
+            far_corner=(wide[0], wide[1]),
+            lean=lean,
+        )
 
 
-def _cast(some: Triangles, sun: F64, frame: F64, heights: F32, tiles: F32) -> None:
+def _corner(view: View, ahead: float, snap: float, side: float) -> tuple[float, float]:
+    """Return x and y of the lowest corner of a map whose middle is some way before the camera."""
+    x, y = (
+        math.floor((view.eye[i] + ahead * view.forward[i]) / snap + 0.5) * snap - side / 2
+        for i in range(2)
+    )
+    return (x, y)
+
+
+def _cast(some: Triangles, sun: F64, frame: F64, skipped: int, heights: F32, tiles: F32) -> None:
     cast(
-        some.corners, some.planes, some.spans, some.places, some.spheres, sun, frame, heights, tiles
+        some.corners,
+        some.planes,
+        some.spans,
+        some.places,
+        some.spheres,
+        some.kinds,
+        sun,
+        frame,
+        skipped,
+        heights,
+        tiles,
     )
 
 

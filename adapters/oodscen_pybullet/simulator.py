@@ -25,6 +25,7 @@ from oodscen_pybullet.picture import Picture, develop
 from oodscen_pybullet.puffs import Ball, filled, placed
 from oodscen_pybullet.renderers import Renderer, choose_renderer, open_stage
 from oodscen_pybullet.roadside import Scenery, build_scenery
+from oodscen_pybullet.shelter import Shelter
 from oodscen_pybullet.signals import replaced
 from oodscen_pybullet.stage import Stage
 from oodscen_pybullet.view import View
@@ -146,6 +147,7 @@ class PyBulletSimulator(MirrorSimulator):
         stage.pose_actors(poses)
         light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
         ground = poses[0][2]
+        portal = Shelter(corridor).portal(view)
         shot = stage.photograph(
             view,
             sun=light.sun,
@@ -153,6 +155,7 @@ class PyBulletSimulator(MirrorSimulator):
             diffuse=light.diffuse,
             ground=ground if light.daylight > DARK else None,
             shades=light.shades,
+            is_inside=portal is not None and portal.is_inside,
         )
         balls = [
             ball
@@ -168,6 +171,7 @@ class PyBulletSimulator(MirrorSimulator):
             time=self.world.time,
             seed=seed,
             road_height=ground,
+            portal=portal,
             balls=balls,
         )
         rgb = develop(picture)
@@ -207,7 +211,7 @@ class PyBulletSimulator(MirrorSimulator):
         traits = frozenset(road.traits)
         scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
         stage = open_stage(self.renderer, self._engine)
-        stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene))
+        stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene), shelter=Shelter(corridor))
         self._stages[key] = (stage, replace(scenery, meshes=()))
         return self._stages[key]
 

@@ -18,6 +18,7 @@ from oodscen_pybullet.engine import QuietDescriptors
 from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.shadows import Shade
+from oodscen_pybullet.shelter import Shelter
 from oodscen_pybullet.view import Point, View, metres
 from oodscen_pybullet.wavefront import wavefront
 
@@ -43,8 +44,8 @@ class Shot:
     """The same with the share of sky, 0 to 255."""
     lit: NDArray[np.uint8]
     """The same with how squarely the sun meets the surface, 0 to 255."""
-    kinds: NDArray[np.uint8]
-    """The same with what the surface is made of: `triangles.PLAIN`, `SHINING`, `MIRROR`."""
+    kinds: NDArray[np.uint8] | None
+    """The same with what is true of the surface: `triangles.SHINING` and so on; `None` if unknown."""
     shade: Shade | None = None
     """Where the sun does not reach; `None` where that was not asked for, or is in `rgb` already."""
 
@@ -55,8 +56,10 @@ class Stage(Protocol):
     def close(self) -> None:
         """Let go of everything; may be called twice."""
 
-    def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
-        """Put up scenery in place of everything that is there."""
+    def show_scenery(
+        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+    ) -> None:
+        """Put up scenery in place of everything that is there, with the road's tunnels."""
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
         """Put up the actors in place of earlier ones; row i of `pose_actors` is look i."""
@@ -73,6 +76,7 @@ class Stage(Protocol):
         diffuse: float,
         ground: float | None = None,
         shades: Point | None = None,
+        is_inside: bool = False,
     ) -> Shot:
         """Take a picture.
 
@@ -83,6 +87,7 @@ class Stage(Protocol):
             diffuse: Share of light from the sun.
             ground: Height of the road below the camera, m, where shadows are wanted.
             shades: Direction from which shadows fall, where it is not the sun's.
+            is_inside: Whether the camera is in a tunnel, the roof of which then throws no shadow.
         """
         ...
 
@@ -150,8 +155,10 @@ class BulletStage:
         self._rows.clear()
         self._actors.clear()
 
-    def show_scenery(self, meshes: Sequence[Mesh], *, is_snowy: bool) -> None:
-        """Put up scenery in place of everything that is there."""
+    def show_scenery(
+        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+    ) -> None:
+        """Put up scenery in place of everything that is there, with the road's tunnels."""
         self.clear()
         self._engine.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=self._client)
         self._is_snowy = is_snowy
@@ -202,6 +209,7 @@ class BulletStage:
         diffuse: float,
         ground: float | None = None,
         shades: Point | None = None,
+        is_inside: bool = False,
     ) -> Shot:
         """Take a picture."""
         engine = self._engine
@@ -237,7 +245,7 @@ class BulletStage:
             reach=depth,
             sky=np.where(np.isinf(depth), np.uint8(255), np.uint8(0)),
             lit=np.zeros(shape, np.uint8),
-            kinds=np.zeros(shape, np.uint8),
+            kinds=None,
         )
 
     def _shape(self, mesh: Mesh) -> int:

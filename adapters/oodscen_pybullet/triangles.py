@@ -20,8 +20,13 @@ CHUNK = 256
 """Most triangles that stand or fall together when the camera looks elsewhere."""
 CELL = 24.0
 """Chunks are gathered from squares of this size, m."""
-PLAIN, SHINING, MIRROR = 0, 1, 2
-"""What a triangle may be made of: most are plain, lamps shine in the dark, water mirrors."""
+PLAIN, SHINING, MIRROR, GROUND, SHELTERED, SOFT = 0, 1, 2, 4, 8, 16
+"""What is true of a triangle, added up: lamps shine in the dark, water mirrors, ground gets wet, what
+is in a tunnel does not, nor does the sun reach it, and grass and soil drink what falls on them."""
+DRINKS = frozenset({"grass", "grass_dark", "field", "crop", "earth", "soil", "turf", "hedge"})
+"""Colours and textures of soft ground."""
+_LEVEL = 0.6
+"""Upward part of the normal from which on ground is ground and not a kerb's or a bank's side."""
 WATER = frozenset({"water", "water_light", "flood", "flood_light"})
 """Colours of what mirrors."""
 _GRID = 2.0**14
@@ -54,7 +59,7 @@ class Triangles:
     regions: I32
     """[n] which texture, -1 for none."""
     kinds: NDArray[np.uint8]
-    """[n] PLAIN, SHINING or MIRROR."""
+    """[n] SHINING and so on, added up; `sheltered` changes it."""
     spans: I32
     """[m, 3] first triangle, the one after the last, and label of each chunk."""
     places: F64
@@ -107,12 +112,34 @@ class Triangles:
             ).astype(np.float32),
             colours=atlas[row, column].astype(np.float32),
             regions=regions,
-            kinds=_kinds(regions, column, row),
+            kinds=_kinds(regions, column, row)
+            + np.where(mesh.is_ground & (facing[:, 2] > _LEVEL), GROUND, 0).astype(np.uint8),
             spans=np.stack([starts, ends, np.full(len(starts), -1)], axis=1).astype(np.int32),
             places=np.concatenate(
                 [origins, np.tile(np.array([1.0, 0.0]), (len(starts), 1))], axis=1
             ),
             spheres=spheres.astype(np.float32),
+        )
+
+    def shelter(self, is_sheltered: NDArray[np.bool_]) -> None:
+        """Say which triangles, [n], are in a tunnel."""
+        self.kinds[:] = np.where(
+            is_sheltered, self.kinds | np.uint8(SHELTERED), self.kinds & np.uint8(255 - SHELTERED)
+        )
+
+    def middles(self) -> F64:
+        """Return the middle of each triangle, [n, 3] m, as it is placed."""
+        lengths = self.spans[:, 1] - self.spans[:, 0]
+        place = np.repeat(self.places, lengths, axis=0)
+        middle = self.corners[:, :, :3].astype(np.float64).mean(axis=1)
+        c, s = place[:, 3], place[:, 4]
+        return np.stack(
+            [
+                place[:, 0] + c * middle[:, 0] - s * middle[:, 1],
+                place[:, 1] + s * middle[:, 0] + c * middle[:, 1],
+                place[:, 2] + middle[:, 2],
+            ],
+            axis=1,
         )
 
     @classmethod
@@ -174,8 +201,9 @@ def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> N
     )
     for index, name in enumerate(COLOURS):
         swatches[index] = SHINING if name in EMISSIVE else MIRROR if name in WATER else PLAIN
+        swatches[index] += SOFT if name in DRINKS else PLAIN
     for index, name in enumerate(REGIONS):
-        prints[index] = SHINING if name in EMISSIVE else PLAIN
+        prints[index] = SHINING if name in EMISSIVE else SOFT if name in DRINKS else PLAIN
     plain = swatches[(row // SWATCH) * (SIZE // SWATCH) + column // SWATCH]
     return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
 

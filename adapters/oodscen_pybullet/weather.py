@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import exact
+from oodscen.driving.compiled import Kernel
 from oodscen.scene import Weather
 from oodscen.seeding import stream
-from oodscen_pybullet.compiling import kernel
+from oodscen_pybullet.developing import beam, fade
 from oodscen_pybullet.light import Light
+from oodscen_pybullet.shelter import Portal
 from oodscen_pybullet.view import View
 
 Float = NDArray[np.float32]
@@ -26,6 +28,8 @@ SKY_M = 6_000.0
 """How far the sky is away for the fog."""
 SHEET = (256, 1024)
 """Rows by height and columns by heading of the clouds."""
+_EYE_M = 1.3
+"""Height of a camera above the road, for the beams' cut-off."""
 _LN_20 = 2.995732273553991
 _TAU = 6.283185307179586
 
@@ -126,18 +130,40 @@ def _stretched(noise: Float, height: int, width: int) -> Float:
     return np.asarray(lines[:, j] + (other - lines[:, j]) * u[None, :], np.float32)
 
 
-def add_rain(image: U8, view: View, weather: Weather, light: Light, seed: int, time: float) -> None:
-    """Add streaks of falling drops, in place."""
+def add_rain(
+    image: U8,
+    view: View,
+    weather: Weather,
+    light: Light,
+    depth: Float,
+    kinds: U8,
+    portal: Portal | None,
+    seed: int,
+    time: float,
+) -> None:
+    """Add streaks of falling drops, in place, where nothing stands before them.
+
+    Args:
+        image: [height, width, 3]
+        view: The camera.
+        weather: How hard it rains.
+        light: Of the scene.
+        depth: [height, width] m
+        kinds: The same with what is true of surfaces: what is in a tunnel is dry.
+        portal: Of the tunnel that the camera looks into, or out of.
+        seed: Of the run.
+        time: s
+    """
     rng = stream(seed, "rain", round(time, 3))
     area = view.width * view.height / (640 * 480)
     intensity = math.sqrt(weather.precipitation_mm_h / 50.0)
     scale = view.height / 480 * (0.75 + 0.5 * intensity)
     shine = 0.3 + 0.45 * light.daylight
     layers = []
-    for share, length, thick, bright in (
-        (1.0, 18.0, 0.7, 76.0),
-        (0.35, 42.0, 1.0, 92.0),
-        (0.05, 84.0, 1.8, 70.0),
+    for share, length, thick, bright, near, far in (
+        (1.0, 18.0, 0.7, 76.0, 5.0, 22.0),
+        (0.35, 42.0, 1.0, 92.0, 2.2, 6.0),
+        (0.05, 84.0, 1.8, 70.0, 1.3, 2.5),
     ):
         count = int(area * share * (160 + 760 * intensity))
         x = rng.uniform(-20, view.width + 20, count)
@@ -145,18 +171,52 @@ def add_rain(image: U8, view: View, weather: Weather, light: Light, seed: int, t
         y = rng.uniform(-40, view.height, count)
         shade = rng.uniform(0.4, 1.0, count) * bright * shine
         layers.append(
-            np.stack([x, y, size, shade, np.full(count, max(thick * scale, 0.6))], axis=1)
+            np.stack(
+                [
+                    x,
+                    y,
+                    size,
+                    shade,
+                    np.full(count, max(thick * scale, 0.6)),
+                    rng.uniform(near, far, count),
+                    np.zeros(count),
+                ],
+                axis=1,
+            )
         )
-    draw_streaks(image, np.concatenate(layers).astype(np.float32))
+    streaks = np.concatenate(layers).astype(np.float32)
+    across = (streaks[:, 0] - np.float32(view.width / 2)) * np.float32(1.0 / view.focal)
+    high = (np.float32(view.height / 2) - streaks[:, 1]) * np.float32(1.0 / view.focal)
+    streaks = _outside(streaks, streaks[:, 5], across, high, portal)
+    draw_streaks(image, depth, kinds, streaks)
 
 
-@kernel
-def draw_streaks(image: U8, streaks: Float) -> None:
+def _outside(
+    drops: Float, ahead: Float, across: Float, upwards: Float, portal: Portal | None
+) -> Float:
+    """Return the drops or flakes that are not in a tunnel for sure.
+
+    The last number of each becomes 1 where it may be in one: behind the portal ahead.
+    """
+    if portal is None:
+        return drops
+    is_behind = ahead > portal.ahead(across, upwards)
+    if portal.is_inside:
+        return drops[is_behind]
+    drops[:, -1] = is_behind
+    return drops
+
+
+@Kernel
+def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
     """Add slightly slanted lines of light.
 
     Args:
         image: [height, width, 3], changed in place.
-        streaks: [n, 5] column and row of the upper end, length, brightness, width; pixels.
+        depth: [height, width] m
+        kinds: The same with what is true of surfaces.
+        streaks: [n, 7] column and row of the upper end, length, brightness, width, pixels; distance,
+            m; 1 where it is hidden by what is in a tunnel.
     """
     height, width = image.shape[0], image.shape[1]
     one, most = np.float32(1.0), np.float32(255.0)
@@ -176,15 +236,27 @@ def draw_streaks(image: U8, streaks: Float) -> None:
                 cover = min(
                     max(thick * np.float32(0.5) + np.float32(0.5) - away, np.float32(0.0)), one
                 )
+                if depth[y, x] < streaks[n, 5]:
+                    continue
+                if streaks[n, 6] > np.float32(0.0) and kinds[y, x] & 8:
+                    continue
                 bright = streaks[n, 3] * part * cover
                 for e in range(3):
                     image[y, x, e] = np.uint8(min(np.float32(image[y, x, e]) + bright, most))
 
 
 def add_snow(
-    image: U8, view: View, weather: Weather, light: Light, depth: Float, seed: int, time: float
+    image: U8,
+    view: View,
+    weather: Weather,
+    light: Light,
+    depth: Float,
+    kinds: U8,
+    portal: Portal | None,
+    seed: int,
+    time: float,
 ) -> None:
-    """Add falling flakes, in place."""
+    """Add falling flakes, in place, where nothing stands before them; see `add_rain`."""
     rng = stream(seed, "snow", round(time, 3))
     intensity = min(1.0, weather.precipitation_mm_h / 12.0)
     count = int(700 + 5200 * intensity)
@@ -195,21 +267,32 @@ def add_snow(
     column = view.width / 2 + view.focal * across / ahead
     row = view.height / 2 - view.focal * upwards / ahead
     radius = np.maximum(view.focal * 0.0055 / ahead, 0.5)
-    flakes = np.stack([column, row, radius, ahead], axis=1).astype(np.float32)
-    bright = 0.42 + 0.58 * light.daylight
-    colour = np.array([246.0 * bright, 248.0 * bright, 252.0 * bright], np.float32)
-    draw_flakes(image, depth, flakes, colour)
+    aside = np.asarray(across / ahead * np.float32(1.0 / 0.5), np.float32)
+    spread = fade(np.minimum(aside * aside, np.float32(40.0)))
+    near = ahead.astype(np.float32)
+    height = upwards.astype(np.float32)
+    strength = np.float32(2.6 * (1.0 - light.daylight))
+    shine = beam(near, height + np.float32(_EYE_M), spread, strength)
+    bright = np.minimum(np.float32(0.34 + 0.66 * light.daylight) + shine, np.float32(1.0))
+    flakes = np.stack([column, row, radius, ahead, bright, np.zeros(count)], axis=1).astype(
+        np.float32
+    )
+    slopes = (across / ahead).astype(np.float32), (upwards / ahead).astype(np.float32)
+    flakes = _outside(flakes, flakes[:, 3], *slopes, portal)
+    draw_flakes(image, depth, kinds, flakes, np.array([248.0, 250.0, 254.0], np.float32))
 
 
-@kernel
-def draw_flakes(image: U8, depth: Float, flakes: Float, colour: Float) -> None:
-    """Draw soft round flakes where nothing stands before them.
+@Kernel
+def draw_flakes(image: U8, depth: Float, kinds: U8, flakes: Float, colour: Float) -> None:
+    """Draw soft round flakes where nothing stands before them; they darken nothing.
 
     Args:
         image: [height, width, 3], changed in place.
         depth: [height, width] m
-        flakes: [n, 4] column, row and radius, pixels; distance, m.
-        colour: [3] 0 to 255.
+        kinds: The same with what is true of surfaces.
+        flakes: [n, 6] column, row and radius, pixels; distance, m; brightness, 0 to 1; 1 where it
+            is hidden by what is in a tunnel.
+        colour: [3] of the brightest, 0 to 255.
     """
     height, width = depth.shape
     one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)
@@ -220,10 +303,13 @@ def draw_flakes(image: U8, depth: Float, flakes: Float, colour: Float) -> None:
             for x in range(max(int(column - edge), 0), min(int(column + edge) + 2, width)):
                 if depth[y, x] < flakes[n, 3]:
                     continue
+                if flakes[n, 5] > zero and kinds[y, x] & 8:
+                    continue
                 away = (np.float32(x) - column) * (np.float32(x) - column)
                 away += (np.float32(y) - row) * (np.float32(y) - row)
                 cover = min(max((edge - np.sqrt(away)) / (one + half * radius), zero), one)
                 cover *= np.float32(0.8)
                 for e in range(3):
                     before = np.float32(image[y, x, e])
-                    image[y, x, e] = np.uint8(before + (colour[e] - before) * cover + half)
+                    more = max(colour[e] * flakes[n, 4] - before, zero)
+                    image[y, x, e] = np.uint8(before + more * cover + half)

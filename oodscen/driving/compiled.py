@@ -14,15 +14,21 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, Generic, ParamSpec, Protocol, TypeVar
+
+import numpy as np
 
 P = ParamSpec("P")
 R = TypeVar("R")
 Function = TypeVar("Function", bound=Callable[..., object])
 
 _STRICT = {"fastmath": False, "error_model": "numpy"}
+_OWN = "oodscen"
+"""Packages whose functions and constants may change from one version to the next."""
 
 _parts: list[Callable[..., object]] = []
+_inlined: set[int] = set()
 _registered: set[int] = set()
 
 
@@ -64,6 +70,12 @@ def part(function: Function) -> Function:
     """Let kernels call a function; it stays an ordinary function for everybody else."""
     _parts.append(function)
     return function
+
+
+def inlined(function: Function) -> Function:
+    """Make a function part of every kernel that calls it: for what runs once per pixel."""
+    _inlined.add(id(function))
+    return part(function)
 
 
 def seen(array: Any) -> Any:
@@ -114,7 +126,8 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
     for one in _parts:
         if id(one) not in _registered:
             _registered.add(id(one))
-            register_jitable(**_STRICT)(one)
+            inline = "always" if id(one) in _inlined else "never"
+            register_jitable(inline=inline, **_STRICT)(one)
     digest = _digest(function)
 
     # numba keys its files by the bytes of this one source file; the digest adds all the others.
@@ -131,18 +144,47 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
 
 
 def _digest(function: Callable[..., object]) -> str:
-    """Return a hash of every source file from which a kernel may draw."""
-    packages = {__name__.rpartition(".")[0], function.__module__.rpartition(".")[0]}
-    modules = {one.__module__ for one in _parts}
-    files = {
-        str(sys.modules[name].__file__)
-        for name in modules
-        if name in sys.modules and name.rpartition(".")[0] in packages
-    }
+    """Return a hash of everything from which a kernel is made.
+
+    That is the source of every function it reaches, and the value of every constant: numba takes
+    both over as they are.
+    """
     total = hashlib.sha256()
+    pending, known = [function], {function}
+    files: set[str] = set()
+    constants: set[str] = set()
+    parts = {id(part) for part in _parts}
+    while pending:
+        one = pending.pop()
+        files.add(one.__code__.co_filename)
+        for name in _names(one.__code__):
+            value = one.__globals__.get(name)
+            if isinstance(value, ModuleType):
+                if str(value.__name__).startswith(_OWN):
+                    files.add(str(value.__file__))
+                continue
+            if isinstance(value, Kernel):
+                value = value.plain
+            if isinstance(value, FunctionType):
+                if value not in known and (id(value) in parts or value.__module__.startswith(_OWN)):
+                    known.add(value)
+                    pending.append(value)
+            elif isinstance(value, (bool, int, float, str, tuple, np.generic)):
+                constants.add(f"{name}={value!r}")
     for file in sorted(files):
-        total.update(Path(file).read_bytes())
+        if Path(file).is_file():
+            total.update(Path(file).read_bytes())
+    total.update(repr(sorted(constants)).encode())
     return total.hexdigest()
+
+
+def _names(code: CodeType) -> set[str]:
+    """Return every global name that a function may use, those of functions within it, too."""
+    names = set(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            names |= _names(constant)
+    return names
 
 
 @cache

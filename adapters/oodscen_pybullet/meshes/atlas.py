@@ -181,7 +181,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "asphalt_tunnel": (66, 66, 68),
     "mark_tunnel": (204, 204, 196),
     "steel": (112, 136, 140),
-    "asphalt_patch": (72, 73, 76),
+    "asphalt_patch": (77, 78, 81),
     "crop": (120, 150, 62),
     "wall_blue": (150, 170, 186),
     "wall_ochre": (206, 168, 104),

@@ -64,6 +64,8 @@ class Mesh:
     """What shines."""
     puffs: tuple[Puff, ...] = ()
     """Smoke, fire and dust, which the bounds leave out."""
+    is_ground: bool = False
+    """Whether it is road or land: what faces up gets wet, and lies in the beams' full light."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:

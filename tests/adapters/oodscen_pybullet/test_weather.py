@@ -1,10 +1,13 @@
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet.light import Light
+from oodscen_pybullet.shelter import Portal
+from oodscen_pybullet.triangles import SHELTERED
 from oodscen_pybullet.view import View
 from oodscen_pybullet.weather import (
     add_rain,
@@ -19,6 +22,8 @@ from oodscen.protocols import Camera
 from oodscen.scene import Weather
 
 VIEW = View.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
+SNOW = Weather(precipitation="snow", precipitation_mm_h=9.0)
+RAIN = Weather(precipitation="rain", precipitation_mm_h=20.0)
 DAY = Light.of(Weather(), 0.0, is_snowy=False)
 NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, is_snowy=False)
 
@@ -72,14 +77,14 @@ def test_the_sheet_of_clouds_closes_around_the_horizon() -> None:
 def test_what_falls_depends_on_seed_and_time_alone() -> None:
     rain = Weather(precipitation="rain", precipitation_mm_h=20.0)
     snow = Weather(precipitation="snow", precipitation_mm_h=5.0)
-    depth = np.full((120, 160), 50.0, np.float32)
+    depth, kinds = np.full((120, 160), 50.0, np.float32), np.zeros((120, 160), np.uint8)
 
     def draw(kind: str, seed: int, time: float) -> bytes:
         image = np.full((120, 160, 3), 40, np.uint8)
         if kind == "rain":
-            add_rain(image, VIEW, rain, DAY, seed, time)
+            add_rain(image, VIEW, rain, DAY, depth, kinds, None, seed, time)
         else:
-            add_snow(image, VIEW, snow, DAY, depth, seed, time)
+            add_snow(image, VIEW, snow, DAY, depth, kinds, None, seed, time)
         assert image.max() > 60
         assert image.min() >= 40
         return image.tobytes()
@@ -92,5 +97,37 @@ def test_what_falls_depends_on_seed_and_time_alone() -> None:
 def test_flakes_fall_behind_what_is_near() -> None:
     image = np.zeros((120, 160, 3), np.uint8)
     near = np.full((120, 160), 0.5, np.float32)
-    add_snow(image, VIEW, Weather(precipitation="snow", precipitation_mm_h=9.0), DAY, near, 1, 0.0)
+    kinds = np.zeros((120, 160), np.uint8)
+    add_snow(image, VIEW, SNOW, DAY, near, kinds, None, 1, 0.0)
     assert not image.any()
+
+
+@pytest.mark.parametrize("add", [add_rain, add_snow])
+def test_nothing_falls_into_tunnels(add: Callable[..., None]) -> None:
+    weather = SNOW if add is add_snow else RAIN
+    kinds = np.zeros((120, 160), np.uint8)
+    kinds[:, 80:] = SHELTERED
+    depth = np.full((120, 160), 50.0, np.float32)
+
+    def draw(portal: Portal | None) -> np.ndarray:
+        image = np.zeros((120, 160, 3), np.uint8)
+        add(image, VIEW, weather, DAY, depth, kinds, portal, 1, 0.5)
+        return np.count_nonzero(image.any(axis=2), axis=0)
+
+    open_air, ahead = (0.0, 0.0, 1.0), draw(None)
+    into = draw(Portal(is_inside=False, deep=0.0, distance=6.0, normal=open_air))
+    out = draw(Portal(is_inside=True, deep=1.0, distance=6.0, normal=open_air))
+    assert (into[:80] == ahead[:80]).all()
+    assert 0 < into[80:].sum() < 0.8 * ahead[80:].sum()
+    assert 0 < out.sum() < ahead.sum() - into.sum() + ahead.sum()
+    beyond = draw(Portal(is_inside=True, deep=1.0, distance=60.0, normal=open_air))
+    assert not beyond.any()
+
+
+def test_flakes_in_the_beams_are_brighter_than_the_road_and_darken_nothing() -> None:
+    depth, kinds = np.full((120, 160), 50.0, np.float32), np.zeros((120, 160), np.uint8)
+    image = np.full((120, 160, 3), 190, np.uint8)
+    add_snow(image, VIEW, SNOW, NIGHT, depth, kinds, None, 1, 0.5)
+    assert image.min() >= 190
+    middle = image[60:, 50:110]
+    assert (middle > 215).any(axis=2).mean() > 0.02
