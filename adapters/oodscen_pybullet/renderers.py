@@ -26,15 +26,24 @@ print("works", file=sys.stderr)
 """What loads the plugin where it may fail: it ends its process where there is no OpenGL."""
 
 
-def choose_renderer(wanted: Renderer) -> Renderer:
+def has_numba() -> bool:
+    """Tell whether numba is installed, without importing it; it may be broken all the same."""
+    return importlib.util.find_spec("numba") is not None
+
+
+def choose_renderer(wanted: Renderer, *, is_tried: bool = False) -> Renderer:
     """Return the renderer to use: the wanted one, or PyBullet's camera with a warning.
+
+    Args:
+        wanted: The wanted one.
+        is_tried: Whether numba is imported to see that it works.
 
     Raises:
         UnknownComponent: When there is no such renderer.
     """
     if wanted not in get_args(Renderer):
         raise UnknownComponent("renderer", wanted, get_args(Renderer))
-    if wanted == "raster" and not is_compiled():
+    if wanted == "raster" and not (is_compiled() if is_tried else has_numba()):
         warnings.warn(
             "numba is missing or broken: pictures come from PyBullet's own camera, which is slow "
             "(pip install 'oodscen[pybullet]')",

@@ -91,6 +91,7 @@ class PyBulletSimulator(MirrorSimulator):
         """
         if self._bodies is None:
             self._engine = load_pybullet()
+            self.renderer = choose_renderer(self.renderer, is_tried=True)
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)

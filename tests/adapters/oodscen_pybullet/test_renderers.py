@@ -22,7 +22,7 @@ MakeScene = Callable[..., Scene]
 
 @pytest.fixture
 def _no_numba(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(renderers, "is_compiled", lambda: False)
+    monkeypatch.setattr(renderers, "has_numba", lambda: False)
 
 
 def test_the_rasteriser_is_the_default() -> None:
@@ -83,6 +83,17 @@ def test_both_cameras_take_much_the_same_pictures(
     ours, theirs = frames
     assert (ours.ids == theirs.ids).mean() > 0.998
     assert np.abs(ours.rgb.astype(int) - theirs.rgb).mean() < (7.0 if ours.rgb.mean() > 60 else 9.0)
+
+
+def test_the_catalogue_needs_nothing_heavy() -> None:
+    code = """
+import sys
+from oodscen_pybullet import PyBulletSimulator
+assert len(PyBulletSimulator().catalogue().assets) > 100
+print(*({"numba", "llvmlite", "cv2", "pybullet"} & set(sys.modules)))
+"""
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == ""
 
 
 @pytest.mark.parametrize("how", ["missing", "broken"])
