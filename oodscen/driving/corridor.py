@@ -4,7 +4,6 @@ A corridor has coordinates of its own: `s` metres along the reference line in th
 direction and `t` metres to its left. It hides which roads of a map it was made from.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -13,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import exact
+from oodscen.driving import track as look
+from oodscen.driving.compiled import seen
 from oodscen.driving.coverage import REACH_M, Band, Ranges, covered, merged
+from oodscen.driving.track import Track, for_kernels, packed, viewed
 
 StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
 
@@ -141,21 +143,16 @@ class Corridor:
     """Spacing of the samples, m."""
     length: float = field(init=False)
     """s of the last sample, m."""
+    track: Track = field(init=False, repr=False)
+    """All of it as arrays, for kernels."""
 
     def __post_init__(self) -> None:
-        norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
-        columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm)
         put = object.__setattr__
         if not len(self.in_junction):
             put(self, "in_junction", np.zeros(len(self.s), dtype=np.bool_))
             self.in_junction.setflags(write=False)
         put(self, "length", float(self.s[-1]))
         put(self, "step", float(self.s[-1]) / (len(self.s) - 1))
-        put(self, "_rows", [tuple(map(float, row)) for row in zip(*columns, strict=True)])
-        put(self, "_columns", (self.x, self.y, self.cos / norm, self.sin / norm))
-        put(self, "_curvature", self.curvature.tolist())
-        put(self, "_edges", [(a.right.tolist(), a.left.tolist()) for a in self.strips])
-        put(self, "_even", [_even_edges(strip) for strip in self.strips])
         start = self._index(self.start)
         driving = [
             index
@@ -164,6 +161,7 @@ class Corridor:
         ]
         put(self, "driving", tuple(driving))
         own = _intervals(self.strips)
+        self._follow(own)
         around: list[Ranges] = [()] * len(self.s)
         if self.others:
             bands = [one for other in self.others for one in self._bands(other.corridor)]
@@ -174,16 +172,11 @@ class Corridor:
             every = covered((band for _, band in bands), self.step, count)
             for sample, ranges in every.items():
                 around[sample] = tuple(ranges)
-        put(self, "_drivable", own)
+            self._follow(own)
         put(self, "_around", around)
 
-    # Plain floats: behaviours look up single points far more often than NumPy can amortise.
-    _rows: list[tuple[float, float, float, float, float]] = field(init=False, repr=False)
-    _columns: tuple[NDArray[np.float64], ...] = field(init=False, repr=False)
-    _curvature: list[float] = field(init=False, repr=False)
-    _edges: list[tuple[list[float], list[float]]] = field(init=False, repr=False)
-    _even: list[tuple[float, float] | None] = field(init=False, repr=False)
-    _drivable: list[Ranges] = field(init=False, repr=False)
+    _plain: Track = field(init=False, repr=False)
+    """The same for plain Python, which reads single numbers of it quickly."""
     _around: list[Ranges] = field(init=False, repr=False)
 
     @property
@@ -191,29 +184,26 @@ class Corridor:
         """Indices of the strips in which the ego may start, from right to left."""
         return tuple(index for index in self.driving if self.strips[index].direction > 0)
 
+    def _follow(self, drivable: Sequence[Ranges]) -> None:
+        """Gather what look-ups need."""
+        norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
+        columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm, self.curvature)
+        track = packed(
+            np.stack(columns, axis=1),
+            np.stack([side for one in self.strips for side in (one.right, one.left)], axis=1),
+            drivable,
+            lanes=[strip.kind == "driving" for strip in self.strips],
+            driving=self.driving,
+            step=self.step,
+            length=self.length,
+        )
+        object.__setattr__(self, "track", track)
+        object.__setattr__(self, "_plain", viewed(track))
+
     def point(self, s: float, t: float) -> tuple[float, float, float, float]:
         """Return x, y, z and the road's heading at a place; beyond the ends it goes on straight."""
-        rows, step = self._rows, self.step
-        position = s / step
-        index = int(position) if position > 0.0 else 0
-        if index > len(rows) - 2:
-            index = len(rows) - 2
-        f = position - index
-        f = 0.0 if f < 0.0 else 1.0 if f > 1.0 else f
-        x0, y0, z0, c0, s0 = rows[index]
-        x1, y1, z1, c1, s1 = rows[index + 1]
-        cos = c0 + f * (c1 - c0)
-        sin = s0 + f * (s1 - s0)
-        norm = math.sqrt(cos * cos + sin * sin)
-        cos /= norm
-        sin /= norm
-        beyond = s if s < 0.0 else s - self.length if s > self.length else 0.0
-        return (
-            x0 + f * (x1 - x0) + beyond * cos - t * sin,
-            y0 + f * (y1 - y0) + beyond * sin + t * cos,
-            z0 + f * (z1 - z0),
-            exact.atan2(sin, cos),
-        )
+        x, y, z, cos, sin = look.point(self._plain, s, t)
+        return x, y, z, exact.atan2(sin, cos)
 
     def locate(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
         """Return the place (s, t) of a point.
@@ -224,41 +214,10 @@ class Corridor:
             near: An s close to the answer, e.g. the last one; without it the nearest sample is
                 searched for.
         """
-        rows, step = self._rows, self.step
-        last = len(rows) - 2
         if near is None:
             square = (self.x - x) ** 2 + (self.y - y) ** 2
-            near = int(square.argmin()) * step
-        index = min(max(int(near / step), 0), last)
-        after = 0.0
-        for _ in range(200):
-            x0, y0, _, c0, s0 = rows[index]
-            before = (x - x0) * c0 + (y - y0) * s0
-            if before < 0.0 and index > 0:
-                index -= 1 + min(int(-before / (2.0 * step)), index - 1)
-                continue
-            x1, y1, _, c1, s1 = rows[index + 1]
-            after = (x - x1) * c1 + (y - y1) * s1
-            if after > 0.0 and index < last:
-                index += 1 + min(int(after / (2.0 * step)), last - index - 1)
-                continue
-            break
-        if before < 0.0:
-            return before, (y - y0) * c0 - (x - x0) * s0
-        if after > 0.0:
-            return self.length + after, (y - y1) * c1 - (x - x1) * s1
-        f = before / (before - after) if before > after else 0.0
-        for _ in range(4):
-            dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
-            cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
-            along = dx * cos + dy * sin
-            slope = dx * (c1 - c0) + dy * (s1 - s0) - (x1 - x0) * cos - (y1 - y0) * sin
-            if slope == 0.0 or abs(along) < 1e-12:
-                break
-            f -= along / slope
-        norm = math.sqrt(cos * cos + sin * sin)
-        dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
-        return (index + f) * step, (dy * cos - dx * sin) / norm
+            near = int(square.argmin()) * self.step
+        return look.locate(self._plain, x, y, near)
 
     def locate_all(
         self, x: NDArray[np.float64], y: NDArray[np.float64]
@@ -284,88 +243,36 @@ class Corridor:
             part = slice(first, first + batch)
             px, py = x[part], y[part]
             square = (self.x[among] - px[:, None]) ** 2 + (self.y[among] - py[:, None]) ** 2
-            s[part], t[part] = self._locate_from(px, py, among[square.argmin(axis=1)])
+            near = among[square.argmin(axis=1)] * self.step
+            look.locate_each(
+                for_kernels(self.track),
+                seen(px),
+                seen(py),
+                seen(near),
+                seen(s[part]),
+                seen(t[part]),
+            )
         return s, t
-
-    def _locate_from(
-        self, x: NDArray[np.float64], y: NDArray[np.float64], nearest: NDArray[np.int64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        lx, ly, lc, ls = self._columns
-        step, last = self.step, len(lx) - 2
-        index = np.clip((nearest * step / step).astype(np.int64), 0, last)
-        pending = np.arange(len(x))
-        for _ in range(200):
-            here = index[pending]
-            px, py = x[pending], y[pending]
-            before = (px - lx[here]) * lc[here] + (py - ly[here]) * ls[here]
-            back = (before < 0.0) & (here > 0)
-            after = (px - lx[here + 1]) * lc[here + 1] + (py - ly[here + 1]) * ls[here + 1]
-            on = ~back & (after > 0.0) & (here < last)
-            if not (back | on).any():
-                break
-            less = 1 + np.minimum((-before / (2.0 * step)).astype(np.int64), here - 1)
-            more = 1 + np.minimum((after / (2.0 * step)).astype(np.int64), last - here - 1)
-            index[pending] = np.where(back, here - less, np.where(on, here + more, here))
-            pending = pending[back | on]
-        x0, y0, c0, s0 = lx[index], ly[index], lc[index], ls[index]
-        x1, y1, c1, s1 = lx[index + 1], ly[index + 1], lc[index + 1], ls[index + 1]
-        before = (x - x0) * c0 + (y - y0) * s0
-        after = (x - x1) * c1 + (y - y1) * s1
-        inside = before > after
-        f = np.where(inside, before / np.where(inside, before - after, 1.0), 0.0)
-        going = np.ones(len(x), dtype=np.bool_)
-        for _ in range(4):
-            dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
-            cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
-            along = dx * cos + dy * sin
-            slope = dx * (c1 - c0) + dy * (s1 - s0) - (x1 - x0) * cos - (y1 - y0) * sin
-            going &= (slope != 0.0) & ~(np.abs(along) < 1e-12)
-            if not going.any():
-                break
-            f = np.where(going, f - along / np.where(going, slope, 1.0), f)
-        cos, sin = c0 + f * (c1 - c0), s0 + f * (s1 - s0)
-        norm = np.sqrt(cos * cos + sin * sin)
-        dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
-        s = (index + f) * step
-        t = np.asarray((dy * cos - dx * sin) / norm, dtype=np.float64)
-        early, late = before < 0.0, ~(before < 0.0) & (after > 0.0)
-        s = np.where(early, before, np.where(late, self.length + after, s))
-        t = np.where(early, (y - y0) * c0 - (x - x0) * s0, t)
-        t = np.where(late, (y - y1) * c1 - (x - x1) * s1, t)
-        return s.astype(np.float64), t.astype(np.float64)
 
     def heading(self, s: float) -> float:
         """Return the road's heading at `s`, rad."""
-        _, _, _, cos, sin = self._rows[self._index(s)]
-        return exact.atan2(sin, cos)
+        return look.heading(self._plain, s)
 
     def alignment(self, s: float, yaw: float) -> float:
         """Return the cosine between the road at `s` and a direction: 1 along it, -1 against it."""
-        _, _, _, cos, sin = self._rows[self._index(s)]
-        return cos * exact.cos(yaw) + sin * exact.sin(yaw)
+        return look.alignment(self._plain, s, yaw)
 
     def bend(self, s: float) -> float:
         """Return the reference line's curvature at `s`, 1/m, left positive; 0 beyond the ends."""
-        return self._curvature[self._index(s)] if 0.0 <= s <= self.length else 0.0
+        return look.bend(self._plain, s)
 
     def edges(self, strip: int, s: float) -> tuple[float, float]:
         """Return t of a strip's right and left edge at `s`."""
-        even = self._even[strip]
-        if even is not None:
-            return even
-        right, left = self._edges[strip]
-        position = min(max(s / self.step, 0.0), len(right) - 1.0)
-        index = min(int(position), len(right) - 2)
-        f = position - index
-        return (
-            right[index] + f * (right[index + 1] - right[index]),
-            left[index] + f * (left[index + 1] - left[index]),
-        )
+        return look.edges(self._plain, strip, s)
 
     def centre(self, strip: int, s: float) -> float:
         """Return t of a strip's centre at `s`."""
-        right, left = self.edges(strip, s)
-        return 0.5 * (right + left)
+        return look.centre(self._plain, strip, s)
 
     def strip_at(self, s: float, t: float) -> int | None:
         """Return the index of the strip at a place, or `None` beside the road."""
@@ -377,14 +284,12 @@ class Corridor:
 
     def is_drivable(self, s: float, t_min: float, t_max: float) -> bool:
         """Tell whether the road can be driven on everywhere between two offsets at `s`."""
-        return any(low <= t_min and t_max <= high for low, high in self._drivable[self._index(s)])
+        return look.is_drivable(self._plain, s, t_min, t_max)
 
     def drivable_range(self, s: float, t: float) -> tuple[float, float] | None:
         """Return the right and left limit of the drivable road around `t`, or `None` off it."""
-        for low, high in self._drivable[self._index(s)]:
-            if low <= t <= high:
-                return low, high
-        return None
+        is_on_road, right, left = look.drivable_range(self._plain, s, t)
+        return (right, left) if is_on_road else None
 
     def extent(self, s: float) -> tuple[float, float]:
         """Return t of the right and left edge of the whole cross-section at `s`."""
@@ -407,15 +312,8 @@ class Corridor:
             s: m
             side: +1 for the left, -1 for the right.
         """
-        edge = self.edges(strip, s)[1 if side > 0 else 0]
-        other = strip + side
-        while 0 <= other < len(self.strips):
-            right, left = self.edges(other, s)
-            if left - right > 0.5:
-                touches = abs((right if side > 0 else left) - edge) < 0.3
-                return other if touches and self.strips[other].kind == "driving" else None
-            other += side
-        return None
+        found = look.neighbour(self._plain, strip, s, side)
+        return None if found < 0 else found
 
     def _bands(self, road: "Corridor") -> list[tuple[bool, Band]]:
         """Return the strips of a road near by, and whether each can be driven on."""
@@ -430,7 +328,7 @@ class Corridor:
             near[part] = square.min(axis=1) < (REACH_M + 40.0) ** 2
         if not near.any():
             return []
-        lx, ly, cos, sin = (column[near] for column in road._columns)
+        lx, ly, cos, sin = (road.track.samples[near, column] for column in (0, 1, 3, 4))
         bands = []
         for strip in road.strips:
             if (strip.left - strip.right).max() > 0.01:
@@ -445,14 +343,7 @@ class Corridor:
 
     def _index(self, s: float) -> int:
         """Return the sample nearest to `s`."""
-        return min(max(int(s / self.step + 0.5), 0), len(self._rows) - 1)
-
-
-def _even_edges(strip: LaneStrip) -> tuple[float, float] | None:
-    """Return t of both edges where they are the same along the whole corridor."""
-    right, left = float(strip.right[0]), float(strip.left[0])
-    is_even = bool((strip.right == right).all() and (strip.left == left).all())
-    return (right, left) if is_even else None
+        return min(max(int(s / self.step + 0.5), 0), len(self.s) - 1)
 
 
 def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:

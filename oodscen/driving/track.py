@@ -1,23 +1,23 @@
-"""A corridor as arrays, and look-ups on it for kernels.
-
-The functions give the same numbers as `Corridor`'s methods of the same names.
-"""
+"""A corridor as arrays, and the look-ups on it, for kernels and for `Corridor`."""
 
 import math
-from functools import lru_cache
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from oodscen.driving.compiled import Integers, Numbers, part, seen
-from oodscen.driving.corridor import Corridor
+from oodscen.driving.compiled import Integers, Kernel, Numbers, is_compiled, part
+from oodscen.driving.coverage import Ranges
 from oodscen.driving.exact import atan2, sincos
+
+Array = NDArray[np.float64]
 
 _NOWHERE = (math.inf, -math.inf)
 
 
 class Track(NamedTuple):
-    """What kernels know of a corridor; arrays as `oodscen.driving.compiled.seen` returns them."""
+    """What look-ups know of a corridor."""
 
     samples: Numbers
     """[n, 6] x, y, z, cosine and sine of the heading, curvature."""
@@ -35,36 +35,52 @@ class Track(NamedTuple):
     """Whether the cross-section is the same everywhere."""
 
 
-@lru_cache(maxsize=16)
-def pack(corridor: Corridor) -> Track:
-    """Return a corridor's arrays; the same ones while it is in use."""
-    norm = np.sqrt(corridor.cos * corridor.cos + corridor.sin * corridor.sin)
-    columns = (
-        corridor.x,
-        corridor.y,
-        corridor.z,
-        corridor.cos / norm,
-        corridor.sin / norm,
-        corridor.curvature,
-    )
-    sides = [side for strip in corridor.strips for side in (strip.right, strip.left)]
-    drivable = corridor._drivable
+def packed(
+    samples: Array,
+    edges: Array,
+    drivable: Sequence[Ranges],
+    *,
+    lanes: Sequence[bool],
+    driving: Sequence[int],
+    step: float,
+    length: float,
+) -> Track:
+    """Return a track of NumPy arrays.
+
+    Args:
+        samples: [n, 6], as in `Track`.
+        edges: [n, 2 k], likewise.
+        drivable: The drivable ranges of t at every sample.
+        lanes: Which strips are driving strips.
+        driving: Those at the start, from right to left.
+        step: Spacing of the samples, m.
+        length: s of the last sample, m.
+    """
     most = max(1, max(map(len, drivable)))
     ranges = np.array(
         [[*one, *[_NOWHERE] * (most - len(one))] for one in drivable], dtype=np.float64
     )
-    is_lane = [int(strip.kind == "driving") for strip in corridor.strips]
     return Track(
-        samples=seen(np.stack(columns, axis=1)),
-        edges=seen(np.stack(sides, axis=1)),
-        ranges=seen(ranges.reshape(len(drivable), 2 * most)),
-        is_lane=seen(np.array(is_lane, dtype=np.int64)),
-        driving=seen(np.array(corridor.driving, dtype=np.int64)),
-        step=corridor.step,
-        length=corridor.length,
-        is_even=bool((ranges == ranges[:1]).all())
-        and all(bool((side == side[:1]).all()) for side in sides),
+        samples=samples,
+        edges=edges,
+        ranges=ranges.reshape(len(drivable), 2 * most),
+        is_lane=np.array(lanes, dtype=np.int64),
+        driving=np.array(driving, dtype=np.int64),
+        step=step,
+        length=length,
+        is_even=bool((ranges == ranges[:1]).all()) and bool((edges == edges[:1]).all()),
     )
+
+
+def for_kernels(track: Track) -> Track:
+    """Return a track as kernels take it."""
+    return track if is_compiled() else viewed(track)
+
+
+def viewed(track: Track) -> Track:
+    """Return a track that plain Python reads quickly."""
+    views: Any = {name: memoryview(getattr(track, name)) for name in Track._fields[:5]}
+    return track._replace(**views)
 
 
 @part
@@ -137,6 +153,15 @@ def locate(track: Track, x: float, y: float, near: float) -> tuple[float, float]
     norm = math.sqrt(cos * cos + sin * sin)
     dx, dy = x - x0 - f * (x1 - x0), y - y0 - f * (y1 - y0)
     return (index + f) * step, (dy * cos - dx * sin) / norm
+
+
+@Kernel
+def locate_each(
+    track: Track, x: Numbers, y: Numbers, near: Numbers, s: Numbers, t: Numbers
+) -> None:
+    """Fill in the places (s, t) of points, each searched for around its `near`."""
+    for index in range(x.shape[0]):
+        s[index], t[index] = locate(track, x[index], y[index], near[index])
 
 
 @part

@@ -16,7 +16,7 @@ from oodscen.driving.compiled import seen
 from oodscen.driving.corridor import Corridor
 from oodscen.driving.exact import PI, TAU, cos, quantised, sincos, wrapped
 from oodscen.driving.stepping import advance, is_pulled, look, publish, pull_triggers, see_paths
-from oodscen.driving.track import pack
+from oodscen.driving.track import for_kernels
 from oodscen.driving.traffic import curve_speed, free_road, grip
 from oodscen.driving.triggers import CODES
 from oodscen.driving.visibility import visual_range
@@ -133,7 +133,7 @@ class KinematicWorld:
         order = self._order(scene)
         is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
         self._situation = Situation(
-            track=pack(corridor),
+            track=for_kernels(corridor.track),
             state=seen(self._state),
             traits=seen(self._traits),
             codes=seen(self._codes),

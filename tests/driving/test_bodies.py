@@ -17,7 +17,7 @@ from oodscen.driving.bodies import (
     Y,
     drive_ego,
 )
-from oodscen.driving.track import pack
+from oodscen.driving.track import for_kernels
 from oodscen.protocols import Control
 from tests.driving.staging import CATALOGUE
 
@@ -38,7 +38,10 @@ class Ego:
     speed = property(lambda self: float(self.state[0, SPEED]))
 
     def advance(self, control: Control, friction: float, dt: float) -> None:
-        track, none = pack(load_corridor(CATALOGUE.maps[0])), np.zeros((1, 1), dtype=np.int64)
+        track, none = (
+            for_kernels(load_corridor(CATALOGUE.maps[0]).track),
+            np.zeros((1, 1), dtype=np.int64),
+        )
         state = memoryview(self.state)
         situation = Situation(track, state, state, none, state, none, dt, friction, 1e4, 1e4)
         drive_ego(situation, control.acceleration, control.steering)
