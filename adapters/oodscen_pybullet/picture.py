@@ -220,8 +220,8 @@ def _set_portal(values: F32, picture: Picture) -> None:
     values[d.PORTAL_RIGHT : d.PORTAL_AHEAD + 1] = portal.normal
     values[d.FOG_RATE] = extinction(weather.model_copy(update={"precipitation": "none"}))
     # A camera in daylight hardly sees into the dark.
-    dull = 0.6 + 0.4 * (1.0 - daylight)
-    bright = dull + (1.06 - dull) * portal.deep
+    dull, used = 0.6 + 0.15 * (1.0 - daylight), 1.06 - 0.26 * (1.0 - daylight)
+    bright = dull + (used - dull) * portal.deep
     values[d.TUNNEL_R : d.TUNNEL_B + 1] = [bright * part for part in _TUNNEL]
     values[d.AIR_INSIDE] = 0.55 if daylight > 0.4 else 1.0
 

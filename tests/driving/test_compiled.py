@@ -60,3 +60,30 @@ def test_a_note_is_made_once_and_only_while_compiling(tmp_path: Path) -> None:
         for _ in range(2)
     ]  # fmt: skip
     assert [note.count("compiling") for note in notes] == [1, 0]
+
+
+PART = "from oodscen.driving.compiled import part\nSCALE = {scale}\n"
+PART += "@part\ndef grow(x):\n    return x * SCALE + {shift}\n"
+WHOLE = """
+from oodscen.driving.compiled import Kernel
+from growth import grow
+@Kernel
+def twice(x):
+    return grow(x) + grow(x)
+print(twice(1.0))
+"""
+
+
+def test_a_kernel_is_made_anew_when_a_part_of_it_in_another_file_changes(tmp_path: Path) -> None:
+    (tmp_path / "whole.py").write_text(WHOLE)
+    root = Path(__file__).parents[2]
+    results = []
+    for scale, shift in ((1.0, 0.0), (1.0, 0.5), (3.0, 0.5)):
+        (tmp_path / "growth.py").write_text(PART.format(scale=scale, shift=shift))
+        ran = subprocess.run(
+            [sys.executable, "whole.py"], capture_output=True, text=True, check=True, cwd=tmp_path,
+            env={"PYTHONPATH": str(root), "NUMBA_CACHE_DIR": str(tmp_path / "kept"),
+                 "PYTHONDONTWRITEBYTECODE": "1"},
+        )  # fmt: skip
+        results.append(float(ran.stdout))
+    assert results == [2.0, 3.0, 7.0]

@@ -10,8 +10,9 @@ from oodscen_pybullet import developing, picture
 from oodscen_pybullet.developing import fade, grain
 from oodscen_pybullet.light import Glow, Light
 from oodscen_pybullet.picture import Picture, develop
+from oodscen_pybullet.shelter import Portal
 from oodscen_pybullet.stage import Shot
-from oodscen_pybullet.triangles import SHINING
+from oodscen_pybullet.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
 from oodscen_pybullet.view import View
 
 from oodscen.protocols import Camera
@@ -89,6 +90,41 @@ def test_a_lamp_lights_what_is_below_it() -> None:
     assert bright[28, 40].astype(int).sum() > dark[28, 40].astype(int).sum() + 30
 
 
+def test_ground_gets_wet_wherever_it_is_and_grass_and_tunnels_do_not() -> None:
+    rain = {"precipitation": "rain", "precipitation_mm_h": 1.0}
+    looks = {
+        kind: int(show(shot(6.0, kind=kind, colour=120), **rain)[5:20, :38].mean(axis=(0, 1))[1])
+        for kind in (PLAIN, GROUND, GROUND + SOFT, GROUND + SHELTERED)
+    }
+    assert looks[GROUND] < 0.75 * looks[PLAIN]
+    assert looks[GROUND + SOFT] == looks[GROUND + SHELTERED] == looks[PLAIN]
+
+
+def test_headlamps_light_ground_that_rises_above_their_cut_off() -> None:
+    wall, slope = (
+        show(shot(30.0, kind=kind, colour=160), sun_elevation_deg=-30.0)[10:20, 30:38].mean()
+        for kind in (PLAIN, GROUND)
+    )
+    assert slope > 1.2 * wall
+
+
+def test_tunnels_are_lit_by_their_own_lamps_and_hazy_only_outside() -> None:
+    portal = Portal(is_inside=True, deep=1.0, distance=100.0, normal=(0.0, 0.0, 1.0))
+    raw = shot(30.0, kind=SHELTERED, colour=120)
+
+    def inside(**weather: object) -> float:
+        conditions = Weather.model_validate(weather)
+        light = Light.of(conditions, 0.0, is_snowy=False)
+        one = Picture(raw, VIEW, conditions, light, (), 0.5, 1, road_height=0.0, portal=portal)
+        return float(develop(one)[40:, :38].mean())
+
+    day, night = inside(), inside(sun_elevation_deg=-30.0)
+    assert night > 0.6 * day
+    assert inside(cloud_cover=1.0) == pytest.approx(day, abs=1.0)
+    snow = inside(precipitation="snow", precipitation_mm_h=9.0)
+    assert snow == pytest.approx(inside(cloud_cover=1.0), abs=1.0)
+
+
 @pytest.mark.parametrize(
     "weather",
     [
@@ -111,4 +147,4 @@ def test_without_numba_pictures_are_the_same(
 
 
 def test_settings_have_room() -> None:
-    assert max(developing.HAS_GRID, developing.NOISE) < developing.SETTINGS
+    assert max(developing.NOISE, developing.AIR_INSIDE) < developing.SETTINGS

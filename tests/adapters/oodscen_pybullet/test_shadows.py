@@ -6,7 +6,7 @@ from oodscen_pybullet.canvas import Canvas
 from oodscen_pybullet.meshes import Mesh
 from oodscen_pybullet.meshes.atlas import draw_atlas
 from oodscen_pybullet.meshes.builder import MeshBuilder
-from oodscen_pybullet.shadows import CELLS, SIDE_M, Shade, ShadowMap
+from oodscen_pybullet.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M, Shade, ShadowMap
 from oodscen_pybullet.triangles import Triangles
 from oodscen_pybullet.view import View
 
@@ -68,6 +68,27 @@ def test_actors_shadows_move_with_them_and_leave_nothing_behind() -> None:
         fresh = ShadowMap().draw(VIEW, SUN, 0.0, scenery, actor)
         assert np.array_equal(shade.heights, fresh.heights)
         assert np.array_equal(shade.tiles, fresh.tiles)
+
+
+def test_shadows_go_on_beyond_the_fine_map() -> None:
+    nobody = triangles(tower(-500.0, 0.0, 1.0))
+    block = triangles(tower(170.0, 10.0, 12.0, 16.0))
+    shade = ShadowMap().draw(VIEW, SUN, 0.0, block, nobody)
+    assert (shade.heights < -1e5).all()
+    scale = FAR_CELLS / FAR_SIDE_M
+    for x, is_dark in ((155.0, False), (180.0, True), (184.0, True), (196.0, False)):
+        row, column = (10.0 - shade.far_corner[1]) * scale, (x - shade.far_corner[0]) * scale
+        assert (float(shade.far[round(row), round(column)]) > 0.0) == is_dark
+
+
+def test_tunnels_throw_no_shadow_on_whoever_is_in_them() -> None:
+    nobody, roof = triangles(tower(-500.0, 0.0, 1.0)), triangles(tower(20.0, 0.0, 4.0))
+    shadows = ShadowMap()
+    assert height(shadows.draw(VIEW, SUN, 0.0, roof, nobody), 22.0, 0.0) > 0.0
+    roof.shelter(np.ones(len(roof.corners), bool))
+    inside = shadows.draw(VIEW, SUN, 0.0, roof, nobody, is_inside=True)
+    assert (inside.heights < -1e5).all()
+    assert (inside.far < -1e5).all()
 
 
 def test_a_thin_pole_throws_an_unbroken_shadow() -> None:
