@@ -1,0 +1,47 @@
+"""One frame of every path of a study on one picture: the fastest way to see what it holds.
+
+Run it with `python examples/contact_sheet.py [STUDY [PICTURE [MOMENT]]]`; it needs OpenCV. The
+frame is that of the path's first scene, by default where the ego must choose.
+"""
+
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from oodscen import Study
+
+TILE = (320, 240)
+LABEL = 22
+COLUMNS = 6
+
+
+def tile(file: Path, label: str) -> np.ndarray:
+    """Return a frame with its label below."""
+    frame = cv2.resize(cv2.imread(str(file)), TILE, interpolation=cv2.INTER_AREA)
+    strip = np.full((LABEL, TILE[0], 3), 255, np.uint8)
+    text = label if len(label) <= 50 else label[:48] + " ..."
+    cv2.putText(strip, text, (4, 15), cv2.FONT_HERSHEY_SIMPLEX, 0.38, (0, 0, 0), 1, cv2.LINE_AA)
+    return np.vstack([frame, strip])
+
+
+def main(folder: str = "out", picture: str = "contact_sheet.jpg", moment: str = "last") -> None:
+    """Draw the sheet."""
+    study = Study.open(folder)
+    paths = {scenario.id: scenario.path for scenario in study.scenarios}
+    seen, tiles = set(), []
+    for episode in study.episodes:
+        path = paths.get(episode.scene_id)
+        if path is not None and path not in seen and moment in episode.frames:
+            seen.add(path)
+            tiles.append(tile(Path(folder) / episode.frames[moment], path[-1]))
+    blank = np.full((TILE[1] + LABEL, TILE[0], 3), 255, np.uint8)
+    tiles += [blank] * (-len(tiles) % COLUMNS)
+    rows = [np.hstack(tiles[i : i + COLUMNS]) for i in range(0, len(tiles), COLUMNS)]
+    cv2.imwrite(picture, np.vstack(rows), [cv2.IMWRITE_JPEG_QUALITY, 80])
+    print(f"{len(seen)} paths on {picture}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
