@@ -4,25 +4,50 @@
 its table fits; `docs/metrics.md` sets them side by side.
 """
 
+from oodscen.metrics.calibration import Calibration
+from oodscen.metrics.detectors import DETECTORS
 from oodscen.metrics.diversity import Diversity
+from oodscen.metrics.guard import OffTopicFlags
 from oodscen.metrics.metrics import Metrics
-from oodscen.metrics.oodness import Definition, Neighbour, Oodness
-from oodscen.metrics.report import Band, BaselineBatch, Comparison, Contrast, GroupScore, Report
+from oodscen.metrics.oodness import Definition, Measure, Neighbour, Oodness
+from oodscen.metrics.report import (
+    Band,
+    BaselineBatch,
+    Comparison,
+    Contrast,
+    ControlCheck,
+    GroupScore,
+    Report,
+    Selection,
+    SetDistance,
+    Variety,
+)
 from oodscen.metrics.score import score_file
+from oodscen.metrics.separation import Auroc, auroc
 from oodscen.metrics.statistics import Interval
 
 __all__ = [
+    "DETECTORS",
+    "Auroc",
     "Band",
     "BaselineBatch",
+    "Calibration",
     "Comparison",
     "Contrast",
+    "ControlCheck",
     "Definition",
     "Diversity",
     "GroupScore",
     "Interval",
+    "Measure",
     "Metrics",
     "Neighbour",
+    "OffTopicFlags",
     "Oodness",
     "Report",
+    "Selection",
+    "SetDistance",
+    "Variety",
+    "auroc",
     "score_file",
 ]

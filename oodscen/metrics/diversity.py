@@ -41,6 +41,8 @@ class Diversity(Data):
     """For each text the place of the text most like it; empty for a single text."""
     n: int = Field(ge=1)
     encoder: str
+    seed: int = 0
+    """Of the bootstrap."""
     reason: str = ""
     """Why there is no value, where there is none."""
 
@@ -66,6 +68,7 @@ def diversity(
             nearest_index=(),
             n=n,
             encoder=encoder,
+            seed=seed,
             reason="one text has no other to differ from",
         )
     found = nearest_other(vectors)
@@ -79,6 +82,7 @@ def diversity(
         nearest_index=tuple(found.index.tolist()),
         n=n,
         encoder=encoder,
+        seed=seed,
     )
 
 

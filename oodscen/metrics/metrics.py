@@ -2,29 +2,38 @@
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.baselines.baseline import Baseline
+from oodscen.baselines.embedded import EmbeddedBaseline
 from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.texts import check_texts
-from oodscen.encoders.cached import CachedEncoder, cache_folder
-from oodscen.encoders.check import encode
 from oodscen.encoders.minilm import MiniLM
 from oodscen.errors import DataError, Issue, UsageError
+from oodscen.metrics.calibration import Calibration, calibrate
+from oodscen.metrics.distances import frechet, mmd, remote_clique, vendi
 from oodscen.metrics.diversity import Diversity, diversity, mean_nearest, mean_pairwise
-from oodscen.metrics.oodness import Definition, Neighbour, Oodness, scores
+from oodscen.metrics.guard import THRESHOLD, OffTopicFlags, is_calibrated
+from oodscen.metrics.lexical import compression_ratio, distinct_n
+from oodscen.metrics.oodness import Definition, Measure, Neighbour, Oodness, scores
 from oodscen.metrics.report import (
     Band,
     BaselineBatch,
     Comparison,
     Contrast,
+    ControlCheck,
     GroupScore,
     Report,
+    Selection,
+    SetDistance,
+    Variety,
 )
-from oodscen.metrics.similarity import Vectors, nearest, smallest, unit
-from oodscen.metrics.statistics import bootstrap_mean
+from oodscen.metrics.selection import Method, most_diverse
+from oodscen.metrics.separation import auroc_interval, permutation_test, sign_flip_test
+from oodscen.metrics.space import Space
+from oodscen.metrics.statistics import bootstrap_mean, members
 from oodscen.protocols import Encoder
 from oodscen.scenario import Scenario
 from oodscen.seeding import stream
@@ -41,30 +50,33 @@ class Metrics:
 
     Args:
         encoder: By default all-MiniLM-L6-v2, as in the paper.
-        baseline: Texts of ordinary driving; by default those that are shipped.
+        baseline: Texts of ordinary driving, by default those that are shipped; or embeddings on disk,
+            from `open_embeddings`, as many as there are.
         seed: Of every random draw: bootstrap, batches, subsamples.
+        device: Where the nearest baseline texts are looked for: `cpu`; a torch device such as `cuda`;
+            or `auto`, CUDA where there is one. Values agree to 1e-6, not to the last bit.
     """
 
     def __init__(
         self,
         encoder: Encoder | None = None,
-        baseline: Baseline | Sequence[str] | None = None,
+        baseline: Baseline | EmbeddedBaseline | Sequence[str] | None = None,
         *,
         seed: int = 0,
+        device: str = "cpu",
     ) -> None:
         self.encoder: Encoder = encoder if encoder is not None else MiniLM()
         self.baseline = _as_baseline(baseline)
         self.seed = seed
-        is_cached = isinstance(self.encoder, CachedEncoder)
-        self._memory = self.encoder if is_cached else CachedEncoder(self.encoder)
-        self._baseline_vectors: Vectors | None = None
+        self._space = Space(self.encoder, self.baseline, seed, device)
 
-    def oodness(self, texts: Texts, definition: Definition = "tabulated") -> Oodness:
+    def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
         """Return how far texts lie from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
 
         Args:
             texts: At least one; strings or scenarios. Scenarios of one path are resampled together.
-            definition: `tabulated`, or `printed` for equation 1 to the letter.
+            definition: `tabulated`; `printed` for equation 1 to the letter; or a detector of
+                `oodscen.metrics.detectors`, on a scale of its own.
 
         Raises:
             DataError: When there is no text, or one is blank or not a text.
@@ -79,7 +91,7 @@ class Metrics:
             DataError: When there is no text, or one is blank or not a text.
             EncoderError: When the encoder fails.
         """
-        vectors = self._vectors(check_texts(texts))
+        vectors = self._space.vectors(check_texts(texts))
         return diversity(vectors, self.encoder.name, _paths(texts), seed=self.seed)
 
     def report(
@@ -88,14 +100,20 @@ class Metrics:
         groups: Sequence[str] | None = None,
         *,
         definition: Definition = "tabulated",
+        checks: bool = True,
     ) -> Report:
         """Return all figures of a set of texts.
+
+        With them come the checks against what fools them: where the texts lie among held-out baseline texts,
+        whether they can be told from ordinary sentences, and, for all-MiniLM-L6-v2, which of them are not
+        about driving.
 
         Args:
             texts: At least one; strings or scenarios.
             groups: One label per text, by default the path of a scenario. Texts of a group are
                 resampled together, since they resemble one another, and get a mean of their own.
             definition: Of OOD-ness.
+            checks: Whether to make the checks; without them only the texts and the baseline are encoded.
 
         Raises:
             DataError: When there is no text, one is blank, or `groups` has another length.
@@ -109,7 +127,9 @@ class Metrics:
         oodness = self._oodness(plain, clusters, definition)
         return Report(
             oodness=oodness,
-            diversity=diversity(self._vectors(plain), self.encoder.name, clusters, seed=self.seed),
+            diversity=diversity(
+                self._space.vectors(plain), self.encoder.name, clusters, seed=self.seed
+            ),
             n=len(plain),
             N=len(self.baseline),
             encoder=self.encoder.name,
@@ -117,6 +137,111 @@ class Metrics:
             baseline_digest=self.baseline.digest(),
             seed=self.seed,
             groups=_by_group(clusters, oodness.per_text),
+            calibration=self._calibration(oodness) if checks else None,
+            control=self._control(oodness, clusters, definition) if checks else None,
+            off_topic=self._flags_if_calibrated(plain) if checks else None,
+        )
+
+    def off_topic(self, texts: Texts, threshold: float = THRESHOLD) -> OffTopicFlags:
+        """Return which texts are not about driving a car; see `oodscen.metrics.guard`.
+
+        Args:
+            texts: At least one.
+            threshold: Lower flags fewer texts.
+
+        Raises:
+            DataError: When there is no text, or one is blank or not a text.
+        """
+        return self._space.guard.flags(self._space.vectors(check_texts(texts)), threshold)
+
+    def select(
+        self,
+        texts: Texts,
+        n: int,
+        *,
+        low: float = -math.inf,
+        high: float = math.inf,
+        method: Method = "max-min",
+        definition: Measure = "tabulated",
+    ) -> Selection:
+        """Choose the n texts that differ most from one another, of those inside a band of OOD-ness.
+
+        Args:
+            texts: Candidates; 100,000 take seconds once they are encoded.
+            n: How many.
+            low: Lower bound of OOD-ness.
+            high: Upper bound.
+            method: `max-min` or `determinantal`; see `oodscen.metrics.selection`.
+            definition: Of OOD-ness.
+
+        Raises:
+            UsageError: When fewer than n texts lie inside the band.
+        """
+        band = self.band(texts, low, high, definition=definition)
+        if not 0 < n <= len(band.indices):
+            raise UsageError(
+                f"{n} texts cannot be chosen: {len(band.indices)} of {len(band.scores)} lie inside the band; "
+                "widen it, or choose fewer"
+            )
+        chosen = most_diverse(self._space.vectors(band.texts), n, method)
+        return Selection(
+            texts=tuple(band.texts[place] for place in chosen),
+            indices=tuple(band.indices[place] for place in chosen),
+            method=method,
+            low=band.low,
+            high=band.high,
+            inside=len(band.indices),
+            candidates=len(band.scores),
+        )
+
+    def variety(self, texts: Texts) -> Variety:
+        """Return further measures of how varied a set is; see `oodscen.metrics.distances` and `.lexical`."""
+        plain = check_texts(texts)
+        vectors = self._space.vectors(plain)
+        return Variety(
+            n=len(plain),
+            vendi=vendi(vectors),
+            remote_clique=remote_clique(vectors) if len(plain) > 1 else None,
+            compression_ratio=compression_ratio(plain),
+            distinct_1=distinct_n(plain, 1),
+            distinct_2=distinct_n(plain, 2),
+            encoder=self.encoder.name,
+        )
+
+    def distance(
+        self, a: Texts, b: Texts | None = None, *, size: int | None = None, repeats: int = 10
+    ) -> SetDistance:
+        """Return how far two sets lie from each other as wholes, at equal size.
+
+        Args:
+            a: At least two texts.
+            b: At least two; by default the baseline.
+            size: Texts drawn from each, without replacement; by default all of the smaller.
+            repeats: How often.
+
+        Raises:
+            UsageError: When a set has fewer than `size` texts, or `size` is below 2.
+        """
+        first = self._space.vectors(check_texts(a, "set a"))
+        second = self._space.whole if b is None else self._space.vectors(check_texts(b, "set b"))
+        drawn = self._size(len(first), len(second), size, repeats)
+        draws = stream(self.seed, "distance")
+        found = []
+        for _ in range(repeats):
+            one, other = (rows[draws.permutation(len(rows))[:drawn]] for rows in (first, second))
+            found.append((mmd(one, other), frechet(one, other)))
+        squared, moments = np.array(found).T
+        return SetDistance(
+            mmd=float(squared.mean()),
+            mmd_spread=float(squared.std()),
+            frechet=float(moments.mean()),
+            frechet_spread=float(moments.std()),
+            size=drawn,
+            repeats=repeats,
+            n_a=len(first),
+            n_b=len(second),
+            encoder=self.encoder.name,
+            seed=self.seed,
         )
 
     def band(
@@ -125,7 +250,7 @@ class Metrics:
         low: float,
         high: float,
         *,
-        definition: Definition = "tabulated",
+        definition: Measure = "tabulated",
     ) -> Band:
         """Keep the texts whose OOD-ness lies in [low, high] (Remark 1 of the paper).
 
@@ -142,7 +267,7 @@ class Metrics:
         if not low <= high:
             raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
         plain = check_texts(texts)
-        values = self._scores(plain, definition)
+        values: list[float] = self._space.scores(plain, definition).tolist()
         inside = tuple(i for i, value in enumerate(values) if low <= value <= high)
         return Band(
             low=low if math.isfinite(low) else None,
@@ -168,7 +293,7 @@ class Metrics:
             raise UsageError(
                 f"{repeats} batches of {size} cannot be drawn from {len(self.baseline)} baseline texts"
             )
-        vectors = self._reference()
+        vectors = self._space.whole
         draws = stream(self.seed, "baseline-batch", size)
         found = []
         for _ in range(repeats):
@@ -198,7 +323,7 @@ class Metrics:
         Raises:
             UsageError: When the baseline has fewer texts.
         """
-        vectors = self._reference()
+        vectors = self._space.whole
         if sample is not None:
             if not 0 < sample <= len(vectors):
                 raise UsageError(
@@ -209,7 +334,14 @@ class Metrics:
         return diversity(vectors, self.encoder.name, seed=self.seed)
 
     def compare(
-        self, a: Texts, b: Texts, *, size: int | None = None, repeats: int = 100
+        self,
+        a: Texts,
+        b: Texts,
+        *,
+        size: int | None = None,
+        repeats: int = 100,
+        paired: bool = False,
+        definition: Measure = "tabulated",
     ) -> Comparison:
         """Compare two sets at equal size: each repeat draws `size` texts from either.
 
@@ -218,42 +350,66 @@ class Metrics:
             b: At least two texts.
             size: Texts drawn from each set, without replacement; by default all of the smaller.
             repeats: How often.
+            paired: The i-th texts of both belong together (a scenario and its ordinary twin): the test is
+                of their differences, and the same places are drawn from both.
+            definition: Of OOD-ness.
+
+        The p-value is of OOD-ness over all texts: by sign flips for pairs, else by permutation, whole paths
+        at a time where texts are scenarios that have one. Diversity has no test: its terms share texts.
 
         Raises:
             DataError: When a set is empty, or a text is blank or not a text.
-            UsageError: When a set has fewer than `size` texts, or `size` is below 2.
+            UsageError: When a set has fewer than `size` texts, `size` is below 2, or pairs do not match.
         """
         sets = (check_texts(a, "set a"), check_texts(b, "set b"))
-        smaller = min(map(len, sets))
-        drawn = smaller if size is None else size
-        if not 2 <= drawn <= smaller or repeats < 1:
-            raise UsageError(
-                f"sets of {len(sets[0])} and {len(sets[1])} texts cannot be compared by {repeats} "
-                f"draws of {drawn}: at least 2 texts and at most all of the smaller set"
-            )
+        drawn = self._size(len(sets[0]), len(sets[1]), size, repeats)
+        if paired and len(sets[0]) != len(sets[1]):
+            raise UsageError(f"{len(sets[0])} and {len(sets[1])} texts are not matched pairs")
+        values = [self._space.scores(texts, definition) for texts in sets]
+        names = ("pairs", "pairs") if paired else ("a", "b")
         figures = [
-            self._subsamples(name, texts, drawn, repeats)
-            for name, texts in zip("ab", sets, strict=True)
+            self._subsamples(name, texts, own, drawn, repeats)
+            for name, texts, own in zip(names, sets, values, strict=True)
         ]
+        if paired:
+            p_value = sign_flip_test(_per_path(values[0] - values[1], _paths(a)), seed=self.seed)
+        else:
+            p_value = permutation_test(values[0], values[1], (_paths(a), _paths(b)), seed=self.seed)
         contrasts = [_contrast(*pair) for pair in zip(*figures, strict=True)]
         return Comparison(
             size=drawn,
             repeats=repeats,
             n_a=len(sets[0]),
             n_b=len(sets[1]),
-            oodness=contrasts[0],
+            is_paired=paired,
+            oodness=contrasts[0].model_copy(update={"p_value": p_value}),
             nearest=contrasts[1],
             pairwise=contrasts[2],
             encoder=self.encoder.name,
             baseline=self.baseline.name,
             seed=self.seed,
+            N=len(self.baseline),
+            definition=definition,
         )
 
+    def _size(self, n: int, m: int, size: int | None, repeats: int) -> int:
+        drawn = min(n, m) if size is None else size
+        if not 2 <= drawn <= min(n, m) or repeats < 1:
+            raise UsageError(
+                f"sets of {n} and {m} texts cannot be compared by {repeats} draws of {drawn}: at least "
+                "2 texts and at most all of the smaller set"
+            )
+        return drawn
+
     def _subsamples(
-        self, name: str, texts: tuple[str, ...], size: int, repeats: int
+        self,
+        name: str,
+        texts: tuple[str, ...],
+        values: NDArray[np.float64],
+        size: int,
+        repeats: int,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        vectors = self._vectors(texts)
-        values = np.array(self._scores(texts, "tabulated"))
+        vectors = self._space.vectors(texts)
         draws = stream(self.seed, "compare", name)
         found = []
         for _ in range(repeats):
@@ -264,13 +420,13 @@ class Metrics:
         return oodness, nearest, pairwise
 
     def _oodness(
-        self, texts: tuple[str, ...], clusters: tuple[str, ...] | None, definition: Definition
+        self, texts: tuple[str, ...], clusters: tuple[str, ...] | None, definition: Measure
     ) -> Oodness:
-        vectors, reference = self._vectors(texts), self._reference()
-        found = nearest(vectors, reference)
-        values = smallest(vectors, reference) if definition == "printed" else 0.0 - found.cosine
+        found = self._space.nearest(self._space.vectors(texts))
+        tabulated = definition == "tabulated"
+        values = 0.0 - found.cosine if tabulated else self._space.scores(texts, definition)
         neighbours = tuple(
-            Neighbour(index=index, text=self.baseline.texts[index], cosine=cosine)
+            Neighbour(index=index, text=self._space.neighbour_text(index), cosine=cosine)
             for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=True)
         )
         return Oodness(
@@ -282,31 +438,36 @@ class Metrics:
             N=len(self.baseline),
             definition=definition,
             encoder=self.encoder.name,
+            seed=self.seed,
         )
 
-    def _scores(self, texts: tuple[str, ...], definition: Definition) -> list[float]:
-        values: list[float] = scores(self._vectors(texts), self._reference(), definition).tolist()
-        return values
+    def _calibration(self, oodness: Oodness) -> Calibration | None:
+        """Place a set among held-out texts; for `tabulated`, where the baseline has texts to hold out."""
+        is_known = isinstance(self.baseline, Baseline) and len(self.baseline) > 1
+        if oodness.definition != "tabulated" or not is_known:
+            return None
+        return calibrate(oodness.per_text, *self._space.held_out)
 
-    def _vectors(self, texts: tuple[str, ...]) -> Vectors:
-        return unit(encode(self._memory, texts))
+    def _control(
+        self, oodness: Oodness, clusters: tuple[str, ...] | None, definition: Definition
+    ) -> ControlCheck:
+        ordinary, own = self._space.control_scores(definition), np.array(oodness.per_text)
+        return ControlCheck(
+            mean=float(ordinary.mean()),
+            n=len(ordinary),
+            auroc=auroc_interval(ordinary, own, clusters, seed=self.seed),
+        )
 
-    def _reference(self) -> Vectors:
-        if self._baseline_vectors is None:
-            encoder: Encoder = self.encoder
-            if getattr(encoder, "cacheable", False):
-                encoder = CachedEncoder(encoder, self._cache())
-            self._baseline_vectors = unit(encode(encoder, self.baseline.texts))
-        return self._baseline_vectors
-
-    def _cache(self) -> Path:
-        return cache_folder() / "baselines" / self.baseline.digest()[:16]
+    def _flags_if_calibrated(self, texts: tuple[str, ...]) -> OffTopicFlags | None:
+        return self.off_topic(texts) if is_calibrated(self.encoder.name) else None
 
 
-def _as_baseline(baseline: Baseline | Sequence[str] | None) -> Baseline:
+def _as_baseline(
+    baseline: Baseline | EmbeddedBaseline | Sequence[str] | None,
+) -> Baseline | EmbeddedBaseline:
     if baseline is None:
         return ordinary_driving()
-    if isinstance(baseline, Baseline):
+    if isinstance(baseline, Baseline | EmbeddedBaseline):
         return baseline
     return Baseline(texts=check_texts(baseline, Baseline.noun))
 
@@ -336,3 +497,11 @@ def _contrast(a: np.ndarray, b: np.ndarray) -> Contrast:
         low=float(low),
         high=float(high),
     )
+
+
+def _per_path(
+    differences: NDArray[np.float64], paths: tuple[str, ...] | None
+) -> NDArray[np.float64]:
+    """Return one mean difference per path; each as it is where there are none."""
+    member = members(len(differences), paths)
+    return np.bincount(member, weights=differences) / np.bincount(member)

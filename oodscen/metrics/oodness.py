@@ -28,6 +28,9 @@ from oodscen.metrics.similarity import Rows, Vectors, nearest, smallest
 from oodscen.metrics.statistics import Interval
 
 Definition = Literal["tabulated", "printed"]
+"""Of the paper's OOD-ness."""
+Measure = Literal["tabulated", "printed", "kth", "mahalanobis", "density", "whitened", "events"]
+"""A definition of OOD-ness, or a detector of `oodscen.metrics.detectors`."""
 
 
 class Neighbour(Data):
@@ -47,7 +50,7 @@ class Oodness(Data):
     noun: ClassVar[str] = "OOD-ness"
 
     mean: float
-    """Over the texts, in [-1, 1]. `tabulated`: higher is more OOD."""
+    """Over the texts; higher is more OOD. In [-1, 1] for both definitions."""
     per_text: tuple[float, ...]
     """One score per text, in order."""
     nearest: tuple[Neighbour, ...]
@@ -58,8 +61,11 @@ class Oodness(Data):
     """Number of texts."""
     N: int = Field(ge=1)
     """Number of baseline texts."""
-    definition: Definition
+    definition: Measure
     encoder: str
+    """Name with the hash of its weights."""
+    seed: int = 0
+    """Of the bootstrap."""
     """Name of the encoder, with the hash of its weights."""
 
 

@@ -53,7 +53,7 @@ def bootstrap_mean(
     Returns:
         `None` where fewer than two units can be drawn.
     """
-    member = _members(len(values), clusters)
+    member = members(len(values), clusters)
     units = int(member.max(initial=-1)) + 1
     if units < 2:
         return None
@@ -89,7 +89,7 @@ def bootstrap_pairwise(
     Returns:
         `None` where fewer than two units can be drawn.
     """
-    member = _members(len(vectors), clusters)
+    member = members(len(vectors), clusters)
     units = int(member.max(initial=-1)) + 1
     if units < 2:
         return None
@@ -113,7 +113,8 @@ def bootstrap_pairwise(
     return _interval(found, level, units, clusters is not None)
 
 
-def _members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
+def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
+    """Return for each of n values the number of its cluster, in order of appearance; or its own."""
     if clusters is None:
         return np.arange(n)
     order: dict[str, int] = {}

@@ -1,0 +1,21 @@
+"""A text cut into clauses, so that an event is not blended with where it happens."""
+
+import re
+
+_CUT = re.compile(
+    r"[.;:,?!]\s+|\s[-\u2013\u2014]\s"
+    r"|\s(?=(?:and|but|while|as|where|which|who|because|so|when|before|after|until|behind|towards"
+    r"|with|without)\s)"
+)
+_MOST = 64
+
+
+def clauses(text: str) -> tuple[str, ...]:
+    """Cut a text at punctuation and before conjunctions; parts of one word are dropped.
+
+    Returns:
+        At least one and at most 64 parts; the text itself where nothing can be cut.
+    """
+    parts = [part.strip(" .,;:?!\t\n") for part in _CUT.split(text)]
+    found = tuple(part for part in parts if len(part.split()) > 1)
+    return found[:_MOST] or (text,)

@@ -1,0 +1,135 @@
+"""The vectors that metrics need, each computed once: of texts, the baseline, controls, anchors."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.baselines.baseline import Baseline
+from oodscen.baselines.controls import load_controls
+from oodscen.baselines.embedded import EmbeddedBaseline
+from oodscen.encoders.cached import CachedEncoder, cache_folder
+from oodscen.encoders.check import encode
+from oodscen.errors import UsageError
+from oodscen.metrics import accelerated
+from oodscen.metrics.calibration import held_out_scores
+from oodscen.metrics.detectors import Detectors
+from oodscen.metrics.guard import Guard
+from oodscen.metrics.oodness import Definition, Measure
+from oodscen.metrics.similarity import Nearest, Rows, Vectors, nearest, smallest, unit
+from oodscen.protocols import Encoder
+
+
+class Space:
+    """An encoder's space with a baseline in it.
+
+    Args:
+        encoder: Texts are encoded once each; those of the baseline and of this library are kept in the
+            user's cache folder for encoders whose name decides their values (`cacheable`).
+        baseline: Texts, or embeddings on disk.
+        seed: Of random draws.
+        device: `cpu`, or where torch shall look for the nearest.
+    """
+
+    def __init__(
+        self, encoder: Encoder, baseline: Baseline | EmbeddedBaseline, seed: int, device: str
+    ) -> None:
+        if isinstance(baseline, EmbeddedBaseline) and baseline.encoder != encoder.name:
+            raise UsageError(
+                f"the baseline {baseline.name} holds embeddings of {baseline.encoder}, and the encoder is "
+                f"{encoder.name}: pass the encoder that made it"
+            )
+        self.encoder = encoder
+        self.baseline = baseline
+        self.seed = seed
+        self.device = accelerated.chosen_device(device)
+        self._memory = encoder if isinstance(encoder, CachedEncoder) else CachedEncoder(encoder)
+
+    def vectors(self, texts: Sequence[str]) -> Vectors:
+        """Encode texts that are scored; they are kept in memory."""
+        return unit(encode(self._memory, texts))
+
+    @cached_property
+    def reference(self) -> Rows:
+        """The baseline's vectors."""
+        if isinstance(self.baseline, EmbeddedBaseline):
+            return self.baseline
+        return self._kept(self.baseline.texts)
+
+    @property
+    def whole(self) -> Vectors:
+        """The baseline's vectors, in memory.
+
+        Raises:
+            UsageError: When they are on disk.
+        """
+        if isinstance(self.baseline, EmbeddedBaseline):
+            raise UsageError(
+                f"this needs the texts of the baseline, and {self.baseline.name} holds embeddings alone: "
+                "pass a Baseline"
+            )
+        found = self.reference
+        assert isinstance(found, np.ndarray)
+        return found
+
+    def nearest(self, vectors: Vectors) -> Nearest:
+        """Find the nearest baseline vector of each."""
+        if self.device == "cpu":
+            return nearest(vectors, self.reference)
+        return accelerated.nearest(vectors, self.reference, self.device)
+
+    def scores(self, texts: Sequence[str], measure: Measure) -> NDArray[np.float64]:
+        """Return the OOD-ness of each text by a definition or a detector."""
+        vectors = self.vectors(texts)
+        if measure == "tabulated":
+            return 0.0 - self.nearest(vectors).cosine
+        if measure == "printed":
+            return smallest(vectors, self.reference)
+        return self.detectors.score(measure, texts, vectors)
+
+    def neighbour_text(self, index: int) -> str:
+        """Return a baseline text; empty where only its embedding is known."""
+        return "" if isinstance(self.baseline, EmbeddedBaseline) else self.baseline.texts[index]
+
+    @cached_property
+    def detectors(self) -> Detectors:
+        """Detectors fitted to the baseline."""
+        whole = self.whole
+        texts = self.baseline.texts if isinstance(self.baseline, Baseline) else ()
+        return Detectors(texts, whole, self._kept)
+
+    @cached_property
+    def guard(self) -> Guard:
+        """The off-topic guard."""
+        return Guard(self._shipped, self.encoder.name)
+
+    @cached_property
+    def held_out(self) -> tuple[NDArray[np.float64], int]:
+        """OOD-ness of held-out baseline texts, and the number of groups."""
+        return held_out_scores(self.whole, self.seed)
+
+    def control_scores(self, definition: Definition) -> NDArray[np.float64]:
+        """OOD-ness of the ordinary controls that are for reporting."""
+        vectors = self._shipped([control.text for control in load_controls("frozen")[::2]])
+        if definition == "printed":
+            return smallest(vectors, self.reference)
+        return 0.0 - self.nearest(vectors).cosine
+
+    def _kept(self, texts: Sequence[str]) -> Vectors:
+        return self._from("baselines/" + self.baseline.digest()[:16], texts)
+
+    def _shipped(self, texts: Sequence[str]) -> Vectors:
+        return self._from("shipped", texts)
+
+    def _from(self, folder: str, texts: Sequence[str]) -> Vectors:
+        encoder = self.encoder
+        if getattr(encoder, "cacheable", False):
+            encoder = self._stores.setdefault(
+                folder, CachedEncoder(encoder, cache_folder() / folder)
+            )
+        return unit(encode(encoder, texts))
+
+    @cached_property
+    def _stores(self) -> dict[str, CachedEncoder]:
+        return {}
