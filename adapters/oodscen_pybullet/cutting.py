@@ -1,18 +1,28 @@
 """Cuts triangles along the contour of a quantity that their corners carry."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 
-def cut(corners: Array, column: int, level: float) -> tuple[Array, Array, Array]:
+Place = Callable[[Array, Array], Array]
+"""Returns where between two corners, [n, k] each, a cut lies: [n] shares of the way."""
+
+
+def cut(
+    corners: Array, column: int, level: float, place: Place | None = None
+) -> tuple[Array, Array, Array]:
     """Cut triangles where one of their columns takes a value.
 
     Args:
         corners: [n, 3, k] the columns of every corner.
         column: Which of them decides.
         level: The value at the cut.
+        place: Where a cut lies between two corners; where the value would be if it changed evenly,
+            without it.
 
     Returns:
         The triangles below, those above, both with all columns and with their turn kept, and the
@@ -31,8 +41,13 @@ def cut(corners: Array, column: int, level: float) -> tuple[Array, Array, Array]
         three = np.take_along_axis(corners[rows], turned[:, :, None], axis=1)
         values = np.take_along_axis(value[rows], turned, axis=1)
         a, b, c = three[:, 0], three[:, 1], three[:, 2]
-        ab = a + (values[:, 0] / (values[:, 0] - values[:, 1]))[:, None] * (b - a)
-        ac = a + (values[:, 0] / (values[:, 0] - values[:, 2]))[:, None] * (c - a)
+        if place is None:
+            ab = a + (values[:, 0] / (values[:, 0] - values[:, 1]))[:, None] * (b - a)
+            ac = a + (values[:, 0] / (values[:, 0] - values[:, 2]))[:, None] * (c - a)
+        else:
+            shares = place(np.concatenate([a, a]), np.concatenate([b, c]))[:, None]
+            ab, ac = a + shares[: len(a)] * (b - a), a + shares[len(a) :] * (c - a)
+            ab[:, column] = ac[:, column] = level
         tip = np.stack([a, ab, ac], axis=1)
         rest = [np.stack([ab, b, c], axis=1), np.stack([ab, c, ac], axis=1)]
         if lone_above:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving.corridor import DRIVABLE, Corridor
+from oodscen_pybullet.cover import REACH, Cover, strips
 
 Array = NDArray[np.float64]
 
@@ -24,6 +25,8 @@ ONWARD_M = 90.0
 """How far a road that ends in the open is drawn beyond its end."""
 _OVERLAP = 0.6
 """Roads reach so far into the ones that follow them, m: no seam is left between them."""
+_BULGE = 0.03
+"""Pieces are shorter where an edge of a lane bends by more than this within one, m."""
 _NEAR = 60.0
 """Distances from asphalt beyond this are rough, m."""
 _BLOCK = 400_000
@@ -35,7 +38,7 @@ class Course:
     """A corridor's line, resampled for drawing and continued straight beyond its ends."""
 
     s: Array
-    """[n], m; evenly, with two more between two in tight bends."""
+    """[n], m; evenly, with two more between two in tight bends and where widths change."""
     x: Array
     y: Array
     z: Array
@@ -58,8 +61,14 @@ class Course:
         step = piece if last - first >= piece else last - first
         s: Array = first + step * np.arange(count + 1, dtype=np.float64)
         s[-1] = max(last, float(s[-2]) + 0.25 * step)
-        middle = np.interp(0.5 * (s[1:] + s[:-1]), corridor.s, np.abs(corridor.curvature))
-        parts = [s[:-1], *(s[:-1][middle > TIGHT] + k * step / 3 for k in (1, 2)), s[-1:]]
+        middle, long = 0.5 * (s[1:] + s[:-1]), np.diff(s)
+        split = np.interp(middle, corridor.s, np.abs(corridor.curvature)) > TIGHT
+        for strip in corridor.strips:
+            for edge in (strip.right, strip.left):
+                ends = np.interp(s, corridor.s, edge)
+                bulge = np.interp(middle, corridor.s, edge) - 0.5 * (ends[1:] + ends[:-1])
+                split |= np.abs(bulge) > _BULGE
+        parts = [s[:-1], *((s[:-1] + k * long / 3)[split] for k in (1, 2)), s[-1:]]
         spans = [end for one in corridor.structures for end in (one.start, one.end)]
         parts.append(np.array([end for end in spans if first < end < last], np.float64))
         s = np.unique(np.concatenate(parts))
@@ -125,7 +134,7 @@ class Near:
     """What the ground knows about points, one row each."""
 
     asphalt: Array
-    """Distance from the nearest asphalt, m; negative on it; roughly, where it is far."""
+    """Distance from the nearest asphalt, m; negative on it; rough where it is far or negative."""
     paved: Array
     """The same with pavements."""
     z: Array
@@ -172,6 +181,7 @@ class Ground:
         self.ways: tuple[Way, ...] = tuple(ways)
         self.kerbed = any(way.has_kerb for way in ways)
         self._bounds = [_bounds(way) for way in ways]
+        self._asphalt = Cover(strips([_band(way, way.asphalt) for way in ways]))
 
     @property
     def ego(self) -> Way:
@@ -223,12 +233,44 @@ class Ground:
             height[rows] += share * z
             if way.is_ego:
                 s, t, ego = here, across, out[0]
-        return Near(asphalt, paved, height / weight, s, t, ego)
+        asphalt = _corrected(asphalt, self.asphalt(x, y))
+        return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, t, ego)
+
+    def asphalt(self, x: Array, y: Array) -> Array:
+        """Return how far points are from the asphalt as it is drawn.
+
+        Args:
+            x: [n], m
+            y: [n], m
+
+        Returns:
+            [n], m; negative on it, at most `oodscen_pybullet.cover.REACH`.
+        """
+        return self._asphalt.distance(x, y)
 
     def is_free(self, x: Iterable[float], y: Iterable[float], margin: float) -> bool:
         """Tell whether no point is on asphalt or closer to it than a margin, m."""
-        near = self.near(np.array(list(x), np.float64), np.array(list(y), np.float64))
-        return bool((near.asphalt > margin).all())
+        columns = np.array(list(x), np.float64), np.array(list(y), np.float64)
+        exact = self.asphalt(*columns)
+        if margin < REACH or bool((exact <= 0.0).any()):
+            return bool((exact > margin).all())
+        return bool((self.near(*columns).asphalt > margin).all())
+
+
+def _corrected(rough: Array, exact: Array) -> Array:
+    """Return distances with the sign of the exact ones, and their size where they are near."""
+    on = np.where(rough < 0.0, rough, exact)
+    return np.where(exact >= REACH, np.maximum(rough, REACH), np.where(exact > 0.0, exact, on))
+
+
+def _band(way: Way, edges: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Return the right and the left line of a road, a little longer than it is."""
+    line = way.course
+    reach = np.zeros((len(line.s), 1))
+    reach[0], reach[-1] = -_OVERLAP, _OVERLAP
+    along = reach * np.stack([line.cos, line.sin], axis=1)
+    right, left = (line.points(edge)[:, :2] + along for edge in edges)
+    return right, left
 
 
 def _bounds(way: Way) -> tuple[float, float, float, float]:

@@ -17,6 +17,7 @@ from oodscen_pybullet.ground import TIGHT, Ground
 from oodscen_pybullet.islands import Islands
 from oodscen_pybullet.meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet.meshes.builder import Mesh
+from oodscen_pybullet.squares import Squares, crossing
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -37,8 +38,8 @@ WATER_M = 5.5
 """Depth of the water's surface below a bridge, m."""
 ISLAND_RIM = 1.6
 """Width of the paved edge of an island, m."""
-_UNIT = 1.5
-_ROOT = 64
+_GAP = 2.0
+"""Points where roads meet are no closer to each other, m."""
 _X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _IN = range(9)
 
 
@@ -130,7 +131,10 @@ class Terrain:
         corners = self._corners()
         pieces: list[tuple[Array, Array]] = []
         open_, over = self._spanned(corners)
-        _, land, border = cut(open_, _ASPHALT, 0.0)
+        _, land, border = cut(open_, _ASPHALT, 0.0, self._edge)
+        is_edge = land[:, :, _ASPHALT] <= 0.0
+        x, y = land[is_edge][:, _X], land[is_edge][:, _Y]
+        land[is_edge, _PAVED] = np.minimum(self.ground.near(x, y).paved, 0.0) if len(x) else 0.0
         if self.ground.kerbed:
             pieces.append(_walls(border))
             kerb, land, _ = cut(land, _ASPHALT, 0.18)
@@ -152,6 +156,15 @@ class Terrain:
         vertices = np.concatenate([vertices for vertices, _ in pieces])
         uvs = np.concatenate([uvs for _, uvs in pieces])
         return _mesh(vertices, uvs)
+
+    def _edge(self, one: Array, two: Array) -> Array:
+        return crossing(
+            self.ground.asphalt,
+            one[:, : _Y + 1],
+            two[:, : _Y + 1],
+            one[:, _ASPHALT],
+            two[:, _ASPHALT],
+        )
 
     def _spanned(self, corners: Array) -> tuple[Array, Array]:
         """Cut the ground at tunnels and bridges: what is in the open, and what goes over or under.
@@ -230,82 +243,10 @@ class Terrain:
 
     # ------------------------------------------------------------------ squares
 
-    def _leaves(self) -> tuple[Ints, Ints, Ints]:
-        """Return the lower left corner and the size of every square, in units."""
-        x = np.concatenate([way.course.x for way in self.ground.ways])
-        y = np.concatenate([way.course.y for way in self.ground.ways])
-        root = _ROOT * _UNIT
-        i = np.arange(np.floor((x.min() - WIDE_M) / root), np.ceil((x.max() + WIDE_M) / root))
-        j = np.arange(np.floor((y.min() - WIDE_M) / root), np.ceil((y.max() + WIDE_M) / root))
-        grid = np.stack(np.meshgrid(i, j, indexing="ij"), axis=-1).reshape(-1, 2)
-        cells, size = (grid * _ROOT).astype(np.int64), _ROOT
-        found: list[tuple[Ints, int]] = []
-        while len(cells):
-            middle: Array = (cells.astype(np.float64) + size / 2.0) * _UNIT
-            radius = size * _UNIT * 0.7072
-            near = self.ground.near(middle[:, 0], middle[:, 1])
-            away = np.maximum(np.abs(near.asphalt) - radius, 0.0)
-            keep = (near.asphalt > -radius - 1.0) & (near.ego < WIDE_M + radius)
-            keep |= self._is_spanned(near.s, radius) & (near.ego < WIDE_M + radius)
-            wanted = np.array([4.0, 8.0, 16.0, 32.0, 64.0])[
-                np.searchsorted(np.array([0.5, 14.0, 50.0, 120.0]), away)
-            ]
-            wanted = np.minimum(wanted, self._finest(middle, radius))
-            wanted = np.where(
-                self._is_spanned(near.s, radius + 40.0) & (near.ego - radius < 60.0),
-                np.minimum(wanted, 4.0),
-                wanted,
-            )
-            split = keep & (wanted < size)
-            found.append((cells[keep & ~split], size))
-            size //= 2
-            steps = np.array([[0, 0], [size, 0], [0, size], [size, size]])
-            cells = (cells[split][:, None, :] + steps).reshape(-1, 2)
-        corners = np.concatenate([some for some, _ in found])
-        sizes = np.concatenate([np.full(len(some), size) for some, size in found])
-        return corners[:, 0], corners[:, 1], sizes
-
-    def _finest(self, middle: Array, radius: float) -> Array:
-        """Return how large squares may be where roads turn tightly or meet, units."""
-        wanted = np.full(len(middle), float(_ROOT))
-        points = self._meeting
-        if len(points):
-            square = (middle[:, :1] - points[None, :, 0]) ** 2
-            square += (middle[:, 1:] - points[None, :, 1]) ** 2
-            gap = np.sqrt(square.min(axis=1)) - radius
-            wanted = np.where(
-                gap < 2.5, 1.0, np.where(gap < 7.0, 2.0, np.where(gap < 13.0, 4.0, wanted))
-            )
-        return wanted
-
-    def _is_spanned(self, s: Array, margin: float) -> NDArray[np.bool_]:
-        spanned = np.zeros(len(s), bool)
-        for one in self.ground.corridor.structures:
-            spanned |= (s > one.start - margin) & (s < one.end + margin)
-        return spanned
-
     def _corners(self) -> Array:
         """Return the squares as triangles, with everything that cutting needs."""
-        left, low, sizes = self._leaves()
-        leaves = list(zip(left.tolist(), low.tolist(), sizes.tolist(), strict=True))
-        known = {
-            (i + a * size, j + b * size): 0 for i, j, size in leaves for a in (0, 1) for b in (0, 1)
-        }
-        names = {place: index for index, place in enumerate(known)}
-        places: list[tuple[float, float]] = [(float(i), float(j)) for i, j in names]
-        rows: list[tuple[int, int, int]] = []
-        owners: list[int] = []
-        for owner, (i, j, size) in enumerate(leaves):
-            ring = _ring(i, j, size, names)
-            if len(ring) == 4:
-                rows += [(ring[0], ring[1], ring[2]), (ring[0], ring[2], ring[3])]
-                owners += [owner, owner]
-                continue
-            places.append((i + size / 2, j + size / 2))
-            hub = len(places) - 1
-            rows += [(hub, a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True)]
-            owners += [owner] * len(ring)
-        points = np.array(places) * _UNIT
+        net = Squares.around(self.ground, self._meeting, WIDE_M)
+        points, order, held = net.triangles()
         near = self.ground.near(points[:, 0], points[:, 1])
         outside, inside, _ = self._heights(points[:, 0], points[:, 1])
         paved = near.paved
@@ -318,12 +259,8 @@ class Terrain:
             ],
             axis=1,
         )  # fmt: skip
-        order, held = np.array(rows, np.int64), np.array(owners, np.int64)
         corners = columns[order]
-        tile = np.maximum(sizes[held], 4).astype(np.float64)
-        corner = np.stack([np.floor(left[held] / tile), np.floor(low[held] / tile)], axis=1)
-        local = (points[order] / _UNIT - (corner * tile[:, None])[:, None, :]) / tile[:, None, None]
-        corners[:, :, _U : _V + 1] = local
+        corners[:, :, _U : _V + 1] = net.local(points[order], held)
         return corners
 
     def _is_corner(self, points: Array) -> NDArray[np.bool_]:
@@ -361,18 +298,6 @@ def _rise(value: Array, start: float, end: float) -> Array:
     return np.asarray(share * share * (3.0 - 2.0 * share), np.float64)
 
 
-def _ring(i: int, j: int, size: int, names: dict[tuple[int, int], int]) -> list[int]:
-    """Return the corners around a square, those of smaller neighbours among them."""
-    ring = []
-    for a, b, da, db in ((0, 0, 1, 0), (size, 0, 0, 1), (size, size, -1, 0), (0, size, 0, -1)):
-        ring.append(names[i + a, j + b])
-        for step in range(1, size):
-            found = names.get((i + a + da * step, j + b + db * step))
-            if found is not None:
-                ring.append(found)
-    return ring
-
-
 def _meeting_points(ground: Ground) -> Array:
     """Return points all along tight bends and ways through junctions, [n, 2]."""
     found = []
@@ -386,7 +311,8 @@ def _meeting_points(ground: Ground) -> Array:
         for edge in (way.asphalt[0], way.asphalt[1]):
             points = line.points(edge)[is_tight]
             found.append(points[:, :2])
-    return np.concatenate(found) if found else np.zeros((0, 2))
+    every = np.concatenate(found)
+    return np.asarray(np.unique(np.floor(every / _GAP + 0.5), axis=0) * _GAP)
 
 
 def _walls(border: Array) -> tuple[Array, Array]:

@@ -1,0 +1,108 @@
+"""What triangles cover seen from above, and how far from it points are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+REACH = 2.5
+"""Distances are measured up to here, m."""
+_CELL = 2.5
+_BATCH = 150_000
+"""Pairs of a point and a triangle that are looked at in one go."""
+
+
+class Cover:
+    """The union of many triangles, kept in a grid."""
+
+    def __init__(self, triangles: Array) -> None:
+        """Sort triangles into a grid.
+
+        Args:
+            triangles: [n, 3, 2] corners in any turn; those without area are left out, m.
+        """
+        one, two, three = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+        a, b = two - one, three - one
+        area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        turned = np.where((area < 0.0)[:, None, None], triangles[:, [0, 2, 1]], triangles)
+        self._corners = turned[np.abs(area) > 1e-6]
+        self._sides = np.roll(self._corners, -1, axis=1) - self._corners
+        square = (self._sides**2).sum(axis=2)
+        self._inverse = 1.0 / np.maximum(square, 1e-12)
+        low = np.floor((self._corners.min(axis=1) - REACH) / _CELL).astype(np.int64)
+        high = np.floor((self._corners.max(axis=1) + REACH) / _CELL).astype(np.int64)
+        self._low = low.min(axis=0) if len(low) else np.zeros(2, np.int64)
+        self._rows = int(high[:, 1].max() - self._low[1] + 1) if len(low) else 1
+        wide, tall = (high - low + 1).T if len(low) else np.zeros((2, 0), np.int64)
+        owner, rank = _expanded(wide * tall)
+        column = low[owner, 0] + rank % wide[owner] - self._low[0]
+        row = low[owner, 1] + rank // wide[owner] - self._low[1]
+        cell = column * self._rows + row
+        order = np.argsort(cell, kind="stable")
+        self._members = owner[order]
+        self._cells, self._starts = np.unique(cell[order], return_index=True)
+        self._counts = np.diff(np.append(self._starts, len(order)))
+
+    def distance(self, x: Array, y: Array) -> Array:
+        """Return how far points are from what is covered: negative on it, at most `REACH`, m.
+
+        Args:
+            x: [n], m
+            y: [n], m
+        """
+        found = np.full(len(x), REACH)
+        i = np.floor(x / _CELL).astype(np.int64) - self._low[0]
+        j = np.floor(y / _CELL).astype(np.int64) - self._low[1]
+        inside = (j >= 0) & (j < self._rows)
+        cell = i * self._rows + j
+        if not len(self._cells):
+            return found
+        place = np.minimum(np.searchsorted(self._cells, cell), len(self._cells) - 1)
+        first = self._starts[place]
+        count = np.where(inside & (self._cells[place] == cell), self._counts[place], 0)
+        rows = np.flatnonzero(count)
+        if not len(rows):
+            return found
+        ends = np.cumsum(count[rows])
+        splits = np.searchsorted(ends, np.arange(_BATCH, int(ends[-1]), _BATCH))
+        for some in np.split(rows, np.unique(splits)):
+            if len(some):
+                found[some] = self._measured(x[some], y[some], first[some], count[some])
+        return found
+
+    def _measured(self, x: Array, y: Array, first: Ints, count: Ints) -> Array:
+        point, rank = _expanded(count)
+        member = self._members[first[point] + rank]
+        corner, side = self._corners[member], self._sides[member]
+        dx, dy = x[point, None] - corner[:, :, 0], y[point, None] - corner[:, :, 1]
+        ex, ey = side[:, :, 0], side[:, :, 1]
+        inverse = self._inverse[member]
+        cross = ex * dy - ey * dx
+        along = np.clip((dx * ex + dy * ey) * inverse, 0.0, 1.0)
+        px, py = dx - along * ex, dy - along * ey
+        away = np.sqrt((px * px + py * py).min(axis=1))
+        away = np.where((cross >= 0.0).all(axis=1), -away, away)
+        starts = np.concatenate([[0], np.cumsum(count)[:-1]])
+        return np.minimum(np.minimum.reduceat(away, starts), REACH)
+
+
+def strips(edges: Sequence[tuple[Array, Array]]) -> Array:
+    """Return bands between two lines as triangles, [n, 3, 2].
+
+    Args:
+        edges: The right and the left edge of each, [k, 2] both.
+    """
+    parts = []
+    for right, left in edges:
+        parts.append(np.stack([right[:-1], right[1:], left[1:]], axis=1))
+        parts.append(np.stack([right[:-1], left[1:], left[:-1]], axis=1))
+    return np.concatenate(parts) if parts else np.zeros((0, 3, 2))
+
+
+def _expanded(count: Ints) -> tuple[Ints, Ints]:
+    """Return every owner as often as its count says, and 0, 1, 2 ... within each."""
+    owner = np.repeat(np.arange(len(count)), count)
+    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
