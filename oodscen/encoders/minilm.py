@@ -71,9 +71,8 @@ class MiniLM(SentenceTransformerEncoder):
         return vectors
 
     def _read(self) -> Any:
-        folder = self._folder or _packaged()
-        for name, expected in _SHA256.items():
-            _verify(folder / name, expected)
+        folder = self._folder or packaged()
+        verified(folder)
         self._source = str(folder)
         return super()._read()
 
@@ -89,11 +88,26 @@ def _passed(model: Any, texts: list[str], columns: int) -> Any:
         return model(features.to(model.device))["sentence_embedding"].cpu().numpy()
 
 
-def _packaged() -> Path:
+def packaged() -> Path:
+    """Return the folder of the packaged model.
+
+    Raises:
+        MissingExtra: When the package is not installed.
+    """
     spec = importlib.util.find_spec(_PACKAGE)
     if spec is None or spec.origin is None:
         raise MissingExtra("the encoder all-MiniLM-L6-v2", "encoder", _PACKAGE)
     return Path(spec.origin).parent / "model"
+
+
+def verified(folder: Path) -> None:
+    """Compare weights and tokenizer with their known SHA-256.
+
+    Raises:
+        EncoderError: When a file cannot be read or is another.
+    """
+    for name, expected in _SHA256.items():
+        _verify(folder / name, expected)
 
 
 def _verify(file: Path, expected: str) -> None:

@@ -6,7 +6,7 @@ from oodscen.errors import EncoderError
 
 
 def test_a_local_folder_is_a_model():
-    encoder = SentenceTransformerEncoder(minilm._packaged(), batch_size=2)
+    encoder = SentenceTransformerEncoder(minilm.packaged(), batch_size=2)
     texts = ["a car waits", "a deer jumps onto the road", "a van"]
     assert encoder.dimension == 384
     assert encoder.name.startswith("model@")

@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+
+from oodscen.encoders import MiniLM, OnnxMiniLM
+from oodscen.encoders.cached import cache_folder
+from oodscen.errors import MissingExtra
+from oodscen.protocols import Encoder
+
+pytest.importorskip("onnxruntime")
+pytest.importorskip("onnx")
+
+TEXTS = [
+    "A silver sedan waits at the red light.",
+    "A deer jumps onto the road.",
+    "Ego is driving on a two-lane road at night, following a white van at a steady distance.",
+    "Fog.",
+    "long " * 400,
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(autouse=True)
+def own_cache(monkeypatch, folder):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
+
+
+@pytest.fixture(scope="module")
+def encoder():
+    return OnnxMiniLM(threads=1)
+
+
+def test_it_agrees_with_torch(encoder):
+    ours, torchs = encoder.encode(TEXTS), MiniLM().encode(TEXTS)
+    assert ours.shape == (5, 384)
+    assert ours.dtype == np.float32
+    assert np.einsum("ij,ij->i", ours, torchs).min() >= 0.9999
+    assert 0.0 <= abs(encoder.error) < 1e-4
+    assert encoder.name == "all-MiniLM-L6-v2@53aa51172d14+onnx"
+    assert isinstance(encoder, Encoder)
+
+
+def test_neighbours_change_no_bit(encoder):
+    many = [*TEXTS, *(f"Car number {i} waits at the light." for i in range(9))]
+    together = encoder.encode(many)
+    assert np.array_equal(together, encoder.encode(many[::-1])[::-1])
+    for text, row in zip(TEXTS, together, strict=False):
+        assert np.array_equal(encoder.encode([text])[0], row)
+
+
+@pytest.mark.parametrize("damage", ["truncated", "altered", "no record"])
+def test_a_damaged_export_is_made_again(encoder, damage):
+    expected = encoder.encode(TEXTS[:1])
+    file = cache_folder() / "onnx" / f"{encoder.name}.onnx"
+    content = file.read_bytes()
+    if damage == "truncated":
+        file.write_bytes(content[:1000])
+    elif damage == "altered":
+        file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    else:
+        file.with_suffix(".json").write_text("{")
+    assert np.array_equal(OnnxMiniLM(threads=1).encode(TEXTS[:1]), expected)
+    assert file.stat().st_size == len(content)
+
+
+def test_eight_bits_say_how_far_off_they_are(caplog):
+    small = OnnxMiniLM(int8=True, threads=1)
+    assert small.name.endswith("+onnx-int8")
+    assert 0.0 < small.error < 0.2
+    assert "cosine to torch" in caplog.text
+
+
+def test_a_missing_runtime_names_the_extra(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "onnxruntime", None)
+    with pytest.raises(MissingExtra) as caught:
+        OnnxMiniLM().encode(["text"])
+    assert caught.value.extra == "onnx"
