@@ -17,14 +17,44 @@ def street_lamp(reach: float, height: float, *, is_night: bool) -> Mesh:
     return mesh.build(hollow=True)
 
 
-@lru_cache(maxsize=16)
-def speed_sign() -> Mesh:
-    """Return a speed limit sign that faces -x."""
+LIMITS = frozenset(range(10, 140, 10))
+"""Speed limits for which there are signs, km/h."""
+_STROKES = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "abcdefg", "abcdfg")
+_BARS = {
+    "a": (0.0, 1.0, True), "g": (0.0, 0.0, True), "d": (0.0, -1.0, True),
+    "f": (-1.0, 0.5, False), "b": (1.0, 0.5, False),
+    "e": (-1.0, -0.5, False), "c": (1.0, -0.5, False),
+}  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def speed_sign(limit: int) -> Mesh:
+    """Return a sign that faces -x with a speed limit, km/h."""
     mesh = MeshBuilder()
     mesh.beam((0, 0, -0.3), (0, 0, 2.2), 0.06, "post")
-    mesh.box((0.03, 0, 2.4), (0.02, 0.62, 0.62), "grey")
-    mesh.picture([(0.0, 0.3, 2.1), (0.0, -0.3, 2.1), (0.0, -0.3, 2.7), (0.0, 0.3, 2.7)], "limit")
+    for out, radius, colour in ((0.0, 0.36, "red"), (-0.014, 0.27, "white")):
+        turns = ((c * radius, s * radius) for c, s in _RIM)
+        mesh.polygon([(out, -y, 2.4 + z) for y, z in turns], colour)
+    back = [(0.06, 0.36 * c, 2.4 + 0.36 * s) for c, s in _RIM]
+    mesh.polygon(back, "grey")
+    digits = str(limit)
+    half, tall, bold = (0.06, 0.11, 0.022) if len(digits) < 3 else (0.04, 0.1, 0.017)
+    for index, digit in enumerate(digits):
+        middle = (0.5 * (len(digits) - 1) - index) * (2 * half + 0.05)
+        for bar in _STROKES[int(digit)]:
+            across, up, is_flat = _BARS[bar]
+            y, z = middle - across * half, 2.4 + up * tall
+            wide, high = (half + bold, bold) if is_flat else (bold, 0.5 * tall + bold)
+            corners = ((-wide, -high), (wide, -high), (wide, high), (-wide, high))
+            mesh.polygon([(-0.028, y - a, z + b) for a, b in corners], "black")
     return mesh.build(hollow=True)
+
+
+_RIM = tuple(
+    (c * p - s * q, s * p + c * q)
+    for p, q in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+    for c, s in ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
+)
 
 
 @lru_cache(maxsize=4)

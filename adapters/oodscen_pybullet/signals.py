@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from oodscen.driving import Corridor
 from oodscen.driving.corridor import RoadSignal
 from oodscen.driving.exact import cos, sin
+from oodscen_pybullet.furniture import LIMITS, speed_sign
 from oodscen_pybullet.meshes import asset_ids, asset_mesh
-from oodscen_pybullet.meshes.builder import Lamp, Point
+from oodscen_pybullet.meshes.builder import Lamp, Mesh, Point
 from oodscen_pybullet.placing import Heading, Site
 
 INSTEAD_M = 4.0
@@ -39,16 +40,36 @@ def stand_signals(site: Site, without: frozenset[str]) -> list[Lamp]:
     for signal in site.ground.corridor.signals:
         if signal.id in without:
             continue
-        asset = asset_of(signal)
-        if asset is None or asset not in asset_ids():
+        mesh = _mesh_of(site, signal)
+        if mesh is None:
             continue
-        state = state_of(site, signal) if signal.kind == "traffic_light" else ""
-        mesh = asset_mesh(asset, state)
         c, s = -cos(signal.yaw), -sin(signal.yaw)
         at = (signal.x, signal.y, site.terrain.surface(signal.x, signal.y))
         site.add(mesh, at, (c, s))
         shining += [_moved(lamp, at, (c, s)) for lamp in mesh.lamps]
     return shining
+
+
+def _mesh_of(site: Site, signal: RoadSignal) -> Mesh | None:
+    asset = asset_of(signal)
+    if asset is None or asset not in asset_ids():
+        return None
+    if asset == "speed_limit_sign":
+        limit = limit_of(signal)
+        if limit is None:
+            return None
+        if limit != 30:
+            return speed_sign(limit)
+    return asset_mesh(asset, state_of(site, signal) if signal.kind == "traffic_light" else "")
+
+
+def limit_of(signal: RoadSignal) -> int | None:
+    """Return what a speed limit sign says, km/h, or `None` where there is no such face."""
+    try:
+        limit = round(float(signal.value))
+    except (ValueError, OverflowError):
+        return None
+    return limit if limit in LIMITS else None
 
 
 def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> frozenset[str]:

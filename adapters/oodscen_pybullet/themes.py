@@ -15,7 +15,7 @@ from oodscen_pybullet.buildings import (
     tower,
 )
 from oodscen_pybullet.ground import Array, Way
-from oodscen_pybullet.meshes import asset_ids, asset_mesh
+from oodscen_pybullet.meshes import asset_mesh
 from oodscen_pybullet.meshes.builder import Mesh, MeshBuilder, Point
 from oodscen_pybullet.placing import Site, Spot
 from oodscen_pybullet.surfaces import Ribbons, strip_edges
@@ -100,14 +100,11 @@ def _lamps(
 
 
 def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
-    """Put up signs with the road's own limit, where there is a face with that number."""
+    """Put up signs with the road's own limit, where signs with that number exist."""
     limit = round(way.corridor.speed_limit * 3.6)
-    if limit == 30 and "speed_limit_sign" in asset_ids():
-        mesh = asset_mesh("speed_limit_sign")
-    elif limit == 50:
-        mesh = furniture.speed_sign()
-    else:
+    if limit not in furniture.LIMITS:
         return
+    mesh = asset_mesh("speed_limit_sign") if limit == 30 else furniture.speed_sign(limit)
     for spot in site.spots(way, -1, 210.0, first=first):
         x, y = spot.beside(0.0, out)
         if site.ground.is_free((x,), (y,), 0.4) and not site.is_spanned(spot):

@@ -3,13 +3,15 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from oodscen_pybullet.furniture import LIMITS, speed_sign
 from oodscen_pybullet.ground import Ground
 from oodscen_pybullet.meshes.atlas import swatch_uv
 from oodscen_pybullet.roadside import Scenery, build_scenery
-from oodscen_pybullet.signals import replaced
+from oodscen_pybullet.signals import limit_of, replaced
 
 from oodscen.catalogue import RoadMap
 from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
+from oodscen.driving.corridor import RoadSignal
 
 each_map = pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
 
@@ -168,3 +170,20 @@ def test_a_roundabouts_middle_is_an_island() -> None:
     assert radius > 5.0
     assert islands.covers(np.array([[x, y]])).all()
     assert not built(SHIPPED_MAPS[0])[1].terrain.islands.middles
+
+
+@pytest.mark.parametrize(
+    ("value", "limit"),
+    [("30", 30), ("70.0", 70), ("120", 120), ("37", None), ("", None), ("inf", None), ("x", None)],
+)
+def test_a_sign_never_shows_another_limit_than_the_maps(value: str, limit: int | None) -> None:
+    signal = RoadSignal("1", "sign", "274", value, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert limit_of(signal) == limit
+
+
+def test_speed_signs_differ_and_face_who_drives_up() -> None:
+    meshes = [speed_sign(limit) for limit in sorted(LIMITS)]
+    assert len({mesh.vertices.tobytes() for mesh in meshes}) == len(LIMITS)
+    for mesh in meshes:
+        is_black = (np.abs(mesh.uvs - swatch_uv("black")) < 1e-9).all(axis=1)
+        assert (mesh.normals[is_black, 0] < -0.99).all()
