@@ -28,7 +28,7 @@ from oodscen.metrics.detectors import Encode
 from oodscen.metrics.similarity import Vectors
 
 _RIDGE = 0.02
-THRESHOLD = -0.14
+THRESHOLD = -0.15
 _CALIBRATED = "all-MiniLM-L6-v2@"
 
 

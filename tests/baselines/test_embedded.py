@@ -1,0 +1,94 @@
+import json
+
+import numpy as np
+import pytest
+
+from oodscen.baselines.embedded import open_embeddings, write_embeddings
+from oodscen.errors import DataError, UsageError
+from oodscen.metrics import Metrics
+from oodscen.testing.encoder import HashEncoder
+
+TEXTS = [f"car {i} waits at light {i * 7}" for i in range(50)]
+ENCODER = HashEncoder(16)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "ordinary.npy"
+    assert write_embeddings(path, ENCODER, iter(TEXTS)) == 50
+    return path
+
+
+def arrow(path, rows, name, field="vector"):
+    pa = pytest.importorskip("pyarrow")
+    column = pa.FixedSizeListArray.from_arrays(pa.array(rows.ravel()), rows.shape[1])
+    schema = pa.schema([(field, column.type)], metadata={"encoder": name} if name else {})
+    with pa.ipc.new_file(str(path), schema) as sink:
+        for first in range(0, len(rows), 20):
+            part = column.slice(first, 20)
+            sink.write_batch(pa.record_batch([part], schema=schema))
+    return path
+
+
+def test_it_scores_as_the_texts_do(file, tmp_path):
+    asked = ["a deer jumps", "car 3 waits at light 21"]
+    expected = Metrics(ENCODER, TEXTS).oodness(asked)
+    other = arrow(tmp_path / "ordinary.arrow", np.load(file), ENCODER.name)
+    for path in (file, other):
+        metrics = Metrics(ENCODER, open_embeddings(path, ENCODER))
+        found = metrics.oodness(asked)
+        np.testing.assert_allclose(found.per_text, expected.per_text, atol=1e-6)
+        assert found.N == 50
+        report = metrics.report(asked)
+        assert report.calibration is None
+        assert report.baseline == path.name
+        with pytest.raises(UsageError):
+            metrics.oodness(asked, "events")
+
+
+def test_rows_are_scaled_and_zeros_stay(tmp_path):
+    rows = np.arange(12, dtype=np.float32).reshape(3, 4)
+    rows[1] = 0.0
+    np.save(tmp_path / "b.npy", rows)
+    (tmp_path / "b.npy.json").write_text(json.dumps({"encoder": "hash-4"}))
+    found = open_embeddings(tmp_path / "b.npy", HashEncoder(4))[0:3]
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), [1, 0, 1], atol=1e-6)
+
+
+def test_another_encoders_baseline_is_refused(file):
+    with pytest.raises(UsageError, match="hash-16"):
+        open_embeddings(file, HashEncoder(8))
+    with pytest.raises(UsageError):
+        Metrics(HashEncoder(8), open_embeddings(file, ENCODER))
+
+
+@pytest.mark.parametrize("damage", ["truncated", "no record", "float64", "flat", "text", "nan"])
+def test_a_damaged_file_is_a_data_error(file, damage):
+    content = file.read_bytes()
+    if damage == "truncated":
+        file.write_bytes(content[:-100])
+    elif damage == "no record":
+        (file.parent / "ordinary.npy.json").unlink()
+    elif damage == "float64":
+        np.save(file, np.load(file).astype(np.float64))
+    elif damage == "flat":
+        np.save(file, np.load(file).ravel())
+    elif damage == "text":
+        file.write_text("not an array")
+    else:
+        rows = np.load(file)
+        rows[7, 3] = np.nan
+        np.save(file, rows)
+    with pytest.raises(DataError):
+        Metrics(ENCODER, open_embeddings(file, ENCODER)).oodness(["a car"])
+
+
+def test_an_arrow_file_of_another_layout_is_a_data_error(tmp_path):
+    rows = np.ones((3, 16), np.float32)
+    for bad in (
+        arrow(tmp_path / "a.arrow", rows, ""),
+        arrow(tmp_path / "b.arrow", rows, "hash-16", "other"),
+        arrow(tmp_path / "c.arrow", rows.astype(np.float64), "hash-16"),
+    ):
+        with pytest.raises(DataError):
+            open_embeddings(bad, ENCODER)
