@@ -29,6 +29,8 @@ _BULGE = 0.03
 """Pieces are shorter where an edge of a lane bends by more than this within one, m."""
 _NEAR = 60.0
 """Distances from asphalt beyond this are rough, m."""
+_ROUGH = 3.0
+"""Distances measured across one road are at most so much too long, m."""
 _BLOCK = 400_000
 """Distances that are looked at in one go."""
 
@@ -181,6 +183,8 @@ class Ground:
         self.ways: tuple[Way, ...] = tuple(ways)
         self.kerbed = any(way.has_kerb for way in ways)
         self._bounds = [_bounds(way) for way in ways]
+        self._along: dict[tuple[float, float], tuple[float, float]] = {}
+        self._free: dict[tuple[tuple[float, ...], tuple[float, ...], float], bool] = {}
         self._asphalt = Cover(strips([_band(way, way.asphalt) for way in ways]))
 
     @property
@@ -212,19 +216,7 @@ class Ground:
                 rows = np.flatnonzero(inside)
             if len(rows) == 0:
                 continue
-            index = _nearest(line, x[rows], y[rows])
-            dx, dy = x[rows] - line.x[index], y[rows] - line.y[index]
-            along = dx * line.cos[index] + dy * line.sin[index]
-            across = dy * line.cos[index] - dx * line.sin[index]
-            here = line.s[index] + along
-            over = np.maximum(line.s[0] - here, here - line.s[-1]) - _OVERLAP
-            out = []
-            for right, left in (way.asphalt, way.paved):
-                a, b = np.interp(here, line.s, right), np.interp(here, line.s, left)
-                wide = np.where(b - a > 0.05, np.maximum(a - across, across - b), 3.0)
-                past = np.maximum(over, 0.0)
-                side = np.maximum(wide, 0.0)
-                out.append(np.where(over > 0.0, np.sqrt(past * past + side * side), wide))
+            here, across, out = _places(way, x[rows], y[rows])
             z = np.interp(here, line.s, line.z)
             share = 1.0 / np.maximum(out[0], 0.05) ** 2
             asphalt[rows] = np.minimum(asphalt[rows], out[0])
@@ -233,8 +225,17 @@ class Ground:
             height[rows] += share * z
             if way.is_ego:
                 s, t, ego = here, across, out[0]
-        asphalt = _corrected(asphalt, self.asphalt(x, y))
+        close = np.flatnonzero(asphalt < REACH + _ROUGH)
+        if len(close):
+            asphalt[close] = _corrected(asphalt[close], self.asphalt(x[close], y[close]))
         return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, t, ego)
+
+    def along(self, x: float, y: float) -> tuple[float, float]:
+        """Return a point's place along the ego's road, and its distance from that road, m."""
+        if (x, y) not in self._along:
+            here, _, away = _places(self.ego, np.array([x]), np.array([y]))
+            self._along[x, y] = float(here[0]), float(away[0][0])
+        return self._along[x, y]
 
     def asphalt(self, x: Array, y: Array) -> Array:
         """Return how far points are from the asphalt as it is drawn.
@@ -250,11 +251,16 @@ class Ground:
 
     def is_free(self, x: Iterable[float], y: Iterable[float], margin: float) -> bool:
         """Tell whether no point is on asphalt or closer to it than a margin, m."""
-        columns = np.array(list(x), np.float64), np.array(list(y), np.float64)
-        exact = self.asphalt(*columns)
+        key = (tuple(x), tuple(y), margin)
+        if key not in self._free:
+            self._free[key] = self._is_free(np.array(key[0]), np.array(key[1]), margin)
+        return self._free[key]
+
+    def _is_free(self, x: Array, y: Array, margin: float) -> bool:
+        exact = self.asphalt(x, y)
         if margin < REACH or bool((exact <= 0.0).any()):
             return bool((exact > margin).all())
-        return bool((self.near(*columns).asphalt > margin).all())
+        return bool((self.near(x, y).asphalt > margin).all())
 
 
 def _corrected(rough: Array, exact: Array) -> Array:
@@ -271,6 +277,26 @@ def _band(way: Way, edges: tuple[Array, Array]) -> tuple[Array, Array]:
     along = reach * np.stack([line.cos, line.sin], axis=1)
     right, left = (line.points(edge)[:, :2] + along for edge in edges)
     return right, left
+
+
+def _places(way: Way, x: Array, y: Array) -> tuple[Array, Array, tuple[Array, Array]]:
+    """Return s and t of points on a road, and how far they are from its asphalt and pavements."""
+    line = way.course
+    index = _nearest(line, x, y)
+    dx, dy = x - line.x[index], y - line.y[index]
+    here = line.s[index] + dx * line.cos[index] + dy * line.sin[index]
+    across = dy * line.cos[index] - dx * line.sin[index]
+    past = np.maximum(np.maximum(line.s[0] - here, here - line.s[-1]) - _OVERLAP, 0.0)
+    is_past = bool(past.any())
+    out = []
+    for right, left in (way.asphalt, way.paved):
+        a, b = np.interp(here, line.s, right), np.interp(here, line.s, left)
+        wide = np.where(b - a > 0.05, np.maximum(a - across, across - b), 3.0)
+        if is_past:
+            side = np.maximum(wide, 0.0)
+            wide = np.where(past > 0.0, np.sqrt(past * past + side * side), wide)
+        out.append(wide)
+    return here, across, (out[0], out[1])
 
 
 def _bounds(way: Way) -> tuple[float, float, float, float]:

@@ -14,10 +14,15 @@ Array = NDArray[np.float64]
 Heading = tuple[float, float]
 """Cosine and sine of a direction."""
 
+Rectangle = tuple[float, float, Heading, float, float]
+"""Middle, direction of the first side, and half of both sides' lengths, m."""
+
 FAR_M = 280.0
 """Small things are left out so far ahead of the ego's start, m."""
 SHORT_M = 110.0
 """Scenery ends so far before the ego's road does: it is small by then."""
+_CELL = 24.0
+"""What was claimed is looked up in squares of this size, m."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ class Site:
     _vertices: list[Array] = field(default_factory=list)
     _normals: list[Array] = field(default_factory=list)
     _uvs: list[Array] = field(default_factory=list)
-    _taken: list[tuple[float, float, Heading, float, float]] = field(default_factory=list)
+    _taken: dict[tuple[int, int], list[Rectangle]] = field(default_factory=dict)
 
     def add(self, mesh: Mesh, at: Point, heading: Heading) -> None:
         """Add a mesh with its x axis along a heading, without asking what is there."""
@@ -111,8 +116,14 @@ class Site:
             half_y: Half of the other's, m.
             margin: Distance kept from asphalt, m.
         """
-        for other in self._taken:
-            if _overlap((x, y, heading, half_x, half_y), other):
+        own, reach = (x, y, heading, half_x, half_y), half_x + half_y
+        cells = [
+            (i, j)
+            for i in range(int((x - reach) // _CELL), int((x + reach) // _CELL) + 1)
+            for j in range(int((y - reach) // _CELL), int((y + reach) // _CELL) + 1)
+        ]
+        for cell in cells:
+            if any(_overlap(own, other) for other in self._taken.get(cell, ())):
                 return False
         if margin > 0.0:
             c, s = heading
@@ -124,7 +135,8 @@ class Site:
             ]
             if not self.ground.is_free([p for p, _ in points], [q for _, q in points], margin):
                 return False
-        self._taken.append((x, y, heading, half_x, half_y))
+        for cell in cells:
+            self._taken.setdefault(cell, []).append(own)
         return True
 
     def spots(
@@ -156,17 +168,16 @@ class Site:
         """Tell whether a spot is on a bridge or in a tunnel, or close to one's end."""
         if not self.ground.corridor.structures:
             return False
-        near = self.ground.near(np.array([spot.x]), np.array([spot.y]))
-        s = float(near.s[0])
+        s, _ = self.ground.along(spot.x, spot.y)
         return any(
             one.start - margin < s < one.end + margin for one in self.ground.corridor.structures
         )
 
     def is_far(self, spot: Spot) -> bool:
         """Tell whether a spot is so far that nobody sees small things there."""
-        near = self.ground.near(np.array([spot.x]), np.array([spot.y]))
-        ahead = float(near.s[0]) - self.ground.corridor.start
-        return ahead > FAR_M or ahead < -40.0 or float(near.ego[0]) > 0.35 * FAR_M
+        s, away = self.ground.along(spot.x, spot.y)
+        ahead = s - self.ground.corridor.start
+        return ahead > FAR_M or ahead < -40.0 or away > 0.35 * FAR_M
 
     def turn(self) -> Heading:
         """Return some direction."""
@@ -187,8 +198,8 @@ class Site:
 
 
 def _overlap(
-    one: tuple[float, float, Heading, float, float],
-    two: tuple[float, float, Heading, float, float],
+    one: Rectangle,
+    two: Rectangle,
 ) -> bool:
     """Tell whether two rectangles overlap: no side's direction separates them."""
     x0, y0, h0, a0, b0 = one

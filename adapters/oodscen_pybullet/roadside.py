@@ -1,6 +1,7 @@
 """The scenery of a map: its roads, the land, and what stands beside them."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from oodscen.driving import Corridor
 from oodscen.seeding import stream
@@ -10,7 +11,7 @@ from oodscen_pybullet.placing import Site
 from oodscen_pybullet.signals import stand_signals
 from oodscen_pybullet.structures import build_structures
 from oodscen_pybullet.surfaces import lay_roads
-from oodscen_pybullet.terrain import Terrain, theme_of
+from oodscen_pybullet.terrain import Terrain, Theme, theme_of
 from oodscen_pybullet.themes import furnish
 
 
@@ -48,10 +49,9 @@ def build_scenery(
         without: Ids of the map's signals that are left out, for instance because the scene has
             its own there: `oodscen_pybullet.signals.replaced`.
     """
-    ground = Ground(corridor)
     theme = theme_of(traits, corridor)
-    terrain = Terrain(ground, theme, stream(seed, "scenery", name, "land"))
-    road = lay_roads(ground, theme, stream(seed, "scenery", name, "wear"))
+    terrain, road, land = _lay(corridor, theme, seed, name)
+    ground = terrain.ground
     site = Site(ground, terrain, stream(seed, "scenery", name, "roadside"))
     lights = stand_signals(site, without)
     furnish(site, theme, is_night=is_night)
@@ -59,7 +59,7 @@ def build_scenery(
     return Scenery(
         meshes=(
             replace(road, is_ground=True),
-            replace(terrain.mesh(), is_ground=True),
+            replace(land, is_ground=True),
             site.mesh(),
             *spans,
         ),
@@ -67,3 +67,16 @@ def build_scenery(
         signals=tuple(lights),
         terrain=terrain,
     )
+
+
+@lru_cache(maxsize=12)
+def _lay(corridor: Corridor, theme: Theme, seed: int, name: str) -> tuple[Terrain, Mesh, Mesh]:
+    """Build what is the same by day and by night: the ground's shape, the roads, the land.
+
+    Terrain and ground remember what was asked about single places, and variants of a map ask about
+    the same ones.
+    """
+    ground = Ground(corridor)
+    terrain = Terrain(ground, theme, stream(seed, "scenery", name, "land"))
+    road = lay_roads(ground, theme, stream(seed, "scenery", name, "wear"))
+    return terrain, road, terrain.mesh()

@@ -89,6 +89,7 @@ class Terrain:
         self._crops = rng.integers(0, len(_CROPS), (64, 64))
         self._meeting = _meeting_points(ground)
         self._islands = Islands.of(ground, self._meeting)
+        self._known: dict[tuple[float, float], float] = {}
 
     @property
     def islands(self) -> "Islands":
@@ -102,8 +103,10 @@ class Terrain:
 
     def height(self, x: float, y: float) -> float:
         """Return the height of the ground at a place, m."""
-        outside, inside, within = self._heights(np.array([x]), np.array([y]))
-        return float((inside if within[0] else outside)[0]) + self.lift
+        if (x, y) not in self._known:
+            outside, inside, within = self._heights(np.array([x]), np.array([y]))
+            self._known[x, y] = float((inside if within[0] else outside)[0]) + self.lift
+        return self._known[x, y]
 
     def surface(self, x: float, y: float) -> float:
         """Return the height at a place of the ground, or of the road where it is on one, m."""
