@@ -30,10 +30,12 @@ class EmbeddedBaseline:
         name: What reports call it: the file's name.
         encoder: Name of the encoder that made it.
         dimension: Length of a vector.
+        texts: Always empty: only embeddings are known.
     """
 
     def __init__(self, path: Path, rows: Any, encoder: str, dimension: int) -> None:
         self.path = path
+        self.texts: tuple[str, ...] = ()
         self.name = path.name
         self.encoder = encoder
         self.dimension = dimension
