@@ -22,9 +22,10 @@ from oodscen.metrics.report import (
     SetDistance,
     Variety,
 )
-from oodscen.metrics.score import score_file
+from oodscen.metrics.score import score_file, table_of_file
 from oodscen.metrics.separation import Auroc, auroc
 from oodscen.metrics.statistics import Interval
+from oodscen.metrics.table import Table, paper_table
 
 __all__ = [
     "DETECTORS",
@@ -47,7 +48,10 @@ __all__ = [
     "Report",
     "Selection",
     "SetDistance",
+    "Table",
     "Variety",
     "auroc",
+    "paper_table",
     "score_file",
+    "table_of_file",
 ]

@@ -8,6 +8,7 @@ from oodscen.errors import UsageError
 from oodscen.metrics.metrics import Metrics
 from oodscen.metrics.oodness import Definition
 from oodscen.metrics.report import Report
+from oodscen.metrics.table import Table, paper_table
 from oodscen.protocols import Encoder
 
 
@@ -51,6 +52,30 @@ def score_file(
     records = [records[index] for index in kept.indices]
     report = metrics.report(kept.texts, _groups(records), definition=definition)
     return report.model_copy(update={"band": kept})
+
+
+def table_of_file(
+    path: str | Path,
+    *,
+    baseline: str | Path | Baseline | None = None,
+    encoder: Encoder | None = None,
+    seed: int = 0,
+) -> Table:
+    """Read texts from a file and compute the paper's table for them.
+
+    Args:
+        path: As for `score_file`.
+        baseline: Likewise, e.g. DriveLM's `v1_1_train_nus.json`.
+        encoder: By default all-MiniLM-L6-v2.
+        seed: Of the draws.
+
+    Raises:
+        DataError: When a file cannot be read, or a line has no text.
+        EncoderError: When the encoder fails.
+    """
+    texts = [record.text for record in read_records(path)]
+    reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline
+    return paper_table(Metrics(encoder, reference, seed=seed), texts)
 
 
 def _groups(records: list[Record]) -> tuple[str, ...] | None:

@@ -78,7 +78,7 @@ def size_curve(sets: Mapping[str, Vectors], *, repeats: int = 20, seed: int = 0)
     axes.set_xscale("log")
     axes.set_xlabel("number of texts")
     axes.set_ylabel("diversity")
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 
 

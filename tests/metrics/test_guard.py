@@ -1,4 +1,3 @@
-
 from oodscen.baselines import load_controls, load_off_topic
 from oodscen.metrics import Metrics
 from oodscen.metrics.guard import elsewhere

@@ -282,3 +282,38 @@ def test_what_is_out_of_distribution_scores_higher_than_ordinary_text():
     ]
     ood, ordinary = metrics.oodness(strange), metrics.oodness(usual)
     assert all(x > y for x, y in zip(ood.per_text, ordinary.per_text, strict=True))
+
+
+def test_a_report_says_how_its_texts_stand_to_ordinary_ones():
+    metrics = Metrics(HashEncoder(), ordinary_driving().texts[::40])
+    report = metrics.report(["a crocodile crawls from the drain", "flames engulf the viaduct"])
+    assert report.control.n == 95
+    assert report.control.auroc.n_ood == 2
+    assert report.calibration.held_out == 61
+    assert "AUROC" in str(report)
+    bare = metrics.report(["a car waits"], checks=False)
+    assert (bare.control, bare.calibration, bare.off_topic) == (None, None, None)
+
+
+def test_a_difference_is_tested():
+    metrics = Metrics(ENCODER, [f"b{i}" for i in range(20)])
+    near, far = [f"b{i}" for i in range(12)], [f"t{i}" for i in range(12)]
+    assert metrics.compare(far, near).oodness.p_value < 0.01
+    assert metrics.compare(near, near).oodness.p_value > 0.9
+    paired = metrics.compare(far, near, paired=True)
+    assert paired.is_paired
+    assert paired.oodness.p_value < 0.01
+    assert "p = " in str(paired)
+    with pytest.raises(UsageError):
+        metrics.compare(far, near[:5], paired=True)
+
+
+def test_a_very_long_text_is_scored():
+    found = Metrics(HashEncoder(), ["a car waits"]).oodness(["a car waits " * 9000])
+    assert found.mean == pytest.approx(-1.0, abs=1e-5)
+
+
+def test_torch_looks_up_the_same_neighbours():
+    texts, ordinary = [f"t{i}" for i in range(20)], [f"b{i}" for i in range(30)]
+    ours, torchs = (Metrics(ENCODER, ordinary, device=d).oodness(texts) for d in ("cpu", "auto"))
+    np.testing.assert_allclose(ours.per_text, torchs.per_text, atol=1e-6)

@@ -55,3 +55,22 @@ def test_a_file_that_is_missing_or_empty_is_a_data_error(tmp_path):
     for name in ("empty.txt", "missing.txt"):
         with pytest.raises(DataError):
             score_file(tmp_path / name, encoder=HashEncoder())
+
+
+def test_the_table_has_every_definition_of_every_size(tmp_path):
+    from oodscen.metrics import table_of_file
+
+    path = tmp_path / "many.txt"
+    path.write_text("\n".join(f"a deer {i} jumps over car {i % 7}" for i in range(30)))
+    baseline = Baseline(texts=[f"a car {i} waits" for i in range(40)])
+    table = table_of_file(path, baseline=baseline, encoder=HashEncoder())
+    assert [(row.label, row.n) for row in table.rows] == [
+        ("baseline, batches", 20),
+        ("baseline, all", 40),
+        ("texts, draws", 10),
+        ("texts, all", 30),
+    ]
+    report = score_file(path, baseline=baseline, encoder=HashEncoder())
+    assert table.rows[-1].tabulated == pytest.approx(report.oodness.mean)
+    assert table.rows[-1].pairwise == pytest.approx(report.diversity.pairwise)
+    assert "tabulated" in str(table)
