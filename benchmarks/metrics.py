@@ -170,7 +170,7 @@ def memory() -> list[Row]:
         file = Path(folder) / "million.npy"
         stored = np.lib.format.open_memmap(file, "w+", np.float32, (MILLION, WIDTH))
         for first in tqdm(range(0, MILLION, 50_000), desc="write", disable=None):
-            stored[first : first + 50_000] = vectors(first, 50_000)
+            stored[first : first + 50_000] = vectors(10_000 + first, 50_000)
         stored[MILLION - 7] = queries[3]
         stored.flush()
         del stored
