@@ -261,12 +261,12 @@ class Pipeline:
     def _metrics(self, groups: Mapping[str, Sequence[Scenario]]) -> dict[str, Any]:
         baseline = load_baseline(self.config.baseline) if self.config.baseline else None
         metrics = Metrics(self.encoder, baseline, seed=self.config.seed)
-        size = min(paper.BATCH, max(1, len(metrics.baseline.texts) // 2))
+        size = min(paper.BATCH, max(1, len(metrics.baseline) // 2))
         return {
             "encoder": metrics.encoder.name,
             "baseline": {
                 "name": metrics.baseline.name,
-                "N": len(metrics.baseline.texts),
+                "N": len(metrics.baseline),
                 "digest": metrics.baseline.digest(),
             },
             "sets": {
