@@ -375,7 +375,9 @@ def evaluate(out: Path, vlms: tuple[str, ...]) -> None:
     metavar="LO HI",
     help="Count only texts inside this OOD-ness band.",
 )
-@click.option("--table", is_flag=True, help="Print the paper's table, all definitions side by side.")
+@click.option(
+    "--table", is_flag=True, help="Print the paper's table, all definitions side by side."
+)
 @seed_option
 @json_option
 def score(
