@@ -6,6 +6,7 @@ Usage: python -m oodscen_pybullet.sheet docs
 import math
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -132,7 +133,8 @@ def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> View:
 
 def _ground() -> Mesh:
     corners = [(-400, -400, 0.0), (400, -400, 0.0), (400, 400, 0.0), (-400, 400, 0.0)]
-    return MeshBuilder().polygon(corners, "asphalt_light").build(hollow=True)
+    mesh = MeshBuilder().polygon(corners, "asphalt_light").build(hollow=True)
+    return replace(mesh, is_ground=True)
 
 
 def captioned(picture: Image, *lines: str) -> Image:
