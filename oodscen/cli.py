@@ -7,6 +7,7 @@ cannot be met (unknown name, malformed file, folder of another study).
 import json
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -328,6 +329,10 @@ def simulate(
     from oodscen.study.sweep import Extras, Job, sweep
 
     items = _read_lines(Scene, scenes)
+    counts = Counter(scene.id for scene in items)
+    issues = [Issue("id", f"{one!r} occurs more than once") for one in counts if counts[one] > 1]
+    if issues:
+        raise DataError("scenes", issues, source=str(scenes))
     store = Store(out)
     store.prepare()
     episodes = {}
@@ -476,7 +481,12 @@ def _write_lines(out: Path | None, items: Iterable[Data]) -> None:
 def _read_lines(kind: type[Row], path: Path) -> list[Row]:
     """Read one value per line; every malformed line is reported."""
     rows, issues = [], []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        issue = Issue("", f"byte {error.start} is not UTF-8")
+        raise DataError(kind.noun, [issue], source=str(path)) from None
+    for number, line in enumerate(text.splitlines(), start=1):
         if line.strip():
             try:
                 rows.append(kind.parse(line))

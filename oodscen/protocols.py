@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from oodscen._data import Data
 from oodscen.catalogue import Catalogue
+from oodscen.errors import UsageError
 from oodscen.messages import Image, Message
 from oodscen.scene import Scene
 
@@ -121,6 +122,10 @@ class Encoder(Protocol):
 # ------------------------------------------------------------------ simulators
 
 
+MAX_SIZE = 8192
+"""Most pixels along a side of a picture."""
+
+
 @dataclass(frozen=True)
 class Camera:
     """A camera on the ego, looking forward."""
@@ -136,6 +141,17 @@ class Camera:
     """Above the road, m: a dash camera by default."""
     pitch_deg: float = 2.0
     """Downwards positive."""
+
+    def __post_init__(self) -> None:
+        for name in ("width", "height"):
+            size = getattr(self, name)
+            if type(size) is not int or not 1 <= size <= MAX_SIZE:
+                raise UsageError(f"camera: {name} must be a whole number from 1 to {MAX_SIZE}")
+        for name, least, most in (("fov_deg", 1.0, 170.0), ("pitch_deg", -90.0, 90.0)):
+            if not least <= getattr(self, name) <= most:
+                raise UsageError(f"camera: {name} must be from {least:g} to {most:g}")
+        if not all(map(math.isfinite, (self.x, self.y, self.z))):
+            raise UsageError("camera: x, y and z must be finite")
 
 
 @dataclass(frozen=True, eq=False)

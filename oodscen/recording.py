@@ -13,7 +13,7 @@ from oodscen.catalogue import Catalogue
 from oodscen.driving import Cruise, action_driver, find_map, is_due, load_corridor
 from oodscen.driving.corridor import Corridor
 from oodscen.driving.truth import Body, bodies
-from oodscen.errors import MissingExtra, OodscenError, UnknownComponent
+from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State
 from oodscen.scene import Scene
 from oodscen.simulation import MAX_APPROACH_S
@@ -225,6 +225,10 @@ def record(
     corridor = load_corridor(find_map(scene.map, catalogue))
     camera = camera or Camera()
     state = simulator.reset(scene, seed)
+    if not 0.1 <= fps <= 1.0 / simulator.dt + 1e-9:
+        raise UsageError(f"fps must be from 0.1 to {1.0 / simulator.dt:g}, not {fps:g}")
+    if Path(path).suffix.lower() != ".mp4":
+        raise UsageError(f"a video's name must end in .mp4, not {Path(path).name!r}")
     stride = max(1, round(1.0 / (simulator.dt * fps)))
     end, is_decided = MAX_APPROACH_S + scene.horizon_s, False
     with Video(path, fps=1.0 / (stride * simulator.dt)) as video:

@@ -29,6 +29,10 @@ def names(kind: str) -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
 
 
+_SIMULATOR = ("name", "dt", "catalogue", "reset", "step", "render", "observe", "close", "__enter__")
+"""What a simulator must have."""
+
+
 def find(kind: str, name: str) -> Callable[..., Any]:
     """Return the factory that is registered under a name, or that `module:attr` points to.
 
@@ -41,6 +45,12 @@ def find(kind: str, name: str) -> Callable[..., Any]:
         point = registered[name]
     elif _is_reference(name):
         point = EntryPoint(name, name, KINDS[kind])
+    elif _reads_as_reference(name):
+        module = name.partition(":")[0]
+        raise UsageError(
+            f"the {kind} {name!r} cannot be imported: there is no module {module!r}; "
+            "is its folder on PYTHONPATH?"
+        )
     else:
         raise UnknownComponent(kind, name, registered)
     try:
@@ -62,9 +72,19 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
     Raises:
         UsageError: When there is none of that name (with close matches), or it cannot be made.
     """
-    if isinstance(simulator, str):
-        return cast(Simulator, _made("simulator", simulator))
-    return simulator
+    if not isinstance(simulator, str):
+        return simulator
+    try:
+        made = _made("simulator", simulator)
+    except OodscenError:
+        raise
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise UsageError(f"the simulator {simulator!r} cannot be started: {reason}") from error
+    missing = [member for member in _SIMULATOR if not hasattr(made, member)]
+    if missing:
+        raise UsageError(f"the simulator {simulator!r} has no {', '.join(missing)}")
+    return cast(Simulator, made)
 
 
 def make_encoder(encoder: str | Encoder) -> Encoder:
@@ -138,12 +158,17 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         raise UsageError(f"the {kind} {head!r} does not take {argument!r}: {error}") from error
 
 
+def _reads_as_reference(name: str) -> bool:
+    """Whether a name reads as `module:attr`."""
+    module, colon, attribute = name.partition(":")
+    return bool(colon) and all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
+
+
 def _is_reference(name: str) -> bool:
     """Whether a name reads as `module:attr` and there is such a module."""
-    module, colon, attribute = name.partition(":")
-    names_both = all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
-    if not colon or not names_both:
+    if not _reads_as_reference(name):
         return False
+    module = name.partition(":")[0]
     try:
         return module in sys.modules or importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):

@@ -115,6 +115,22 @@ def test_a_scene_that_fails_gives_exit_code_one_and_its_reason(tmp_path):
     assert "nowhere" in result.stderr
 
 
+def test_scenes_of_one_name_are_refused_before_anything_runs(tmp_path):
+    line = example_scene().to_json() + "\n"
+    (tmp_path / "s.jsonl").write_text(line + line)
+    result = call("simulate", tmp_path / "s.jsonl", tmp_path / "sim", "--simulator", "flat")
+    assert result.exit_code == 2
+    assert "'example-001' occurs more than once" in result.stderr
+    assert not (tmp_path / "sim").exists()
+
+
+def test_a_file_that_is_no_text_is_one_line(tmp_path):
+    (tmp_path / "s.jsonl").write_bytes(b"\xff\xfe\x00")
+    result = call("simulate", tmp_path / "s.jsonl", tmp_path / "sim", "--simulator", "flat")
+    assert result.exit_code == 2
+    assert "byte 0 is not UTF-8" in result.stderr
+
+
 def test_a_malformed_file_reports_every_line_and_path(tmp_path):
     scene = example_scene().model_dump(mode="json")
     scene["actors"][0]["placement"]["lane"] = "left"

@@ -116,8 +116,27 @@ def test_a_reference_to_a_module_works_for_every_kind():
     assert isinstance(make_encoder("oodscen.testing:HashEncoder"), HashEncoder)
     with pytest.raises(UsageError, match="Missing"):
         make_encoder("oodscen.testing:Missing")
-    with pytest.raises(UnknownComponent):
+    with pytest.raises(UsageError, match="no module 'no_such_module_anywhere'"):
         make_encoder("no_such_module_anywhere:Thing")
+
+
+class Unstartable:
+    def __init__(self):
+        raise RuntimeError("no gpu")
+
+
+class NoSimulator:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("Unstartable", "RuntimeError: no gpu"), ("NoSimulator", "has no name, dt")],
+)
+def test_what_is_no_working_simulator_is_refused_with_the_reason(name, reason, monkeypatch):
+    monkeypatch.setitem(sys.modules, "broken_adapters", sys.modules[__name__])
+    with pytest.raises(UsageError, match=reason):
+        make_simulator(f"broken_adapters:{name}")
 
 
 def test_a_folder_is_an_encoder(tmp_path):

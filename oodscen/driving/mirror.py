@@ -1,5 +1,6 @@
 """The base of simulators that show the kinematic world and have no motion of their own."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from types import TracebackType
@@ -13,7 +14,7 @@ from oodscen.driving.corridor import Corridor
 from oodscen.driving.placement import staging_issues
 from oodscen.driving.roads import find_map, load_corridor
 from oodscen.driving.world import KinematicWorld, Published, WorldSnapshot
-from oodscen.errors import SceneError, SimulatorError
+from oodscen.errors import SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, Frame, Observation, State
 from oodscen.scene import Scene
 
@@ -145,7 +146,17 @@ class MirrorSimulator(ABC):
         return self._publish()
 
     def step(self, control: Control) -> State:
-        """Advance by exactly one `dt`."""
+        """Advance by exactly one `dt`.
+
+        Raises:
+            UsageError: When the control is not finite: its driver is broken.
+        """
+        for name, value in (
+            ("acceleration", control.acceleration),
+            ("steering", control.steering),
+        ):
+            if not math.isfinite(value):
+                raise UsageError(f"control: {name} must be finite, not {value}")
         self.world.step(control)
         return self._publish()
 

@@ -144,6 +144,8 @@ def _offset(road: Corridor, t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def main(arguments: Sequence[str]) -> None:
     """Draw all shipped maps into a folder."""
+    if len(arguments) > 1 or any(one.startswith("-") for one in arguments):
+        sys.exit("usage: python -m oodscen.driving.maps.picture [FOLDER]")
     cv2: Any = importlib.import_module("cv2")
     folder = Path(arguments[0]) if arguments else Path("docs/pictures/maps")
     folder.mkdir(parents=True, exist_ok=True)
