@@ -1,5 +1,6 @@
 import dataclasses
 import itertools
+import mmap
 import os
 
 import numpy as np
@@ -141,11 +142,17 @@ class Sunny(Small):
 
 
 class Hoards(Small):
-    kept: list[bytearray] = []
+    kept: list[mmap.mmap] = []
 
     def reset(self, scene, seed):
-        self.kept.append(bytearray(b"x") * 400_000)
+        block = mmap.mmap(-1, 1_000_000)
+        block.write(b"x" * 1_000_000)
+        self.kept.append(block)
         return super().reset(scene, seed)
+
+    def release(self):
+        while self.kept:
+            self.kept.pop().close()
 
 
 class KeepsFiles(Small):
