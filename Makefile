@@ -19,7 +19,7 @@ lint: $(READY)
 	$(BIN)/mypy oodscen adapters/oodscen_pybullet
 
 bench: $(READY)
-	for file in benchmarks/[a-z]*.py; do $(BIN)/python $$file --json || exit 1; done
+	status=0; for file in benchmarks/[a-z]*.py; do $(BIN)/python $$file --json || status=1; done; exit $$status
 
 clean:
 	rm -rf .venv $(OUT)
