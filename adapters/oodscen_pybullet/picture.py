@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving.compiled import is_compiled
+from oodscen.driving.visibility import extinction
 from oodscen.scene import Weather
 from oodscen.seeding import stream
 from oodscen_pybullet import developing as d
@@ -27,7 +28,6 @@ from oodscen_pybullet.weather import (
     cloud_columns,
     cloud_cover,
     cloud_sheet,
-    extinction,
     heaven,
 )
 

@@ -22,27 +22,13 @@ Float = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 Colour = tuple[float, float, float]
 
-CLEAR_AIR_M = 10_000.0
-"""Visual range from which on air takes nothing away."""
 SKY_M = 6_000.0
 """How far the sky is away for the fog."""
 SHEET = (256, 1024)
 """Rows by height and columns by heading of the clouds."""
 _EYE_M = 1.3
 """Height of a camera above the road, for the beams' cut-off."""
-_LN_20 = 2.995732273553991
 _TAU = 6.283185307179586
-
-
-def extinction(weather: Weather) -> float:
-    """Return how quickly contrast fades, 1/m: fog, and rain or snow on top of it."""
-    fog = weather.fog_visual_range_m
-    total = _LN_20 / fog if fog < CLEAR_AIR_M else 0.0
-    if weather.precipitation == "rain":
-        total += 0.0011 * exact.power(weather.precipitation_mm_h, 0.67)
-    elif weather.precipitation == "snow":
-        total += 0.0085 * exact.power(weather.precipitation_mm_h, 0.6)
-    return total
 
 
 def air_colour(weather: Weather, light: Light) -> Colour:

@@ -17,6 +17,8 @@ MOST_HIDDEN = 0.8
 _GRID = 6
 """Sight lines per direction through a silhouette."""
 _CLEAR_AIR_M = 10_000.0
+_LN_20 = 2.995732273553991
+"""Contrast falls to 5 % over this many lengths of extinction."""
 _NEAR = 0.1
 """Closest thing that a camera shows, m."""
 _EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
@@ -46,16 +48,21 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
     )
 
 
+def extinction(weather: Weather) -> float:
+    """Return how quickly contrast fades, 1/m: fog (Koschmieder), and rain or snow on top of it."""
+    fog, intensity = weather.fog_visual_range_m, weather.precipitation_mm_h
+    rate = _LN_20 / fog if fog < _CLEAR_AIR_M else 0.0
+    if weather.precipitation == "rain":
+        rate += 0.0011 * power(intensity, 0.67)
+    elif weather.precipitation == "snow":
+        rate += 0.0085 * power(intensity, 0.6)
+    return rate
+
+
 def visual_range(weather: Weather) -> float:
     """Return the distance at which contrast falls to 5 % in fog, rain and snow together, m."""
-    fog = weather.fog_visual_range_m
-    rate = 2.9957 / fog if fog < _CLEAR_AIR_M else 0.0
-    intensity = weather.precipitation_mm_h
-    if weather.precipitation == "rain":
-        rate += 0.0011 * power(max(intensity, 1e-6), 0.67)
-    elif weather.precipitation == "snow":
-        rate += 0.0085 * power(max(intensity, 1e-6), 0.6)
-    return min(_CLEAR_AIR_M, 2.9957 / rate) if rate > 0.0 else _CLEAR_AIR_M
+    rate = extinction(weather)
+    return min(_CLEAR_AIR_M, _LN_20 / rate) if rate > 0.0 else _CLEAR_AIR_M
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from oodscen_pybullet.weather import (
     add_snow,
     cloud_columns,
     cloud_sheet,
-    extinction,
     heaven,
 )
 
+from oodscen.driving.visibility import extinction
 from oodscen.protocols import Camera
 from oodscen.scene import Weather
 
