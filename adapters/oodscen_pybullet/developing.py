@@ -11,6 +11,7 @@ import numpy as np
 
 from oodscen.driving.compiled import Kernel, inlined, part
 from oodscen_pybullet.raster import F32, U8
+from oodscen_pybullet.triangles import GROUND, SHELTERED, SHINING, SOFT
 
 GRID_AHEAD, GRID_ASIDE, GRID_CELL = 192, 160, 0.5
 """Cells before and across the camera in which lamps light the ground, and their size, m."""
@@ -182,14 +183,14 @@ def develop_pixels(
             for x in range(width):
                 sunny[x] = _ZERO
                 kind = kinds[y, x]
-                if lit[y, x] == 0 or kind & 1:
+                if lit[y, x] == 0 or kind & SHINING:
                     continue
-                if kind & 8 and not is_inside:
+                if kind & SHELTERED and not is_inside:
                     continue
                 sunny[x] = _ONE
                 far = depth[y, x]
                 z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
-                if not kind & 4:
+                if not kind & GROUND:
                     # Things are made of faces that meet at all angles: more room for them.
                     slant = _ONE - np.float32(lit[y, x]) * _TINY
                     z += np.float32(0.05) + np.float32(0.25) * slant
@@ -214,7 +215,7 @@ def develop_pixels(
                         wide = lit_share(far_heights, u, v, z + np.float32(0.3))
                     sun = wide + (sun - wide) * share
                 loss = dark[lit[y, x]]
-                if kind & 8:
+                if kind & SHELTERED:
                     loss = _HALF
                 clear[x] = _ONE - loss * (_ONE - sun)
                 sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
@@ -229,7 +230,7 @@ def develop_pixels(
                 if towards > np.float32(1e-4):
                     gate[x] = settings[PORTAL] / towards
                 indoors[x] = _ZERO
-                if kinds[y, x] & 8:
+                if kinds[y, x] & SHELTERED:
                     # Daylight comes in for some metres.
                     way = (np.minimum(reach[y, x], _FARTHEST) * towards - settings[PORTAL]) * (
                         np.float32(1.0 / 7.0)
@@ -246,7 +247,7 @@ def develop_pixels(
         if has_beam:
             for x in range(width):
                 near = np.minimum(reach[y, x], _FARTHEST)
-                aloft = _ZERO if kinds[y, x] & 20 == 4 else eye + near * rise
+                aloft = _ZERO if kinds[y, x] & (GROUND | SOFT) == GROUND else eye + near * rise
                 bright = beam(near, aloft, spread[0, x], settings[BEAM])
                 red[x] += bright
                 green[x] += bright * _BEAM_G
@@ -262,7 +263,7 @@ def develop_pixels(
                 one = np.uint64(1)
                 fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
                 aloft = np.maximum(eye + near * rise, _ZERO) * np.float32(0.2)
-                if kinds[y, x] & 20 == 4:
+                if kinds[y, x] & (GROUND | SOFT) == GROUND:
                     aloft = _ZERO
                 share = _ONE / (_ONE + aloft * aloft)
                 w11 = fu * fv * share
@@ -289,7 +290,7 @@ def develop_pixels(
                 blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
         for x in range(width):
             # What shines by itself is as bright by night as it is by day.
-            shines = kinds[y, x] & 1 != 0
+            shines = kinds[y, x] & SHINING != 0
             red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
             green[x] = np.float32(rgb[1, y, x]) * (
                 np.maximum(green[x], _ONE) if shines else green[x]
@@ -297,7 +298,7 @@ def develop_pixels(
             blue[x] = np.float32(rgb[2, y, x]) * (np.maximum(blue[x], _ONE) if shines else blue[x])
         if is_wet:
             for x in range(width):
-                if kinds[y, x] & 28 == 4:
+                if kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND:
                     red[x] *= settings[WET]
                     green[x] *= settings[WET]
                     blue[x] *= settings[WET]
@@ -313,16 +314,18 @@ def develop_pixels(
                 for x in range(width):
                     stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
                     near = np.minimum(reach[y, x], np.float32(1e6))
-                    wet = np.minimum(near, gate[x]) if kinds[y, x] & 8 else near
+                    wet = np.minimum(near, gate[x]) if kinds[y, x] & SHELTERED else near
                     if is_inside:
-                        wet = _ZERO if kinds[y, x] & 8 else np.maximum(near - gate[x], _ZERO)
+                        wet = (
+                            _ZERO if kinds[y, x] & SHELTERED else np.maximum(near - gate[x], _ZERO)
+                        )
                     veil[x] = (near * fog + wet * (rate - fog)) * stretch
             for x in range(width):
                 veil[x] = fade(np.minimum(veil[x], np.float32(40.0)))
             for x in range(width):
                 glow = back * spread[1, x]
                 r, g, b = settings[AIR_R] + glow, settings[AIR_G] + glow, settings[AIR_B] + glow
-                if has_portal and is_inside and kinds[y, x] & 8:
+                if has_portal and is_inside and kinds[y, x] & SHELTERED:
                     r = settings[AIR_R] * settings[AIR_INSIDE] + glow
                     g = settings[AIR_G] * settings[AIR_INSIDE] + glow
                     b = settings[AIR_B] * settings[AIR_INSIDE] + glow

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving.compiled import Kernel
+from oodscen_pybullet.triangles import SHELTERED
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -276,7 +277,7 @@ def scatter(
                 corners[k, 2, 3] * sx + corners[k, 2, 4] * sy + corners[k, 2, 5] * sz,
             )
             ambient, diffuse = sun[3], sun[4]
-            if kinds[k] & 8:
+            if kinds[k] & SHELTERED:
                 # In a tunnel light comes from the ceiling.
                 lights = (
                     np.float64(corners[k, 0, 5]),

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving.compiled import Kernel
+from oodscen_pybullet.triangles import GROUND, MIRROR, SHELTERED, SOFT
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
@@ -39,8 +40,10 @@ def add_reflections(
     for y in range(height):
         for x in range(width):
             near = depth[y, x]
-            is_water = kinds[y, x] & 2 != 0
-            is_ground = is_water or (kinds[y, x] & 28 == 4 and near < np.float32(300.0))
+            is_water = kinds[y, x] & MIRROR != 0
+            is_ground = is_water or (
+                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and near < np.float32(300.0)
+            )
             if not is_ground:
                 base[x] = y
                 for e in range(3):

@@ -16,6 +16,7 @@ from oodscen.seeding import stream
 from oodscen_pybullet.developing import beam, fade
 from oodscen_pybullet.light import Light
 from oodscen_pybullet.shelter import Portal
+from oodscen_pybullet.triangles import SHELTERED
 from oodscen_pybullet.view import View
 
 Float = NDArray[np.float32]
@@ -224,7 +225,7 @@ def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
                 )
                 if depth[y, x] < streaks[n, 5]:
                     continue
-                if streaks[n, 6] > np.float32(0.0) and kinds[y, x] & 8:
+                if streaks[n, 6] > np.float32(0.0) and kinds[y, x] & SHELTERED:
                     continue
                 bright = streaks[n, 3] * part * cover
                 for e in range(3):
@@ -289,7 +290,7 @@ def draw_flakes(image: U8, depth: Float, kinds: U8, flakes: Float, colour: Float
             for x in range(max(int(column - edge), 0), min(int(column + edge) + 2, width)):
                 if depth[y, x] < flakes[n, 3]:
                     continue
-                if flakes[n, 5] > zero and kinds[y, x] & 8:
+                if flakes[n, 5] > zero and kinds[y, x] & SHELTERED:
                     continue
                 away = (np.float32(x) - column) * (np.float32(x) - column)
                 away += (np.float32(y) - row) * (np.float32(y) - row)
