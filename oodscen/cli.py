@@ -1,16 +1,15 @@
 """The command line: each command is a thin call of one public function.
 
 Exit codes: 0 when all went well, 1 when something in the run failed, 2 when the request itself
-cannot be met (unknown name, malformed file, folder of another study).
+cannot be met (unknown name, malformed file, folder of another study), 3 when a cap was reached or an
+endpoint given up and the same command continues.
 """
 
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 from tqdm import tqdm
@@ -18,16 +17,29 @@ from tqdm import tqdm
 from oodscen import paper
 from oodscen._data import Data
 from oodscen._version import __version__
-from oodscen.errors import DataError, Issue, OodscenError, UsageError
-from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen.cli_options import (
+    READABLE,
+    extras_options,
+    json_option,
+    llm_options,
+    out_option,
+    seed_option,
+    simulator_option,
+    traffic_from,
+    traffic_options,
+)
+from oodscen.cli_output import bars, estimated, read_lines, summary, write, write_lines
+from oodscen.errors import OodscenError, RunStopped, UsageError
+from oodscen.llms.redaction import redact
+from oodscen.registry import DEFAULT_ENCODER
+
+if TYPE_CHECKING:
+    pass
 
 # Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 Row = TypeVar("Row", bound=Data)
-Command = Callable[..., Any]
-
-READABLE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 class _Group(click.Group):
@@ -39,8 +51,10 @@ class _Group(click.Group):
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise
-            click.echo(f"oodscen: {error}", err=True)
-            ctx.exit(2 if isinstance(error, UsageError) else 1)
+            click.echo(f"oodscen: {redact(str(error))}", err=True)
+            ctx.exit(
+                2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
+            )
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
@@ -50,52 +64,6 @@ def main(debug: bool) -> None:
     """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
 
 
-def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
-    def apply(function: Command) -> Command:
-        for decorator in reversed(decorators):
-            function = decorator(function)
-        return function
-
-    return apply
-
-
-llm_options = _options(
-    click.option(
-        "--llm",
-        default=DEFAULT_LLM,
-        show_default=True,
-        help="Model, by litellm's name, or builtin.",
-    ),
-    click.option("--api-base", help="Address of an OpenAI-compatible server."),
-)
-seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0))
-simulator_option = click.option(
-    "--simulator", default=DEFAULT_SIMULATOR, show_default=True, help="Name, or module:attr."
-)
-out_option = click.option(
-    "-o",
-    "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="File to write; else standard output.",
-)
-extras_options = _options(
-    click.option(
-        "--traces", is_flag=True, help="Keep traces/SCENE.parquet: all ground truth, every action."
-    ),
-    click.option(
-        "--annotations", is_flag=True, help="Keep boxes, classes, ids and depth of every frame."
-    ),
-    click.option(
-        "--video",
-        is_flag=False,
-        flag_value="both",
-        type=click.Choice(("ego", "bird", "both")),
-        help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
-    ),
-)
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-
-
 # --------------------------------------------------------------------------- the whole paper
 
 
@@ -103,7 +71,9 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON."
 @click.argument("out", type=click.Path(file_okay=False, path_type=Path))
 @llm_options
 @click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
+@click.option("--fallback", help="Model that is asked where the others give no answer.")
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
+@traffic_options
 @simulator_option
 @click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Name, or module:attr.")
 @click.option(
@@ -137,6 +107,14 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON."
 @extras_options
 @seed_option
 @click.option("--quick", is_flag=True, help="A complete small run in seconds.")
+@click.option(
+    "--retry-failed", is_flag=True, help="Do items again whose answers were never valid, too."
+)
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Only say how many calls and tokens the run needs, at what cost.",
+)
 @json_option
 def run(
     out: Path,
@@ -147,11 +125,15 @@ def run(
     traces: bool,
     annotations: bool,
     video: Any,
+    retry_failed: bool,
+    dry_run: bool,
     **choices: Any,
 ) -> None:
     """Run the whole paper into the folder OUT, or continue a run that stopped."""
-    from oodscen.study import Extras, StudyConfig, run_study
+    from oodscen.llms.accounting import Ledger
+    from oodscen.study import Extras, StudyConfig, estimate, run_study
 
+    traffic = traffic_from(choices)
     given = {name: value for name, value in choices.items() if value not in (None, ())}
     if "baseline" in given:
         given["baseline"] = str(given["baseline"])
@@ -159,40 +141,30 @@ def run(
     if quick:
         given = {**StudyConfig.quick().model_dump(), **given}
     config = StudyConfig.parse(given)
-    with _bars() as progress:
+    if dry_run:
+        rows = estimate(out, config, prices=traffic.prices)
+        click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
+        return
+    ledger = Ledger()
+    with bars(ledger) as progress:
         study = run_study(
             out,
             config,
             workers=workers or os.cpu_count() or 1,
             progress=progress,
             extras=Extras(traces, annotations, video),
+            traffic=traffic,
+            ledger=ledger,
+            retry=retry_failed,
         )
     info = study.info
     if as_json:
         click.echo(json.dumps(info, indent=2))
     else:
-        click.echo(_summary(info))
+        click.echo(summary(info))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     if info["status"] != "success":
         sys.exit(1)
-
-
-def _summary(info: dict[str, Any]) -> str:
-    counts = info["counts"]
-    nodes = counts["nodes"]
-    lines = [
-        f"{info['status']} in {info['seconds']['total']:.0f} s (seed {info['config']['seed']}); "
-        f"texts by {info['authors']['llm']}",
-        f"trees: {nodes['initial']} -> {nodes['diverse']} -> {nodes['simulatable']} nodes, "
-        f"{counts['paths']} paths, {counts['attested']} of them attested by the paper",
-        f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
-        f"{counts['verdicts']} verdicts",
-    ]
-    failures = {name: number for name, number in info["failures"].items() if number}
-    if failures:
-        listed = ", ".join(f"{number} in {name}" for name, number in failures.items())
-        lines.append(f"failed items (each line has its error): {listed}")
-    return "\n".join(lines)
 
 
 # --------------------------------------------------------------------------- the stages alone
@@ -210,7 +182,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     from oodscen import TreeGrower, make_llm
 
     tree = TreeGrower(make_llm(llm, seed=seed, api_base=api_base), nodes=nodes).run()
-    _write(out, tree.to_json())
+    write(out, tree.to_json())
 
 
 @main.command()
@@ -242,7 +214,7 @@ def redteam(
     )
     for item in tqdm(teamer.rounds(grown), total=iterations, desc="redteam", disable=None):
         grown = grown.apply(*item.edits)
-    _write(out, grown.to_json())
+    write(out, grown.to_json())
 
 
 @main.command()
@@ -259,7 +231,7 @@ def prune(
 
     catalogue = make_simulator(simulator).catalogue()
     model = make_llm(llm, seed=seed, api_base=api_base)
-    _write(out, Pruner(model, catalogue).run(ScenarioTree.load(tree)).to_json())
+    write(out, Pruner(model, catalogue).run(ScenarioTree.load(tree)).to_json())
 
 
 @main.command()
@@ -283,7 +255,7 @@ def describe(
 
     model = make_llm(llm, seed=seed, api_base=api_base)
     describer = Describer(model, make_encoder(encoder) if encoder else None, per_path=per_path)
-    _write_lines(out, describer.run(ScenarioTree.load(tree)))
+    write_lines(out, describer.run(ScenarioTree.load(tree)))
 
 
 @main.command()
@@ -301,8 +273,8 @@ def augment(
     augmenter = Augmenter(
         make_llm(llm, seed=seed, api_base=api_base), make_simulator(simulator).catalogue()
     )
-    items = tqdm(_read_lines(Scenario, scenarios), desc="augment", disable=None)
-    _write_lines(out, (augmenter.run(scenario) for scenario in items))
+    items = tqdm(read_lines(Scenario, scenarios), desc="augment", disable=None)
+    write_lines(out, (augmenter.run(scenario) for scenario in items))
 
 
 @main.command()
@@ -327,7 +299,7 @@ def simulate(
     from oodscen.study import Store
     from oodscen.study.sweep import Extras, Job, sweep
 
-    items = _read_lines(Scene, scenes)
+    items = read_lines(Scene, scenes)
     store = Store(out)
     store.prepare()
     episodes = {}
@@ -348,14 +320,16 @@ def simulate(
 @click.option(
     "--vlm", "vlms", multiple=True, required=True, help="Vision-language model; repeatable."
 )
-def evaluate(out: Path, vlms: tuple[str, ...]) -> None:
+@traffic_options
+def evaluate(out: Path, vlms: tuple[str, ...], **choices: Any) -> None:
     """Judge further vision-language models on the study in the folder OUT."""
     from oodscen.study import Study, run_study
 
     config = Study.open(out).config
     names = tuple(dict.fromkeys((*config.vlms, *vlms)))
-    with _bars() as progress:
-        study = run_study(out, config.model_copy(update={"vlms": names}), progress=progress)
+    config = config.model_copy(update={"vlms": names})
+    with bars() as progress:
+        study = run_study(out, config, progress=progress, traffic=traffic_from(choices))
     click.echo(f"report: {(study.folder / 'report.html').resolve()}")
 
 
@@ -420,21 +394,30 @@ def plugins(as_json: bool) -> None:
 
 
 @main.command()
-@click.argument("simulator", required=False)
-@click.option("--quick", is_flag=True, help="With SIMULATOR: only the parts that take seconds.")
+@click.argument("what", required=False)
+@click.argument("name", required=False)
+@click.option("--api-base", help="With llm NAME: address of an OpenAI-compatible server.")
+@click.option("--quick", is_flag=True, help="With a simulator: only the parts that take seconds.")
 @json_option
-def doctor(simulator: str | None, quick: bool, as_json: bool) -> None:
-    """Check that everything the default run needs is here; or judge an adapter, SIMULATOR.
+def doctor(
+    what: str | None, name: str | None, api_base: str | None, quick: bool, as_json: bool
+) -> None:
+    """Check that everything the default run needs is here; or judge one component.
 
-    An adapter is judged by what oodscen.testing.check_simulator looks at.
+    `doctor llm NAME` asks a language model two small questions, one with a picture. `doctor SIMULATOR` judges an
+    adapter by what oodscen.testing.check_simulator looks at.
     """
-    from oodscen.doctor import examine, examine_simulator
+    from oodscen.doctor import examine, examine_llm, examine_simulator
 
-    if simulator is None:
+    if what == "llm":
+        if name is None:
+            raise click.UsageError("name a model: oodscen doctor llm NAME")
+        findings = examine_llm(name, api_base=api_base)
+    elif what is None:
         findings = examine()
     else:
-        with _bars() as progress:
-            findings = examine_simulator(simulator, is_quick=quick, progress=progress)
+        with bars() as progress:
+            findings = examine_simulator(what, is_quick=quick, progress=progress)
     if as_json:
         click.echo(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:
@@ -443,59 +426,6 @@ def doctor(simulator: str | None, quick: bool, as_json: bool) -> None:
                 f"{'ok     ' if finding.is_ok else 'problem'} {finding.what}: {finding.detail}"
             )
     sys.exit(not all(finding.is_ok for finding in findings))
-
-
-# --------------------------------------------------------------------------- files and bars
-
-
-def _write(out: Path | None, text: str) -> None:
-    """Write a document to a file in one step, or to standard output."""
-    if out is None:
-        click.echo(text)
-        return
-    from oodscen.study import Store
-
-    Store(out.parent).write(out.name, text + "\n")
-
-
-def _write_lines(out: Path | None, items: Iterable[Data]) -> None:
-    _write(out, "\n".join(item.to_json() for item in items))
-
-
-def _read_lines(kind: type[Row], path: Path) -> list[Row]:
-    """Read one value per line; every malformed line is reported."""
-    rows, issues = [], []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        if line.strip():
-            try:
-                rows.append(kind.parse(line))
-            except DataError as error:
-                issues += [
-                    Issue(f"line {number}: {i.path}".rstrip(": "), i.message) for i in error.issues
-                ]
-    if issues:
-        raise DataError(kind.noun, issues, source=str(path))
-    return rows
-
-
-@contextmanager
-def _bars() -> Iterator[Callable[[str, int, int], None]]:
-    """Show one progress bar per stage on standard error, where that is a terminal."""
-    bars: dict[str, tqdm[Any]] = {}
-
-    def progress(stage: str, done: int, total: int) -> None:
-        if stage not in bars:
-            bars[stage] = tqdm(total=total, desc=f"{stage:13}", disable=None)
-        bar = bars[stage]
-        bar.update(done - bar.n)
-        if done >= total:
-            bar.close()
-
-    try:
-        yield progress
-    finally:
-        for bar in bars.values():
-            bar.close()
 
 
 if __name__ == "__main__":

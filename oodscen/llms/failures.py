@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
+from oodscen.llms.bounds import Bounds
 from oodscen.llms.redaction import redact
-from oodscen.llms.transport import Bounds
 
 Kind = Literal["item", "limit", "unreachable", "erring", "denied"]
 """What a failure says: nothing beyond this item (`item`: the request is refused); too many calls

@@ -13,10 +13,10 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from oodscen.errors import LLMError, MissingExtra, ResponseError, UnknownComponent, UsageError
+from oodscen.llms.bounds import Bounds, bounded
 from oodscen.llms.failures import Failure, diagnose
 from oodscen.llms.redaction import redact, redact_keys
 from oodscen.llms.traffic import Price, Spent, Traffic
-from oodscen.llms.transport import Bounds, bounded, guard, install
 from oodscen.messages import Image, Message
 from oodscen.protocols import Completion, Request, Usage
 from oodscen.seeding import stream
@@ -270,6 +270,8 @@ def load_litellm() -> ModuleType:
                 litellm.ModelResponse()
                 from litellm.llms.custom_httpx import http_handler
                 from litellm.llms.openai import common_utils
+
+                from oodscen.llms.transport import guard, install
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
         litellm.suppress_debug_info = True

@@ -1,97 +1,17 @@
-"""Bounds on one call: wall-clock time and bytes, for every provider that litellm asks through httpx.
+"""Makes the HTTP clients of litellm heed the bounds of a call, whatever provider is asked.
 
-A read timeout starts anew with every byte, so a server that sends a byte now and then is never timed
-out by it; and a body without an end fills the memory. Both are stopped below the HTTP client, whatever
-provider is asked. Outside `bounded` nothing changes for whoever else uses litellm in the same process.
+Outside `bounded` nothing changes for whoever else uses litellm in the same process.
 """
 
 import ssl
-import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Iterable, Iterator
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any
 
 import httpcore
 import httpx
 
-KEPT = 20_000
-"""How much of a body is kept for the error that it may end in, in bytes."""
-
-
-class Bounds:
-    """How long one call may take and how much it may receive; and what arrived.
-
-    Args:
-        seconds: Until the end of the body.
-        size: Largest body, in bytes.
-        clock: Monotonic seconds.
-    """
-
-    def __init__(
-        self, seconds: float, size: int, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        self.size = size
-        self.is_sent = False
-        """Whether a request went through here at all; some providers have clients of their own."""
-        self.status: int | None = None
-        """Of the response; `None` while there is none."""
-        self.head = b""
-        """The beginning of the body."""
-        self.received = 0
-        """Bytes of the body so far."""
-        self.broken: Literal["time", "size", "encoding"] | None = None
-        """Which bound was reached."""
-        self._clock = clock
-        self._ends = clock() + seconds
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the time is up."""
-        return self._clock() >= self._ends
-
-    def left(self, timeout: float | None) -> float:
-        """Return the seconds that the next read or write may take.
-
-        Raises:
-            httpcore.ReadTimeout: When there are none left.
-        """
-        left = self._ends - self._clock()
-        if left <= 0:
-            self.broken = "time"
-            raise httpcore.ReadTimeout("the call took too long as a whole")
-        return left if timeout is None else min(timeout, left)
-
-    def count(self, chunk: bytes) -> None:
-        """Take note of a piece of the body.
-
-        Raises:
-            httpx.ReadError: When the body is too large.
-        """
-        self.received += len(chunk)
-        if len(self.head) < KEPT:
-            self.head += chunk[: KEPT - len(self.head)]
-        self.refuse(self.received)
-
-    def refuse(self, size: int) -> None:
-        """Raise `httpx.ReadError` when a body of this size is too large."""
-        if size > self.size:
-            self.broken = "size"
-            raise httpx.ReadError(f"the response has more than {self.size:,} bytes")
-
-
-_bounds: ContextVar[Bounds | None] = ContextVar("bounds", default=None)
-
-
-@contextmanager
-def bounded(bounds: Bounds) -> Iterator[Bounds]:
-    """Hold every request of this thread to these bounds while the context lasts."""
-    token = _bounds.set(bounds)
-    try:
-        yield bounds
-    finally:
-        _bounds.reset(token)
+from oodscen.llms.bounds import Bounds, active
 
 
 def guard(client: httpx.Client) -> httpx.Client:
@@ -137,14 +57,14 @@ def install(handlers: ModuleType, openai: ModuleType) -> None:
 
 
 def _ask_for_plain_text(request: httpx.Request) -> None:
-    if (bounds := _bounds.get()) is not None:
+    if (bounds := active()) is not None:
         bounds.is_sent = True
         # What is compressed has no size before it is unpacked.
         request.headers["accept-encoding"] = "identity"
 
 
 def _watch(response: httpx.Response) -> None:
-    bounds = _bounds.get()
+    bounds = active()
     if bounds is None:
         return
     bounds.status = response.status_code
@@ -222,5 +142,10 @@ class _Backend(httpcore.NetworkBackend):
 
 
 def _left(timeout: float | None) -> float | None:
-    bounds = _bounds.get()
-    return timeout if bounds is None else bounds.left(timeout)
+    bounds = active()
+    if bounds is None:
+        return timeout
+    left = bounds.left(timeout)
+    if left <= 0:
+        raise httpcore.ReadTimeout("the call took too long as a whole")
+    return left

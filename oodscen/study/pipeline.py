@@ -123,22 +123,15 @@ class Pipeline:
         self._claim()
 
     def _stages(self) -> dict[str, Any]:
-        with self._timed("grow"):
-            initial = self.grow()
-        with self._timed("redteam"):
-            diverse = self.redteam(initial)
-        with self._timed("prune"):
-            simulatable = self.prune(diverse)
-        with self._timed("describe"):
-            scenarios = self.describe(simulatable)
-            sets = self.describe_sets(diverse)
-        with self._timed("metrics"):
+        scenarios, sets, initial, diverse = self.write_texts()
+        simulatable = self.study.tree("simulatable")
+        with self.timed("metrics"):
             scenarios = self.measure(scenarios, sets)
-        with self._timed("augment"):
+        with self.timed("augment"):
             scenes = self.augment(scenarios)
-        with self._timed("simulate"):
+        with self.timed("simulate"):
             episodes = self.simulate(scenes)
-        with self._timed("evaluate"):
+        with self.timed("evaluate"):
             verdicts = self.evaluate(episodes, scenarios)
         return {
             "nodes": {
@@ -157,6 +150,19 @@ class Pipeline:
         }
 
     # ---------------------------------------------------------------- the stages
+
+    def write_texts(
+        self,
+    ) -> tuple[list[Scenario], dict[int, list[Scenario]], ScenarioTree, ScenarioTree]:
+        """Run the stages up to the texts; return these, the text sets, and the trees before pruning."""
+        with self.timed("grow"):
+            initial = self.grow()
+        with self.timed("redteam"):
+            diverse = self.redteam(initial)
+        with self.timed("prune"):
+            simulatable = self.prune(diverse)
+        with self.timed("describe"):
+            return self.describe(simulatable), self.describe_sets(diverse), initial, diverse
 
     def grow(self) -> ScenarioTree:
         """Grow the initial tree."""
@@ -420,7 +426,8 @@ class Pipeline:
         return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
     @contextmanager
-    def _timed(self, stage: str) -> Iterator[None]:
+    def timed(self, stage: str) -> Iterator[None]:
+        """Note how long a stage takes, and that calls are made for it."""
         began = time.perf_counter()
         self.models.stage = stage
         yield
@@ -459,55 +466,6 @@ class Pipeline:
             seconds={**self.seconds, "total": round(seconds, 3)},
         )
         write_report(self.study)
-
-
-def run_study(
-    out: str | Path,
-    config: StudyConfig | None = None,
-    *,
-    workers: int = 0,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
-    models: Mapping[str, LLM] | None = None,
-    extras: Extras | None = None,
-    traffic: Traffic | None = None,
-    ledger: Ledger | None = None,
-    retry: bool = False,
-) -> Study:
-    """Run the whole paper into a folder, or continue where a run into it stopped.
-
-    Args:
-        out: The folder; made if it does not exist.
-        config: What to run; the paper's numbers on the embedded defaults if left out.
-        workers: Processes that simulate; 0 simulates in this one.
-        executor: Runs the simulation jobs instead of local processes.
-        progress: Told about finished items.
-        models: Objects that answer for model names of the configuration; other names are looked
-            up by `make_llm`.
-        extras: What else is kept of the episodes that this run simulates: traces, annotations,
-            videos.
-        traffic: Caps, prices and concurrency of the models.
-        ledger: Keeps running totals of the calls.
-        retry: Do every failed item again. Without it, only those are that failed because no answer came.
-
-    Raises:
-        UsageError: For an unknown component, a missing extra or a folder of another study.
-        RunStopped: When a cap is reached or an endpoint given up; running again continues.
-        StudyError: When the folder cannot be written.
-    """
-    pipeline = Pipeline(
-        out,
-        config or StudyConfig(),
-        workers=workers,
-        executor=executor,
-        progress=progress,
-        models=models,
-        extras=extras,
-        traffic=traffic,
-        ledger=ledger,
-        retry=retry,
-    )
-    return pipeline.run()
 
 
 def _tree_text(tree: ScenarioTree) -> str:
