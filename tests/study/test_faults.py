@@ -79,9 +79,8 @@ def test_faults_cost_at_most_their_own_items(tmp_path, author, quiet):
 def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, quiet):
     asked = []
     for _ in range(20):
-        with AnsweringServer(author) as server:
-            with suppress(BudgetExceeded):
-                run(tmp_path, server, Traffic(Caps(requests=15), concurrency=4))
+        with AnsweringServer(author) as server, suppress(BudgetExceeded):
+            run(tmp_path, server, Traffic(Caps(requests=15), concurrency=4))
         asked += [json.dumps([r.messages, r.body["seed"]]) for r in server.received]
         if (status := Study.open(tmp_path).info["status"]) == "success":
             break
