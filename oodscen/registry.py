@@ -109,7 +109,8 @@ def make_llm(
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
-        return cast(LLM, _made("llm", llm, seed=seed, traffic=traffic))
+        shared = {} if traffic is None else {"traffic": traffic}
+        return cast(LLM, _made("llm", llm, seed=seed, **shared))
     client = find("llm", "litellm")
     model = llm.removeprefix("litellm:")
     try:
