@@ -1,11 +1,17 @@
 """Check that the parts of the default run are installed and work."""
 
 import platform
+import struct
 import sys
 from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
+from zlib import compress, crc32
 
 from oodscen.errors import DataError, OodscenError
+from oodscen.llms.logged import Call, LoggedLLM
+from oodscen.protocols import LLM
 
 
 class Finding(NamedTuple):
@@ -56,6 +62,74 @@ def examine_simulator(
         return [Finding(f"simulator {name}", False, fault) for fault in faults]
     told("check", len(parts), len(parts))
     return [Finding(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
+
+
+def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
+    """Ask a language model two small questions, one of them with a picture.
+
+    Args:
+        name: As for `--llm`.
+        api_base: Address of an OpenAI-compatible server.
+
+    Raises:
+        UsageError: When nobody knows the name, or the network is forbidden.
+    """
+    from oodscen.registry import make_llm
+
+    llm = make_llm(name, api_base=api_base)
+    calls: list[Call] = []
+    logged = LoggedLLM(llm, calls.append)
+    price = getattr(llm, "price", None)
+    known = (
+        f"${price.input_usd:g} in and ${price.output_usd:g} out per million tokens"
+        if price
+        else f"not known; a cap on cost needs --price {name}=IN,OUT"
+    )
+    findings = [_tried("answer", lambda: _answer(logged, calls))]
+    if findings[0].is_ok or calls[-1].status == "ok":
+        seconds = sorted(call.seconds for call in calls)
+        findings.append(_tried("image", lambda: _image(logged)))
+        findings.append(Finding("latency", True, f"{seconds[len(seconds) // 2]:.2f} s per call"))
+    return [*findings, Finding("price", True, known)]
+
+
+def _answer(llm: LLM, calls: list[Call]) -> str:
+    from oodscen.ask import ask
+    from oodscen.prompts import ImagineScenario
+
+    text = ask(llm, ImagineScenario(shown=("A deer crosses the road.",))).text
+    repairs = len(calls) - 1
+    how = "valid at once" if not repairs else f"valid after {repairs} repairs"
+    return f"structured, {how}: {' '.join(text.split())[:100]}"
+
+
+def _image(llm: LLM) -> str:
+    from oodscen.ask import ask
+    from oodscen.messages import Image
+    from oodscen.prompts import DescribeFrame
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "red.png"
+        path.write_bytes(_red_png())
+        text = ask(llm, DescribeFrame(frames=(Image.from_file(path),))).description
+    seen = "sees it" if "red" in text.casefold() else "answers, but does not say that it is red"
+    return f"{seen}: {' '.join(text.split())[:100]}"
+
+
+def _red_png(size: int = 64) -> bytes:
+    """Return a red square as a PNG file."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", crc32(kind + data))
+
+    rows = (b"\0" + b"\xff\0\0" * size) * size
+    header = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", compress(rows))
+        + chunk(b"IEND", b"")
+    )
 
 
 def _tried(what: str, check: Callable[[], str]) -> Finding:

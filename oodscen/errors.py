@@ -7,14 +7,18 @@
     │   ├── DataError           malformed tree, scenario, scene or file (every issue with its path)
     │   └── StudyMismatch       the folder belongs to a different configuration
     ├── LLMError                a model could not be asked, or not understood
-    │   └── AnswerError         its answer stayed invalid after repair (keeps the raw text)
+    │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
+    │   ├── ResponseError       the response was no answer: empty, a web page, too large (keeps its beginning)
+    │   └── ReplayMiss          a recording has no answer to this question (and what differs)
     ├── SceneError              a scene that the catalogue or the road refuses
     ├── SimulatorError          the simulator failed
     │   ├── SpawnError          it refused one actor (actor, asset, pose, reason)
     │   └── SimulatorCrash      it broke down, or took its process with it
     ├── EncoderError            an encoder failed or returned the wrong shape
     ├── StudyError              the folder on disk cannot be read or written
-    └── BudgetExceeded          a cap was reached; the study can be resumed
+    └── RunStopped              the run ended before its end; the study can be resumed
+        ├── BudgetExceeded      a cap on requests, tokens, cost or time was reached
+        └── EndpointDown        a model's server is dead, or refuses the key
 
 All are picklable and carry their facts as attributes.
 """
@@ -113,10 +117,38 @@ class StudyMismatch(UsageError):
 class LLMError(OodscenError):
     """A language model could not be reached or did not answer."""
 
-    def __init__(self, message: str, *, model: str = "", retryable: bool = False) -> None:
+    def __init__(
+        self, message: str, *, model: str = "", retryable: bool = False, requests: int = 0
+    ) -> None:
         self.model = model
         self.retryable = retryable
+        """Whether another time may bring an answer."""
+        self.requests = requests
+        """How many HTTP requests were made for it."""
         super().__init__(message)
+
+
+class ResponseError(LLMError):
+    """A server responded with something that is no answer, time and again."""
+
+    def __init__(
+        self, message: str, *, model: str, status: int | None, raw: str, requests: int = 0
+    ) -> None:
+        self.status = status
+        self.raw = raw
+        """The beginning of the last response, without credentials."""
+        super().__init__(message, model=model, retryable=True, requests=requests)
+
+
+class ReplayMiss(LLMError):
+    """A recording holds no answer to a question."""
+
+    def __init__(self, model: str, purpose: str, differences: Sequence[Issue]) -> None:
+        self.purpose = purpose
+        self.differences = tuple(differences)
+        """What distinguishes the question from the most similar one that was recorded."""
+        faults = "; ".join(map(str, self.differences))
+        super().__init__(f"{model} has no answer to {purpose!r}: {faults}", model=model)
 
 
 class AnswerError(LLMError):
@@ -183,8 +215,33 @@ class StudyError(OodscenError):
     """A study's folder cannot be read or written; what was written before stays valid."""
 
 
-class BudgetExceeded(OodscenError):
-    """A cap on calls, tokens, cost or time was reached."""
+class RunStopped(OodscenError):
+    """The run ended early; what is there stays valid, and the same command continues it."""
+
+
+class BudgetExceeded(RunStopped):
+    """The next request could exceed a cap on requests, tokens, cost or time."""
+
+    def __init__(self, cap: str, limit: float, spent: float) -> None:
+        self.cap = cap
+        """`requests`, `tokens`, `cost_usd` or `seconds`."""
+        self.limit = limit
+        self.spent = spent
+        super().__init__(
+            f"the cap of {limit:g} {cap.replace('_usd', ' in USD')} is reached ({spent:g} used by this run; "
+            "the next request could exceed it); the same command continues where it stopped"
+        )
+
+
+class EndpointDown(RunStopped):
+    """A model's server does not answer anybody any more, or refuses the key."""
+
+    def __init__(self, endpoint: str, reason: str) -> None:
+        self.endpoint = endpoint
+        self.reason = reason
+        super().__init__(
+            f"{endpoint} is given up: {reason}; the same command continues once this is mended"
+        )
 
 
 def close_matches(name: str, known: Iterable[str]) -> list[str]:

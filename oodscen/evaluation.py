@@ -72,6 +72,7 @@ def evaluate(
             kind=kind,
             status="failed",
             error=str(error),
+            retryable=error.retryable,
             descriptions=descriptions,
         )
     outcome = episode.actions.get(chosen.action)

@@ -67,6 +67,8 @@ class Usage(Data):
 
     input_tokens: int = 0
     output_tokens: int = 0
+    cached_tokens: int = 0
+    """Of the input, what the provider had cached."""
     cost_usd: float | None = None
     """`None` where the price is not known."""
 
@@ -79,6 +81,8 @@ class Completion(Data):
     text: str
     """Raw, as it came."""
     usage: Usage = Usage()
+    requests: int = 1
+    """HTTP requests that were made for it, retries included; 0 for a model that needs none."""
 
 
 @runtime_checkable

@@ -24,6 +24,8 @@ class PruneDecision(Data):
     keep: bool
     status: Literal["ok", "failed"] = "ok"
     error: str | None = None
+    retryable: bool = False
+    """Whether a failed question may be answered at another time."""
     reason: str = ""
     assets: tuple[str, ...] = ()
     """Ids of the assets that realise it."""
@@ -70,7 +72,12 @@ class Pruner:
             answer = ask(self.llm, JudgeBranch(path=path, catalogue=self.catalogue))
         except LLMError as error:
             return PruneDecision(
-                id=leaf.id, path=path, keep=False, status="failed", error=str(error)
+                id=leaf.id,
+                path=path,
+                keep=False,
+                status="failed",
+                error=str(error),
+                retryable=error.retryable,
             )
         return PruneDecision(
             id=leaf.id,

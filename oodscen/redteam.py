@@ -21,6 +21,8 @@ class Round(Data):
     """Counted from 1."""
     status: Literal["ok", "failed"] = "ok"
     error: str | None = None
+    retryable: bool = False
+    """Whether a failed round may succeed at another time."""
     text: str = ""
     """What the red-LLM imagined."""
     decision: Literal["covered", "broaden", "add", "reject"] | None = None
@@ -93,7 +95,12 @@ class RedTeamer:
             size = len(tree.apply(*edits))
         except (LLMError, DataError) as error:
             return Round(
-                round=number, status="failed", error=str(error), text=text, nodes=len(tree)
+                round=number,
+                status="failed",
+                error=str(error),
+                retryable=getattr(error, "retryable", False),
+                text=text,
+                nodes=len(tree),
             )
         return Round(
             round=number,

@@ -7,10 +7,13 @@ import warnings
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
 from oodscen.protocols import LLM, Encoder, Simulator
+
+if TYPE_CHECKING:
+    from oodscen.llms.traffic import Traffic
 
 KINDS = {
     "llm": "oodscen.llms",
@@ -103,10 +106,12 @@ def make_encoder(encoder: str | Encoder) -> Encoder:
     return cast(Encoder, _made("encoder", encoder))
 
 
-def make_llm(llm: str | LLM, *, seed: int = 0, api_base: str | None = None) -> LLM:
+def make_llm(
+    llm: str | LLM, *, seed: int = 0, api_base: str | None = None, traffic: "Traffic | None" = None
+) -> LLM:
     """Return a language model by name, or the given one.
 
-    A registered name may carry an argument after a colon (`constant:stop`). Every other name is
+    A registered name may carry an argument after a colon (`constant:stop`, `replay:FILE`). Every other name is
     passed to litellm when it names a provider or a known model (`gpt-4o`, `ollama/llama3:8b`,
     `anthropic/claude-...`), or when `api_base` is given.
 
@@ -114,6 +119,7 @@ def make_llm(llm: str | LLM, *, seed: int = 0, api_base: str | None = None) -> L
         llm: A name, `module:attr`, or an object.
         seed: Of the run.
         api_base: Address of a server, for a model that litellm asks; the others need none.
+        traffic: Caps, prices and endpoints of a run, for a model that litellm asks.
 
     Raises:
         UsageError: When nobody knows the name (with close matches), or it cannot be made.
@@ -123,10 +129,12 @@ def make_llm(llm: str | LLM, *, seed: int = 0, api_base: str | None = None) -> L
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
-        return cast(LLM, _made("llm", llm, seed=seed))
+        shared = {} if traffic is None else {"traffic": traffic}
+        return cast(LLM, _made("llm", llm, seed=seed, **shared))
     client = find("llm", "litellm")
+    model = llm.removeprefix("litellm:")
     try:
-        return cast(LLM, client(llm.removeprefix("litellm:"), api_base=api_base, seed=seed))
+        return cast(LLM, client(model, api_base=api_base, seed=seed, traffic=traffic))
     except (UnknownComponent, MissingExtra) as error:
         known = error.known if isinstance(error, UnknownComponent) else ()
         if close_matches(llm, registered):

@@ -19,6 +19,8 @@ class Verdict(Data):
     """`reference` marks answerers that see nothing: constants and chance."""
     status: Literal["ok", "failed"] = "ok"
     error: str | None = None
+    retryable: bool = False
+    """Whether a failed judgement may succeed at another time."""
     descriptions: tuple[str, ...] = ()
     """Of the first, middle and last frame."""
     is_ood: bool | None = None

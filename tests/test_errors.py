@@ -27,7 +27,11 @@ EXAMPLES = (
     errors.SimulatorCrash("pybullet", "its process died"),
     errors.EncoderError("message"),
     errors.StudyError("message"),
-    errors.BudgetExceeded("message"),
+    errors.BudgetExceeded("requests", 10, 9),
+    errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
+    errors.ResponseError("message", model="m", status=200, raw="<html>", requests=6),
+    errors.ReplayMiss("replay:a.jsonl", "describe-path", [errors.Issue("sample", "3 is asked")]),
+    errors.RunStopped("message"),
 )
 
 FACTS = {
@@ -45,10 +49,27 @@ FACTS = {
     },
     "DataError": {"noun": "tree", "issues": ISSUES, "source": "tree.json"},
     "StudyMismatch": {"folder": "out", "differences": {"seed": (0, 1)}},
-    "LLMError": {"model": "gpt", "retryable": True},
+    "LLMError": {"model": "gpt", "retryable": True, "requests": 0},
+    "ResponseError": {
+        "model": "m",
+        "retryable": True,
+        "requests": 6,
+        "status": 200,
+        "raw": "<html>",
+    },
+    "ReplayMiss": {
+        "model": "replay:a.jsonl",
+        "retryable": False,
+        "requests": 0,
+        "purpose": "describe-path",
+        "differences": (errors.Issue("sample", "3 is asked"),),
+    },
+    "BudgetExceeded": {"cap": "requests", "limit": 10, "spent": 9},
+    "EndpointDown": {"endpoint": "http://127.0.0.1:1/v1", "reason": "no response for 40 s"},
     "AnswerError": {
         "model": "gpt",
         "retryable": False,
+        "requests": 0,
         "purpose": "stage-scene",
         "issues": ISSUES,
         "raw": "raw",

@@ -1,20 +1,22 @@
 """Any language model that litellm reaches: hosted, local, or behind an OpenAI-compatible address."""
 
 import base64
+import json
 import os
 import threading
 import time
 import warnings
 from collections.abc import Callable, Mapping
-from datetime import UTC, datetime
-from email.utils import parsedate_to_datetime
 from ipaddress import ip_address
 from types import ModuleType
 from typing import Any
 from urllib.parse import urlsplit
 
-from oodscen.errors import LLMError, MissingExtra, UnknownComponent, UsageError
-from oodscen.llms.redaction import redact
+from oodscen.errors import LLMError, MissingExtra, ResponseError, UnknownComponent, UsageError
+from oodscen.llms.bounds import Bounds, bounded
+from oodscen.llms.failures import Failure, diagnose
+from oodscen.llms.redaction import redact, redact_keys
+from oodscen.llms.traffic import Price, Spent, Traffic
 from oodscen.messages import Image, Message
 from oodscen.protocols import Completion, Request, Usage
 from oodscen.seeding import stream
@@ -22,14 +24,11 @@ from oodscen.seeding import stream
 NO_KEY = "none"
 """Sent as the key to an own address where no key is set: such servers seldom want one."""
 
-_SHOWN = 500
-"""Longest error text passed on, in characters; some servers answer with whole web pages."""
+IMAGE_TOKENS = 1_500
+"""What a picture of a study costs at most with the known providers."""
 
-_READ = 20_000
-"""How much of an error text is looked at; far more than is passed on, so that no key is cut in two."""
-
-_ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
-"""litellm's names of errors with status 400 that another answer format would not mend."""
+ALONE = 1_000
+"""Requests at once of a model that is no part of a run: as many as its caller has threads."""
 
 _import_lock = threading.Lock()
 
@@ -45,26 +44,31 @@ class LiteLLM:
     the templates state the format in any case. Each call is sent with a `provider_seed` of its own where
     the provider takes seeds: `(seed * 1_000_003 + sample) % 2**31` for the question itself.
 
-    Rate limits, timeouts, lost connections and server errors are retried here and nowhere else, after
-    the time the server names in `Retry-After`, or 1, 2, 4 ... seconds with jitter.
+    Rate limits, timeouts, lost connections, server errors and responses that are none (empty, a web
+    page, too large) are retried here and nowhere else, after the time the server names in `Retry-After`, or
+    1, 2, 4 ... seconds with jitter.
 
     Args:
         model: Name as litellm spells it. With `api_base`, a name without a provider litellm knows is taken to
             be served by an OpenAI-compatible server.
         api_base: Address of the server, e.g. `http://localhost:8000/v1`.
         seed: Of the run.
-        timeout_s: Longest wait for a server that stays silent, per try.
+        timeout_s: Longest time for one try, from its beginning to the last byte.
         temperature: Sampling temperature; `None` leaves it to the provider.
         max_tokens: Longest answer; `None` leaves it to the provider.
         retries: Further tries after the first.
         max_wait_s: Longest wait before one retry; a server that asks for more is given up.
+        max_bytes: Largest response.
+        traffic: Caps, prices and endpoints, shared by the models of a run; alone, nothing is capped and
+            no endpoint is given up.
         options: Further arguments of `litellm.completion`, e.g. `{"reasoning_effort": "low"}`.
         sleep: Waits the given seconds.
 
     Raises:
         MissingExtra: When litellm is not installed.
         UnknownComponent: When litellm knows neither model nor provider, with close matches.
-        UsageError: When `OODSCEN_OFFLINE=1` forbids the address.
+        UsageError: When `OODSCEN_OFFLINE=1` forbids the address, or the cost is capped and the
+            model's price is not known.
     """
 
     def __init__(
@@ -76,8 +80,10 @@ class LiteLLM:
         timeout_s: float = 120.0,
         temperature: float | None = None,
         max_tokens: int | None = None,
-        retries: int = 3,
+        retries: int = 5,
         max_wait_s: float = 60.0,
+        max_bytes: int = 10_000_000,
+        traffic: Traffic | None = None,
         options: Mapping[str, Any] | None = None,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
@@ -85,10 +91,17 @@ class LiteLLM:
         self.seed = seed
         self.retries = retries
         self.max_wait_s = max_wait_s
+        self.timeout_s = timeout_s
+        self.max_bytes = max_bytes
+        self.traffic = traffic or Traffic(concurrency=ALONE, patience_s=None)
         self._sleep = sleep
         self._sdk = sdk = load_litellm()
         self._model, provider, address = _resolve(sdk, model, api_base)
         _permit(model, api_base, address)
+        self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
+        """`None` where it is not known."""
+        _afford(model, self.price, self.traffic)
+        self._endpoint = self.traffic.endpoint(redact(api_base) if api_base else provider)
         self._json = _json_ability(sdk, self._model)
         self._refused: set[str] = set()
         self._arguments: dict[str, Any] = {
@@ -111,56 +124,114 @@ class LiteLLM:
 
         Raises:
             LLMError: When there is no answer; `retryable` where another time may bring one.
+            RunStopped: When a cap is reached or the endpoint is given up.
         """
         arguments = {
             **self._arguments,
             "messages": [wire_message(message, self.name) for message in request.messages],
             "seed": provider_seed(self.seed, request.sample, request.attempt),
         }
+        most = self._most(request)
         purpose = request.prompt.purpose
         form = None if purpose in self._refused else self._response_format(request)
         refused = False
-        tries = 0
+        tries = requests = 0
+        if pause := self._endpoint.pause():
+            self._sleep(min(pause, self.max_wait_s))
         while True:
-            outcome = self._try({**arguments, "response_format": form} if form else arguments)
+            outcome = self._try({**arguments, "response_format": form} if form else arguments, most)
+            requests += 1
             if isinstance(outcome, Completion):
                 if refused:
                     self._refused.add(purpose)
-                return outcome
+                return outcome.model_copy(update={"requests": requests})
             if form and outcome.may_refuse_form:
                 form, refused = None, True
                 continue
             wait = self._wait(outcome, tries, request)
             if wait is None:
-                raise LLMError(outcome.message, model=self.name, retryable=outcome.retryable)
+                self._endpoint.given_up(outcome)
+                self._endpoint.check()
+                raise self._error(outcome, requests)
             tries += 1
             self._sleep(wait)
 
-    def _try(self, arguments: dict[str, Any]) -> "Completion | _Failure":
-        try:
-            response = self._sdk.completion(**arguments)
-            return self._completion(response)
-        # Servers send anything, and litellm passes on whatever its parsing of it raised.
-        except Exception as error:
-            return _failure(self.name, error, str(arguments.get("api_key", "")))
+    def _try(self, arguments: dict[str, Any], most: Spent) -> Completion | Failure:
+        with self._endpoint.slot() as begun:
+            self.traffic.budget.reserve(most)
+            used, answered = most, 0
+            bounds = Bounds(self.timeout_s, self.max_bytes)
+            try:
+                with bounded(bounds):
+                    response = self._sdk.completion(**arguments)
+                completion = self._completion(response)
+                answered = completion.usage.output_tokens
+                used = self._used(completion.usage, most)
+            # Servers send anything, and litellm passes on whatever its parsing of it raised.
+            except Exception as error:
+                key = str(arguments.get("api_key", ""))
+                failure = diagnose(self.name, error, bounds, key)
+                used = Spent(1) if failure.is_free else most
+            else:
+                self._endpoint.succeeded()
+                return completion
+            finally:
+                self.traffic.budget.settle(most, used, answered)
+        self._endpoint.failed(failure, begun)
+        self._endpoint.check()
+        return failure
+
+    def _error(self, failure: Failure, requests: int) -> LLMError:
+        if failure.is_no_response:
+            return ResponseError(
+                failure.message,
+                model=self.name,
+                status=failure.status,
+                raw=failure.raw,
+                requests=requests,
+            )
+        return LLMError(
+            failure.message, model=self.name, retryable=failure.retryable, requests=requests
+        )
+
+    def _most(self, request: Request) -> Spent:
+        """Return what one try may cost."""
+        asked = estimate_tokens(request)
+        answered = self._arguments.get("max_tokens") or self.traffic.budget.answer_tokens
+        cost = self.price.of(asked, answered) if self.price else 0.0
+        return Spent(1, asked + answered, cost)
+
+    def _used(self, usage: Usage, most: Spent) -> Spent:
+        tokens = usage.input_tokens + usage.output_tokens
+        return Spent(
+            1, tokens or most.tokens, most.cost_usd if not tokens else usage.cost_usd or 0.0
+        )
 
     def _completion(self, response: Any) -> Completion:
         message = response.choices[0].message
         text = message.content or getattr(message, "refusal", None) or ""
         usage = getattr(response, "usage", None)
-        try:
-            cost = float(self._sdk.completion_cost(completion_response=response, model=self._model))
-        # litellm raises a bare Exception for a model that has no price.
-        except Exception:
-            cost = None
+        details = getattr(usage, "prompt_tokens_details", None)
+        asked = getattr(usage, "prompt_tokens", None) or 0
+        answered = getattr(usage, "completion_tokens", None) or 0
         return Completion(
-            text=text.encode("utf-8", "replace").decode(),
+            text=redact_keys(text.encode("utf-8", "replace").decode()),
             usage=Usage(
-                input_tokens=getattr(usage, "prompt_tokens", None) or 0,
-                output_tokens=getattr(usage, "completion_tokens", None) or 0,
-                cost_usd=cost,
+                input_tokens=asked,
+                output_tokens=answered,
+                cached_tokens=getattr(details, "cached_tokens", None) or 0,
+                cost_usd=self._cost(response, asked, answered),
             ),
         )
+
+    def _cost(self, response: Any, asked: int, answered: int) -> float | None:
+        if (given := self.traffic.prices.get(self.name)) is not None:
+            return given.of(asked, answered)
+        try:
+            return float(self._sdk.completion_cost(completion_response=response, model=self._model))
+        # litellm raises a bare Exception for a model that has no price.
+        except Exception:
+            return None
 
     def _response_format(self, request: Request) -> dict[str, Any] | None:
         if self._json == "schema":
@@ -168,7 +239,7 @@ class LiteLLM:
             return {"type": "json_schema", "json_schema": {"name": name, "schema": request.schema}}
         return {"type": "json_object"} if self._json == "mode" else None
 
-    def _wait(self, failure: "_Failure", tries: int, request: Request) -> float | None:
+    def _wait(self, failure: Failure, tries: int, request: Request) -> float | None:
         """Return how long to wait before the next try; `None` to give up."""
         if not failure.retryable or tries >= self.retries:
             return None
@@ -177,18 +248,6 @@ class LiteLLM:
         keys = ("retry", request.prompt.purpose, request.sample, request.attempt, tries)
         jitter = float(stream(self.seed, *keys).uniform(0.5, 1.0))
         return min(float(2**tries), self.max_wait_s) * jitter
-
-
-class _Failure:
-    """What went wrong in one try."""
-
-    def __init__(
-        self, message: str, *, retryable: bool, may_refuse_form: bool, retry_after: float | None
-    ) -> None:
-        self.message = message
-        self.retryable = retryable
-        self.may_refuse_form = may_refuse_form
-        self.retry_after = retry_after
 
 
 def load_litellm() -> ModuleType:
@@ -209,12 +268,49 @@ def load_litellm() -> ModuleType:
                 import litellm
 
                 litellm.ModelResponse()
+                from litellm.llms.custom_httpx import http_handler
+                from litellm.llms.openai import common_utils
+
+                from oodscen.llms.transport import guard, install
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
         litellm.suppress_debug_info = True
         litellm.telemetry = False
+        install(http_handler, common_utils)
+        # litellm keeps one client that was made before.
+        if (handler := getattr(litellm, "module_level_client", None)) is not None:
+            guard(handler.client)
         module: ModuleType = litellm
         return module
+
+
+def known_price(sdk: ModuleType, model: str) -> Price | None:
+    """Return what litellm says a model costs; `None` where it does not know."""
+    try:
+        asked, answered = sdk.cost_per_token(
+            model=model, prompt_tokens=1_000_000, completion_tokens=1_000_000
+        )
+    # litellm raises a bare Exception for a model that has no price.
+    except Exception:
+        return None
+    return Price(float(asked), float(answered))
+
+
+def estimate_tokens(request: Request) -> int:
+    """Estimate the input tokens of a request from its characters, rather too many than too few."""
+    texts = sum(len(message.text) for message in request.messages)
+    images = sum(len(message.images) for message in request.messages)
+    return (texts + len(json.dumps(request.schema))) // 3 + IMAGE_TOKENS * images
+
+
+def _afford(model: str, price: Price | None, traffic: Traffic) -> None:
+    """Refuse a model without a price where the cost is capped."""
+    if traffic.budget.caps.cost_usd is not None and price is None:
+        raise UsageError(
+            f"the cost of the run is capped and the price of {model!r} is not known; give it in USD per "
+            f"million tokens of input and output, e.g. --price {model}=0.5,1.5 (0,0 for a model of "
+            "your own), or cap requests or tokens instead"
+        )
 
 
 def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
@@ -292,41 +388,3 @@ def _json_ability(sdk: ModuleType, model: str) -> str:
         return "schema"
     parameters = sdk.get_supported_openai_params(model=model) or ()
     return "mode" if "response_format" in parameters else ""
-
-
-def _failure(model: str, error: Exception, key: str) -> _Failure:
-    status = getattr(error, "status_code", None)
-    text = str(error)[:_READ].partition("Traceback (most recent call last)")[0]
-    text = " ".join(redact(text, [key]).split())
-    text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
-    # A response that litellm could not read carries no status: the server may do better next time.
-    retryable = status is None or status in (408, 409, 425, 429) or status >= 500
-    if "insufficient_quota" in text or isinstance(error, ImportError):
-        retryable = False
-    reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
-    return _Failure(
-        f"{model} gave no answer: {reason}",
-        retryable=retryable,
-        may_refuse_form=status in (400, 422) and type(error).__name__ not in _ABOUT_CONTENT,
-        retry_after=_retry_after(error),
-    )
-
-
-def _retry_after(error: Exception) -> float | None:
-    """Read the seconds that a server asks to wait; both forms of the header are understood."""
-    headers: Any = getattr(error, "litellm_response_headers", None)
-    if not headers:
-        headers = getattr(getattr(error, "response", None), "headers", None) or {}
-    try:
-        if (milliseconds := headers.get("retry-after-ms")) is not None:
-            return max(0.0, float(milliseconds) / 1000.0)
-        value = headers.get("retry-after")
-        if value is None:
-            return None
-        if value.strip().replace(".", "", 1).isdigit():
-            return float(value)
-        moment = parsedate_to_datetime(value)
-        moment = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
-        return max(0.0, (moment - datetime.now(UTC)).total_seconds())
-    except (AttributeError, TypeError, ValueError):
-        return None

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Literal
 
 from oodscen._data import Data
+from oodscen.llms.redaction import redact
 from oodscen.protocols import LLM, Completion, Request
 
 
@@ -14,6 +15,8 @@ class Call(Data):
 
     noun: ClassVar[str] = "call"
 
+    stage: str = ""
+    """Of the study, e.g. `augment`."""
     purpose: str
     """Of the prompt, e.g. `stage-scene`."""
     prompt_version: str
@@ -27,8 +30,12 @@ class Call(Data):
     error: str | None = None
     input_tokens: int = 0
     output_tokens: int = 0
+    cached_tokens: int = 0
+    """Of the input, what the provider had cached."""
     cost_usd: float | None = None
     """`None` where the price is not known."""
+    requests: int = 1
+    """HTTP requests, retries included; 0 where none was needed or allowed."""
     seconds: float = 0.0
     """Until the answer, waiting and retries included."""
 
@@ -83,9 +90,11 @@ class LoggedLLM:
             sample=request.sample,
             attempt=request.attempt,
             status="ok" if completion else "failed",
-            error=None if failure is None else f"{type(failure).__name__}: {failure}",
+            error=None if failure is None else redact(f"{type(failure).__name__}: {failure}"),
             input_tokens=usage.input_tokens if usage else 0,
             output_tokens=usage.output_tokens if usage else 0,
+            cached_tokens=usage.cached_tokens if usage else 0,
             cost_usd=usage.cost_usd if usage else None,
+            requests=completion.requests if completion else getattr(failure, "requests", 0),
             seconds=round(seconds, 6),
         )

@@ -30,8 +30,20 @@ def redact(text: str, known: Iterable[str] = ()) -> str:
     Hidden are the given values, the values of environment variables whose names end in KEY, TOKEN,
     SECRET, PASSWORD or CREDENTIALS, and what is shaped like a provider's key or a bearer token.
     """
-    values = [value for name, value in os.environ.items() if _SECRET_VARIABLE.search(name)]
-    for value in sorted({*values, *known}, key=len, reverse=True):
-        if len(value) >= _SHORTEST:
+    return _SHAPES.sub(HIDDEN, _without({*_secrets(), *known}, text, _SHORTEST))
+
+
+def redact_keys(text: str, known: Iterable[str] = ()) -> str:
+    """Replace only credentials that are known, and long: for what a model says, which is content."""
+    return _without({*_secrets(), *known}, text, 2 * _SHORTEST)
+
+
+def _secrets() -> list[str]:
+    return [value for name, value in os.environ.items() if _SECRET_VARIABLE.search(name)]
+
+
+def _without(values: Iterable[str], text: str, shortest: int) -> str:
+    for value in sorted(values, key=len, reverse=True):
+        if len(value) >= shortest:
             text = text.replace(value, HIDDEN)
-    return _SHAPES.sub(HIDDEN, text)
+    return text

@@ -7,6 +7,7 @@ from typing import Any
 
 from oodscen import paper
 from oodscen.evaluation import OPTIONS
+from oodscen.llms.accounting import Account, account, accounts
 from oodscen.report import charts, gallery, leaderboard, measures, words
 from oodscen.report.outline import outline
 from oodscen.report.reading import Failure, Material, dig, mapping, number
@@ -38,21 +39,6 @@ class CountRow:
     what: str
     here: str
     paper: str
-
-
-@dataclass(frozen=True)
-class CallRow:
-    """All calls for one purpose to one model."""
-
-    purpose: str
-    model: str
-    calls: int
-    failed: int
-    input_tokens: int
-    output_tokens: int
-    cost_usd: float | None
-    """`None` where the price of a call is not known."""
-    seconds: float
 
 
 def context(study: Study, found: Material) -> dict[str, Any]:
@@ -287,28 +273,10 @@ def _growth(found: Material) -> Any:
     return charts.growth(points, start, paper.NODES["diverse"] if is_papers else None)
 
 
-def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[CallRow]:
-    grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-    for call in calls:
-        key = (str(call.get("purpose") or "?"), str(call.get("model") or "?"))
-        grouped.setdefault(key, []).append(call)
-    rows = [_call_row(purpose, model, found) for (purpose, model), found in sorted(grouped.items())]
-    return [*rows, _call_row("all", "", calls)] if len(rows) > 1 else rows
-
-
-def _call_row(purpose: str, model: str, calls: Sequence[Mapping[str, Any]]) -> CallRow:
-    costs = [number(call, "cost_usd") for call in calls]
-    known = [cost for cost in costs if cost is not None]
-    return CallRow(
-        purpose=purpose,
-        model=model,
-        calls=len(calls),
-        failed=sum(call.get("status") == "failed" for call in calls),
-        input_tokens=round(sum(number(call, "input_tokens") or 0 for call in calls)),
-        output_tokens=round(sum(number(call, "output_tokens") or 0 for call in calls)),
-        cost_usd=sum(known) if len(known) == len(calls) else None,
-        seconds=sum(number(call, "seconds") or 0.0 for call in calls),
-    )
+def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[Account]:
+    """Sum up the calls per stage, purpose and model, and all of them."""
+    rows = sorted(accounts(calls, by=("stage", "purpose", "model")), key=lambda row: row.group)
+    return [*rows, account(("all", "", ""), calls)] if len(rows) > 1 else rows
 
 
 def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -327,7 +295,7 @@ def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
         {
             key: value
             for key, value in sorted(info.items())
-            if key not in ("config", "paper", "counts")
+            if key not in ("config", "paper", "counts", "usage")
         },
     )
     return rows

@@ -1,7 +1,9 @@
 """A run on disk: the folder that is both the result and the resume point."""
 
 from oodscen.study.config import StudyConfig
-from oodscen.study.pipeline import Pipeline, Progress, run_study
+from oodscen.study.estimate import estimate
+from oodscen.study.pipeline import Pipeline, Progress
+from oodscen.study.run import run_study
 from oodscen.study.store import Store
 from oodscen.study.study import TABLES, TREES, Study
 from oodscen.study.sweep import Extras
@@ -15,5 +17,6 @@ __all__ = [
     "Store",
     "Study",
     "StudyConfig",
+    "estimate",
     "run_study",
 ]

@@ -18,6 +18,8 @@ class StudyConfig(Data):
     """Tree-LLM and augmenter-LLM: `builtin`, or any name that litellm knows."""
     red_llm: str | None = None
     """The red-LLM; the same as `llm` if left out."""
+    fallback: str | None = None
+    """Asked where `llm` or `red_llm` gives no answer."""
     vlms: tuple[str, ...] = ()
     """Vision-language models to judge; reference answerers always run."""
     api_base: str | None = None
@@ -71,5 +73,5 @@ class StudyConfig(Data):
         }
 
 
-Status = Literal["running", "success", "incomplete"]
-"""`incomplete`: the run ended, but some items failed."""
+Status = Literal["running", "stopped", "success", "incomplete"]
+"""`stopped`: a cap was reached or an endpoint given up; `incomplete`: the run ended, but some items failed."""

@@ -16,30 +16,29 @@ from oodscen.concurrency import as_finished
 from oodscen.describe import Describer, spread, spread_subset
 from oodscen.encoders import CachedEncoder
 from oodscen.episode import ACTIONS, Episode
-from oodscen.errors import LLMError, StudyMismatch
+from oodscen.errors import LLMError, RunStopped, StudyMismatch
 from oodscen.evaluation import evaluate
 from oodscen.grow import TreeGrower
-from oodscen.llms.logged import LoggedLLM
+from oodscen.llms.accounting import Ledger, accounts
+from oodscen.llms.redaction import redact
+from oodscen.llms.traffic import Traffic
 from oodscen.messages import Image
 from oodscen.metrics import Metrics
 from oodscen.protocols import LLM
 from oodscen.prune import Pruner, all_decisions, pruned
 from oodscen.redteam import RedTeamer, Round
-from oodscen.registry import make_encoder, make_llm, make_simulator
+from oodscen.registry import make_encoder, make_simulator
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.config import Status, StudyConfig
-from oodscen.study.record import is_builtin, record
+from oodscen.study.models import Models
+from oodscen.study.record import record
 from oodscen.study.study import Study
 from oodscen.study.sweep import Extras, Job, sweep
 from oodscen.tree import ScenarioTree
 from oodscen.verdict import Verdict
 
 Item = TypeVar("Item")
-
-REMOTE_THREADS = 8
-"""How many calls to a model that is not built in may be under way at once."""
-
 
 Progress = Callable[[str, int, int], None]
 """Told about every finished item of long work: the stage, how many are done, of how many."""
@@ -57,6 +56,9 @@ class Pipeline:
         models: Objects that answer for model names of the configuration.
         extras: What else is kept of the episodes that this run simulates; not part of the study's
             identity.
+        traffic: Caps, prices and concurrency of the models; not part of the study's identity.
+        ledger: Keeps running totals of the calls.
+        retry: Do failed items again; without it, only those that may succeed at another time.
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
@@ -73,6 +75,9 @@ class Pipeline:
         progress: Progress | None = None,
         models: Mapping[str, LLM] | None = None,
         extras: Extras | None = None,
+        traffic: Traffic | None = None,
+        ledger: Ledger | None = None,
+        retry: bool = False,
     ) -> None:
         self.study = Study(out)
         self.store = self.study.store
@@ -80,39 +85,55 @@ class Pipeline:
         self.workers = workers
         self.executor = executor
         self.progress = progress or (lambda stage, done, total: None)
-        self.models = models or {}
+        self.retry = retry
+        self.models = Models(
+            config,
+            self.store,
+            traffic or Traffic(),
+            given=models,
+            ledger=ledger,
+            is_retry=retry,
+        )
         self.extras = extras or Extras()
         self.seconds: dict[str, float] = {}
 
     def run(self) -> Study:
-        """Run every stage; items that fail are recorded and the rest goes on."""
+        """Run every stage; items that fail are recorded and the rest goes on.
+
+        Raises:
+            RunStopped: When a cap is reached or an endpoint given up; running again continues.
+        """
         began = time.perf_counter()
+        self.prepare()
+        try:
+            counts = self._stages()
+        except RunStopped as stop:
+            self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
+            raise
+        self._finish(counts, time.perf_counter() - began)
+        return self.study
+
+    def prepare(self) -> None:
+        """Make simulator, encoder and models, and claim the folder."""
         self.simulator = make_simulator(self.config.simulator)
         self.encoder = CachedEncoder(make_encoder(self.config.encoder))
-        self.llm = self._logged(self._model(self.config.llm))
-        self.red_llm = (
-            self._logged(self._model(self.config.red_llm)) if self.config.red_llm else self.llm
-        )
-        self.threads = 1 if is_builtin(self.config.llm) else REMOTE_THREADS
+        self.llm = self.models.author(self.config.llm)
+        self.red_llm = self.models.author(self.config.red_llm or self.config.llm)
+        self.threads = self.models.threads(self.config.llm)
         self._claim()
-        with self._timed("grow"):
-            initial = self.grow()
-        with self._timed("redteam"):
-            diverse = self.redteam(initial)
-        with self._timed("prune"):
-            simulatable = self.prune(diverse)
-        with self._timed("describe"):
-            scenarios = self.describe(simulatable)
-            sets = self.describe_sets(diverse)
-        with self._timed("metrics"):
+
+    def _stages(self) -> dict[str, Any]:
+        scenarios, sets, initial, diverse = self.write_texts()
+        simulatable = self.study.tree("simulatable")
+        with self.timed("metrics"):
             scenarios = self.measure(scenarios, sets)
-        with self._timed("augment"):
+        with self.timed("augment"):
             scenes = self.augment(scenarios)
-        with self._timed("simulate"):
+        with self.timed("simulate"):
             episodes = self.simulate(scenes)
-        with self._timed("evaluate"):
+        with self.timed("evaluate"):
             verdicts = self.evaluate(episodes, scenarios)
-        counts = {
+        return {
             "nodes": {
                 "initial": len(initial),
                 "diverse": len(diverse),
@@ -127,10 +148,21 @@ class Pipeline:
             "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
             "verdicts": len(verdicts),
         }
-        self._finish(counts, time.perf_counter() - began)
-        return self.study
 
     # ---------------------------------------------------------------- the stages
+
+    def write_texts(
+        self,
+    ) -> tuple[list[Scenario], dict[int, list[Scenario]], ScenarioTree, ScenarioTree]:
+        """Run the stages up to the texts; return these, the text sets, and the trees before pruning."""
+        with self.timed("grow"):
+            initial = self.grow()
+        with self.timed("redteam"):
+            diverse = self.redteam(initial)
+        with self.timed("prune"):
+            simulatable = self.prune(diverse)
+        with self.timed("describe"):
+            return self.describe(simulatable), self.describe_sets(diverse), initial, diverse
 
     def grow(self) -> ScenarioTree:
         """Grow the initial tree."""
@@ -145,9 +177,14 @@ class Pipeline:
         """Grow the diverse tree, round by round."""
         total = self.config.iterations
         done = [Round.parse(line) for line in self.store.lines("redteam.jsonl")]
-        self.progress("redteam", len(done), total)
         if self.store.has("tree.diverse.json"):
+            self.progress("redteam", len(done), total)
             return self.study.tree("diverse")
+        # What follows a failed round builds on it, so only the last ones can be played again.
+        while done and self._again(done[-1].model_dump()):
+            done.pop()
+        self.store.write_lines("redteam.jsonl", done)
+        self.progress("redteam", len(done), total)
         teamer = RedTeamer(
             self.llm, self.red_llm, iterations=total, closed_loop=self.config.closed_loop
         )
@@ -163,11 +200,13 @@ class Pipeline:
     def prune(self, tree: ScenarioTree) -> ScenarioTree:
         """Prune to what the simulator's catalogue can show."""
         total = len(tree.leaves)
-        if self.store.has("tree.simulatable.json"):
-            self.progress("prune", total, total)
-            return self.study.tree("simulatable")
         leaves = {leaf.id for leaf in tree.leaves}
         judged = [item for item in self.study.decisions if item.id in leaves]
+        judged = [item for item in judged if not self._again(item.model_dump())]
+        if self.store.has("tree.simulatable.json") and len(judged) == total:
+            self.progress("prune", total, total)
+            return self.study.tree("simulatable")
+        self.store.write_lines("pruned.jsonl", judged)
         pruner = Pruner(self.llm, self.simulator.catalogue(), threads=self.threads)
         for decision in pruner.decisions(tree, [item.id for item in judged]):
             self.store.append("pruned.jsonl", decision)
@@ -218,7 +257,8 @@ class Pipeline:
         describer = Describer(self.llm, self.encoder, sample=sample)
         lines: dict[str, list[dict[str, Any]]] = {}
         for line in self.store.lines(file):
-            lines.setdefault(line["leaf"], []).append(line)
+            if not self._again(line):
+                lines.setdefault(line["leaf"], []).append(line)
         done = {leaf: rows for leaf, rows in lines.items() if _is_whole(rows, counts.get(leaf, 0))}
 
         def work(leaf: str) -> list[dict[str, Any]]:
@@ -230,6 +270,7 @@ class Pipeline:
 
         todo = [leaf for leaf in paths if leaf not in done]
         if todo:
+            self.store.remove("metrics.json")
             self.store.write_lines(file, (row for rows in done.values() for row in rows))
         self.progress(stage, len(done), len(paths))
         for leaf, rows in as_finished(work, todo, threads=self.threads):
@@ -322,9 +363,9 @@ class Pipeline:
         ready = [episode for episode in episodes if episode.status == "ok" and episode.frames]
         models: dict[str, tuple[LLM, int]] = {}
         for name in (*references, *self.config.vlms):
-            model = self._model(name)
+            model = self.models.get(name)
             is_reference = getattr(model, "kind", "model") == "reference"
-            models[name] = (model, 1) if is_reference else (self._logged(model), REMOTE_THREADS)
+            models[name] = (model, 1 if is_reference else self.models.traffic.concurrency)
         items = {
             f"{episode.scene_id}@{model.name}": (episode, name)
             for name, (model, _) in models.items()
@@ -363,7 +404,10 @@ class Pipeline:
         work: Callable[[Mapping[str, Item]], Iterable[Data | Mapping[str, Any]]],
     ) -> list[dict[str, Any]]:
         """Append one line per item that has none yet; leave the file in the items' order."""
-        done = {line["id"]: line for line in self.store.lines(file) if line["id"] in items}
+        lines = [line for line in self.store.lines(file) if not self._again(line)]
+        done = {line["id"]: line for line in lines if line["id"] in items}
+        if len(done) < len(items):
+            self.store.write_lines(file, done.values())
         self.progress(stage, len(done), len(items))
         for result in work({name: item for name, item in items.items() if name not in done}):
             row = result.model_dump(mode="json") if isinstance(result, Data) else dict(result)
@@ -374,17 +418,18 @@ class Pipeline:
         self.store.write_lines(file, rows)
         return rows
 
-    def _model(self, name: str) -> LLM:
-        return make_llm(
-            self.models.get(name, name), seed=self.config.seed, api_base=self.config.api_base
-        )
+    def _again(self, line: Mapping[str, Any]) -> bool:
+        """Whether a line is of an item that is done again."""
+        return line.get("status") == "failed" and (self.retry or line.get("retryable") is True)
 
-    def _logged(self, llm: LLM) -> LLM:
-        return LoggedLLM(llm, lambda call: self.store.append("calls.jsonl", call))
+    def _usage(self) -> list[dict[str, Any]]:
+        return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
     @contextmanager
-    def _timed(self, stage: str) -> Iterator[None]:
+    def timed(self, stage: str) -> Iterator[None]:
+        """Note how long a stage takes, and that calls are made for it."""
         began = time.perf_counter()
+        self.models.stage = stage
         yield
         self.seconds[stage] = round(time.perf_counter() - began, 3)
 
@@ -417,48 +462,10 @@ class Pipeline:
             status,
             counts=dict(counts),
             failures=failures,
+            usage=self._usage(),
             seconds={**self.seconds, "total": round(seconds, 3)},
         )
         write_report(self.study)
-
-
-def run_study(
-    out: str | Path,
-    config: StudyConfig | None = None,
-    *,
-    workers: int = 0,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
-    models: Mapping[str, LLM] | None = None,
-    extras: Extras | None = None,
-) -> Study:
-    """Run the whole paper into a folder, or continue where a run into it stopped.
-
-    Args:
-        out: The folder; made if it does not exist.
-        config: What to run; the paper's numbers on the embedded defaults if left out.
-        workers: Processes that simulate; 0 simulates in this one.
-        executor: Runs the simulation jobs instead of local processes.
-        progress: Told about finished items.
-        models: Objects that answer for model names of the configuration; other names are looked
-            up by `make_llm`.
-        extras: What else is kept of the episodes that this run simulates: traces, annotations,
-            videos.
-
-    Raises:
-        UsageError: For an unknown component, a missing extra or a folder of another study.
-        StudyError: When the folder cannot be written.
-    """
-    pipeline = Pipeline(
-        out,
-        config or StudyConfig(),
-        workers=workers,
-        executor=executor,
-        progress=progress,
-        models=models,
-        extras=extras,
-    )
-    return pipeline.run()
 
 
 def _tree_text(tree: ScenarioTree) -> str:
@@ -467,7 +474,8 @@ def _tree_text(tree: ScenarioTree) -> str:
 
 def _failed(name: str, error: Exception, **more: Any) -> dict[str, Any]:
     """Return the line of an item that failed."""
-    return {"id": name, **more, "status": "failed", "error": str(error)}
+    is_retryable = {"retryable": True} if getattr(error, "retryable", False) else {}
+    return {"id": name, **more, "status": "failed", "error": redact(str(error)), **is_retryable}
 
 
 def _is_whole(rows: Sequence[Mapping[str, Any]], count: int) -> bool:

@@ -72,6 +72,11 @@ class Store:
         with self._guard(target), target.open("ab") as file:
             file.write(_line(item).encode())
 
+    def remove(self, name: str) -> None:
+        """Delete a file if it is there."""
+        with self._guard(self.path(name)):
+            self.path(name).unlink(missing_ok=True)
+
     def lines(self, name: str) -> Iterator[dict[str, Any]]:
         """Read a file of lines; a torn last line is dropped, a missing file is empty.
 

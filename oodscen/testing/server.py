@@ -1,9 +1,11 @@
 """An OpenAI-compatible server on this machine that answers with any language model."""
 
 import base64
+import gzip
 import hashlib
 import json
 import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -23,16 +25,22 @@ Fault = Literal[
     "http401",
     "http429",
     "http500",
+    "http503",
     "html",
     "empty",
     "cut",
     "reset",
+    "slow",
+    "slow_head",
+    "huge",
+    "packed",
 ]
 """What a server can do wrong.
 
 The answer: `malformed` is prose, `truncated` its first half, `wrong_schema` another object, `null` none.
 The response: an HTTP status with the usual error body (`http429` with `Retry-After: 7`), a web page,
-an empty body, a body shorter than announced, a connection closed without a word.
+an empty body, a body shorter than announced, a connection closed without a word, a body or a head that comes byte
+by byte and does not end (`slow`, `slow_head`), a body without an end (`huge`), a compressed one (`packed`).
 """
 
 Faults = Callable[[int, Request | None], Fault | None]
@@ -84,7 +92,7 @@ class AnsweringServer:
         self._http: ThreadingHTTPServer | None = None
 
     def __enter__(self) -> Self:
-        self._http = ThreadingHTTPServer(("127.0.0.1", 0), _handler(self))
+        self._http = _Server(("127.0.0.1", 0), _handler(self))
         threading.Thread(target=self._http.serve_forever, args=(0.02,), daemon=True).start()
         return self
 
@@ -146,12 +154,17 @@ class AnsweringServer:
         return self._faults(index, request) if self._faults else None
 
 
+class _Server(ThreadingHTTPServer):
+    request_queue_size = 128
+
+
 class _Announcing:
     """Tells the server each question before a client sends it."""
 
     def __init__(self, server: AnsweringServer, client: LiteLLM) -> None:
         self.name = client.name
         self.client = client
+        self.traffic = client.traffic
         self._server = server
 
     def complete(self, request: Request) -> Completion:
@@ -225,7 +238,25 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
                 self._send(200, b"<!doctype html><html><body>Bad gateway</body></html>")
             elif fault == "empty":
                 self._send(200, b"")
+            elif fault == "packed":
+                self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
+            elif fault == "slow_head":
+                self._pour(b"HTTP/1.1 200 OK\r\nx-slow: ", b"a", _PAUSE_S)
+            elif fault in ("slow", "huge"):
+                head = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n"
+                slow = fault == "slow"
+                self._pour(head, b" " if slow else b" " * 65_536, _PAUSE_S if slow else 0.0)
             self.close_connection = True
+
+        def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
+            """Send pieces until the client has had enough."""
+            try:
+                self.wfile.write(head)
+                while True:
+                    self.wfile.write(piece)
+                    time.sleep(pause_s)
+            except OSError:
+                return
 
         def _error(self, status: int, message: str, headers: dict[str, str] | None = None) -> None:
             document = {"error": {"message": message, "type": "injected", "code": status}}
@@ -252,7 +283,23 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
     return Handler
 
 
-_RESPONSES = ("http400", "http401", "http429", "http500", "html", "empty", "reset")
+_RESPONSES = (
+    "http400",
+    "http401",
+    "http429",
+    "http500",
+    "http503",
+    "html",
+    "empty",
+    "reset",
+    "slow",
+    "slow_head",
+    "huge",
+    "packed",
+)
+
+_PAUSE_S = 0.02
+"""Between two bytes of a slow server."""
 
 
 def _spoil(text: str, fault: Fault | None) -> str | None:

@@ -14,9 +14,9 @@ import pytest
 
 from oodscen.ask import ask
 from oodscen.errors import AnswerError, LLMError, MissingExtra, UnknownComponent, UsageError
+from oodscen.llms.failures import retry_after as seconds_to_wait
 from oodscen.llms.litellm import (
     LiteLLM,
-    _retry_after,
     is_loopback,
     load_litellm,
     provider_seed,
@@ -211,14 +211,14 @@ class Answered(Exception):
 
 def test_every_form_of_retry_after_is_understood():
     soon = datetime.now(UTC) + timedelta(seconds=40)
-    assert _retry_after(Answered(retry_after="3")) == 3.0
-    assert _retry_after(Answered(retry_after=" 1.5")) == 1.5
-    assert _retry_after(Answered(retry_after_ms="250", retry_after="1")) == 0.25
-    assert 0 < _retry_after(Answered(retry_after=format_datetime(soon))) <= 40
-    assert _retry_after(Answered(retry_after="Thu, 01 Jan 1970 00:00:00 GMT")) == 0.0
+    assert seconds_to_wait(Answered(retry_after="3")) == 3.0
+    assert seconds_to_wait(Answered(retry_after=" 1.5")) == 1.5
+    assert seconds_to_wait(Answered(retry_after_ms="250", retry_after="1")) == 0.25
+    assert 0 < seconds_to_wait(Answered(retry_after=format_datetime(soon))) <= 40
+    assert seconds_to_wait(Answered(retry_after="Thu, 01 Jan 1970 00:00:00 GMT")) == 0.0
     for nonsense in ("soon", "", "-1", "1.2.3"):
-        assert _retry_after(Answered(retry_after=nonsense)) is None
-    assert _retry_after(ValueError()) is None
+        assert seconds_to_wait(Answered(retry_after=nonsense)) is None
+    assert seconds_to_wait(ValueError()) is None
 
 
 @pytest.mark.parametrize("fault", ["malformed", "truncated", "wrong_schema", "null"])

@@ -28,6 +28,7 @@ def test_a_call_is_accounted_for():
     ask(llm, QUESTION, sample=4)
     (call,) = calls
     assert call.model_dump(exclude={"seconds"}) == {
+        "stage": "",
         "purpose": "imagine-scenario",
         "prompt_version": ImagineScenario.version(),
         "model": "m",
@@ -37,7 +38,9 @@ def test_a_call_is_accounted_for():
         "error": None,
         "input_tokens": 7,
         "output_tokens": 3,
+        "cached_tokens": 0,
         "cost_usd": 0.25,
+        "requests": 1,
     }
     assert call.seconds >= 0
     assert Call.parse(call.to_json()) == call

@@ -16,7 +16,7 @@ from oodscen.study import StudyConfig, run_study
 from oodscen.testing import AnsweringServer, ScriptedLLM
 
 CONFIG = StudyConfig.quick(simulator="flat", encoder="hash", seed=3)
-TIMED = {"study.json", "calls.jsonl", "report.html"}
+TIMED = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
 
 
 def content(folder):

@@ -1,0 +1,58 @@
+"""The command line: each command is a thin call of one public function.
+
+Exit codes: 0 when all went well, 1 when something in the run failed, 2 when the request itself
+cannot be met (unknown name, malformed file, folder of another study), 3 when a cap was reached or an
+endpoint given up and the same command continues.
+"""
+
+import os
+from typing import Any
+
+import click
+
+from oodscen._version import __version__
+from oodscen.cli import components, measuring, stages, study
+from oodscen.errors import OodscenError, RunStopped, UsageError
+from oodscen.llms.redaction import redact
+
+# Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+
+class _Group(click.Group):
+    """Turns errors of the library into one friendly line and an exit code."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except OodscenError as error:
+            if ctx.params.get("debug"):
+                raise
+            click.echo(f"oodscen: {redact(str(error))}", err=True)
+            ctx.exit(
+                2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
+            )
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="oodscen")
+@click.option("--debug", is_flag=True, help="Show tracebacks.")
+def main(debug: bool) -> None:
+    """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
+
+
+for _command in (
+    study.run,
+    stages.grow,
+    stages.redteam,
+    stages.prune,
+    stages.describe,
+    stages.augment,
+    stages.simulate,
+    study.evaluate,
+    measuring.score,
+    study.report,
+    components.plugins,
+    components.doctor,
+):
+    main.add_command(_command)

@@ -1,0 +1,122 @@
+"""Options that several commands share."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from oodscen.errors import UsageError
+from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
+
+if TYPE_CHECKING:
+    from oodscen.llms.traffic import Price, Traffic
+
+Command = Callable[..., Any]
+
+READABLE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    def apply(function: Command) -> Command:
+        for decorator in reversed(decorators):
+            function = decorator(function)
+        return function
+
+    return apply
+
+
+llm_options = _options(
+    click.option(
+        "--llm",
+        default=DEFAULT_LLM,
+        show_default=True,
+        help="Model, by litellm's name, builtin, or replay:FILE.",
+    ),
+    click.option("--api-base", help="Address of an OpenAI-compatible server."),
+)
+seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0))
+simulator_option = click.option(
+    "--simulator", default=DEFAULT_SIMULATOR, show_default=True, help="Name, or module:attr."
+)
+out_option = click.option(
+    "-o",
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write; else standard output.",
+)
+extras_options = _options(
+    click.option(
+        "--traces", is_flag=True, help="Keep traces/SCENE.parquet: all ground truth, every action."
+    ),
+    click.option(
+        "--annotations", is_flag=True, help="Keep boxes, classes, ids and depth of every frame."
+    ),
+    click.option(
+        "--video",
+        is_flag=False,
+        flag_value="both",
+        type=click.Choice(("ego", "bird", "both")),
+        help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
+    ),
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+traffic_options = _options(
+    click.option(
+        "--max-requests", type=click.IntRange(min=0), help="Largest number of HTTP requests."
+    ),
+    click.option(
+        "--max-tokens", type=click.IntRange(min=0), help="Largest number of tokens, in and out."
+    ),
+    click.option("--max-cost", type=click.FloatRange(min=0), help="Largest cost, in USD."),
+    click.option(
+        "--max-seconds", type=click.FloatRange(min=0), help="No request is begun after this time."
+    ),
+    click.option(
+        "--price",
+        "prices",
+        multiple=True,
+        metavar="MODEL=IN,OUT",
+        help="USD per million tokens of input and output; repeatable.",
+    ),
+    click.option(
+        "--concurrency",
+        default=8,
+        show_default=True,
+        type=click.IntRange(min=1),
+        help="Requests to one server at once, at most; fewer while it says that there are too many.",
+    ),
+)
+
+
+def traffic_from(choices: dict[str, Any]) -> "Traffic":
+    """Take what `traffic_options` gave out of a command's arguments.
+
+    Raises:
+        UsageError: When a price is malformed.
+    """
+    from oodscen.llms.traffic import Caps, Traffic
+
+    caps = Caps(
+        requests=choices.pop("max_requests"),
+        tokens=choices.pop("max_tokens"),
+        cost_usd=choices.pop("max_cost"),
+        seconds=choices.pop("max_seconds"),
+    )
+    prices = dict(map(_price, choices.pop("prices")))
+    return Traffic(caps, prices=prices, concurrency=choices.pop("concurrency"))
+
+
+def _price(text: str) -> "tuple[str, Price]":
+    from oodscen.llms.traffic import Price
+
+    model, _, values = text.rpartition("=")
+    try:
+        asked, answered = map(float, values.split(","))
+    except ValueError:
+        asked = answered = -1.0
+    if not model or min(asked, answered) < 0:
+        raise UsageError(
+            f"{text!r} is no price; write MODEL=IN,OUT in USD per million tokens, e.g. gpt-4o=2.5,10"
+        )
+    return model, Price(asked, answered)

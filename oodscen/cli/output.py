@@ -1,0 +1,118 @@
+"""What commands read, write and show."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+from tqdm import tqdm
+
+from oodscen._data import Data
+from oodscen.errors import DataError, Issue
+
+if TYPE_CHECKING:
+    from oodscen.llms.accounting import Account
+
+Row = TypeVar("Row", bound=Data)
+
+
+def summary(info: dict[str, Any]) -> str:
+    """Say in a few lines what a study has come to."""
+    counts = info["counts"]
+    nodes = counts["nodes"]
+    lines = [
+        f"{info['status']} in {info['seconds']['total']:.0f} s (seed {info['config']['seed']}); "
+        f"texts by {info['authors']['llm']}",
+        f"trees: {nodes['initial']} -> {nodes['diverse']} -> {nodes['simulatable']} nodes, "
+        f"{counts['paths']} paths, {counts['attested']} of them attested by the paper",
+        f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
+        f"{counts['verdicts']} verdicts",
+    ]
+    failures = {name: number for name, number in info["failures"].items() if number}
+    if failures:
+        listed = ", ".join(f"{number} in {name}" for name, number in failures.items())
+        lines.append(
+            f"failed items (each line has its error): {listed}; the same command does those again that "
+            "got no answer, --retry-failed all of them"
+        )
+    return "\n".join(lines)
+
+
+def estimated(rows: Sequence["Account"]) -> str:
+    """Say what a run would ask, one line per stage and model."""
+    if not rows:
+        return "nothing is left to be asked of a model"
+    lines = []
+    for row in rows:
+        cost = "price not known" if row.cost_usd is None else f"${row.cost_usd:.2f}"
+        lines.append(
+            f"{row.group[0]:10} {row.group[1]:28} {row.calls:6} calls  about {row.input_tokens:9,} tokens "
+            f"in {row.output_tokens:8,} out  {cost}"
+        )
+    costs = [row.cost_usd for row in rows]
+    known = sum(cost for cost in costs if cost is not None)
+    rest = "" if None not in costs else " and what has no known price (give one with --price)"
+    total = f"{sum(row.calls for row in rows)} calls, about ${known:.2f}{rest}"
+    return "\n".join([*lines, f"together {total}; repairs and retries come on top"])
+
+
+def write(out: Path | None, text: str) -> None:
+    """Write a document to a file in one step, or to standard output."""
+    if out is None:
+        click.echo(text)
+        return
+    from oodscen.study import Store
+
+    Store(out.parent).write(out.name, text + "\n")
+
+
+def write_lines(out: Path | None, items: Iterable[Data]) -> None:
+    """Write one value per line."""
+    write(out, "\n".join(item.to_json() for item in items))
+
+
+def read_lines(kind: type[Row], path: Path) -> list[Row]:
+    """Read one value per line; every malformed line is reported."""
+    rows, issues = [], []
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        issue = Issue("", f"byte {error.start} is not UTF-8")
+        raise DataError(kind.noun, [issue], source=str(path)) from None
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.strip():
+            try:
+                rows.append(kind.parse(line))
+            except DataError as error:
+                issues += [
+                    Issue(f"line {number}: {i.path}".rstrip(": "), i.message) for i in error.issues
+                ]
+    if issues:
+        raise DataError(kind.noun, issues, source=str(path))
+    return rows
+
+
+@contextmanager
+def bars(ledger: object = "") -> Iterator[Callable[[str, int, int], None]]:
+    """Show one progress bar per stage on standard error, where that is a terminal.
+
+    Args:
+        ledger: Shown behind the bar as text.
+    """
+    bars: dict[str, tqdm[Any]] = {}
+
+    def progress(stage: str, done: int, total: int) -> None:
+        if stage not in bars:
+            bars[stage] = tqdm(total=total, desc=f"{stage:13}", disable=None)
+        bar = bars[stage]
+        bar.set_postfix_str(str(ledger), refresh=False)
+        bar.update(done - bar.n)
+        if done >= total:
+            bar.close()
+
+    try:
+        yield progress
+    finally:
+        for bar in bars.values():
+            bar.close()

@@ -1,0 +1,170 @@
+"""Commands that are one stage each."""
+
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import click
+from tqdm import tqdm
+
+from oodscen import paper
+from oodscen.cli.options import (
+    READABLE,
+    extras_options,
+    llm_options,
+    out_option,
+    seed_option,
+    simulator_option,
+)
+from oodscen.cli.output import read_lines, write, write_lines
+from oodscen.errors import DataError, Issue
+
+
+@click.command()
+@llm_options
+@seed_option
+@click.option(
+    "--nodes", default=paper.NODES["initial"], show_default=True, type=click.IntRange(min=12)
+)
+@out_option
+def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None) -> None:
+    """Grow an initial tree."""
+    from oodscen import TreeGrower, make_llm
+
+    tree = TreeGrower(make_llm(llm, seed=seed, api_base=api_base), nodes=nodes).run()
+    write(out, tree.to_json())
+
+
+@click.command()
+@click.argument("tree", type=READABLE)
+@llm_options
+@seed_option
+@click.option(
+    "--iterations", default=paper.ITERATIONS, show_default=True, type=click.IntRange(min=0)
+)
+@click.option("--open-loop", is_flag=True, help="The paper's way.")
+@out_option
+def redteam(
+    tree: Path,
+    llm: str,
+    api_base: str | None,
+    seed: int,
+    iterations: int,
+    open_loop: bool,
+    out: Path | None,
+) -> None:
+    """Red-team the tree in the file TREE."""
+    from oodscen import RedTeamer, ScenarioTree, make_llm
+
+    grown = ScenarioTree.load(tree)
+    teamer = RedTeamer(
+        make_llm(llm, seed=seed, api_base=api_base),
+        iterations=iterations,
+        closed_loop=not open_loop,
+    )
+    for item in tqdm(teamer.rounds(grown), total=iterations, desc="redteam", disable=None):
+        grown = grown.apply(*item.edits)
+    write(out, grown.to_json())
+
+
+@click.command()
+@click.argument("tree", type=READABLE)
+@llm_options
+@seed_option
+@simulator_option
+@out_option
+def prune(
+    tree: Path, llm: str, api_base: str | None, seed: int, simulator: str, out: Path | None
+) -> None:
+    """Prune the tree in the file TREE to what a simulator can show."""
+    from oodscen import Pruner, ScenarioTree, make_llm, make_simulator
+
+    catalogue = make_simulator(simulator).catalogue()
+    model = make_llm(llm, seed=seed, api_base=api_base)
+    write(out, Pruner(model, catalogue).run(ScenarioTree.load(tree)).to_json())
+
+
+@click.command()
+@click.argument("tree", type=READABLE)
+@llm_options
+@seed_option
+@click.option("--per-path", default=paper.PER_PATH, show_default=True, type=click.IntRange(min=1))
+@click.option("--encoder", help="Encoder that finds near duplicates; none if left out.")
+@out_option
+def describe(
+    tree: Path,
+    llm: str,
+    api_base: str | None,
+    seed: int,
+    per_path: int,
+    encoder: str | None,
+    out: Path | None,
+) -> None:
+    """Describe every path of the tree in the file TREE: one scenario per line."""
+    from oodscen import Describer, ScenarioTree, make_encoder, make_llm
+
+    model = make_llm(llm, seed=seed, api_base=api_base)
+    describer = Describer(model, make_encoder(encoder) if encoder else None, per_path=per_path)
+    write_lines(out, describer.run(ScenarioTree.load(tree)))
+
+
+@click.command()
+@click.argument("scenarios", type=READABLE)
+@llm_options
+@seed_option
+@simulator_option
+@out_option
+def augment(
+    scenarios: Path, llm: str, api_base: str | None, seed: int, simulator: str, out: Path | None
+) -> None:
+    """Stage every scenario of the file SCENARIOS: one scene per line."""
+    from oodscen import Augmenter, Scenario, make_llm, make_simulator
+
+    augmenter = Augmenter(
+        make_llm(llm, seed=seed, api_base=api_base), make_simulator(simulator).catalogue()
+    )
+    items = tqdm(read_lines(Scenario, scenarios), desc="augment", disable=None)
+    write_lines(out, (augmenter.run(scenario) for scenario in items))
+
+
+@click.command()
+@click.argument("scenes", type=READABLE)
+@click.argument("out", type=click.Path(file_okay=False, path_type=Path))
+@simulator_option
+@seed_option
+@extras_options
+@click.option("--workers", default=1, show_default=True, type=click.IntRange(min=1))
+def simulate(
+    scenes: Path,
+    out: Path,
+    simulator: str,
+    seed: int,
+    traces: bool,
+    annotations: bool,
+    video: Any,
+    workers: int,
+) -> None:
+    """Run every scene of the file SCENES; episodes and frames go into the folder OUT."""
+    from oodscen import Scene
+    from oodscen.study import Store
+    from oodscen.study.sweep import Extras, Job, sweep
+
+    items = read_lines(Scene, scenes)
+    counts = Counter(scene.id for scene in items)
+    issues = [Issue("id", f"{one!r} occurs more than once") for one in counts if counts[one] > 1]
+    if issues:
+        raise DataError("scenes", issues, source=str(scenes))
+    store = Store(out)
+    store.prepare()
+    episodes = {}
+    job = Job(simulator, seed, Extras(traces, annotations, video))
+    results = sweep(job, items, workers=workers)
+    for result in tqdm(results, total=len(items), desc="simulate", disable=None):
+        result.save(store)
+        episodes[result.episode.id] = result.episode
+    store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
+    failed = [episode for episode in episodes.values() if episode.status == "failed"]
+    for episode in failed:
+        click.echo(f"{episode.id}: {episode.error}", err=True)
+    sys.exit(bool(failed))

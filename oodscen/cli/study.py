@@ -1,0 +1,151 @@
+"""Commands about a whole study: run it, judge models on it, report on it."""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from oodscen import paper
+from oodscen.cli.options import (
+    READABLE,
+    extras_options,
+    json_option,
+    llm_options,
+    seed_option,
+    simulator_option,
+    traffic_from,
+    traffic_options,
+)
+from oodscen.cli.output import bars, estimated, summary
+from oodscen.registry import DEFAULT_ENCODER
+
+
+@click.command()
+@click.argument("out", type=click.Path(file_okay=False, path_type=Path))
+@llm_options
+@click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
+@click.option("--fallback", help="Model that is asked where the others give no answer.")
+@click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
+@traffic_options
+@simulator_option
+@click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Name, or module:attr.")
+@click.option(
+    "--baseline", type=READABLE, help="Ordinary-driving texts: lines, JSONL, CSV or JSON."
+)
+@click.option(
+    "--nodes", type=int, help=f"Size of the initial tree.  [default: {paper.NODES['initial']}]"
+)
+@click.option(
+    "--iterations", type=int, help=f"Rounds of red teaming.  [default: {paper.ITERATIONS}]"
+)
+@click.option(
+    "--open-loop", is_flag=True, help="Do not show the red-LLM what is covered (the paper's way)."
+)
+@click.option(
+    "--per-path", type=int, help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]"
+)
+@click.option("--max-paths", type=int, help="Simulate at most this many paths.")
+@click.option(
+    "--band",
+    nargs=2,
+    type=float,
+    metavar="LO HI",
+    help="Stage only texts whose OOD-ness lies in this band.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    help="Processes that simulate.  [default: number of CPUs]",
+)
+@extras_options
+@seed_option
+@click.option("--quick", is_flag=True, help="A complete small run in seconds.")
+@click.option(
+    "--retry-failed", is_flag=True, help="Do items again whose answers were never valid, too."
+)
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Only say how many calls and tokens the run needs, at what cost.",
+)
+@json_option
+def run(
+    out: Path,
+    quick: bool,
+    workers: int | None,
+    open_loop: bool,
+    as_json: bool,
+    traces: bool,
+    annotations: bool,
+    video: Any,
+    retry_failed: bool,
+    dry_run: bool,
+    **choices: Any,
+) -> None:
+    """Run the whole paper into the folder OUT, or continue a run that stopped."""
+    from oodscen.llms.accounting import Ledger
+    from oodscen.study import Extras, StudyConfig, estimate, run_study
+
+    traffic = traffic_from(choices)
+    given = {name: value for name, value in choices.items() if value not in (None, ())}
+    if "baseline" in given:
+        given["baseline"] = str(given["baseline"])
+    given["closed_loop"] = not open_loop
+    if quick:
+        given = {**StudyConfig.quick().model_dump(), **given}
+    config = StudyConfig.parse(given)
+    if dry_run:
+        rows = estimate(out, config, prices=traffic.prices)
+        click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
+        return
+    ledger = Ledger()
+    with bars(ledger) as progress:
+        study = run_study(
+            out,
+            config,
+            workers=workers or os.cpu_count() or 1,
+            progress=progress,
+            extras=Extras(traces, annotations, video),
+            traffic=traffic,
+            ledger=ledger,
+            retry=retry_failed,
+        )
+    info = study.info
+    if as_json:
+        click.echo(json.dumps(info, indent=2))
+    else:
+        click.echo(summary(info))
+        click.echo(f"report: {(study.folder / 'report.html').resolve()}")
+    if info["status"] != "success":
+        sys.exit(1)
+
+
+@click.command()
+@click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "--vlm", "vlms", multiple=True, required=True, help="Vision-language model; repeatable."
+)
+@traffic_options
+def evaluate(out: Path, vlms: tuple[str, ...], **choices: Any) -> None:
+    """Judge further vision-language models on the study in the folder OUT."""
+    from oodscen.study import Study, run_study
+
+    config = Study.open(out).config
+    names = tuple(dict.fromkeys((*config.vlms, *vlms)))
+    config = config.model_copy(update={"vlms": names})
+    with bars() as progress:
+        study = run_study(out, config, progress=progress, traffic=traffic_from(choices))
+    click.echo(f"report: {(study.folder / 'report.html').resolve()}")
+
+
+@click.command()
+@click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+def report(out: Path) -> None:
+    """Write the report of the study in the folder OUT anew."""
+    from oodscen.report import write_report
+    from oodscen.study import Study
+
+    click.echo(str(write_report(Study.open(out)).resolve()))

@@ -1,0 +1,93 @@
+"""Bounds on one call: wall-clock time and bytes.
+
+A read timeout starts anew with every byte, so a server that sends a byte now and then is never timed
+out by it; and a body without an end fills the memory. Both are stopped below the HTTP client.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Literal
+
+KEPT = 20_000
+"""How much of a body is kept for the error that it may end in, in bytes."""
+
+
+class BoundReached(Exception):
+    """A response is larger than allowed; no caller sees it, the client reports `Bounds.broken`."""
+
+
+class Bounds:
+    """How long one call may take and how much it may receive; and what arrived.
+
+    Args:
+        seconds: Until the end of the body.
+        size: Largest body, in bytes.
+        clock: Monotonic seconds.
+    """
+
+    def __init__(
+        self, seconds: float, size: int, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.size = size
+        self.is_sent = False
+        """Whether a request went through here at all; some providers have clients of their own."""
+        self.status: int | None = None
+        """Of the response; `None` while there is none."""
+        self.head = b""
+        """The beginning of the body."""
+        self.received = 0
+        """Bytes of the body so far."""
+        self.broken: Literal["time", "size", "encoding"] | None = None
+        """Which bound was reached."""
+        self._clock = clock
+        self._ends = clock() + seconds
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is up."""
+        return self._clock() >= self._ends
+
+    def left(self, timeout: float | None) -> float:
+        """Return the seconds that the next read or write may take; 0 or less when time is up."""
+        left = self._ends - self._clock()
+        if left <= 0:
+            self.broken = "time"
+            return 0.0
+        return left if timeout is None else min(timeout, left)
+
+    def count(self, chunk: bytes) -> None:
+        """Take note of a piece of the body.
+
+        Raises:
+            BoundReached: When the body is too large.
+        """
+        self.received += len(chunk)
+        if len(self.head) < KEPT:
+            self.head += chunk[: KEPT - len(self.head)]
+        self.refuse(self.received)
+
+    def refuse(self, size: int) -> None:
+        """Raise `BoundReached` when a body of this size is too large."""
+        if size > self.size:
+            self.broken = "size"
+            raise BoundReached(f"the response has more than {self.size:,} bytes")
+
+
+_bounds: ContextVar[Bounds | None] = ContextVar("bounds", default=None)
+
+
+@contextmanager
+def bounded(bounds: Bounds) -> Iterator[Bounds]:
+    """Hold every request of this thread to these bounds while the context lasts."""
+    token = _bounds.set(bounds)
+    try:
+        yield bounds
+    finally:
+        _bounds.reset(token)
+
+
+def active() -> Bounds | None:
+    """Return the bounds of this thread's call, if there is one."""
+    return _bounds.get()

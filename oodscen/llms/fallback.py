@@ -1,0 +1,37 @@
+"""A second model for what the first does not answer."""
+
+from oodscen.errors import EndpointDown, LLMError
+from oodscen.protocols import LLM, Completion, Request
+
+
+class FallbackLLM:
+    """Asks a second model where the first gives no answer, and only the second once the first is down.
+
+    An answer that is there but not valid is fed back to the first model as usual.
+
+    Args:
+        first: Who is asked.
+        second: Who is asked instead.
+    """
+
+    def __init__(self, first: LLM, second: LLM) -> None:
+        self.name = f"{first.name}, else {second.name}"
+        self._first = first
+        self._second = second
+        self._is_down = False
+
+    def complete(self, request: Request) -> Completion:
+        """Return the first model's answer, or else the second's.
+
+        Raises:
+            LLMError: When neither answers.
+            RunStopped: When a cap is reached, or both endpoints are given up.
+        """
+        if not self._is_down:
+            try:
+                return self._first.complete(request)
+            except EndpointDown:
+                self._is_down = True
+            except LLMError:
+                pass
+        return self._second.complete(request)

@@ -1,0 +1,62 @@
+"""Caps for models that are not asked through litellm."""
+
+from typing import Any
+
+from oodscen.errors import UsageError
+from oodscen.llms.litellm import estimate_tokens
+from oodscen.llms.traffic import Spent, Traffic
+from oodscen.protocols import LLM, Completion, Request
+
+
+class MeteredLLM:
+    """Holds another model to the caps of a run; every call counts as one request.
+
+    Args:
+        llm: Who answers; its other attributes are reachable through this object.
+        traffic: The caps, and how many calls may be under way at once.
+
+    Raises:
+        UsageError: When the cost is capped and no price is given for the model.
+    """
+
+    def __init__(self, llm: LLM, traffic: Traffic) -> None:
+        self.name = llm.name
+        self.traffic = traffic
+        self._llm = llm
+        self._price = traffic.prices.get(llm.name)
+        if traffic.budget.caps.cost_usd is not None and self._price is None:
+            raise UsageError(
+                f"the cost of the run is capped and the price of {llm.name!r} is not known; give it in "
+                f"USD per million tokens of input and output, e.g. --price {llm.name}=0,0"
+            )
+        self._endpoint = traffic.endpoint(f"model {llm.name}")
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._llm, name)
+
+    def complete(self, request: Request) -> Completion:
+        """Pass the request on if the caps allow it.
+
+        Raises:
+            BudgetExceeded: When they do not.
+        """
+        budget = self.traffic.budget
+        asked = estimate_tokens(request)
+        most = Spent(1, asked + budget.answer_tokens, self._cost(asked, budget.answer_tokens))
+        with self._endpoint.slot():
+            budget.reserve(most)
+            used, answered = most, 0
+            try:
+                completion = self._llm.complete(request)
+                usage = completion.usage
+                answered = usage.output_tokens
+                cost = usage.cost_usd or self._cost(usage.input_tokens, answered)
+                used = Spent(1, usage.input_tokens + answered, cost)
+                return completion
+            finally:
+                budget.settle(most, used, answered)
+
+    def _cost(self, asked: int, answered: int) -> float:
+        return self._price.of(asked, answered) if self._price else 0.0

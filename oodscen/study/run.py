@@ -1,0 +1,62 @@
+"""A whole study in one call."""
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from pathlib import Path
+
+from oodscen.llms.accounting import Ledger
+from oodscen.llms.traffic import Traffic
+from oodscen.protocols import LLM
+from oodscen.study.config import StudyConfig
+from oodscen.study.pipeline import Pipeline, Progress
+from oodscen.study.study import Study
+from oodscen.study.sweep import Extras
+
+
+def run_study(
+    out: str | Path,
+    config: StudyConfig | None = None,
+    *,
+    workers: int = 0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    models: Mapping[str, LLM] | None = None,
+    extras: Extras | None = None,
+    traffic: Traffic | None = None,
+    ledger: Ledger | None = None,
+    retry: bool = False,
+) -> Study:
+    """Run the whole paper into a folder, or continue where a run into it stopped.
+
+    Args:
+        out: The folder; made if it does not exist.
+        config: What to run; the paper's numbers on the embedded defaults if left out.
+        workers: Processes that simulate; 0 simulates in this one.
+        executor: Runs the simulation jobs instead of local processes.
+        progress: Told about finished items.
+        models: Objects that answer for model names of the configuration; other names are looked
+            up by `make_llm`.
+        extras: What else is kept of the episodes that this run simulates: traces, annotations,
+            videos.
+        traffic: Caps, prices and concurrency of the models.
+        ledger: Keeps running totals of the calls.
+        retry: Do every failed item again. Without it, only those are that failed because no answer came.
+
+    Raises:
+        UsageError: For an unknown component, a missing extra or a folder of another study.
+        RunStopped: When a cap is reached or an endpoint given up; running again continues.
+        StudyError: When the folder cannot be written.
+    """
+    pipeline = Pipeline(
+        out,
+        config or StudyConfig(),
+        workers=workers,
+        executor=executor,
+        progress=progress,
+        models=models,
+        extras=extras,
+        traffic=traffic,
+        ledger=ledger,
+        retry=retry,
+    )
+    return pipeline.run()
