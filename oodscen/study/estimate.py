@@ -55,9 +55,7 @@ def estimate(
         pipeline = Pipeline(folder, config, models=asked)
         pipeline.prepare()
         calls = Store(folder)
-        scenarios, _, _, _ = pipeline.write_texts()
-        with pipeline.timed("augment"):
-            scenes = pipeline.augment(scenarios)
+        scenes = pipeline.stage(pipeline.write_texts().scenarios)
         lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
         judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
         for name in filter(_is_asked, config.vlms):

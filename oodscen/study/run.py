@@ -8,7 +8,8 @@ from oodscen.llms.accounting import Ledger
 from oodscen.llms.traffic import Traffic
 from oodscen.protocols import LLM
 from oodscen.study.config import StudyConfig
-from oodscen.study.pipeline import Pipeline, Progress
+from oodscen.study.context import Progress
+from oodscen.study.pipeline import Pipeline
 from oodscen.study.study import Study
 from oodscen.study.sweep import Extras
 

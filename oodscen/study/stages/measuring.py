@@ -1,0 +1,51 @@
+"""The stage that measures the texts."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from oodscen import paper
+from oodscen._data import canonical_json
+from oodscen.baselines import load_baseline
+from oodscen.metrics import Metrics
+from oodscen.scenario import Scenario
+from oodscen.study.context import Context
+
+
+def measure(
+    run: Context, scenarios: list[Scenario], sets: Mapping[int, list[Scenario]]
+) -> list[Scenario]:
+    """Compute the metrics; return the scenarios inside the OOD-ness band."""
+    if not run.store.has("metrics.json"):
+        run.progress("metrics", 0, 1)
+        content = _metrics(run, {**{str(k): v for k, v in sets.items()}, "simulatable": scenarios})
+        run.store.write("metrics.json", canonical_json(content) + "\n")
+    run.progress("metrics", 1, 1)
+    if run.config.band is None or not scenarios:
+        return scenarios
+    low, high = run.config.band
+    values = run.study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
+    return [s for s, value in zip(scenarios, values, strict=True) if low <= value <= high]
+
+
+def _metrics(run: Context, groups: Mapping[str, Sequence[Scenario]]) -> dict[str, Any]:
+    baseline = load_baseline(run.config.baseline) if run.config.baseline else None
+    metrics = Metrics(run.encoder, baseline, seed=run.config.seed)
+    size = min(paper.BATCH, max(1, len(metrics.baseline) // 2))
+    return {
+        "encoder": metrics.encoder.name,
+        "baseline": {
+            "name": metrics.baseline.name,
+            "N": len(metrics.baseline),
+            "digest": metrics.baseline.digest(),
+        },
+        "sets": {
+            name: metrics.report(
+                [scenario.text for scenario in chosen],
+                groups=[scenario.leaf for scenario in chosen],
+            ).model_dump(mode="json")
+            for name, chosen in groups.items()
+            if chosen
+        },
+        "baseline_batch": metrics.baseline_batch(size).model_dump(mode="json"),
+        "baseline_diversity": metrics.baseline_diversity().model_dump(mode="json"),
+    }

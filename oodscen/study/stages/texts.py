@@ -1,0 +1,83 @@
+"""The stages that write texts: of the simulatable tree, and the sets of the diverse tree."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from oodscen.concurrency import as_finished
+from oodscen.describe import Describer, spread, spread_subset
+from oodscen.errors import LLMError
+from oodscen.scenario import Scenario
+from oodscen.study.context import Context, failed
+from oodscen.tree import ScenarioTree
+
+
+def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
+    """Write the texts along the paths of the simulatable tree."""
+    paths = tree.paths
+    if run.config.max_paths is not None:
+        leaves = list(paths)
+        count = min(run.config.max_paths, len(leaves))
+        chosen = [leaves[index * len(leaves) // count] for index in range(count)]
+        paths = {leaf: paths[leaf] for leaf in chosen}
+    counts = dict.fromkeys(paths, run.config.per_path)
+    return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0)
+
+
+def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
+    """Write the text sets of the diverse tree; smaller sets are spread over the largest."""
+    if not run.config.sets or not tree.paths:
+        return {}
+    largest = max(run.config.sets)
+    counts = spread(tree.paths, largest)
+    paths = {leaf: path for leaf, path in tree.paths.items() if counts[leaf]}
+    file = f"texts.diverse.{largest}.jsonl"
+    texts = _describe(run, "describe sets", file, paths, counts, sample=1)
+    sets = {size: spread_subset(texts, size) for size in sorted(run.config.sets)}
+    for size, chosen in sets.items():
+        if size != largest:
+            run.store.write_lines(f"texts.diverse.{size}.jsonl", chosen)
+    return sets
+
+
+def _describe(
+    run: Context,
+    stage: str,
+    file: str,
+    paths: Mapping[str, tuple[str, ...]],
+    counts: Mapping[str, int],
+    *,
+    sample: int,
+) -> list[Scenario]:
+    """Write texts path by path; a path counts as done when all its lines are there."""
+    describer = Describer(run.llm, run.encoder, sample=sample)
+    lines: dict[str, list[dict[str, Any]]] = {}
+    for line in run.store.lines(file):
+        if not run.is_again(line):
+            lines.setdefault(line["leaf"], []).append(line)
+    done = {leaf: rows for leaf, rows in lines.items() if _is_whole(rows, counts.get(leaf, 0))}
+
+    def work(leaf: str) -> list[dict[str, Any]]:
+        try:
+            scenarios = describer.path(leaf, paths[leaf], counts[leaf])
+        except LLMError as error:
+            return [failed(leaf, error, leaf=leaf, path=paths[leaf])]
+        return [scenario.model_dump(mode="json") for scenario in scenarios]
+
+    todo = [leaf for leaf in paths if leaf not in done]
+    if todo:
+        run.store.remove("metrics.json")
+        run.store.write_lines(file, (row for rows in done.values() for row in rows))
+    run.progress(stage, len(done), len(paths))
+    for leaf, rows in as_finished(work, todo, threads=run.threads):
+        for row in rows:
+            run.store.append(file, row)
+        done[leaf] = rows
+        run.progress(stage, len(done), len(paths))
+    ordered = [row for leaf in paths for row in done[leaf]]
+    run.store.write_lines(file, ordered)
+    return [Scenario.parse(row) for row in ordered if "error" not in row]
+
+
+def _is_whole(rows: Sequence[Mapping[str, Any]], count: int) -> bool:
+    """Whether the lines of a path are all there, or say that it failed."""
+    return len(rows) == count or any(row.get("status") == "failed" for row in rows)

@@ -1,0 +1,66 @@
+"""The stages that make the trees: grow, red-team, prune."""
+
+from oodscen.grow import TreeGrower
+from oodscen.prune import Pruner, all_decisions, pruned
+from oodscen.redteam import RedTeamer, Round
+from oodscen.study.context import Context
+from oodscen.tree import ScenarioTree
+
+
+def grow(run: Context) -> ScenarioTree:
+    """Grow the initial tree."""
+    if not run.store.has("tree.initial.json"):
+        run.store.write(
+            "tree.initial.json", _tree_text(TreeGrower(run.llm, nodes=run.config.nodes).run())
+        )
+    run.progress("grow", 1, 1)
+    return run.study.tree("initial")
+
+
+def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
+    """Grow the diverse tree, round by round."""
+    total = run.config.iterations
+    done = [Round.parse(line) for line in run.store.lines("redteam.jsonl")]
+    if run.store.has("tree.diverse.json"):
+        run.progress("redteam", len(done), total)
+        return run.study.tree("diverse")
+    # What follows a failed round builds on it, so only the last ones can be played again.
+    while done and run.is_again(done[-1].model_dump()):
+        done.pop()
+    run.store.write_lines("redteam.jsonl", done)
+    run.progress("redteam", len(done), total)
+    teamer = RedTeamer(run.llm, run.red_llm, iterations=total, closed_loop=run.config.closed_loop)
+    for item in teamer.rounds(tree, done):
+        run.store.append("redteam.jsonl", item)
+        done.append(item)
+        run.progress("redteam", item.round, total)
+    run.store.write_lines("redteam.jsonl", done)
+    diverse = tree.apply(*(edit for item in done for edit in item.edits))
+    run.store.write("tree.diverse.json", _tree_text(diverse))
+    return diverse
+
+
+def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
+    """Prune to what the simulator's catalogue can show."""
+    total = len(tree.leaves)
+    leaves = {leaf.id for leaf in tree.leaves}
+    judged = [item for item in run.study.decisions if item.id in leaves]
+    judged = [item for item in judged if not run.is_again(item.model_dump())]
+    if run.store.has("tree.simulatable.json") and len(judged) == total:
+        run.progress("prune", total, total)
+        return run.study.tree("simulatable")
+    run.store.write_lines("pruned.jsonl", judged)
+    pruner = Pruner(run.llm, run.simulator.catalogue(), threads=run.threads)
+    for decision in pruner.decisions(tree, [item.id for item in judged]):
+        run.store.append("pruned.jsonl", decision)
+        judged.append(decision)
+        run.progress("prune", len(judged), total)
+    run.store.write_lines("pruned.jsonl", all_decisions(tree, judged))
+    simulatable = pruned(tree, judged)
+    run.store.write_lines("edits.jsonl", simulatable.edits)
+    run.store.write("tree.simulatable.json", _tree_text(simulatable))
+    return simulatable
+
+
+def _tree_text(tree: ScenarioTree) -> str:
+    return tree.to_json() + "\n"
