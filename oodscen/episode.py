@@ -39,6 +39,10 @@ class ActionOutcome(Data):
     off_road: bool = False
     final_speed: float | None = None
     """m/s at the end."""
+    peak_deceleration: float | None = None
+    """Hardest braking of the ego, m/s^2, never negative; `None` if unavailable or not measured."""
+    peak_jerk: float | None = None
+    """Fastest change of the ego's acceleration along its path, m/s^3, over 0.2 s."""
 
 
 class Episode(Data):
@@ -78,6 +82,16 @@ class Episode(Data):
     """False where replaying the approach gave another trace; then no action is called safe."""
     actions: dict[str, ActionOutcome] = {}
     """By action id."""
+    followers: tuple[str, ...] = ()
+    """Who is behind the ego in its lane at the decision point, near enough to matter: the front
+    camera never shows them."""
+    restaged: str = ""
+    """How the scene was re-staged so that some action is safe and some is not; empty where it was not."""
+
+    @property
+    def is_twin(self) -> bool:
+        """Whether the episode is that of an ordinary twin."""
+        return self.scene_id.endswith("~twin")
 
     @property
     def safe_set(self) -> tuple[str, ...]:
