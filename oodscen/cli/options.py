@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen.errors import UsageError
+from oodscen.llms.traffic import PATIENCE_S
 from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 
 if TYPE_CHECKING:
@@ -86,6 +87,13 @@ traffic_options = _options(
         type=click.IntRange(min=1),
         help="Requests to one server at once, at most; fewer while it says that there are too many.",
     ),
+    click.option(
+        "--patience",
+        default=PATIENCE_S,
+        show_default=True,
+        type=click.FloatRange(min=1),
+        help="Seconds without a response to anything after which a server is given up.",
+    ),
 )
 
 
@@ -104,7 +112,12 @@ def traffic_from(choices: dict[str, Any]) -> "Traffic":
         seconds=choices.pop("max_seconds"),
     )
     prices = dict(map(_price, choices.pop("prices")))
-    return Traffic(caps, prices=prices, concurrency=choices.pop("concurrency"))
+    return Traffic(
+        caps,
+        prices=prices,
+        concurrency=choices.pop("concurrency"),
+        patience_s=choices.pop("patience"),
+    )
 
 
 def _price(text: str) -> "tuple[str, Price]":

@@ -4,6 +4,7 @@ A read timeout starts anew with every byte, so a server that sends a byte now an
 out by it; and a body without an end fills the memory. Both are stopped below the HTTP client.
 """
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,12 +26,23 @@ class Bounds:
         seconds: Until the end of the body.
         size: Largest body, in bytes.
         clock: Monotonic seconds.
+        silence_s: After how long without a byte the server is looked at.
+        is_alive: Whether the server at an address still responds to anything.
     """
 
     def __init__(
-        self, seconds: float, size: int, clock: Callable[[], float] = time.monotonic
+        self,
+        seconds: float,
+        size: int,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        silence_s: float = math.inf,
+        is_alive: Callable[[str], bool] = lambda url: True,
     ) -> None:
         self.size = size
+        self.silence_s = silence_s
+        self.url = ""
+        """Of the request that was sent last."""
         self.is_sent = False
         """Whether a request went through here at all; some providers have clients of their own."""
         self.status: int | None = None
@@ -39,8 +51,9 @@ class Bounds:
         """The beginning of the body."""
         self.received = 0
         """Bytes of the body so far."""
-        self.broken: Literal["time", "size", "encoding"] | None = None
+        self.broken: Literal["time", "size", "encoding", "silence"] | None = None
         """Which bound was reached."""
+        self._is_alive = is_alive
         self._clock = clock
         self._ends = clock() + seconds
 
@@ -56,6 +69,13 @@ class Bounds:
             self.broken = "time"
             return 0.0
         return left if timeout is None else min(timeout, left)
+
+    def endure(self) -> bool:
+        """Say whether to go on waiting for a server that has sent nothing for `silence_s`."""
+        if self._is_alive(self.url):
+            return True
+        self.broken = "silence"
+        return False
 
     def count(self, chunk: bytes) -> None:
         """Take note of a piece of the body.

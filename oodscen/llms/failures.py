@@ -72,6 +72,8 @@ def diagnose(model: str, error: Exception, bounds: Bounds, key: str = "") -> Fai
         kind, reason = "erring", f"the response has more than {bounds.size:,} bytes"
     elif bounds.broken == "encoding":
         kind, reason = "erring", "the response is compressed although plain text was asked for"
+    elif bounds.broken == "silence":
+        kind, reason = "unreachable", "the server accepts connections and says nothing"
     elif bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):
         kind, reason = "unreachable", "the response did not end in time"
     is_unreadable = kind == "erring" and (status is None or status < 400)

@@ -160,7 +160,12 @@ class LiteLLM:
         with self._endpoint.slot() as begun:
             self.traffic.budget.reserve(most)
             used, answered = most, 0
-            bounds = Bounds(self.timeout_s, self.max_bytes)
+            bounds = Bounds(
+                self.timeout_s,
+                self.max_bytes,
+                silence_s=self._endpoint.silence_s,
+                is_alive=lambda url: self._endpoint.is_alive(url, _responds),
+            )
             try:
                 with bounded(bounds):
                     response = self._sdk.completion(**arguments)
@@ -360,6 +365,12 @@ def _resolve(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, st
         known = {*sdk.model_cost, *providers, *(f"{name}/{rest}" for name in providers if rest)}
         raise UnknownComponent("llm", model, known) from None
     return model, provider, address
+
+
+def _responds(url: str, timeout_s: float) -> bool:
+    from oodscen.llms.transport import responds
+
+    return responds(url, timeout_s)
 
 
 def _permit(model: str, api_base: str | None, address: str | None) -> None:

@@ -1,5 +1,6 @@
 """What all models of one run share: caps on what is spent, and how each endpoint is treated."""
 
+import math
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -16,7 +17,8 @@ CONCURRENCY = 8
 """How many requests to one endpoint may be under way, unless told otherwise."""
 
 PATIENCE_S = 40.0
-"""How long an endpoint may give no response to anybody before the run ends."""
+"""How long an endpoint may give no response to anybody before the run ends; a server that is slow but
+responds to other requests is waited for."""
 
 STRIKES = 5
 """How many calls in a row may be given up before the run ends."""
@@ -136,6 +138,8 @@ class Endpoint:
         """How many may be under way at present."""
         self.patience_s = patience_s
         self.strikes = strikes
+        self.silence_s = math.inf if patience_s is None else 0.75 * patience_s
+        """After how long without a byte it is worth looking whether the server is still there."""
         self._clock = clock
         self._running = 0
         self._given_up = 0
@@ -144,6 +148,8 @@ class Endpoint:
         self._not_before = 0.0
         self._down: EndpointDown | None = None
         self._free = threading.Condition()
+        self._looking = threading.Lock()
+        self._looked: tuple[float, bool] | None = None
 
     @contextmanager
     def slot(self) -> Iterator[float]:
@@ -174,6 +180,21 @@ class Endpoint:
         """Return how long nobody should ask, since the server said so."""
         with self._free:
             return max(0.0, self._not_before - self._clock())
+
+    def is_alive(self, url: str, probe: Callable[[str, float], bool]) -> bool:
+        """Look whether the server responds to anything; calls that wait together look once.
+
+        Args:
+            url: Where the call that waits was sent.
+            probe: Told the address and the seconds that it may take.
+        """
+        if self.patience_s is None:
+            return True
+        with self._looking:
+            if self._looked is None or self._clock() - self._looked[0] > 0.25 * self.patience_s:
+                found = probe(url, 0.25 * self.patience_s)
+                self._looked = (self._clock(), found)
+            return self._looked[1]
 
     def succeeded(self) -> None:
         """Take note of an answer."""

@@ -13,6 +13,23 @@ import httpx
 
 from oodscen.llms.bounds import Bounds, active
 
+CONNECT_S = 10.0
+"""Longest time to reach a server, in seconds; what it takes to answer is another matter."""
+
+_TOO_LONG = "the call took too long as a whole"
+
+
+def responds(url: str, timeout_s: float) -> bool:
+    """Whether a server says anything at all, be it an error, when its front page is asked for.
+
+    Nothing secret is sent, so its certificate does not matter.
+    """
+    try:
+        httpx.get(httpx.URL(url).join("/"), timeout=timeout_s, verify=False)
+    except httpx.TransportError:
+        return False
+    return True
+
 
 def guard(client: httpx.Client) -> httpx.Client:
     """Make a client heed the bounds of whoever calls it; return it."""
@@ -59,6 +76,7 @@ def install(handlers: ModuleType, openai: ModuleType) -> None:
 def _ask_for_plain_text(request: httpx.Request) -> None:
     if (bounds := active()) is not None:
         bounds.is_sent = True
+        bounds.url = str(request.url)
         # What is compressed has no size before it is unpacked.
         request.headers["accept-encoding"] = "identity"
 
@@ -96,7 +114,18 @@ class _Stream(httpcore.NetworkStream):
         self._inner = inner
 
     def read(self, max_bytes: int, timeout: float | None = None) -> bytes:
-        return self._inner.read(max_bytes, _left(timeout))
+        bounds = active()
+        if bounds is None:
+            return self._inner.read(max_bytes, timeout)
+        while True:
+            left = bounds.left(timeout)
+            if left <= 0:
+                raise httpcore.ReadTimeout(_TOO_LONG)
+            try:
+                return self._inner.read(max_bytes, min(left, bounds.silence_s))
+            except httpcore.ReadTimeout:
+                if left > bounds.silence_s and not bounds.endure():
+                    raise
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
         self._inner.write(buffer, _left(timeout))
@@ -128,9 +157,10 @@ class _Backend(httpcore.NetworkBackend):
         local_address: str | None = None,
         socket_options: Iterable[Any] | None = None,
     ) -> httpcore.NetworkStream:
-        return _Stream(
-            self._inner.connect_tcp(host, port, _left(timeout), local_address, socket_options)
-        )
+        left = _left(timeout)
+        if active() is not None and left is not None:
+            left = min(left, CONNECT_S)
+        return _Stream(self._inner.connect_tcp(host, port, left, local_address, socket_options))
 
     def connect_unix_socket(
         self, path: str, timeout: float | None = None, socket_options: Iterable[Any] | None = None
@@ -147,5 +177,5 @@ def _left(timeout: float | None) -> float | None:
         return timeout
     left = bounds.left(timeout)
     if left <= 0:
-        raise httpcore.ReadTimeout("the call took too long as a whole")
+        raise httpcore.ReadTimeout(_TOO_LONG)
     return left

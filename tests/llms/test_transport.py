@@ -1,12 +1,16 @@
 """A call ends in time and in bounded memory, whatever the server sends."""
 
+import socket
 import time
 import tracemalloc
+from contextlib import contextmanager
 
 import pytest
 
-from oodscen.errors import LLMError, ResponseError
+from oodscen.errors import EndpointDown, LLMError, ResponseError
 from oodscen.llms.bounds import Bounds
+from oodscen.llms.litellm import LiteLLM
+from oodscen.llms.traffic import Traffic
 from oodscen.prompts import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
@@ -66,6 +70,34 @@ def test_a_response_that_is_none_is_kept_for_reading(fault, raw):
     assert (error.status, error.requests, error.retryable) == (200, 1, True)
     assert error.raw.startswith(raw)
     assert bool(error.raw) == bool(raw)
+
+
+@contextmanager
+def silent():
+    """Accept connections and say nothing."""
+    with socket.create_server(("127.0.0.1", 0), backlog=16) as server:
+        yield f"http://127.0.0.1:{server.getsockname()[1]}/v1"
+
+
+def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout():
+    traffic = Traffic(patience_s=0.2)
+    with silent() as address:
+        llm = LiteLLM("m", api_base=address, timeout_s=600, traffic=traffic, sleep=lambda s: None)
+        with pytest.raises(EndpointDown, match="says nothing"):
+            llm.complete(REQUEST)
+
+
+def test_a_slow_server_that_responds_to_others_is_waited_for():
+    def answer(asked):
+        time.sleep(0.3)
+        return {"text": "A sofa."}
+
+    traffic = Traffic(patience_s=20.0)
+    with AnsweringServer(FunctionLLM(answer)) as server:
+        traffic.endpoint(server.api_base).silence_s = 0.1
+        llm = server.client("m", traffic=traffic)
+        assert "A sofa." in llm.complete(REQUEST).text
+    assert len(server.received) == 1
 
 
 def test_what_is_kept_is_bounded():
