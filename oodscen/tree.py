@@ -26,12 +26,13 @@ class TreeEdit(Data):
 
     noun: ClassVar[str] = "tree edit"
 
-    op: Literal["add", "broaden", "keep", "remove"]
-    """`add` a node, `broaden` its label, `keep` it as it is (a recorded decision), `remove` it."""
+    op: Literal["add", "broaden", "keep", "move", "remove"]
+    """`add` a node, `broaden` its label, `keep` it as it is (a recorded decision), `move` it with
+    all below it under another parent, `remove` it."""
     node: str
     """Id of the node concerned; new for `add`."""
     parent: str | None = None
-    """`add` only: id of the parent; `None` for the root."""
+    """`add` and `move`: id of the (new) parent; `None` for the root."""
     label: str | None = None
     """`add` and `broaden`: the label the node has from here on."""
     attested: Literal["paper"] | None = None
@@ -44,6 +45,10 @@ class TreeEdit(Data):
     """Why, in the words of whoever decided."""
     source: str = ""
     """The text that caused the edit."""
+    model: str = ""
+    """Name of the model that decided; empty where none was asked."""
+    prompt: str = ""
+    """The question it was asked: `purpose@version`."""
 
 
 class Node(Data):
@@ -249,7 +254,28 @@ def _fold(
             parent = nodes.pop(edit.node).parent
             if parent is not None:
                 degree[parent] -= 1
-    return issues, nodes
+        elif edit.op == "move" and edit.parent is not None:
+            before = nodes[edit.node].parent
+            if before is not None:
+                degree[before] -= 1
+            degree[edit.parent] = degree.get(edit.parent, 0) + 1
+            nodes[edit.node] = nodes[edit.node].model_copy(update={"parent": edit.parent})
+    return issues, _ordered(nodes)
+
+
+def _ordered(nodes: dict[str, Node]) -> dict[str, Node]:
+    """Put parents before children, and otherwise leave the order as it is."""
+    found: dict[str, Node] = {}
+    waiting: dict[str, list[Node]] = {}
+    for node in nodes.values():
+        if node.parent is not None and node.parent not in found:
+            waiting.setdefault(node.parent, []).append(node)
+            continue
+        ready = [node]
+        while ready:
+            found[ready[-1].id] = last = ready.pop()
+            ready.extend(reversed(waiting.pop(last.id, ())))
+    return found
 
 
 def _misfit(edit: TreeEdit, nodes: Mapping[str, Node], degree: Mapping[str, int]) -> str:
@@ -267,6 +293,14 @@ def _misfit(edit: TreeEdit, nodes: Mapping[str, Node], degree: Mapping[str, int]
             return f"the parent {edit.parent!r} does not exist (before its child)"
     elif edit.node not in nodes:
         return f"the node {edit.node!r} does not exist"
+    elif edit.op == "move":
+        if edit.parent is None or edit.parent not in nodes:
+            return f"the parent {edit.parent!r} does not exist"
+        cursor: str | None = edit.parent
+        while cursor is not None:
+            if cursor == edit.node:
+                return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
+            cursor = nodes[cursor].parent
     elif edit.op == "remove" and degree.get(edit.node, 0):
         return f"the node {edit.node!r} still has children"
     return ""
