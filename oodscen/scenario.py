@@ -20,3 +20,9 @@ class Scenario(Data):
     """Id of the leaf that it realises; empty for a text from elsewhere."""
     path: tuple[str, ...] = ()
     """Labels from the root down to the leaf."""
+    style: str = ""
+    """Register in which it was asked for; empty where none was."""
+    ordinary: str | None = None
+    """Its ordinary twin: same place, phrasing and length, without what is unusual."""
+    runners_up: tuple[str, ...] = ()
+    """Ids of further leaves that it fits."""

@@ -6,7 +6,8 @@ from oodscen.prompts.base import Prompt
 from oodscen.prompts.choose_action import ActionOption, ChooseAction, ChosenAction
 from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
 from oodscen.prompts.describe_frame import DescribeFrame, FrameDescription
-from oodscen.prompts.describe_path import DescribePath, Descriptions
+from oodscen.prompts.describe_ordinary import DescribeOrdinary, OrdinaryText
+from oodscen.prompts.describe_path import STYLES, DescribePath, Descriptions, Style
 from oodscen.prompts.digest import CatalogueDigest
 from oodscen.prompts.give_examples import Examples, GiveExamples
 from oodscen.prompts.imagine_scenario import ImaginedScenario, ImagineScenario
@@ -24,6 +25,7 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
     PlaceScenario,
     JudgeBranch,
     DescribePath,
+    DescribeOrdinary,
     StageScene,
     DescribeFrame,
     NameAspect,
@@ -33,6 +35,7 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
 
 __all__ = [
     "QUESTIONS",
+    "STYLES",
     "ActionOption",
     "BranchJudgement",
     "CatalogueDigest",
@@ -42,6 +45,7 @@ __all__ = [
     "ClassifiedExample",
     "ClassifyExamples",
     "DescribeFrame",
+    "DescribeOrdinary",
     "DescribePath",
     "Descriptions",
     "Examples",
@@ -52,6 +56,7 @@ __all__ = [
     "JudgeBranch",
     "NameAspect",
     "OodAspect",
+    "OrdinaryText",
     "PlaceScenario",
     "PlacedScenario",
     "Prompt",
@@ -60,4 +65,5 @@ __all__ = [
     "ProposedTree",
     "SceneDraft",
     "StageScene",
+    "Style",
 ]
