@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from oodscen.driving.visibility import is_noticeable
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.scene import Scene
+from oodscen.sketch import sketch
 from oodscen.trace import Course, Trace, concatenated
 
 if TYPE_CHECKING:
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 MAX_APPROACH_S = 15.0
 """When the decision is taken at the latest, although its trigger has not fired."""
+FOLLOWING_S = 4.0
+"""Up to this time headway somebody behind the ego is its follower."""
+JERK_S = 0.2
+"""Over which a change of acceleration is measured."""
 VISIBLE_PX = 40
 """So many pixels of a picture of 640 x 480 make an actor visible; in proportion in others."""
 
@@ -64,8 +69,10 @@ def simulate(
     """Run one scene.
 
     A lane-keeping driver that is blind to the hazard drives up to the decision point. The approach
-    is run twice: once to find that point, once to show it; both traces must be the same. Then each
-    action is rolled out from the same state, unrendered, up to the scene's horizon.
+    is run twice: once to find that point, once to show it; both traces must be the same. (A twin's
+    is run once where the simulator can go back to a snapshot: its scene's was checked.) Then each
+    action is rolled out from the same state, unrendered, up to the scene's horizon; what an action
+    leads to does not depend on which others were rolled out before.
 
     Args:
         scene: What to run.
@@ -80,31 +87,30 @@ def simulate(
         SceneError: When the simulator refuses the scene.
         SimulatorError: When it fails.
     """
-    states, controls, fired = _approach(scene, simulator, seed)
-    trace = _fingerprint(states)
-    frames: dict[str, Frame] = {}
-    again: list[State] = []
-    for index, control in enumerate([None, *controls]):
-        again.append(simulator.step(control) if control else simulator.reset(scene, seed))
-        if render:
-            for moment, step in zip(MOMENTS, (0, len(controls) // 2, len(controls)), strict=True):
-                if index == step:
-                    frames[moment] = simulator.render(camera or Camera())
-    is_deterministic = _fingerprint(again) == trace
+    going_back = _Snapshots(simulator) if scene.is_twin and _Snapshots.can(simulator) else None
+    states, controls, fired = _approach(scene, simulator, seed, going_back)
+    fingerprint = _fingerprint(states)
+    shown = (camera or Camera()) if render else None
+    if going_back:
+        frames, is_deterministic = going_back.frames(shown), True
+    else:
+        frames, again = _shown_again(scene, simulator, seed, controls, shown)
+        is_deterministic = again == fingerprint
     course = Course.of(scene, simulator.catalogue())
-    rollouts = _Rollouts(simulator, scene, seed, controls, trace, course)
+    rollouts = _Rollouts(simulator, scene, seed, controls, fingerprint, course)
     outcomes: dict[str, ActionOutcome] = {}
     kept: dict[str, Trace] = {}
     for action in actions:
         outcomes[action], rollout, same = rollouts.outcome(action)
         is_deterministic &= same
-        if traces and rollout is not None:
+        if rollout is not None:
             kept[action] = rollout
     if not is_deterministic:
         outcomes = {
             name: outcome.model_copy(update={"safe": False}) for name, outcome in outcomes.items()
         }
     visible = {moment: visible_pixels(frame, states[0].ids) for moment, frame in frames.items()}
+    trace = Trace.measured(states, course)
     episode = Episode(
         id=scene.id,
         scene_id=scene.id,
@@ -120,11 +126,76 @@ def simulate(
         },
         visible=visible,
         hazard_visible=_shows_hazard(scene, frames, visible),
-        trace_sha256=trace,
+        trace_sha256=fingerprint,
         is_deterministic=is_deterministic,
         actions=outcomes,
+        sketch=sketch(course, trace, kept),
+        followers=followers(trace),
     )
-    return Simulated(episode, tuple(states), frames, Trace.measured(states, course), kept)
+    return Simulated(episode, tuple(states), frames, trace, kept if traces else {})
+
+
+def followers(trace: Trace) -> tuple[str, ...]:
+    """Return who drives behind the ego in its lane at the end of a trace, near enough to matter.
+
+    Near enough is less than `FOLLOWING_S` behind at the actor's own speed, centre to centre.
+    """
+    s, lane, speed = (trace[name][-1] for name in ("s", "lane", "speed"))
+    return tuple(
+        name
+        for row, name in enumerate(trace.ids[1:], start=1)
+        if lane[row] == lane[0] and 0.0 < s[0] - s[row] <= FOLLOWING_S * speed[row]
+    )
+
+
+def _shown_again(
+    scene: Scene,
+    simulator: Simulator,
+    seed: int,
+    controls: Sequence[Control],
+    camera: Camera | None,
+) -> tuple[dict[str, Frame], str]:
+    """Replay an approach; return its frames and its fingerprint."""
+    frames: dict[str, Frame] = {}
+    states: list[State] = []
+    steps = _steps_shown(len(controls))
+    for index, control in enumerate([None, *controls]):
+        states.append(simulator.step(control) if control else simulator.reset(scene, seed))
+        for moment, step in steps.items():
+            if index == step and camera:
+                frames[moment] = simulator.render(camera)
+    return frames, _fingerprint(states)
+
+
+def _steps_shown(last: int) -> dict[str, int]:
+    """Return which steps the three frames show, by moment."""
+    return dict(zip(MOMENTS, (0, last // 2, last), strict=True))
+
+
+class _Snapshots:
+    """Goes back to the steps of one approach in a simulator that can."""
+
+    def __init__(self, simulator: Any) -> None:
+        self.simulator = simulator
+        self.kept: list[Any] = []
+
+    @staticmethod
+    def can(simulator: Simulator) -> bool:
+        """Whether the simulator can go back."""
+        return hasattr(simulator, "snapshot") and hasattr(simulator, "restore")
+
+    def keep(self) -> None:
+        """Remember the current step."""
+        self.kept.append(self.simulator.snapshot())
+
+    def frames(self, camera: Camera | None) -> dict[str, Frame]:
+        """Return the three frames; the simulator stands at the last step afterwards."""
+        frames = {}
+        for moment, step in _steps_shown(len(self.kept) - 1).items():
+            self.simulator.restore(self.kept[step])
+            if camera:
+                frames[moment] = self.simulator.render(camera)
+        return frames
 
 
 def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:
@@ -150,7 +221,7 @@ def _shows_hazard(
 
 
 def _approach(
-    scene: Scene, simulator: Simulator, seed: int
+    scene: Scene, simulator: Simulator, seed: int, snapshots: _Snapshots | None = None
 ) -> tuple[list[State], list[Control], bool]:
     """Drive blindly until the decision's trigger fires, something is touched, or time is up."""
     state = simulator.reset(scene, seed)
@@ -159,6 +230,8 @@ def _approach(
     states = [state]
     controls: list[Control] = []
     while state.time < MAX_APPROACH_S:
+        if snapshots:
+            snapshots.keep()
         if is_due(scene.decision, scene.decision_actor, state, corridor):
             return states, controls, True
         if state.contacts or state.off_road:
@@ -167,6 +240,9 @@ def _approach(
         controls.append(control)
         state = simulator.step(control)
         states.append(state)
+    else:
+        if snapshots:
+            snapshots.keep()
     return states, controls, False
 
 
@@ -237,7 +313,29 @@ def _judged(states: Sequence[State], trace: Trace) -> ActionOutcome:
         contacts=last.contacts,
         off_road=last.off_road,
         final_speed=round(float(last.speeds[0]), 3),
+        peak_deceleration=peak_deceleration(trace),
+        peak_jerk=peak_jerk(trace),
     )
+
+
+def peak_deceleration(trace: Trace) -> float:
+    """Return the ego's hardest braking, m/s^2, never negative."""
+    return max(0.0, round(-float(trace["acceleration"][:, 0].min()), 3))
+
+
+def peak_jerk(trace: Trace) -> float | None:
+    """Return the fastest change of the ego's acceleration along its path, m/s^3.
+
+    Differences are taken over `JERK_S`, since within one step every change looks infinite; `None`
+    for traces shorter than that.
+    """
+    time = trace["time"][:, 0]
+    along = trace["acceleration"][1:, 0]
+    steps = max(1, round(JERK_S / float(time[1] - time[0]))) if len(time) > 1 else 1
+    if len(along) <= steps:
+        return None
+    changes = np.abs(along[steps:] - along[:-steps]) / (time[steps] - time[0])
+    return round(float(changes.max()), 3)
 
 
 def _fingerprint(states: Sequence[State]) -> str:

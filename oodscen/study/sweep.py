@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from oodscen.annotations import annotate, encode_annotations, semantic_map
 from oodscen.episode import Episode
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
+from oodscen.judging.restaging import restaged, tells_apart
 from oodscen.protocols import Frame, Simulator
 from oodscen.recording import View, record
 from oodscen.registry import make_simulator
@@ -47,17 +48,23 @@ class Job:
     """Registered name, or `module:attr`."""
     seed: int = 0
     extras: Extras = Extras()
+    twins: bool = False
+    """Run every scene's ordinary twin right after it; the map's scenery is built then."""
+    restages: bool = False
+    """Re-stage scenes in which all or none of the actions are safe."""
 
 
 @dataclass(frozen=True)
 class SweepResult:
-    """What comes back for one scene."""
+    """What comes back for one scene, or for one twin."""
 
     episode: Episode
     frames: dict[str, bytes] = field(default_factory=dict)
     """JPEG by moment."""
     files: dict[str, bytes] = field(default_factory=dict)
     """What else was asked for, by its path in the study."""
+    restaged: Scene | None = None
+    """The scene that was run instead of the one that was given."""
 
     def save(self, store: Store) -> None:
         """Write the frames, and what else was asked for, to the files that the episode names."""
@@ -106,17 +113,33 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
     After a breakdown the rest is run in a fresh simulator.
     """
     results: list[SweepResult] = []
-    while len(results) < len(scenes):
+    waiting = list(reversed(scenes))
+    while waiting:
         simulator = make_simulator(job.simulator)
         try:
-            for scene in scenes[len(results) :]:
-                results.append(_run(job, simulator, scene))
-                if results[-1].episode.error_type == SimulatorCrash.__name__:
+            while waiting:
+                scene = waiting.pop()
+                result = _run(job, simulator, scene)
+                results.append(result)
+                broke_down = result.episode.error_type == SimulatorCrash.__name__
+                if job.twins and not scene.is_twin:
+                    if result.episode.decision_s is None:
+                        results.append(SweepResult(_twin_of_none(result.episode)))
+                    else:
+                        waiting.append((result.restaged or scene).twin(result.episode.decision_s))
+                if broke_down:
                     break
         finally:
             with suppress(Exception):
                 simulator.close()
     return results
+
+
+def _twin_of_none(episode: Episode) -> Episode:
+    """Return the record of a twin whose scene could not be run."""
+    name = f"{episode.id}~twin"
+    error = f"its scene could not be run: {episode.error}"
+    return episode.model_copy(update={"id": name, "scene_id": name, "error": error})
 
 
 def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
@@ -134,7 +157,10 @@ def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
 
 def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     try:
+        given = scene
         simulated = simulate(scene, simulator, seed=job.seed, traces=job.extras.traces)
+        if job.restages and not scene.is_twin and not tells_apart(simulated.episode):
+            scene, simulated = restaged(scene, simulated, simulator, job.seed, job.extras.traces)
         extra = _extra_files(job, simulator, scene, simulated)
     except MissingExtra:
         raise
@@ -146,7 +172,8 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
     files = {moment: f"frames/{scene.id}/{moment}.jpg" for moment in frames}
     named = {"frames": files, "files": tuple(sorted(extra))}
-    return SweepResult(simulated.episode.model_copy(update=named), frames, extra)
+    changed = scene if scene is not given else None
+    return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed)
 
 
 def _extra_files(
@@ -224,7 +251,10 @@ def _recover(job: Job, lost: Sequence[Chunk]) -> Iterator[SweepResult]:
                 except BrokenExecutor:
                     if len(chunk) == 1:
                         crash = SimulatorCrash(job.simulator, "its process died")
-                        yield SweepResult(failed_episode(job, chunk[0], crash))
+                        dead = SweepResult(failed_episode(job, chunk[0], crash))
+                        yield dead
+                        if job.twins and not chunk[0].is_twin:
+                            yield SweepResult(_twin_of_none(dead.episode))
                     else:
                         waiting.extend((scene,) for scene in reversed(chunk))
                     break

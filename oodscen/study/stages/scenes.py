@@ -10,7 +10,10 @@ from oodscen.errors import LLMError
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.context import Context, failed
-from oodscen.study.sweep import Job, sweep
+from oodscen.study.sweep import Job, SweepResult, sweep
+
+RESTAGED = "restaged.jsonl"
+"""One line per scene that was re-staged: its id, how, and the scene that was run."""
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
@@ -34,14 +37,58 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
 
 
 def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
-    """Run every scene in worker processes; only this process writes."""
-    job = Job(run.config.simulator, run.config.seed, run.extras)
+    """Run every scene and its ordinary twin in worker processes; only this process writes.
+
+    Scenes in which all or none of the actions are safe say nothing about a choice: they are
+    re-staged where that helps. `restaged.jsonl` says which and how, and `scenes.jsonl` then holds
+    what was run.
+    """
+    job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
+    scenes = _as_run(run, scenes)
+    by_id = {scene.id: scene for scene in scenes}
+    items: dict[str, Scene] = {}
+    for scene in scenes:
+        items[scene.id] = items[f"{scene.id}~twin"] = scene
+    done = {line["id"]: line for line in run.store.lines("episodes.jsonl")}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
-        for result in sweep(job, list(todo.values()), workers=run.workers, executor=run.executor):
+        wanted = [by_id[name] for name in todo if name in by_id]
+        for name, scene in todo.items():
+            if name not in by_id and scene.id not in todo:
+                wanted.append(scene.twin(done[scene.id].get("decision_s") or 0.0))
+        for result in sweep(job, wanted, workers=run.workers, executor=run.executor):
+            if result.episode.id not in todo:
+                continue
             result.save(run.store)
+            if result.restaged:
+                run.store.append(RESTAGED, _restaged_line(result))
             yield result.episode
 
-    items = {scene.id: scene for scene in scenes}
     rows = run.each("simulate", "episodes.jsonl", items, work)
+    _as_run(run, scenes)
     return [Episode.parse(row) for row in rows]
+
+
+def _restaged_line(result: SweepResult) -> dict[str, Any]:
+    assert result.restaged is not None
+    return {
+        "id": result.episode.id,
+        "how": result.episode.restaged,
+        "scene": result.restaged.model_dump(mode="json"),
+    }
+
+
+def _as_run(run: Context, scenes: Sequence[Scene]) -> list[Scene]:
+    """Put re-staged scenes in the place of the given ones, here and in `scenes.jsonl`."""
+    changed = {line["id"]: line for line in run.store.lines(RESTAGED)}
+    changed = {name: changed[name] for name in sorted(changed)}
+    if not changed:
+        return list(scenes)
+    run.store.write_lines(RESTAGED, changed.values())
+    rows = list(run.store.lines("scenes.jsonl"))
+    rows = [changed[row["id"]]["scene"] if row["id"] in changed else row for row in rows]
+    run.store.write_lines("scenes.jsonl", rows)
+    return [
+        Scene.parse(changed[scene.id]["scene"]) if scene.id in changed else scene
+        for scene in scenes
+    ]
