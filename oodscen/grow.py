@@ -48,10 +48,14 @@ class TreeGrower:
             classes=tuple(item.scenario_class for item in sorted_),
             nodes=self.nodes,
         )
-        return _planted(ask(self.llm, propose, sample))
+        return _planted(
+            ask(self.llm, propose, sample),
+            model=self.llm.name,
+            prompt=f"{propose.purpose}@{propose.version()}",
+        )
 
 
-def _planted(proposed: ProposedTree) -> ScenarioTree:
+def _planted(proposed: ProposedTree, *, model: str, prompt: str) -> ScenarioTree:
     """Turn the numbered list of an answer into a tree with ids."""
     tree = ScenarioTree()
     ids: dict[int, str] = {}
@@ -73,6 +77,8 @@ def _planted(proposed: ProposedTree) -> ScenarioTree:
             label=label,
             attested=attestation(label),
             stage="grow",
+            model=model,
+            prompt=prompt,
         )
         tree = tree.apply(edit)
     return tree

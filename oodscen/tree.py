@@ -1,15 +1,28 @@
 """The scenario tree: an immutable taxonomy, defined as the fold of its log of edits."""
 
-import re
-import unicodedata
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterator
 from functools import cached_property
-from typing import ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from pydantic import model_validator
+from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from oodscen._data import Data, Faults
-from oodscen.errors import DataError, Issue
+from oodscen.edits import MAX_LABEL, Growth, Node, TreeEdit, label_fault, slug
+from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
+
+if TYPE_CHECKING:
+    from oodscen.trees.origins import Provenance
+
+__all__ = [
+    "CLASSES",
+    "MAX_LABEL",
+    "ROOT",
+    "Node",
+    "ScenarioTree",
+    "TreeEdit",
+    "label_fault",
+    "slug",
+]
 
 ROOT = "root"
 """Id of the root of every tree."""
@@ -17,80 +30,36 @@ ROOT = "root"
 CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
 
-MAX_LABEL = 200
-"""Longest label, in characters."""
-
-
-class TreeEdit(Data):
-    """One step in the making of a tree."""
-
-    noun: ClassVar[str] = "tree edit"
-
-    op: Literal["add", "broaden", "keep", "move", "remove"]
-    """`add` a node, `broaden` its label, `keep` it as it is (a recorded decision), `move` it with
-    all below it under another parent, `remove` it."""
-    node: str
-    """Id of the node concerned; new for `add`."""
-    parent: str | None = None
-    """`add` and `move`: id of the (new) parent; `None` for the root."""
-    label: str | None = None
-    """`add` and `broaden`: the label the node has from here on."""
-    attested: Literal["paper"] | None = None
-    """`add` and `broaden`: set where the label names a scenario that the paper simulated."""
-    stage: str = ""
-    """Who made the edit: `grow`, `redteam`, `prune`, or a name of the caller's."""
-    round: int | None = None
-    """Red-team round, where there was one."""
-    reason: str = ""
-    """Why, in the words of whoever decided."""
-    source: str = ""
-    """The text that caused the edit."""
-    model: str = ""
-    """Name of the model that decided; empty where none was asked."""
-    prompt: str = ""
-    """The question it was asked: `purpose@version`."""
-
-
-class Node(Data):
-    """One node as it stands after all edits."""
-
-    noun: ClassVar[str] = "tree node"
-
-    id: str
-    parent: str | None
-    label: str
-    attested: Literal["paper"] | None = None
+MAX_INDENT = 64
+"""Depth from which an outline names the depth instead of indenting further."""
 
 
 class ScenarioTree(Data):
     """A taxonomy of OOD scenarios: root, classes, families, leaves.
 
     Each root-to-leaf path is one distinct kind of OOD scenario (paper, section III-A). The tree is
-    a value: every operation returns a new tree, and `edits` is the whole history.
+    a value: every operation returns a new tree, and `edits` is the whole history. What takes one
+    edit takes the same time on a tree of any size; `nodes` and `edits` are made when first read.
     """
 
     noun: ClassVar[str] = "scenario tree"
 
     schema_version: Literal[1] = 1
     nodes: tuple[Node, ...] = ()
-    """All nodes, parents before children, in the order in which they were added."""
+    """All nodes, parents before children, otherwise in the order in which they were first added."""
     edits: tuple[TreeEdit, ...] = ()
     """The log whose fold is `nodes`. A file without it is read as one `add` per node."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.nodes and not self.edits:
-            issues, folded = _fold([_planting(node) for node in self.nodes], where="nodes")
-        else:
-            issues, folded = _fold(self.edits)
-            if self.nodes and not issues and tuple(folded.values()) != self.nodes:
-                issues.append(Issue("nodes", "do not follow from the edits"))
+        is_bare = bool(self.nodes) and not self.edits
+        edits = tuple(map(_planting, self.nodes)) if is_bare else self.edits
+        growth, issues = Growth().extend(0, edits, where="nodes" if is_bare else "edits")
+        if not issues and self.nodes and growth.ordered() != self.nodes:
+            issues.append(Issue("nodes", "do not follow from the edits"))
         if issues:
             raise Faults(issues)
-        if not self.edits:
-            object.__setattr__(self, "edits", tuple(map(_planting, self.nodes)))
-        if not self.nodes:
-            object.__setattr__(self, "nodes", tuple(folded.values()))
+        self.__dict__.update(nodes=growth.ordered(), edits=edits, _line=(growth, len(edits)))
         return self
 
     @classmethod
@@ -103,6 +72,8 @@ class ScenarioTree(Data):
         ]
         return cls(edits=tuple(edits))
 
+    # ------------------------------------------------------------------ change
+
     def apply(self, *edits: TreeEdit) -> "ScenarioTree":
         """Return the tree after further edits.
 
@@ -110,12 +81,82 @@ class ScenarioTree(Data):
             DataError: When an edit does not fit (unknown node, taken id, empty label ...); this
                 tree is unchanged in any case.
         """
-        issues, folded = _fold(edits, start=self.by_id)
+        growth, version = self._line
+        growth, issues = growth.extend(version, edits)
         if issues:
             raise DataError("tree edit", issues)
-        return ScenarioTree.model_construct(
-            schema_version=1, nodes=tuple(folded.values()), edits=(*self.edits, *edits)
-        )
+        return _standing(growth, version + len(edits))
+
+    def undo(self, index: int | None = None, *, round: int | None = None) -> "ScenarioTree":
+        """Return the tree with an earlier edit taken back, by further edits at the end of its log.
+
+        Undoing an `add` removes what was put below the node since; undoing a `remove` brings back
+        the parents that went later. An undoing edit can be undone like any other.
+
+        Args:
+            index: Position in `edits`, from the end if negative; the last edit that stands if left
+                out.
+            round: Undo every edit of this round instead, the last one first.
+
+        Raises:
+            UsageError: When there is no such edit, or it cannot be taken back as the tree stands
+                now (its node is gone, it would make a cycle).
+        """
+        from oodscen.trees.history import undo, undo_round
+
+        if round is not None and index is not None:
+            raise UsageError("undo takes the index of an edit or a round, not both")
+        return undo(self, index) if round is None else undo_round(self, round)
+
+    # ----------------------------------------------------------------- history
+
+    def at(
+        self, *, edit: int | None = None, round: int | None = None, stage: str | None = None
+    ) -> "ScenarioTree":
+        """Return the tree as it stood at an earlier time.
+
+        Args:
+            edit: After this many edits.
+            round: After this red-team round, and before the first edit of a later one; 0 is the
+                tree before red teaming.
+            stage: After the last edit of this stage.
+
+        Raises:
+            UsageError: When not exactly one is given, or there was no such moment.
+        """
+        from oodscen.trees.history import moment
+
+        return _standing(self._line[0], moment(self.edits, edit=edit, round=round, stage=stage))
+
+    def provenance(self, node_id: str) -> "Provenance":
+        """Say who put a node there and why, and what was decided about it since.
+
+        Raises:
+            UnknownComponent: When there never was such a node.
+        """
+        from oodscen.trees.origins import provenance
+
+        return provenance(self, node_id)
+
+    def before(self, index: int) -> Node | None:
+        """Return the node that an edit concerns as it was before it; `None` where it was not there.
+
+        Args:
+            index: Position in `edits`, from 0.
+        """
+        return self._line[0].before[index]
+
+    # -------------------------------------------------------------------- read
+
+    def node(self, node_id: str) -> Node:
+        """Return one node.
+
+        Raises:
+            UnknownComponent: With close matches.
+        """
+        if node_id not in self.by_id:
+            raise UnknownComponent("node", node_id, self.by_id)
+        return self.by_id[node_id]
 
     @cached_property
     def by_id(self) -> dict[str, Node]:
@@ -174,12 +215,15 @@ class ScenarioTree(Data):
         return max((depth for _, depth in self.walk()), default=0)
 
     def __len__(self) -> int:
-        return len(self.nodes)
+        growth, version = self._line
+        size = growth.size(version)
+        return len(self.nodes) if size is None else size
 
     def outline(self, *, ids: bool = False) -> str:
         """Render the tree as an indented list, for people and for prompts."""
         return "\n".join(
-            f"{'  ' * depth}- {node.label}{f' [{node.id}]' if ids else ''}"
+            f"{'  ' * min(depth, MAX_INDENT)}- {f'(depth {depth}) ' if depth > MAX_INDENT else ''}"
+            f"{node.label}{f' [{node.id}]' if ids else ''}"
             for node, depth in self.walk()
         )
 
@@ -188,29 +232,78 @@ class ScenarioTree(Data):
 
         Ids of removed nodes are taken for good.
         """
-        used = {edit.node for edit in self.edits}
-        base = slug(label)
-        candidate, number = base, 2
-        while candidate in used:
-            candidate, number = f"{base}-{number}", number + 1
-        return candidate
+        growth, version = self._line
+        return growth.free_id(slug(label), version)
+
+    def _repr_html_(self) -> str:
+        """Show the tree in a notebook as an outline that folds."""
+        from oodscen.trees.html import notebook_html
+
+        return notebook_html(self)
+
+    # ------------------------------------------------- fields that are made late
+
+    @cached_property
+    def _line(self) -> tuple[Growth, int]:
+        """The index that this tree shares, and how many of its edits are this tree's."""
+        growth, _ = Growth().extend(0, self.edits)
+        return growth, len(growth)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name == "edits":
+                growth, version = self._line
+                self.__dict__[name] = tuple(growth.log[:version])
+            elif name == "nodes":
+                growth, version = self._line
+                own = growth.at(version)
+                self.__dict__.update(nodes=own.ordered(), _line=(own, version))
+            else:
+                return super().__getattr__(name)
+            return self.__dict__[name]
+
+    @model_serializer(mode="wrap")
+    def _whole(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        self._fields()
+        return handler(self)  # type: ignore[no-any-return]  # pydantic leaves it open
+
+    def _fields(self) -> dict[str, Any]:
+        return {"schema_version": 1, "nodes": self.nodes, "edits": self.edits}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ScenarioTree) and self.edits == other.edits
+
+    def __hash__(self) -> int:
+        return hash(self.edits)
+
+    def __iter__(self) -> Generator[tuple[str, Any], None, None]:
+        yield from self._fields().items()
+
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        yield from self._fields().items()
+
+    def __copy__(self) -> Self:
+        fields = self._fields()
+        copy = super().__copy__()
+        copy.__dict__.clear()
+        copy.__dict__.update(fields)
+        return copy
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return self  # nothing in it can change
+
+    def __getstate__(self) -> dict[Any, Any]:
+        state = super().__getstate__()
+        return {**state, "__dict__": self._fields()}
 
 
-def slug(label: str) -> str:
-    """Turn a label into an id that is safe in file names and URLs (at most 48 characters)."""
-    plain = unicodedata.normalize("NFKD", label).encode("ascii", "ignore").decode().lower()
-    return re.sub(r"[^a-z0-9]+", "-", plain)[:48].strip("-") or "node"
-
-
-def label_fault(label: str) -> str:
-    """Say why a text cannot be a label, or return an empty string."""
-    if not label.strip():
-        return "the label is empty"
-    if len(label) > MAX_LABEL:
-        return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
-    if any(unicodedata.category(char) in ("Cc", "Zl", "Zp") for char in label):
-        return "the label contains line breaks or control characters"
-    return ""
+def _standing(growth: Growth, version: int) -> ScenarioTree:
+    """Return the tree of the first edits of an index, without making its fields."""
+    tree = ScenarioTree.model_construct(_fields_set={"nodes", "edits"}, schema_version=1)
+    del tree.__dict__["nodes"], tree.__dict__["edits"]
+    tree.__dict__["_line"] = (growth, version)
+    return tree
 
 
 def _planting(node: Node) -> TreeEdit:
@@ -223,84 +316,3 @@ def _planting(node: Node) -> TreeEdit:
         attested=node.attested,
         stage="file",
     )
-
-
-def _fold(
-    edits: Iterable[TreeEdit], start: Mapping[str, Node] | None = None, *, where: str = "edits"
-) -> tuple[list[Issue], dict[str, Node]]:
-    """Play edits on top of some nodes; collect every misfit instead of stopping at the first."""
-    nodes = dict(start or {})
-    degree: dict[str, int] = {}
-    for node in nodes.values():
-        if node.parent is not None:
-            degree[node.parent] = degree.get(node.parent, 0) + 1
-    issues: list[Issue] = []
-    for index, edit in enumerate(edits):
-        message = _misfit(edit, nodes, degree)
-        if message:
-            issues.append(Issue(f"{where}[{index}]", message))
-            continue
-        if edit.op == "add":
-            nodes[edit.node] = Node(
-                id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested
-            )
-            if edit.parent is not None:
-                degree[edit.parent] = degree.get(edit.parent, 0) + 1
-        elif edit.op == "broaden":
-            nodes[edit.node] = nodes[edit.node].model_copy(
-                update={"label": edit.label, "attested": edit.attested or nodes[edit.node].attested}
-            )
-        elif edit.op == "remove":
-            parent = nodes.pop(edit.node).parent
-            if parent is not None:
-                degree[parent] -= 1
-        elif edit.op == "move" and edit.parent is not None:
-            before = nodes[edit.node].parent
-            if before is not None:
-                degree[before] -= 1
-            degree[edit.parent] = degree.get(edit.parent, 0) + 1
-            nodes[edit.node] = nodes[edit.node].model_copy(update={"parent": edit.parent})
-    return issues, _ordered(nodes)
-
-
-def _ordered(nodes: dict[str, Node]) -> dict[str, Node]:
-    """Put parents before children, and otherwise leave the order as it is."""
-    found: dict[str, Node] = {}
-    waiting: dict[str, list[Node]] = {}
-    for node in nodes.values():
-        if node.parent is not None and node.parent not in found:
-            waiting.setdefault(node.parent, []).append(node)
-            continue
-        ready = [node]
-        while ready:
-            found[ready[-1].id] = last = ready.pop()
-            ready.extend(reversed(waiting.pop(last.id, ())))
-    return found
-
-
-def _misfit(edit: TreeEdit, nodes: Mapping[str, Node], degree: Mapping[str, int]) -> str:
-    """Say why an edit cannot be applied, or return an empty string."""
-    if edit.op in ("add", "broaden") and (fault := label_fault(edit.label or "")):
-        return fault
-    if edit.op == "add":
-        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", edit.node):
-            return f"{edit.node!r} is not a valid id (letters, digits, '-', '_', '.')"
-        if edit.node in nodes:
-            return f"the id {edit.node!r} is taken"
-        if edit.parent is None and nodes:
-            return f"{edit.node!r} would be a second root"
-        if edit.parent is not None and edit.parent not in nodes:
-            return f"the parent {edit.parent!r} does not exist (before its child)"
-    elif edit.node not in nodes:
-        return f"the node {edit.node!r} does not exist"
-    elif edit.op == "move":
-        if edit.parent is None or edit.parent not in nodes:
-            return f"the parent {edit.parent!r} does not exist"
-        cursor: str | None = edit.parent
-        while cursor is not None:
-            if cursor == edit.node:
-                return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
-            cursor = nodes[cursor].parent
-    elif edit.op == "remove" and degree.get(edit.node, 0):
-        return f"the node {edit.node!r} still has children"
-    return ""

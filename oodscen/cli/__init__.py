@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from oodscen._version import __version__
-from oodscen.cli import components, measuring, stages, study
+from oodscen.cli import components, measuring, stages, study, tree
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -52,6 +52,7 @@ for _command in (
     study.evaluate,
     measuring.score,
     study.report,
+    tree.tree,
     components.plugins,
     components.doctor,
 ):

@@ -11,6 +11,9 @@ from oodscen.prompts.base import Prompt
 from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
 from oodscen.tree import CLASSES, label_fault
 
+MAX_DEPTH = 12
+"""Most edges from the root of a proposed tree to a leaf."""
+
 
 class ProposedNode(BaseModel):
     """One node of the proposed tree."""
@@ -61,6 +64,7 @@ class ProposeTree(Prompt[ProposedTree]):
         """The list is a tree of the right size below the two classes."""
         issues = []
         known: dict[int, ProposedNode] = {}
+        depths: dict[int, int] = {}
         for index, node in enumerate(answer.nodes):
             path = f"nodes[{index}]"
             if node.number in known:
@@ -74,6 +78,11 @@ class ProposeTree(Prompt[ProposedTree]):
             if fault := label_fault(" ".join(node.label.split())):
                 issues.append(Issue(f"{path}.label", fault))
             known[node.number] = node
+            depths[node.number] = depths.get(node.parent, -1) + 1
+            if depths[node.number] == MAX_DEPTH + 1:
+                issues.append(
+                    Issue(f"{path}.parent", f"deeper than {MAX_DEPTH} levels below the root")
+                )
         if issues:
             return issues
         root = answer.nodes[0].number if answer.nodes else 0
