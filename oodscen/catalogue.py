@@ -33,6 +33,8 @@ class Asset(Data):
     """Further words for it: `emergency`, `heavy`, `debris` ..."""
     states: tuple[str, ...] = ()
     """What `Actor.state` may be; the first is the default."""
+    names: tuple[str, ...] = ()
+    """What other catalogues call such a thing, e.g. `police_car`: it is one wherever that is needed."""
 
 
 class BehaviourParameter(Data):
@@ -88,6 +90,10 @@ class RoadMap(Data):
     """Usable length ahead of the start."""
     traits: tuple[str, ...] = ()
     """`residential`, `urban`, `highway`, `rural`, `curve`, `junction`, `one_way` ..."""
+    landmarks: tuple[
+        Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"], ...
+    ] = ()
+    """Kinds that its roads are known to have, where there is no file at hand to find them in."""
 
 
 class WeatherRange(Data):
@@ -103,6 +109,8 @@ class WeatherRange(Data):
     max_precipitation_mm_h: float = 0.0
     min_friction: float = 1.0
     """1 where the road is always dry."""
+    others: tuple[str, ...] = ()
+    """Further weather that it can show and for which a scene has no scale: `dust`, `wind` ..."""
 
 
 class Catalogue(Data):

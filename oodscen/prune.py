@@ -1,6 +1,6 @@
 """Prune the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
@@ -8,9 +8,25 @@ from oodscen.ask import ask
 from oodscen.catalogue import Catalogue
 from oodscen.concurrency import as_finished
 from oodscen.errors import LLMError
+from oodscen.paper import attestation
 from oodscen.prompts import CatalogueDigest, JudgeBranch
 from oodscen.protocols import LLM
+from oodscen.pruning.additions import Addition
 from oodscen.tree import Node, ScenarioTree, TreeEdit
+
+_LONGEST_REASON = 1_000
+"""Characters of a model's reason that are kept."""
+
+Match = Literal["full", "substitute", "part", "none"]
+"""How well a catalogue shows a branch: as it is; with assets that stand in for others; only a part of
+what the label names, or below an inner node not every branch; not at all."""
+
+
+class StandIn(Data):
+    """An asset that is shown instead of what the catalogue does not have."""
+
+    asset: str
+    stands_for: str
 
 
 class PruneDecision(Data):
@@ -27,11 +43,33 @@ class PruneDecision(Data):
     retryable: bool = False
     """Whether a failed question may be answered at another time."""
     reason: str = ""
+    match: Match | None = None
+    """`None` where the question failed."""
+    label: str = ""
+    """The narrower label that the node gets, where only a part of it can be shown."""
     assets: tuple[str, ...] = ()
     """Ids of the assets that realise it."""
+    states: tuple[str, ...] = ()
+    """`asset: state`, where a state matters."""
     behaviours: tuple[str, ...] = ()
+    weather: tuple[str, ...] = ()
+    """`night`, `fog`, `rain`, `snow` or `ice`, where it needs them."""
+    traits: tuple[str, ...] = ()
+    """What its map must have."""
+    substitutes: tuple[StandIn, ...] = ()
     missing: tuple[str, ...] = ()
-    """What an addition to the catalogue would have to bring to restore it."""
+    """`lacks` in words."""
+    lacks: tuple[Addition, ...] = ()
+    """What the catalogue would have to get: of a dropped leaf all that restores it, of a kept one
+    what would replace its substitutes or show the rest of its label."""
+    same_as: tuple[str, ...] = ()
+    """Ids of the other leaves that the simulator shows with exactly the same means."""
+    catalogue: str = ""
+    """Simulator and version."""
+    model: str = ""
+    """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
+    prompt: str = ""
+    """The question it was asked: `purpose@version`."""
 
 
 class Pruner:
@@ -41,12 +79,17 @@ class Pruner:
         llm: The tree-LLM.
         catalogue: What the simulator offers.
         threads: How many questions may be under way at once.
+        substitutes: Whether a branch that is shown with substitute assets survives.
     """
 
-    def __init__(self, llm: LLM, catalogue: Catalogue, *, threads: int = 1) -> None:
+    def __init__(
+        self, llm: LLM, catalogue: Catalogue, *, threads: int = 1, substitutes: bool = True
+    ) -> None:
         self.llm = llm
         self.catalogue = CatalogueDigest.of(catalogue)
+        self.name = f"{catalogue.simulator}-{catalogue.version}"
         self.threads = threads
+        self.substitutes = substitutes
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
         """Return the simulatable tree; its edits tell the reason for every node."""
@@ -68,6 +111,11 @@ class Pruner:
             yield decision
 
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
+        asked = {
+            "catalogue": self.name,
+            "model": self.llm.name,
+            "prompt": f"{JudgeBranch.purpose}@{JudgeBranch.version()}",
+        }
         try:
             answer = ask(self.llm, JudgeBranch(path=path, catalogue=self.catalogue))
         except LLMError as error:
@@ -78,49 +126,129 @@ class Pruner:
                 status="failed",
                 error=str(error),
                 retryable=error.retryable,
+                **asked,
             )
+        standing = tuple(
+            StandIn(asset=one.asset, stands_for=one.stands_for) for one in answer.substitutes
+        )
+        keep = answer.simulatable and (self.substitutes or not standing)
+        match: Match = "full"
+        if not keep:
+            match = "none"
+        elif answer.label:
+            match = "part"
+        elif standing:
+            match = "substitute"
+        lacks = tuple(dict.fromkeys(answer.missing)) if match != "full" else ()
+        used = answer if keep else None
         return PruneDecision(
             id=leaf.id,
             path=path,
-            keep=answer.simulatable,
-            reason=answer.reasoning,
-            assets=tuple(answer.assets),
-            behaviours=tuple(answer.behaviours),
-            missing=() if answer.simulatable else tuple(answer.missing),
+            keep=keep,
+            reason=" ".join(answer.reasoning.split())[:_LONGEST_REASON] or _said(keep, lacks),
+            match=match,
+            label=" ".join(answer.label.split()) if keep else "",
+            assets=_unique(used.assets) if used else (),
+            states=_unique(used.states) if used else (),
+            behaviours=_unique(used.behaviours) if used else (),
+            weather=_unique(used.weather) if used else (),
+            traits=_unique(used.traits) if used else (),
+            substitutes=standing if keep else (),
+            missing=tuple(one.words for one in lacks),
+            lacks=lacks,
+            **asked,
         )
 
 
 def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
     """Extend the decisions on leaves to every node, in tree order.
 
-    An inner node is kept exactly when one of its children is. The root always stays.
+    An inner node is kept exactly when one of its children is. The root always stays. Leaves that
+    are realised by the same means name each other in `same_as`.
     """
-    by_id = {decision.id: decision for decision in judged}
+    by_id = {decision.id: decision for decision in alike(tree, judged)}
     for node, _ in reversed(list(tree.walk())):
         if node.id in by_id:
             continue
-        kept = [child for child in tree.children[node.id] if by_id[child].keep]
-        reason = f"{len(kept)} of {len(tree.children[node.id])} branches can be shown"
+        children = tree.children[node.id]
+        kept = [child for child in children if by_id[child].keep]
+        is_whole = bool(children) and all(by_id[child].match == "full" for child in children)
+        match: Match = "full" if is_whole else "part" if kept else "none"
+        reason = f"{len(kept)} of {len(children)} branches can be shown"
+        if not children:
+            reason = "nothing lies below it"
         by_id[node.id] = PruneDecision(
             id=node.id,
             path=tree.path(node.id),
             keep=bool(kept) or node.parent is None,
             reason=reason,
+            match=match,
+            catalogue=next((by_id[child].catalogue for child in children), ""),
         )
     return [by_id[node.id] for node, _ in tree.walk()]
 
 
+def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+    """Say of kept leaves which others the simulator shows by the same means; in the given order."""
+    judged = list(judged)
+    order = {node.id: number for number, node in enumerate(tree.nodes)}
+    groups: dict[tuple[frozenset[str], ...], list[str]] = {}
+    for one in sorted(judged, key=lambda one: order.get(one.id, len(order))):
+        if one.keep and any(means := _means(one)):
+            groups.setdefault(means, []).append(one.id)
+    return [
+        one.model_copy(
+            update={"same_as": tuple(i for i in groups.get(_means(one), ()) if i != one.id)}
+            if one.keep
+            else {"same_as": ()}
+        )
+        for one in judged
+    ]
+
+
 def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
-    """Apply decisions on the leaves: one `keep` or `remove` per node, children first."""
+    """Apply decisions on the leaves: one `keep`, `narrow` or `remove` per node, children first.
+
+    A narrowed leaf stays attested only if its new label still names what the paper simulated.
+    """
     decisions = all_decisions(tree, judged)
-    return tree.apply(
-        *(
-            TreeEdit(
-                op="keep" if decision.keep else "remove",
-                node=decision.id,
-                stage="prune",
-                reason=decision.reason or decision.error or "",
-            )
-            for decision in reversed(decisions)
+    return tree.apply(*(_edit(decision) for decision in reversed(decisions)))
+
+
+def _edit(decision: PruneDecision) -> TreeEdit:
+    is_narrowed = decision.keep and bool(decision.label)
+    return TreeEdit(
+        op="narrow" if is_narrowed else "keep" if decision.keep else "remove",
+        node=decision.id,
+        label=decision.label if is_narrowed else None,
+        attested=attestation(decision.label) if is_narrowed else None,
+        stage="prune",
+        reason=decision.reason or decision.error or "",
+        model=decision.model,
+        prompt=decision.prompt,
+    )
+
+
+def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
+    """Return all that a simulator is asked for."""
+    return tuple(
+        frozenset(names)
+        for names in (
+            decision.assets,
+            decision.states,
+            decision.behaviours,
+            decision.weather,
+            decision.traits,
         )
     )
+
+
+def _unique(names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))
+
+
+def _said(keep: bool, lacks: Sequence[Addition]) -> str:
+    """Return a reason for a model that gave none."""
+    if keep:
+        return "the model says that it can be shown"
+    return f"missing: {', '.join(one.words for one in lacks)}" if lacks else "no reason was given"

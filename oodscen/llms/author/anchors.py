@@ -18,7 +18,7 @@ def landmarks_needed(recipe: Recipe) -> tuple[str, ...]:
 
 def has_landmarks(road: MapLine, recipe: Recipe | None) -> bool:
     """Tell whether a map has every landmark of a recipe."""
-    there = {mark.kind for mark in road.landmarks}
+    there = {mark.kind for mark in road.landmarks} | set(road.somewhere)
     return recipe is None or there.issuperset(landmarks_needed(recipe))
 
 

@@ -1,5 +1,6 @@
 """The knowledge base: what the built-in author knows of hazards, and how it is read and checked."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache, cached_property
@@ -10,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from oodscen._data import Data
+from oodscen.catalogue import Category
 from oodscen.errors import DataError, Issue
 from oodscen.tree import MAX_LABEL
 
@@ -264,6 +266,22 @@ class Company(Data):
     """Further ones of the behaviour, such as how close it follows."""
 
 
+class Things(Data):
+    """Names of things that hazards need, by the category that a catalogue would put them in."""
+
+    category: Category
+    names: tuple[str, ...] = Field(min_length=1)
+
+
+class Substitute(Data):
+    """What may be shown where a thing is not to be had, and is still recognised for what is meant."""
+
+    wanted: str
+    by: tuple[str, ...] = Field(min_length=1)
+    """The nearest first."""
+    why: str = ""
+
+
 class Wording(Data):
     """Words for who moves and how far away something is."""
 
@@ -291,6 +309,8 @@ class Knowledge(Data):
     conditions: tuple[Condition, ...]
     traffic: tuple[Traffic, ...] = ()
     company: tuple[Company, ...] = ()
+    things: tuple[Things, ...] = ()
+    substitute: tuple[Substitute, ...] = ()
     wording: Wording
     paper: Paper = Paper()
 
@@ -316,6 +336,20 @@ class Knowledge(Data):
         labels = dict.fromkeys(hazard.family for hazard in self.hazards)
         return {label: tuple(h for h in self.hazards if h.family == label) for label in labels}
 
+    @cached_property
+    def categories(self) -> dict[str, Category]:
+        """Category of every named thing."""
+        return {name: group.category for group in self.things for name in group.names}
+
+    def category(self, name: str) -> Category | None:
+        """Return the category of a thing; `None` where nobody said it."""
+        return self.categories.get(name)
+
+    @cached_property
+    def substitutes(self) -> dict[str, tuple[str, ...]]:
+        """What may stand in for a thing, by its name."""
+        return {one.wanted: one.by for one in self.substitute}
+
     def of_class(self, class_name: str) -> tuple[Hazard, ...]:
         """Return the hazards of one class."""
         return tuple(h for h in self.hazards if h.class_name == class_name)
@@ -333,6 +367,8 @@ _TABLES: dict[str, type[Data]] = {
     "condition": Condition,
     "traffic": Traffic,
     "company": Company,
+    "things": Things,
+    "substitute": Substitute,
 }
 _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
@@ -355,8 +391,10 @@ class Shelf:
             return
         for key, value in content.items():
             if key in _TABLES and isinstance(value, list):
+                lines = _lines(text, key)
                 for index, item in enumerate(value):
-                    self._add(name, key, index, item)
+                    line = lines[index] if len(lines) == len(value) else None
+                    self._add(f"{name}:{line}" if line else name, key, index, item)
             elif key in _SINGLE:
                 self._parse(f"{name}: {key}", _SINGLE[key], value, key)
             else:
@@ -394,9 +432,17 @@ class Shelf:
             conditions=tuple(conditions.values()),
             traffic=tuple(traffic for _, traffic in self.entries["traffic"]),
             company=tuple(company for _, company in self.entries["company"]),
+            things=tuple(things for _, things in self.entries["things"]),
+            substitute=tuple(one for _, one in self.entries["substitute"]),
             wording=self.single["wording"],
             paper=self.single.get("paper", Paper()),
         )
+
+
+def _lines(text: str, key: str) -> list[int]:
+    """Return the numbers of the lines that open an entry of a list of tables."""
+    opens = re.compile(rf"\[\[\s*{key}\s*\]\]")
+    return [n for n, line in enumerate(text.splitlines(), start=1) if opens.match(line.strip())]
 
 
 def _shipped() -> list[tuple[str, str]]:

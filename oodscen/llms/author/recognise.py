@@ -124,7 +124,8 @@ class Recogniser:
             return 0.0
         return 0.6 * value if " " in feature else value
 
-    def _recognise(self, text: str, least: float = _ACCEPTED_WEIGHT) -> Recognition:
+    def _scores(self, text: str) -> tuple[dict[int, float], dict[int, float], dict[int, float]]:
+        """Return weight, share of the best phrase, and value of the distinctive words, by hazard."""
         tokens = stems(text)
         shared: dict[int, float] = {}
         for feature in dict.fromkeys(_features(tokens)):
@@ -137,12 +138,16 @@ class Recogniser:
             if weight * share > scores.get(owner, 0.0):
                 scores[owner], shares[owner] = weight * share, share
         named: dict[int, float] = {}
-        for gram in _grams(tokens, 3):
+        for gram in sorted(_grams(tokens, 3)):
             for owner, value in self._words.get(gram, ()):
                 named[owner] = named.get(owner, 0.0) + value
         for owner, value in named.items():
             scores[owner] = scores.get(owner, 0.0) + 0.5 * value
-        is_driving = any(token in _DRIVING_STEMS for token in tokens) or "ego" in text.casefold()
+        return scores, shares, named
+
+    def _recognise(self, text: str, least: float = _ACCEPTED_WEIGHT) -> Recognition:
+        scores, shares, named = self._scores(text)
+        is_driving = "ego" in text.casefold() or not _DRIVING_STEMS.isdisjoint(stems(text))
         if not scores:
             return Recognition(None, 0.0, 0.0, is_driving)
         best = max(scores, key=lambda owner: (scores[owner], -owner))
@@ -153,6 +158,23 @@ class Recogniser:
         hazard = self.knowledge.hazards[best] if accepted else None
         return Recognition(hazard, weight, share, is_driving)
 
+    def candidates(self, text: str, share: float = 0.4) -> tuple[tuple[Hazard, float], ...]:
+        """Return the hazards that a text may be about, best first.
+
+        Args:
+            text: The text.
+            share: Least part of the best hazard's weight that another one needs.
+
+        Returns:
+            Each with its weight, in nats; none where the text is too far from all.
+        """
+        scores = self._scores(text)[0]
+        best = max(scores.values(), default=0.0)
+        least = max(share * best, _LABEL_WEIGHT)
+        found = [owner for owner, score in scores.items() if score >= least]
+        found.sort(key=lambda owner: (-scores[owner], owner))
+        return tuple((self.knowledge.hazards[owner], scores[owner]) for owner in found)
+
     def _label(self, label: str) -> tuple[Hazard | None, bool]:
         exact = self._labels.get(plain(label))
         if exact is not None:
@@ -162,7 +184,12 @@ class Recogniser:
         return self._recognise(label, _LABEL_WEIGHT).hazard, False
 
     def covered_by(self, label: str) -> tuple[Hazard, ...]:
-        """Return the hazards that a leaf's label stands for: one, or with its kin if widened."""
+        """Return the hazards that a leaf's label stands for: one, with its kin if widened, or several."""
+        parts = label.split(", or ")
+        if len(parts) > 1 and plain(label) not in self._labels:
+            named = [self._labels.get(plain(part)) for part in parts]
+            if None not in named:
+                return tuple({found[0].id: found[0] for found in named if found}.values())
         hazard, widened = self.label(label)
         if hazard is None:
             return ()
@@ -212,7 +239,9 @@ class _Contexts:
 
     def __init__(self, knowledge: Knowledge) -> None:
         self._knowledge = knowledge
-        self._places = _by_length((phrase, p) for p in knowledge.places for phrase in p.phrases)
+        self._places = _by_length(
+            (form, p) for p in knowledge.places for phrase in p.phrases for form in _forms(phrase)
+        )
         self._conditions = _by_length(
             (phrase, c) for c in knowledge.conditions for phrase in (*c.phrases, *c.statements)
         )
@@ -250,6 +279,11 @@ class _Contexts:
     def traffic(self, text: str) -> Traffic | None:
         words = f" {plain(text)} "
         return next((traffic for phrase, traffic in self._traffic if phrase in words), None)
+
+
+def _forms(phrase: str) -> tuple[str, ...]:
+    """Return a phrase for a place, and the place alone, as in a heading."""
+    return (phrase, re.sub(r"^(?:on|along|in|over|across) an? ", "", phrase))
 
 
 def _by_length(pairs: Iterable[tuple[str, Value]]) -> list[tuple[str, Value]]:

@@ -151,7 +151,7 @@ def _map_for(place: Place, hazard: Hazard, digest: CatalogueDigest) -> MapLine:
     fitting = [
         road
         for road in digest.maps
-        if needed <= set(road.traits) and has_landmarks(road, hazard.stage)
+        if needed <= set(road.features) and has_landmarks(road, hazard.stage)
     ]
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")

@@ -1,7 +1,7 @@
 import pytest
 
 from oodscen.llms.author import BuiltinAuthor, Knowledge
-from oodscen.llms.author.feasibility import WeatherLimits, missing_for
+from oodscen.llms.author.feasibility import WeatherLimits, realise
 from oodscen.prompts import CatalogueDigest, JudgeBranch
 
 
@@ -15,7 +15,8 @@ def test_every_branch_is_judged(
     for hazard in knowledge.hazards:
         judged = ask(author, JudgeBranch(path=branch(hazard), catalogue=digest))
         assert judged.simulatable <= (hazard.stage is not None)
-        assert bool(judged.missing) != judged.simulatable
+        assert judged.missing if not judged.simulatable else True
+        assert bool(judged.missing) == (not judged.simulatable or bool(judged.substitutes))
 
 
 def test_all_that_the_paper_simulated_is_simulatable(
@@ -37,7 +38,9 @@ def test_a_missing_asset_is_named_and_restores_the_branch(
     )
     judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
     assert not judged.simulatable
-    assert judged.missing == [f"an asset: {asset.replace('_', ' ')}"]
+    (missing,) = judged.missing
+    assert (missing.kind, missing.name) == ("asset", asset)
+    assert missing.category is not None
     judged = ask(author, JudgeBranch(path=("x", label), catalogue=digest))
     assert judged.simulatable
     assert asset in judged.assets
@@ -57,7 +60,7 @@ def test_missing_weather_is_named(
     poorer = digest.model_copy(update={"weather": line})
     judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
     assert not judged.simulatable
-    assert any(missing in item for item in judged.missing)
+    assert any(missing in item.words for item in judged.missing)
 
 
 def test_an_unknown_branch_is_not_claimed(
@@ -85,12 +88,16 @@ def test_a_map_without_the_landmark_is_named(
     bare = tuple(line.model_copy(update={"landmarks": ()}) for line in rich_digest.maps)
     poorer = rich_digest.model_copy(update={"maps": bare})
     judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
-    assert judged.missing == ["a map with: junction"]
+    assert [one.words for one in judged.missing] == ["a map with: junction, signalised"]
 
 
-def test_everything_that_has_a_recipe_can_be_shown(
+def test_a_recipe_can_be_shown_or_its_things_are_missing(
     knowledge: Knowledge, rich_digest: CatalogueDigest
 ) -> None:
+    shown = 0
     for hazard in knowledge.hazards:
         if hazard.stage is not None:
-            assert list(missing_for(hazard, rich_digest)) == [], hazard.id
+            missing = realise(hazard, rich_digest, knowledge).missing
+            assert {one.kind for one in missing} <= {"asset", "map"}, hazard.id
+            shown += not missing
+    assert shown >= 211

@@ -71,10 +71,10 @@ def test_every_fault_is_reported_with_file_and_path(tmp_path: Path) -> None:
         + '\n[[hazard]]\nid = "Bad Id"\nclass = "odd"\n[surprise]\nx = 1\n'
     )
     paths = {issue.path for issue in validate_knowledge(path)}
-    start = "own.toml: hazard[0] piano"
+    start = "own.toml:2: hazard[0] piano"
     assert {f"{start}: places[0]", f"{start}: conditions[0]", f"{start}: kin[0]"} <= paths
     assert {f"{start}: wider", f"{start}: events[0]", "own.toml: surprise"} <= paths
-    assert any(p.startswith("own.toml: hazard[1] Bad Id: ") for p in paths)
+    assert any(p.startswith("own.toml:21: hazard[1] Bad Id: ") for p in paths)
     with pytest.raises(DataError) as caught:
         load_knowledge(path)
     assert len(caught.value.issues) >= 6
@@ -113,7 +113,7 @@ other = "cello"
 meets = 0.0
 """
     )
-    start = "own.toml: hazard[0] piano: stage.actors[0]"
+    start = "own.toml:2: hazard[0] piano: stage.actors[0]"
     assert {issue.path for issue in validate_knowledge(path)} == {
         f"{start}.at",
         f"{start}.other",
@@ -137,7 +137,7 @@ ahead = [50.0, 60.0]
 trigger = { kind = "ttc", value = 3.0, actor = "cello" }
 """
     )
-    start = "own.toml: hazard[0] piano: stage"
+    start = "own.toml:2: hazard[0] piano: stage"
     assert {issue.path for issue in validate_knowledge(path)} == {
         f"{start}.speed",
         f"{start}.decision.actor",
