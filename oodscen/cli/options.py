@@ -61,6 +61,11 @@ extras_options = _options(
         help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
     ),
 )
+style_option = click.option(
+    "--style",
+    type=click.Choice(("natural", "paper", "terse", "verbose", "first-person")),
+    help="Register of the texts.  [default: natural]",
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 traffic_options = _options(
     click.option(

@@ -16,6 +16,7 @@ from oodscen.cli.options import (
     out_option,
     seed_option,
     simulator_option,
+    style_option,
 )
 from oodscen.cli.output import read_lines, write, write_lines
 from oodscen.errors import DataError, Issue
@@ -91,6 +92,23 @@ def prune(
 @seed_option
 @click.option("--per-path", default=paper.PER_PATH, show_default=True, type=click.IntRange(min=1))
 @click.option("--encoder", help="Encoder that finds near duplicates; none if left out.")
+@style_option
+@click.option(
+    "--candidates",
+    default=1,
+    show_default=True,
+    type=click.IntRange(min=1),
+    help="Texts written for each that is kept; the most diverse are kept.",
+)
+@click.option(
+    "--band",
+    nargs=2,
+    type=float,
+    metavar="LO HI",
+    help="Keep only texts whose OOD-ness lies in this band.",
+)
+@click.option("--baseline", type=READABLE, help="Ordinary-driving texts for the band.")
+@click.option("--twins", is_flag=True, help="Write every text's ordinary twin as well.")
 @out_option
 def describe(
     tree: Path,
@@ -99,13 +117,32 @@ def describe(
     seed: int,
     per_path: int,
     encoder: str | None,
+    style: Any,
+    candidates: int,
+    band: tuple[float, float] | None,
+    baseline: Path | None,
+    twins: bool,
     out: Path | None,
 ) -> None:
     """Describe every path of the tree in the file TREE: one scenario per line."""
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
+    from oodscen.baselines import load_baseline
+    from oodscen.metrics import Metrics
 
     model = make_llm(llm, seed=seed, api_base=api_base)
-    describer = Describer(model, make_encoder(encoder) if encoder else None, per_path=per_path)
+    measure = make_encoder(encoder) if encoder else None
+    is_chosen = candidates > 1 or band is not None
+    ordinary = load_baseline(baseline) if baseline else None
+    describer = Describer(
+        model,
+        measure,
+        per_path=per_path,
+        style=style or "natural",
+        candidates=candidates,
+        band=band,
+        metrics=Metrics(measure, ordinary, seed=seed) if is_chosen else None,
+        twins=twins,
+    )
     write_lines(out, describer.run(ScenarioTree.load(tree)))
 
 

@@ -16,6 +16,7 @@ from oodscen.cli.options import (
     llm_options,
     seed_option,
     simulator_option,
+    style_option,
     traffic_from,
     traffic_options,
 )
@@ -46,6 +47,17 @@ from oodscen.registry import DEFAULT_ENCODER
 )
 @click.option(
     "--per-path", type=int, help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]"
+)
+@style_option
+@click.option(
+    "--candidates",
+    type=int,
+    help="Texts written for each that is kept; the most diverse are kept.  [default: 1]",
+)
+@click.option(
+    "--twins/--no-twins",
+    default=None,
+    help="Write every text's ordinary twin.  [default: where the built-in author writes]",
 )
 @click.option("--max-paths", type=int, help="Simulate at most this many paths.")
 @click.option(

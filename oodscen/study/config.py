@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from oodscen import paper
 from oodscen._data import Data
+from oodscen.prompts import Style
 from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 
 
@@ -38,6 +39,12 @@ class StudyConfig(Data):
     """Texts per path of the simulatable tree."""
     sets: tuple[int, ...] = paper.SETS
     """Sizes of the text sets from the diverse tree."""
+    style: Style = "natural"
+    """Register of the texts."""
+    candidates: int = Field(default=1, ge=1, le=100)
+    """Texts written for each that is kept; of more than one, the most diverse are kept."""
+    twins: bool | None = None
+    """Write every text's ordinary twin as well; left out: where the built-in author writes."""
     max_paths: int | None = Field(default=None, ge=1)
     """Simulate at most this many paths; all if left out."""
     band: tuple[float, float] | None = None

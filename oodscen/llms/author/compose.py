@@ -1,43 +1,55 @@
-"""Writing: one or two sentences from opening, place, conditions, traffic and event."""
+"""Writing: one text from opening, place, conditions, traffic and event."""
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from oodscen.llms.author.approach import approach
-from oodscen.llms.author.knowledge import Condition, Hazard, Knowledge, Place, Traffic
-from oodscen.prompts.describe_path import plain
+from oodscen.llms.author.constructions import (
+    CONSTRUCTIONS,
+    FALLBACK,
+    Construction,
+    Plot,
+    nominal,
+)
+from oodscen.llms.author.knowledge import Hazard, Knowledge, Place, Traffic
+from oodscen.llms.author.naming import Name, named
+from oodscen.prompts.describe_path import Style, plain
 
 Option = TypeVar("Option")
 
-_LONG_EVENT = 17
-"""Words from which on an event has a sentence of its own."""
 _IDLE_TRIES = 400
 """Drafts in a row that repeat earlier texts, after which a hazard counts as exhausted."""
-
-
-@dataclass(frozen=True)
-class Plot:
-    """What a text is going to say, before it is worded."""
-
-    event: str
-    """With its placeholder until the construction is chosen."""
-    place: Place
-    where: str
-    """Phrase for the place."""
-    condition: Condition | None = None
-    weather: str = ""
-    """Phrase for the condition."""
-    statement: str = ""
-    """Clause for the condition."""
-    is_act: bool = False
-    """Whether somebody does something unusual."""
-    traffic: str = ""
-    opening: str = ""
-    detail: str = ""
+_NAMES: dict[Style, tuple[Name, ...]] = {
+    "natural": ("ego", "ego", "ego", "ego", "the ego vehicle", "the ego vehicle", "the ego car"),
+    "paper": ("ego", "the ego vehicle"),
+    "terse": ("ego",),
+    "verbose": ("ego", "the ego vehicle", "the ego vehicle"),
+    "first-person": ("I",),
+}
+_TRAFFIC_SHARE: dict[Style, float] = {
+    "natural": 0.12,
+    "paper": 0.3,
+    "terse": 0.0,
+    "verbose": 0.7,
+    "first-person": 0.1,
+}
+_DETAIL_SHARE: dict[Style, float] = {
+    "natural": 0.3,
+    "paper": 0.5,
+    "terse": 0.0,
+    "verbose": 1.0,
+    "first-person": 0.3,
+}
+_PREPOSED = 0.3
+"""Share of the events that stand by themselves in which the distance comes first."""
+_INVERTED = 0.35
+"""The same for the subject coming last, where that can be."""
+_TERSE_EVENT = 16
+"""Words of an event that a terse text may have, where there is such an event."""
 
 
 class Composer:
@@ -47,11 +59,17 @@ class Composer:
         """Write with the words of a knowledge base."""
         self.knowledge = knowledge
 
-    def text(self, hazard: Hazard, rng: np.random.Generator) -> str:
+    def text(self, hazard: Hazard, rng: np.random.Generator, style: Style = "natural") -> str:
         """Write one text."""
-        return next(self.texts(hazard, rng, set()))
+        return next(self.texts(hazard, rng, set(), style))
 
-    def texts(self, hazard: Hazard, rng: np.random.Generator, taken: set[str]) -> Iterator[str]:
+    def texts(
+        self,
+        hazard: Hazard,
+        rng: np.random.Generator,
+        taken: set[str],
+        style: Style = "natural",
+    ) -> Iterator[str]:
         """Write texts until nothing new comes.
 
         Events, roads, conditions and constructions take turns, so that few texts are varied ones.
@@ -60,15 +78,18 @@ class Composer:
             hazard: What they are about.
             rng: Decides everything.
             taken: Texts to avoid, without case and punctuation; what is written is added.
+            style: Register in which they are written.
         """
         turns = _Turns(rng)
         idle = 0
         while idle < _IDLE_TRIES:
-            plot = self._plot(hazard, rng, turns)
-            built = turns.next("structure", list(_STRUCTURES))
-            structure = _STRUCTURES[built if _STRUCTURES[built].suits(plot) else "two sentences"]
-            event = self._located(plot, hazard, structure.names_ego, rng)
-            text = structure.build(replace(plot, event=event))
+            plot = self._plot(hazard, rng, turns, style)
+            suits = [one.suits(plot) for one in CONSTRUCTIONS[style]]
+            built = turns.first("construction", CONSTRUCTIONS[style], suits)
+            construction = built or FALLBACK
+            event = self._located(plot, hazard, construction, rng)
+            text = construction.build(replace(plot, event=event))
+            text = named(text, turns.next("name", _NAMES[style]))
             key = plain(text)
             if key in taken or not 20 <= len(text) <= 600:
                 idle += 1
@@ -77,54 +98,97 @@ class Composer:
             taken.add(key)
             yield text
 
-    def _plot(self, hazard: Hazard, rng: np.random.Generator, turns: "_Turns") -> Plot:
+    def _plot(
+        self, hazard: Hazard, rng: np.random.Generator, turns: "_Turns", style: Style
+    ) -> Plot:
         places = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
         place = turns.next("place", places or list(self.knowledge.places))
         condition = None
         if hazard.conditions:
             key = turns.next("condition", list(hazard.conditions))
             condition = self.knowledge.condition_keys.get(key)
-        event = turns.next("event", list(hazard.events))
+        phrases = condition.phrases if condition else ()
+        statements = condition.statements if condition else ()
+        events = list(hazard.events)
+        wheres = list(place.phrases)
+        if style == "terse":
+            wheres = [phrase for phrase in wheres if nominal(phrase)] or wheres
+            short = [event for event in events if len(event.split()) <= _TERSE_EVENT]
+            events = short or [min(events, key=len)]
+        named_place = f"place {place.key} {len(wheres)}"
         return Plot(
-            event=event,
+            event=turns.next("event", events),
             place=place,
-            where=turns.next(f"place {place.key}", list(place.phrases)),
+            where=turns.next(named_place, wheres),
             condition=condition,
-            weather=_pick(rng, condition.phrases) if condition else "",
-            statement=_pick(rng, condition.statements)
-            if condition and condition.statements
+            weather=turns.next(f"weather {condition.key}", phrases) if condition else "",
+            statement=turns.next(f"stated {condition.key}", statements)
+            if condition and statements
             else "",
             is_act=hazard.class_name == "interactional",
-            traffic=self._traffic(hazard, place, rng),
-            opening=turns.next("opening", list(self.knowledge.wording.openings)),
-            detail=_pick(rng, hazard.details) if hazard.details and rng.random() < 0.5 else "",
+            traffic=self._traffic(hazard, place, rng, _TRAFFIC_SHARE[style]),
+            opening=turns.next("opening", self.knowledge.wording.openings),
+            detail=_pick(rng, hazard.details)
+            if hazard.details and rng.random() < _DETAIL_SHARE[style]
+            else "",
+            has_pronoun=style != "first-person",
         )
 
-    def _traffic(self, hazard: Hazard, place: Place, rng: np.random.Generator) -> str:
-        if not hazard.traffic or rng.random() > 0.3:
+    def _traffic(self, hazard: Hazard, place: Place, rng: np.random.Generator, share: float) -> str:
+        if not hazard.traffic or rng.random() > share:
             return ""
         fitting = [t for t in self.knowledge.traffic if _met_on(t, place)]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 
     def _located(
-        self, plot: Plot, hazard: Hazard, names_ego: bool, rng: np.random.Generator
+        self, plot: Plot, hazard: Hazard, construction: Construction, rng: np.random.Generator
     ) -> str:
         """Fill in where it is; the ego is named once more where nothing else names it."""
         event = _NAMED_TWICE.sub(r"\1", plot.event)
         if "{where}" not in event:
             return event
         words = self.knowledge.wording
-        named = re.search(r"\bego\b", event) is not None or "from {where}" in event
-        briefly = named or (names_ego and rng.random() < 0.8)
+        is_named = re.search(r"\bego\b", event) is not None or "from {where}" in event
+        is_brief = is_named or (construction.names_ego and rng.random() < 0.8)
         if rng.random() < 0.6:
             low, high = approach(hazard, plot.place).ahead
             steps = [five * 5 for five in range(1, 61) if low <= five * 5 <= high]
             distance = _pick(rng, steps) if steps else 5 * round(0.1 * (low + high))
-            phrases = words.metres if briefly else words.metres_ego
+            phrases = list(words.metres if is_brief else words.metres_ego)
+            if "from {where}" in event:
+                phrases = [phrase for phrase in phrases if phrase.endswith(" ahead")]
             where = _pick(rng, phrases).format(distance=distance)
+        elif "ego vehicle {where}" in event:
+            where = _pick(rng, [near for near in words.near if " distance " in near] or words.near)
         else:
-            where = _pick(rng, words.near if briefly else words.near_ego)
-        return event.replace("{where}", where)
+            where = _pick(rng, words.near if is_brief else words.near_ego)
+        return _ordered(event, where, construction, rng)
+
+
+def _ordered(event: str, where: str, construction: Construction, rng: np.random.Generator) -> str:
+    """Fill in where it is, there or at the front."""
+    if construction.is_apart:
+        found = _LYING.fullmatch(event)
+        if found is not None and rng.random() < _INVERTED:
+            subject = found["subject"][0].lower() + found["subject"][1:]
+            start = found["lane"][0].upper() + found["lane"][1:]
+            return f"{start} {where} {found['verb']} {subject}{found['rest']}"
+        fits = _PREPOSABLE.search(event) is not None and "from {where}" not in event
+        if fits and rng.random() < _PREPOSED:
+            rest = " ".join(event.replace("{where}", "").split()).replace(" ,", ",")
+            return f"{where[0].upper()}{where[1:]}, {rest[0].lower()}{rest[1:]}"
+    return event.replace("{where}", where)
+
+
+_NAMED_TWICE = re.compile(r"((?:in front|ahead) of the ego vehicle) \{where\}", re.IGNORECASE)
+_LYING = re.compile(
+    r"(?P<subject>(?:An?|Several|Two|Some) [^,]+?) (?P<verb>lies|lie|stands?|sits?|stretch(?:es)?|gapes|blazes) "
+    r"(?P<lane>(?:right |upright )?(?:in|across|over) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)) "
+    r"\{where\}(?P<rest>(?:,.*)?)"
+)
+_PREPOSABLE = re.compile(
+    r"^(?:An?|The|Two|Three|Several|Some|Somebody|Someone|[A-Z][a-z]+s)\b.*\{where\}"
+)
 
 
 def _met_on(traffic: Traffic, place: Place) -> bool:
@@ -139,154 +203,24 @@ class _Turns:
         self._decks: dict[str, list[int]] = {}
 
     def next(self, deck: str, options: Sequence[Option]) -> Option:
+        """Return the option whose turn it is."""
+        return options[self._deck(deck, len(options)).pop()]
+
+    def first(self, deck: str, options: Sequence[Option], suits: Sequence[bool]) -> Option | None:
+        """Return the next option that suits; those before it keep their turn."""
+        for fresh in (False, True):
+            left = self._deck(deck, len(options), fresh)
+            for place in reversed(range(len(left))):
+                if suits[left[place]]:
+                    return options[left.pop(place)]
+        return None
+
+    def _deck(self, deck: str, size: int, fresh: bool = False) -> list[int]:
         left = self._decks.setdefault(deck, [])
-        if not left:
-            left += [int(index) for index in self._rng.permutation(len(options))]
-        return options[left.pop()]
+        if fresh or not left:
+            left[:] = [int(index) for index in self._rng.permutation(size)]
+        return left
 
 
 def _pick(rng: np.random.Generator, options: Sequence[Option]) -> Option:
     return options[int(rng.integers(len(options)))]
-
-
-# ------------------------------------------------------------------ constructions
-
-_NAMED_TWICE = re.compile(r"((?:in front|ahead) of the ego vehicle) \{where\}", re.IGNORECASE)
-_ADVERBIAL = re.compile(
-    r"(On|In|At|Late|By|Within|From|Behind|Without|After|Since|Towards?|Between|While|Under|Beneath|"
-    r"Beyond|Although|Coming|Instead|It|Over|Across|Along|Beside|Before|Near|Once|As|With|Every|"
-    r"Ahead|Around|Against|Halfway|Suddenly|Seconds|Moments|Just|Only|Where|When|Having|For)\b"
-)
-_PLAIN = re.compile(
-    r"(An?|The|Two|Three|Four|Five|Six|Several|Some|Somebody|Someone|Another|Dozens|Thousands)\b"
-)
-_LASTING = re.compile(
-    r"\b(is|are|was|has|have|had|stands?|lies?|sits?|blocks?|holds?|keeps?|occup\w+|remains?|waits?|"
-    r"stays?|hangs?|covers?|fills?|travels?|moves|drives?|walks?|rides?|leads?)\b"
-)
-
-
-def _starts_plainly(plot: Plot) -> bool:
-    """Tell whether the event begins with its subject."""
-    if _PLAIN.match(plot.event) is not None:
-        return True
-    return not plot.is_act and _ADVERBIAL.match(plot.event) is None
-
-
-def _is_short(plot: Plot) -> bool:
-    return len(plot.event.split()) <= _LONG_EVENT and "," not in plot.event
-
-
-def _happens(plot: Plot) -> bool:
-    """Tell whether the event is something that occurs, so that `when` can introduce it."""
-    if re.search(r"\b(when|while|as|after|before|until|because)\b", plot.event):
-        return False
-    return plot.is_act and _LASTING.search(" ".join(plot.event.split()[:9])) is None
-
-
-def _sentence(*parts: str) -> str:
-    text = " ".join(part for part in parts if part).replace(" ,", ",")
-    return f"{text[0].upper()}{text[1:].rstrip('.')}."
-
-
-def _inner(event: str) -> str:
-    """Turn an event into a clause within a sentence that has named the ego."""
-    event = _it(event)
-    return event if event.startswith("Ego") else event[0].lower() + event[1:]
-
-
-def _it(event: str) -> str:
-    return re.sub(r"^(The ego vehicle|Ego)(?= )", "It", event)
-
-
-def _inner_opening(opening: str) -> str:
-    return re.sub(r"^(Ego|The ego vehicle)\b", "the ego vehicle", opening)
-
-
-def _aside(plot: Plot) -> str:
-    return f", {plot.traffic}" if plot.traffic else ""
-
-
-def _after(plot: Plot, sentence: str) -> str:
-    """Add the consequence to a single sentence."""
-    return f"{sentence} {_sentence(plot.detail)}" if plot.detail else sentence
-
-
-def _two_sentences(plot: Plot) -> str:
-    first = _sentence(plot.opening, plot.where, plot.weather, _aside(plot))
-    return f"{first} {_sentence(_it(plot.event))}"
-
-
-def _weather_first(plot: Plot) -> str:
-    opening = _inner_opening(plot.opening)
-    first = _sentence(plot.weather, ",", opening, plot.where, _aside(plot))
-    return f"{first} {_sentence(_it(plot.event))}"
-
-
-def _stated(plot: Plot) -> str:
-    first = _sentence(plot.statement, ", and", _inner_opening(plot.opening), plot.where)
-    return f"{first} {_sentence(_it(plot.event))}"
-
-
-def _joined(plot: Plot) -> str:
-    first = _sentence(plot.opening, plot.where, plot.weather, ", and", _inner(plot.event))
-    return _after(plot, first)
-
-
-def _occurring(plot: Plot) -> str:
-    first = _sentence(plot.opening, plot.where, plot.weather, "when", _inner(plot.event))
-    return _after(plot, first)
-
-
-def _place_first(plot: Plot) -> str:
-    event = plot.event[0].lower() + plot.event[1:]
-    return _after(plot, _sentence(plot.where, plot.weather, ",", event))
-
-
-def _meanwhile(plot: Plot) -> str:
-    opening = _inner_opening(plot.opening)
-    return _after(plot, _sentence(plot.event, "while", opening, plot.where, plot.weather))
-
-
-@dataclass(frozen=True)
-class _Structure:
-    build: Callable[[Plot], str]
-    suits: Callable[[Plot], bool]
-    names_ego: bool = True
-    """Whether it has a part of its own about the ego."""
-
-
-_STRUCTURES = {
-    "two sentences": _Structure(_two_sentences, lambda plot: True),
-    "weather first": _Structure(_weather_first, lambda plot: bool(plot.weather)),
-    "two plain sentences": _Structure(_two_sentences, lambda plot: True),
-    "weather stated": _Structure(_stated, lambda plot: bool(plot.statement) and not plot.traffic),
-    "joined": _Structure(
-        _joined, lambda plot: _starts_plainly(plot) and _is_short(plot) and not plot.traffic
-    ),
-    "occurring": _Structure(
-        _occurring, lambda plot: _starts_plainly(plot) and _happens(plot) and not plot.traffic
-    ),
-    "place first": _Structure(
-        _place_first,
-        lambda plot: (
-            _starts_plainly(plot)
-            and re.search(r"\bego\b|{where}", plot.event) is not None
-            and not plot.event.startswith(("The ego vehicle", "Ego"))
-            and plot.where.startswith(("on ", "in ", "along "))
-            and not plot.weather.startswith(plot.where.split()[0])
-            and not plot.traffic
-        ),
-        names_ego=False,
-    ),
-    "meanwhile": _Structure(
-        _meanwhile,
-        lambda plot: (
-            _starts_plainly(plot)
-            and _is_short(plot)
-            and not plot.event.startswith(("The ego vehicle", "Ego"))
-            and re.search(r"\b(when|while|where|as|until|although)\b", plot.event) is None
-            and not plot.traffic
-        ),
-    ),
-}

@@ -3,11 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from oodscen.baselines import load_baseline
 from oodscen.concurrency import as_finished
 from oodscen.describe import Describer, spread, spread_subset
-from oodscen.errors import LLMError
+from oodscen.errors import LLMError, UsageError
+from oodscen.metrics import Metrics
 from oodscen.scenario import Scenario
 from oodscen.study.context import Context, failed
+from oodscen.study.record import is_builtin
 from oodscen.tree import ScenarioTree
 
 
@@ -49,7 +52,7 @@ def _describe(
     sample: int,
 ) -> list[Scenario]:
     """Write texts path by path; a path counts as done when all its lines are there."""
-    describer = Describer(run.llm, run.encoder, sample=sample)
+    describer = _describer(run, sample)
     lines: dict[str, list[dict[str, Any]]] = {}
     for line in run.store.lines(file):
         if not run.is_again(line):
@@ -59,7 +62,7 @@ def _describe(
     def work(leaf: str) -> list[dict[str, Any]]:
         try:
             scenarios = describer.path(leaf, paths[leaf], counts[leaf])
-        except LLMError as error:
+        except (LLMError, UsageError) as error:
             return [failed(leaf, error, leaf=leaf, path=paths[leaf])]
         return [scenario.model_dump(mode="json") for scenario in scenarios]
 
@@ -73,9 +76,37 @@ def _describe(
             run.store.append(file, row)
         done[leaf] = rows
         run.progress(stage, len(done), len(paths))
-    ordered = [row for leaf in paths for row in done[leaf]]
+    ordered = _distinct(describer, [row for leaf in paths for row in done[leaf]])
     run.store.write_lines(file, ordered)
     return [Scenario.parse(row) for row in ordered if "error" not in row]
+
+
+def _describer(run: Context, sample: int) -> Describer:
+    config = run.config
+    metrics = None
+    if config.candidates > 1:
+        baseline = load_baseline(config.baseline) if config.baseline else None
+        metrics = Metrics(run.encoder, baseline, seed=config.seed)
+    return Describer(
+        run.llm,
+        run.encoder,
+        style=config.style,
+        candidates=config.candidates,
+        band=config.band if metrics is not None else None,
+        metrics=metrics,
+        twins=is_builtin(config.llm) if config.twins is None else config.twins,
+        sample=sample,
+    )
+
+
+def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Word those texts anew that say what a text of an earlier path says."""
+    scenarios = [Scenario.parse(row) for row in rows if "error" not in row]
+    try:
+        again = {one.id: one.model_dump(mode="json") for one in describer.reworded(scenarios)}
+    except LLMError:
+        return rows
+    return [again.get(row["id"], row) for row in rows]
 
 
 def _is_whole(rows: Sequence[Mapping[str, Any]], count: int) -> bool:

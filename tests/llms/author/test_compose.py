@@ -14,6 +14,12 @@ def written(knowledge: Knowledge, hazard: Hazard, count: int, seed: int = 0) -> 
     return [text for text, _ in zip(texts, range(count), strict=False)]
 
 
+def shared(event: str, text: str) -> float:
+    """Return how much of an event a text tells."""
+    words = set(plain(event.replace("{where}", "")).split()) - {"ego", "s", "the", "vehicle"}
+    return len(words & set(plain(text).split())) / len(words)
+
+
 @pytest.fixture(scope="module")
 def many(knowledge: Knowledge) -> list[tuple[Hazard, str]]:
     return [(h, text) for h in knowledge.hazards for text in written(knowledge, h, 30, seed=3)]
@@ -44,7 +50,8 @@ def test_texts_are_well_formed(many: list[tuple[Hazard, str]]) -> None:
 def test_texts_name_the_place(knowledge: Knowledge, many: list[tuple[Hazard, str]]) -> None:
     for hazard, text in many:
         phrases = [p for key in hazard.places for q in knowledge.place_keys[key] for p in q.phrases]
-        assert any(phrase.casefold() in text.casefold() for phrase in phrases), text
+        nouns = [re.sub(r"^(on|along|in) (?=an? )", "", phrase) for phrase in phrases]
+        assert any(noun.casefold() in text.casefold() for noun in nouns), text
 
 
 def test_no_text_contradicts_itself(many: list[tuple[Hazard, str]]) -> None:
@@ -69,12 +76,7 @@ def test_texts_follow_from_the_stream(knowledge: Knowledge) -> None:
 def test_few_texts_are_varied_ones(knowledge: Knowledge) -> None:
     for hazard in knowledge.hazards:
         texts = written(knowledge, hazard, len(hazard.events))
-        told = {
-            event
-            for event in hazard.events
-            for text in texts
-            if plain(event.split("{where}")[0][10:]) in plain(text)
-        }
+        told = {event for event in hazard.events for text in texts if shared(event, text) > 0.8}
         assert len(told) >= len(hazard.events) - 1, hazard.id
 
 

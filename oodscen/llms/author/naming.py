@@ -1,0 +1,69 @@
+"""What a text calls the ego vehicle.
+
+Events and openings are written with `the ego vehicle` and `the ego's`; a text says one name throughout.
+"""
+
+import re
+from typing import Literal
+
+Name = Literal["the ego vehicle", "ego", "the ego car", "I"]
+
+_POSSESSIVE = re.compile(r"\b([Tt])he ego(?: vehicle)?'s( (?:own )?lane\b)?")
+_VEHICLE = re.compile(r"\b([Tt])he ego vehicle\b")
+_TO_ME = re.compile(
+    r"\b(in front of|ahead of|behind|towards|past|beside|alongside|around|straight at) the ego vehicle\b"
+    r"(?! (?:as|itself)\b)",
+    re.IGNORECASE,
+)
+_ITS_LANE = re.compile(r"(\bme (?:in|inside|into|across|down)) its( own)? lane\b")
+_SUBJECT = re.compile(r"\b[Tt]he ego vehicle (is|has|was|drives|travels|moves|proceeds|heads)\b")
+_NOT_SUBJECT = re.compile(
+    r"\b(?:of|and|at|to|from|with|for|on|by|into|between|than) $", re.IGNORECASE
+)
+_MY = {
+    "is": "am",
+    "has": "have",
+    "was": "was",
+    "drives": "drive",
+    "travels": "travel",
+    "moves": "move",
+    "proceeds": "proceed",
+    "heads": "head",
+}
+
+
+def named(text: str, name: Name) -> str:
+    """Return a text in which the ego vehicle is called by a name; `I` makes the driver tell it."""
+    if name == "ego":
+        text = _POSSESSIVE.sub(lambda m: _as(m[1], f"ego's{m[2] or ''}"), text)
+        return _VEHICLE.sub(lambda m: _as(m[1], "ego"), text)
+    if name == "the ego car":
+        text = _POSSESSIVE.sub(lambda m: _as(m[1], _of_car(m[2])), text)
+        return _VEHICLE.sub(lambda m: _as(m[1], "the ego car"), text)
+    if name == "I":
+        return _told_by_driver(text)
+    return text
+
+
+def _of_car(lane: str | None) -> str:
+    return "the ego lane" if lane == " lane" else f"the ego car's{lane or ''}"
+
+
+def _as(first: str, words: str) -> str:
+    """Begin words as what they stand for began."""
+    return words[0].upper() + words[1:] if first.isupper() else words
+
+
+def _told_by_driver(text: str) -> str:
+    text = _POSSESSIVE.sub(lambda m: _as(m[1], f"my{m[2] or ''}"), text)
+    text = _TO_ME.sub(r"\1 me", text)
+    text = _ITS_LANE.sub(r"\1 my\2 lane", text)
+    if " its " not in text and " it " not in text:
+        text = _SUBJECT.sub(lambda m: _said(m, text), text)
+    return _VEHICLE.sub(lambda m: _as(m[1], "my car"), text)
+
+
+def _said(match: re.Match[str], text: str) -> str:
+    if _NOT_SUBJECT.search(text[: match.start()]):
+        return match[0]
+    return f"I {_MY[match[1]]}"
