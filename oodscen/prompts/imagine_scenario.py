@@ -25,7 +25,13 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     shown: tuple[str, ...]
     """The few shots."""
     covered: tuple[str, ...] = ()
-    """Labels of the leaves that exist already; empty in the paper's open loop."""
+    """Labels of the leaves that exist already; empty in the paper's open loop, like all that follows."""
+    unlisted: int = 0
+    """How many more leaves there are, where the tree is too large to list them all."""
+    thin: tuple[str, ...] = ()
+    """Labels of the groups with the fewest leaves."""
+    refused: tuple[str, ...] = ()
+    """What was proposed lately and turned out to be nothing new."""
 
     def check(self, answer: ImaginedScenario) -> list[Issue]:
         """The text is one short paragraph."""

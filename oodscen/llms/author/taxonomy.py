@@ -9,6 +9,7 @@ from oodscen.errors import LLMError
 from oodscen.llms.author.knowledge import Hazard, Knowledge
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.prompts import PlacedScenario, PlaceScenario, ProposedNode, ProposedTree, ProposeTree
+from oodscen.prompts.place_scenario import MOST_ALSO, AlsoFits
 from oodscen.tree import CLASSES, ROOT, Node
 
 _ROOT_LABEL = "Out-of-distribution driving scenario"
@@ -146,13 +147,21 @@ class TreeAuthor:
         found = self.recogniser.recognise(prompt.text)
         hazard = found.hazard
         if hazard is None:
-            reason = (
-                "The text describes driving, but nothing in it is out of the ordinary."
-                if found.is_driving
-                else "The text is not about driving."
-            )
-            return PlacedScenario(reasoning=reason, decision="reject")
-        outline = _Outline(prompt.nodes)
+            if found.is_driving:
+                reason = "The text describes driving, but nothing in it is out of the ordinary."
+                return PlacedScenario(reasoning=reason, decision="not-ood")
+            return PlacedScenario(reasoning="The text is not about driving.", decision="off-topic")
+        outline = _Outline(prompt)
+        placed = (
+            self._covered(hazard, outline)
+            or self._broadened(hazard, outline)
+            or self._added(hazard, outline)
+        )
+        if prompt.procedure == "paper":
+            return placed
+        return placed.model_copy(update={"also": self._also(prompt.text, placed, outline)})
+
+    def _covered(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
         for leaf in outline.leaves:
             if any(known.id == hazard.id for known in self.recogniser.covered_by(leaf.label)):
                 return PlacedScenario(
@@ -160,16 +169,36 @@ class TreeAuthor:
                     decision="covered",
                     node=leaf.id,
                 )
-        return self._broadened(hazard, outline) or self._added(hazard, outline)
+        return None
+
+    def _also(self, text: str, placed: PlacedScenario, outline: "_Outline") -> list[AlsoFits]:
+        """Name the leaves of the hazards whose words the text has as well."""
+        found: dict[str, str] = {}
+        for hazard, _ in self.recogniser.candidates(text)[1:]:
+            for leaf in outline.leaves:
+                known, _ = self.recogniser.label(leaf.label)
+                if known is not None and known.id == hazard.id and leaf.id != placed.node:
+                    found.setdefault(leaf.id, f"It has words of {leaf.label!r} as well.")
+        return [AlsoFits(node=node, why=why) for node, why in list(found.items())[:MOST_ALSO]]
 
     def _broadened(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
-        """Widen a leaf that is close kin, once in its life."""
+        """Widen a leaf that is close kin, once in its life; divide it where it may not be widened."""
         for leaf in outline.leaves:
             known, widened = self.recogniser.label(leaf.label)
             if known is None or widened or hazard.id not in known.kin:
                 continue
             if not known.wider or known.wider.casefold() in outline.labels:
                 continue
+            if leaf.id in outline.full:
+                if hazard.label.casefold() in (*outline.labels, known.wider.casefold()):
+                    continue
+                return PlacedScenario(
+                    reasoning=f"Close to {leaf.label!r}, which stands for enough already.",
+                    decision="split",
+                    node=leaf.id,
+                    label=hazard.label,
+                    category=known.wider,
+                )
             return PlacedScenario(
                 reasoning=f"Close to {leaf.label!r}: a slightly wider label covers both.",
                 decision="broaden",
@@ -191,7 +220,7 @@ class TreeAuthor:
         top = outline.class_node(hazard.class_name)
         if top is None:
             reason = f"The tree has no class for {hazard.class_name} scenarios."
-            return PlacedScenario(reasoning=reason, decision="reject")
+            return PlacedScenario(reasoning=reason, decision="not-ood")
         return PlacedScenario(
             reasoning="Neither a leaf nor a family covers it, so a new family is needed.",
             decision="add",
@@ -218,8 +247,10 @@ class TreeAuthor:
 class _Outline:
     """The parts of a tree that matter for placing."""
 
-    def __init__(self, nodes: Sequence[Node]) -> None:
-        parents = {node.parent for node in nodes}
+    def __init__(self, prompt: PlaceScenario) -> None:
+        nodes = prompt.nodes
+        parents = {node.parent for node in nodes} | {item.id for item in prompt.hidden}
+        self.full = frozenset(prompt.full)
         tops = {node.id for node in nodes if node.parent == ROOT}
         self.labels = {node.label.casefold() for node in nodes}
         self.classes = [node for node in nodes if node.id in tops]
