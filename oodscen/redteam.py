@@ -11,17 +11,14 @@ from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.redteaming.changes import edits_of, misfits, runners_up
 from oodscen.redteaming.excerpt import excerpt, listed, thin
-from oodscen.redteaming.novelty import NEAREST_LABEL, NEAREST_TEXT, Nearness, Novelty
+from oodscen.redteaming.novelty import Nearness, Novelty
 from oodscen.redteaming.rounds import Round, RunnerUp
 from oodscen.redteaming.stopping import Limits, Progress, Stop
+from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
 from oodscen.tree import ScenarioTree
 
 __all__ = ["RedTeamer", "Round", "RunnerUp"]
 
-BROADENINGS = 2
-"""So often a leaf is broadened before it is split."""
-TOKENS = 4_000
-"""Room for the tree in a prompt."""
 _REFUSED = 5
 """So many proposals that were nothing new are shown to the red-LLM."""
 

@@ -8,6 +8,7 @@ import click
 
 from oodscen.errors import UsageError
 from oodscen.llms.traffic import PATIENCE_S
+from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 
 if TYPE_CHECKING:
@@ -59,6 +60,41 @@ extras_options = _options(
         flag_value="both",
         type=click.Choice(("ego", "bird", "both")),
         help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
+    ),
+)
+red_options = _options(
+    click.option(
+        "--open-loop", is_flag=True, help="The paper's way: show and refuse nothing, split nothing."
+    ),
+    click.option(
+        "--red-patience",
+        type=click.IntRange(min=1),
+        help="Stop red teaming after so many rounds in a row without a new kind.",
+    ),
+    click.option(
+        "--red-coverage",
+        type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+        help="Stop red teaming when the Good-Turing coverage is above this.",
+    ),
+    click.option(
+        "--in-flight",
+        type=click.IntRange(1, 256),
+        help="Proposals under way at once; each sees the tree as it was so many rounds ago.  [default: 1]",
+    ),
+    click.option(
+        "--nearest",
+        type=click.FloatRange(-1.0, 1.01),
+        help=f"Refuse a proposal this similar to an earlier one.  [default: {NEAREST_TEXT}]",
+    ),
+    click.option(
+        "--nearest-label",
+        type=click.FloatRange(-1.0, 1.01),
+        help=f"Refuse a proposal this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
+    ),
+    click.option(
+        "--broadenings",
+        type=click.IntRange(min=0),
+        help=f"So often a leaf is broadened before it is split.  [default: {BROADENINGS}]",
     ),
 )
 style_option = click.option(

@@ -13,6 +13,7 @@ from oodscen.errors import DataError, Issue
 
 if TYPE_CHECKING:
     from oodscen.llms.accounting import Account
+    from oodscen.redteaming.saturation import Saturation
 
 Row = TypeVar("Row", bound=Data)
 
@@ -55,6 +56,25 @@ def estimated(rows: Sequence["Account"]) -> str:
     rest = "" if None not in costs else " and what has no known price (give one with --price)"
     total = f"{sum(row.calls for row in rows)} calls, about ${known:.2f}{rest}"
     return "\n".join([*lines, f"together {total}; repairs and retries come on top"])
+
+
+def rounds_in_words(found: "Saturation", stop: str | None) -> str:
+    """Say in a few lines what a red team has come to, and how much it has left to find."""
+    rule = {
+        "rounds": "all rounds are played",
+        "budget": "the budget is spent",
+        "patience": "nothing new came for too long",
+        "coverage": "the coverage is reached",
+    }
+    last = f"the last in round {found.last_new}" if found.kinds else "none"
+    lines = [
+        f"{found.rounds} rounds, {found.calls} model calls; {rule.get(stop or '', 'stopped')}",
+        f"{found.kinds} new kinds, {last}; of the last {found.recent_rounds} rounds {found.recent:.0%} "
+        f"brought one [{found.recent_low:.0%}, {found.recent_high:.0%}]",
+        f"Good-Turing coverage {found.coverage:.2f} [{found.coverage_low:.2f}, {found.coverage_high:.2f}]; "
+        f"unseen kinds (Chao1) about {found.unseen:.0f} [{found.unseen_low:.0f}, {found.unseen_high:.0f}]",
+    ]
+    return "\n".join(lines)
 
 
 def write(out: Path | None, text: str) -> None:

@@ -14,11 +14,12 @@ from oodscen.cli.options import (
     extras_options,
     llm_options,
     out_option,
+    red_options,
     seed_option,
     simulator_option,
     style_option,
 )
-from oodscen.cli.output import read_lines, write, write_lines
+from oodscen.cli.output import read_lines, rounds_in_words, write, write_lines
 from oodscen.errors import DataError, Issue
 
 
@@ -40,50 +41,68 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
 @click.command()
 @click.argument("tree", type=READABLE)
 @llm_options
+@click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
 @seed_option
 @click.option(
-    "--iterations", default=paper.ITERATIONS, show_default=True, type=click.IntRange(min=0)
+    "--iterations",
+    type=click.IntRange(min=0),
+    help=f"Rounds, at most.  [default: {paper.ITERATIONS}; with --budget as many as it allows]",
 )
-@click.option("--open-loop", is_flag=True, help="The paper's way.")
+@click.option("--budget", type=click.IntRange(min=0), help="Model calls, at most.")
+@click.option("--encoder", help="Encoder that finds near duplicates; none if left out.")
+@red_options
+@click.option("--log", type=click.Path(dir_okay=False, path_type=Path), help="File of the rounds.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the saturation as JSON instead of the tree."
+)
 @out_option
 def redteam(
     tree: Path,
     llm: str,
+    red_llm: str | None,
     api_base: str | None,
     seed: int,
-    iterations: int,
+    iterations: int | None,
+    budget: int | None,
+    encoder: str | None,
     open_loop: bool,
+    log: Path | None,
+    as_json: bool,
     out: Path | None,
+    **choices: Any,
 ) -> None:
     """Red-team the tree in the file TREE."""
-    from oodscen import RedTeamer, ScenarioTree, make_llm
+    from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
+    from oodscen.encoders import CachedEncoder
+    from oodscen.redteaming.saturation import saturation
 
     grown = ScenarioTree.load(tree)
+    most = paper.ITERATIONS if budget is None else budget
     teamer = RedTeamer(
         make_llm(llm, seed=seed, api_base=api_base),
-        iterations=iterations,
+        make_llm(red_llm, seed=seed, api_base=api_base) if red_llm else None,
+        iterations=most if iterations is None else iterations,
         closed_loop=not open_loop,
+        encoder=CachedEncoder(make_encoder(encoder)) if encoder and not open_loop else None,
+        budget=budget,
+        **{
+            name.removeprefix("red_"): value for name, value in choices.items() if value is not None
+        },
     )
-    for item in tqdm(teamer.rounds(grown), total=iterations, desc="redteam", disable=None):
+    played = []
+    total = None if teamer.limits.budget else teamer.limits.rounds
+    for item in tqdm(teamer.rounds(grown), total=total, desc="redteam", disable=None):
         grown = grown.apply(*item.edits)
-    write(out, grown.to_json())
-
-
-@click.command()
-@click.argument("tree", type=READABLE)
-@llm_options
-@seed_option
-@simulator_option
-@out_option
-def prune(
-    tree: Path, llm: str, api_base: str | None, seed: int, simulator: str, out: Path | None
-) -> None:
-    """Prune the tree in the file TREE to what a simulator can show."""
-    from oodscen import Pruner, ScenarioTree, make_llm, make_simulator
-
-    catalogue = make_simulator(simulator).catalogue()
-    model = make_llm(llm, seed=seed, api_base=api_base)
-    write(out, Pruner(model, catalogue).run(ScenarioTree.load(tree)).to_json())
+        played.append(item)
+    if log is not None:
+        write_lines(log, played)
+    found = saturation(played)
+    if out is not None or not as_json:
+        write(out, grown.to_json())
+    if as_json:
+        click.echo(found.to_json())
+    else:
+        click.echo(rounds_in_words(found, teamer.stopped_by(played)), err=True)
 
 
 @click.command()

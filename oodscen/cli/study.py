@@ -14,6 +14,7 @@ from oodscen.cli.options import (
     extras_options,
     json_option,
     llm_options,
+    red_options,
     seed_option,
     simulator_option,
     style_option,
@@ -43,8 +44,9 @@ from oodscen.registry import DEFAULT_ENCODER
     "--iterations", type=int, help=f"Rounds of red teaming.  [default: {paper.ITERATIONS}]"
 )
 @click.option(
-    "--open-loop", is_flag=True, help="Do not show the red-LLM what is covered (the paper's way)."
+    "--red-budget", type=click.IntRange(min=0), help="Model calls of the red teaming, at most."
 )
+@red_options
 @click.option(
     "--per-path", type=int, help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]"
 )

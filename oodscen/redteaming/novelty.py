@@ -11,12 +11,8 @@ from oodscen.prompts.describe_path import plain
 from oodscen.protocols import Encoder
 from oodscen.redteaming.excerpt import by_words
 from oodscen.redteaming.rounds import Round
+from oodscen.redteaming.thresholds import NEAREST_LABEL, NEAREST_TEXT
 from oodscen.tree import ROOT, ScenarioTree
-
-NEAREST_TEXT = 0.58
-"""Similarity to an earlier proposal from which on a new one repeats it."""
-NEAREST_LABEL = 0.52
-"""Similarity to a leaf's label from which on a proposal is of that kind."""
 
 Vector = NDArray[np.float64]
 

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from oodscen import paper
 from oodscen._data import Data
 from oodscen.prompts import Style
+from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 
 
@@ -34,7 +35,22 @@ class StudyConfig(Data):
     iterations: int = Field(default=paper.ITERATIONS, ge=0, le=100_000)
     """Rounds of red teaming."""
     closed_loop: bool = True
-    """Show the red-LLM what is covered; `False` is the paper's open loop."""
+    """Show the red-LLM what is covered and refuse what is too near to it; `False` is the paper's open
+    loop."""
+    red_budget: int | None = Field(default=None, ge=0)
+    """Model calls of the red teaming, at most."""
+    red_patience: int | None = Field(default=None, ge=1)
+    """Stop red teaming after so many rounds in a row without a new kind."""
+    red_coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
+    """Stop red teaming when the Good-Turing coverage is above this."""
+    in_flight: int = Field(default=1, ge=1, le=256)
+    """Proposals under way at once; each sees the tree as it was so many rounds ago."""
+    nearest: float = Field(default=NEAREST_TEXT, ge=-1.0, le=1.01)
+    """Similarity to an earlier proposal from which on a proposal is refused."""
+    nearest_label: float = Field(default=NEAREST_LABEL, ge=-1.0, le=1.01)
+    """Similarity to a leaf's label from which on a proposal is refused."""
+    broadenings: int = Field(default=BROADENINGS, ge=0)
+    """So often a leaf is broadened before it is split."""
     per_path: int = Field(default=paper.PER_PATH, ge=1, le=999)
     """Texts per path of the simulatable tree."""
     sets: tuple[int, ...] = paper.SETS

@@ -2,6 +2,7 @@
 
 from oodscen.grow import TreeGrower
 from oodscen.prune import Pruner, all_decisions, pruned
+from oodscen.pruning.restoring import restoration
 from oodscen.redteam import RedTeamer, Round
 from oodscen.study.context import Context
 from oodscen.tree import ScenarioTree
@@ -22,18 +23,33 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
     total = run.config.iterations
     done = [Round.parse(line) for line in run.store.lines("redteam.jsonl")]
     if run.store.has("tree.diverse.json"):
-        run.progress("redteam", len(done), total)
+        run.progress("redteam", len(done), len(done))
         return run.study.tree("diverse")
     # What follows a failed round builds on it, so only the last ones can be played again.
     while done and run.is_again(done[-1].model_dump()):
         done.pop()
     run.store.write_lines("redteam.jsonl", done)
     run.progress("redteam", len(done), total)
-    teamer = RedTeamer(run.llm, run.red_llm, iterations=total, closed_loop=run.config.closed_loop)
+    teamer = RedTeamer(
+        run.llm,
+        run.red_llm,
+        iterations=total,
+        closed_loop=run.config.closed_loop,
+        encoder=run.encoder,
+        nearest=run.config.nearest,
+        nearest_label=run.config.nearest_label,
+        budget=run.config.red_budget,
+        patience=run.config.red_patience,
+        coverage=run.config.red_coverage,
+        in_flight=run.config.in_flight,
+        threads=run.models.threads(run.config.red_llm or run.config.llm),
+        broadenings=run.config.broadenings,
+    )
     for item in teamer.rounds(tree, done):
         run.store.append("redteam.jsonl", item)
         done.append(item)
         run.progress("redteam", item.round, total)
+    run.progress("redteam", len(done), len(done))
     run.store.write_lines("redteam.jsonl", done)
     diverse = tree.apply(*(edit for item in done for edit in item.edits))
     run.store.write("tree.diverse.json", _tree_text(diverse))
@@ -55,9 +71,11 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         run.store.append("pruned.jsonl", decision)
         judged.append(decision)
         run.progress("prune", len(judged), total)
-    run.store.write_lines("pruned.jsonl", all_decisions(tree, judged))
+    decisions = all_decisions(tree, judged)
+    run.store.write_lines("pruned.jsonl", decisions)
     simulatable = pruned(tree, judged)
     run.store.write_lines("edits.jsonl", simulatable.edits)
+    run.store.write("restore.json", restoration(decisions).to_json() + "\n")
     run.store.write("tree.simulatable.json", _tree_text(simulatable))
     return simulatable
 
