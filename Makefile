@@ -16,7 +16,7 @@ test: $(READY)
 lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy oodscen adapters/oodscen_pybullet
+	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla
 
 bench: $(READY)
 	status=0; for file in benchmarks/[a-z]*.py; do $(BIN)/python $$file --json || status=1; done; exit $$status

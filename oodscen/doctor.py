@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from zlib import compress, crc32
 
-from oodscen.errors import DataError, OodscenError
+from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llms.logged import Call, LoggedLLM
 from oodscen.protocols import LLM
 
@@ -62,6 +62,52 @@ def examine_simulator(
         return [Finding(f"simulator {name}", False, fault) for fault in faults]
     told("check", len(parts), len(parts))
     return [Finding(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
+
+
+WANTED = {"hazards": 220, "families": 30, "staged": 90}
+"""What the shipped knowledge base has at least."""
+_SHOWN_NOTES = 100
+
+
+def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
+    """Inspect the built-in author's knowledge base, or a user's own file on top of it.
+
+    Args:
+        path: A TOML file, or a folder of them; `None` inspects what ships.
+
+    Returns:
+        The counts, then one finding per fault with file, line and hazard; notes are findings that
+        are no fault.
+    """
+    from oodscen.llms.author.inspection import inspect_knowledge
+    from oodscen.registry import make_catalogue, names
+
+    catalogues = {}
+    for name in sorted(names("catalogue"), key=lambda name: (name != "pybullet", name)):
+        try:
+            catalogues[name] = make_catalogue(name)
+        except UsageError:
+            continue
+    found = inspect_knowledge(path, catalogues)
+    staged = max(found.shown.values(), default=0)
+    counts = {"hazards": found.hazards, "families": found.families, "staged": staged}
+    is_enough = path is not None or all(counts[key] >= least for key, least in WANTED.items())
+    wanted = "" if path is not None else " (at least 220 in 30, 90 of them shown)"
+    shown = ", ".join(f"{name} shows {number}" for name, number in found.shown.items())
+    total = (
+        f"{found.hazards} hazards in {found.families} families{wanted}; "
+        f"{found.recipes} have a recipe; {shown or 'no catalogue to try them on'}"
+    )
+    findings = []
+    if found.hazards or path is None:
+        findings.append(Finding("knowledge base", is_enough, total))
+    elif not found.faults:
+        findings.append(Finding("knowledge base", True, "it adds no hazard"))
+    findings += [Finding(fault.path or str(path), False, fault.message) for fault in found.faults]
+    findings += [
+        Finding(f"note: {note.path}", True, note.message) for note in found.notes[:_SHOWN_NOTES]
+    ]
+    return findings
 
 
 def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:

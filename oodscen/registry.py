@@ -13,12 +13,14 @@ from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageEr
 from oodscen.protocols import LLM, Encoder, Simulator
 
 if TYPE_CHECKING:
+    from oodscen.catalogue import Catalogue
     from oodscen.llms.traffic import Traffic
 
 KINDS = {
     "llm": "oodscen.llms",
     "encoder": "oodscen.encoders",
     "simulator": "oodscen.simulators",
+    "catalogue": "oodscen.catalogues",
 }
 """Entry-point group by kind of component."""
 
@@ -90,6 +92,34 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
     return cast(Simulator, made)
 
 
+def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
+    """Return what a simulator can show: by name, from a JSON file, or the given catalogue.
+
+    A registered catalogue is data and starts nothing (`pybullet`, `carla-0.9.16`). Any other name is
+    taken for a simulator's, which is asked.
+
+    Raises:
+        UsageError: When there is neither such a catalogue nor such a simulator nor such a file.
+        DataError: When the file holds no catalogue.
+    """
+    from oodscen.catalogue import Catalogue
+
+    if isinstance(catalogue, Catalogue):
+        return catalogue
+    name = str(catalogue)
+    if name not in names("catalogue"):
+        if name.endswith(".json") or Path(name).is_file():
+            return Catalogue.load(name)
+        if name not in names("simulator") and not _reads_as_reference(name):
+            raise UnknownComponent("catalogue", name, {*names("catalogue"), *names("simulator")})
+        with make_simulator(name) as simulator:
+            return simulator.catalogue()
+    made = _made("catalogue", name)
+    if not isinstance(made, Catalogue):
+        raise UsageError(f"the catalogue {name!r} is a {type(made).__name__}")
+    return made
+
+
 def make_encoder(encoder: str | Encoder) -> Encoder:
     """Return an encoder by name, or the given one.
 
@@ -111,7 +141,7 @@ def make_llm(
 ) -> LLM:
     """Return a language model by name, or the given one.
 
-    A registered name may carry an argument after a colon (`constant:stop`, `replay:FILE`). Every other name is
+    A registered name may carry an argument after a colon (`constant:stop`, `replay:FILE`, `builtin:FILE`). Every other name is
     passed to litellm when it names a provider or a known model (`gpt-4o`, `ollama/llama3:8b`,
     `anthropic/claude-...`), or when `api_base` is given.
 
@@ -143,10 +173,15 @@ def make_llm(
 
 
 def _made(kind: str, name: str, **settings: Any) -> Any:
-    """Make a component by `name`, `name:argument` or `module:attr`, with the settings that it takes."""
+    """Make a component by `name`, `name:argument` or `module:attr`, with the settings that it takes.
+
+    What comes after the colon is the first argument, or the one that the factory's `argument` names.
+    """
     head, colon, argument = name.partition(":")
     given = (argument,) if colon and head in names(kind) else ()
     factory = find(kind, head if given else name)
+    if given and isinstance(parameter := getattr(factory, "argument", None), str):
+        given, settings = (), {**settings, parameter: argument}
     try:
         signature = inspect.signature(factory)
     except ValueError:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from oodscen._version import __version__
-from oodscen.cli import components, measuring, stages, study, tree
+from oodscen.cli import components, measuring, pruning, stages, study, tree
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -45,7 +45,7 @@ for _command in (
     study.run,
     stages.grow,
     stages.redteam,
-    stages.prune,
+    pruning.prune,
     stages.describe,
     stages.augment,
     stages.simulate,

@@ -36,15 +36,18 @@ def doctor(
 ) -> None:
     """Check that everything the default run needs is here; or judge one component.
 
-    `doctor llm NAME` asks a language model two small questions, one with a picture. `doctor SIMULATOR` judges an
-    adapter by what oodscen.testing.check_simulator looks at.
+    `doctor llm NAME` asks a language model two small questions, one with a picture. `doctor knowledge [FILE]`
+    inspects what the built-in author knows, or a file of your own. `doctor SIMULATOR` judges an adapter by what
+    oodscen.testing.check_simulator looks at.
     """
-    from oodscen.doctor import examine, examine_llm, examine_simulator
+    from oodscen.doctor import examine, examine_knowledge, examine_llm, examine_simulator
 
     if what == "llm":
         if name is None:
             raise click.UsageError("name a model: oodscen doctor llm NAME")
         findings = examine_llm(name, api_base=api_base)
+    elif what == "knowledge":
+        findings = examine_knowledge(name)
     elif what is None:
         findings = examine()
     else:

@@ -9,6 +9,7 @@ from oodscen._data import Data
 from oodscen.episode import Episode
 from oodscen.errors import DataError, MissingExtra, StudyError, UnknownComponent
 from oodscen.prune import PruneDecision
+from oodscen.pruning.restoring import Restoration
 from oodscen.redteam import Round
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
@@ -91,6 +92,11 @@ class Study:
     def decisions(self) -> list[PruneDecision]:
         """What became of every node of the diverse tree."""
         return self._rows(PruneDecision, "pruned.jsonl")
+
+    @property
+    def restoration(self) -> Restoration:
+        """What would restore the branches that pruning dropped, ranked."""
+        return Restoration.load(self.folder / "restore.json")
 
     @property
     def scenarios(self) -> list[Scenario]:

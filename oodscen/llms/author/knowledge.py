@@ -451,6 +451,11 @@ def _shipped() -> list[tuple[str, str]]:
     return [(file.name, file.read_text(encoding="utf-8")) for file in files]
 
 
+def own_files(path: Path) -> tuple[str, ...]:
+    """Return the names of the files that a user's path stands for."""
+    return tuple(f.name for f in sorted(path.glob("*.toml"))) if path.is_dir() else (path.name,)
+
+
 def _own(path: Path) -> list[tuple[str, str]]:
     files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
     if not files:

@@ -1,0 +1,206 @@
+"""Inspecting a knowledge base as a whole: what reads well hazard by hazard and goes wrong together.
+
+`validation` finds what is wrong with one entry. Here hazards are compared with each other, with the
+recogniser that has to tell them apart, and with the catalogues that have to show them.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import combinations
+from pathlib import Path
+
+from oodscen.augment import Augmenter
+from oodscen.catalogue import Catalogue
+from oodscen.errors import AnswerError, Issue, LLMError
+from oodscen.llms.author.builtin import BuiltinAuthor
+from oodscen.llms.author.feasibility import NO_RECIPE, realise
+from oodscen.llms.author.knowledge import Hazard, Knowledge, gather, own_files
+from oodscen.llms.author.recognise import Recogniser, stems
+from oodscen.llms.author.validation import validate_knowledge
+from oodscen.prompts import CatalogueDigest
+from oodscen.scenario import Scenario
+
+_NEAR = 0.7
+"""Share of common words from which two phrasings of one hazard say the same."""
+_TYPO = 0.82
+"""Likeness from which a name that nobody has is taken for a slip of the pen."""
+_DISTANCE = "about 40 metres ahead"
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What an inspection found."""
+
+    faults: tuple[Issue, ...]
+    """What should be mended, each with file, line and hazard."""
+    notes: tuple[Issue, ...]
+    """What may be meant, and is good to know."""
+    hazards: int
+    """Inspected: of the file, or all that ship."""
+    families: int
+    recipes: int
+    shown: Mapping[str, int]
+    """Hazards that can be shown and staged, by name of the catalogue."""
+
+
+def inspect_knowledge(
+    path: str | Path | None = None, catalogues: Mapping[str, Catalogue] | None = None
+) -> Inspection:
+    """Find everything that is wrong with a knowledge base.
+
+    Args:
+        path: A user's own file or folder, on top of what ships; only its hazards are inspected.
+            `None` inspects what ships.
+        catalogues: What simulators can show, by name. Recipes are tried on the first that has all
+            that a hazard needs and the files of its maps.
+    """
+    faults = validate_knowledge(path)
+    shelf, knowledge = gather(path) if not _is_unreadable(faults) else (None, None)
+    if shelf is None or knowledge is None or shelf.issues:
+        return Inspection(tuple(faults), (), 0, 0, 0, {})
+    names = None if path is None else own_files(Path(path))
+    chosen = {
+        hazard.id: where
+        for where, hazard in shelf.entries["hazard"]
+        if names is None or where.split(":", 1)[0] in names
+    }
+    hazards = [hazard for hazard in knowledge.hazards if hazard.id in chosen]
+    if path is not None:
+        faults = [issue for issue in faults if issue.path.split(":", 1)[0] in (names or ())]
+
+    def at(hazard: Hazard, issues: Iterable[Issue]) -> list[Issue]:
+        where = chosen[hazard.id]
+        return [Issue(f"{where}: {issue.path}", issue.message) for issue in issues]
+
+    recogniser = Recogniser(knowledge)
+    shared = _shared_words(knowledge)
+    notes: list[Issue] = []
+    for hazard in hazards:
+        faults += at(hazard, _wording(hazard, recogniser))
+        notes += at(hazard, _blurred(hazard, shared))
+    offered = {name: CatalogueDigest.of(one) for name, one in (catalogues or {}).items()}
+    unmet: dict[str, list[str]] = {}
+    for hazard in hazards:
+        faults += at(hazard, _misspelt(hazard, offered, knowledge, unmet))
+    notes += [
+        Issue(need, f"no catalogue has it; wanted by {', '.join(sorted(wanting))}")
+        for need, wanting in sorted(unmet.items())
+    ]
+    notes += [
+        Issue(name, "has no category: add it to [[things]]")
+        for name in _uncategorised(hazards, knowledge)
+    ]
+    author = BuiltinAuthor(knowledge=path)
+    shown = dict.fromkeys(offered, 0)
+    tried: set[str] = set()
+    for name, digest in offered.items():
+        stage = Augmenter(author, (catalogues or {})[name], claims=False)
+        has_files = any(road.file for road in stage.catalogue.maps)
+        for hazard in hazards:
+            if hazard.stage is None or realise(hazard, digest, knowledge).missing:
+                continue
+            shown[name] += 1
+            if has_files and hazard.id not in tried:
+                tried.add(hazard.id)
+                faults += at(hazard, _unstaged(hazard, stage, name))
+    return Inspection(
+        faults=tuple(faults),
+        notes=tuple(notes),
+        hazards=len(hazards),
+        families=len({hazard.family for hazard in hazards}),
+        recipes=sum(hazard.stage is not None for hazard in hazards),
+        shown=shown,
+    )
+
+
+def _is_unreadable(faults: Iterable[Issue]) -> bool:
+    """Tell whether a file could not be read at all; then there is nothing to gather."""
+    return any(not issue.path for issue in faults)
+
+
+def _wording(hazard: Hazard, recogniser: Recogniser) -> Iterator[Issue]:
+    """Find phrasings that say the same, or that are taken for another hazard."""
+    bare = [frozenset(stems(event.replace("{where}", ""))) for event in hazard.events]
+    for (i, one), (j, other) in combinations(enumerate(bare), 2):
+        share = len(one & other) / max(1, len(one | other))
+        if share >= _NEAR:
+            message = f"shares {share:.0%} of its words with events[{i}]: say it otherwise"
+            yield Issue(f"events[{j}]", message)
+    for i, event in enumerate(hazard.events):
+        taken = recogniser.recognise(event.replace("{where}", _DISTANCE)).hazard
+        if taken is None:
+            yield Issue(f"events[{i}]", "is not recognised: use the hazard's own words")
+        elif taken.id != hazard.id:
+            yield Issue(f"events[{i}]", f"reads like {taken.id!r} ({taken.label})")
+    seen: set[str] = set()
+    for i, word in enumerate(hazard.words):
+        if word.casefold() in seen:
+            yield Issue(f"words[{i}]", f"{word!r} occurs twice")
+        seen.add(word.casefold())
+    if len(hazard.ordinary.split()) < 3:
+        yield Issue("ordinary", "say in a clause what the ordinary counterpart is")
+
+
+def _shared_words(knowledge: Knowledge) -> dict[str, set[str]]:
+    """Return the hazards that have a distinctive word, by its stem."""
+    owners: dict[str, set[str]] = {}
+    for hazard in knowledge.hazards:
+        for word in hazard.words:
+            owners.setdefault(" ".join(stems(word)), set()).add(hazard.id)
+    return owners
+
+
+def _blurred(hazard: Hazard, owners: Mapping[str, set[str]]) -> Iterator[Issue]:
+    """Note a hazard none of whose distinctive words is its own."""
+    sharing = [owners[" ".join(stems(word))] - {hazard.id} for word in hazard.words]
+    if sharing and all(sharing):
+        others = ", ".join(sorted(set().union(*sharing))[:4])
+        yield Issue("words", f"none is its own; shared with {others}")
+
+
+def _misspelt(
+    hazard: Hazard,
+    offered: Mapping[str, CatalogueDigest],
+    knowledge: Knowledge,
+    unmet: dict[str, list[str]],
+) -> Iterator[Issue]:
+    """Find needs that no catalogue meets: a fault where one is nearly so called."""
+    lacks = [set(realise(hazard, digest, knowledge).missing) for digest in offered.values()]
+    if not lacks:
+        return
+    known = {
+        "asset": {name for d in offered.values() for a in d.assets for name in (a.id, *a.names)},
+        "behaviour": {b.id for d in offered.values() for b in d.behaviours},
+        "map": {trait for d in offered.values() for road in d.maps for trait in road.features},
+    }
+    for addition in sorted(set.intersection(*lacks) - {NO_RECIPE}, key=lambda one: one.words):
+        matches = get_close_matches(addition.name, sorted(known.get(addition.kind, ())), 2, _TYPO)
+        own = knowledge.category(addition.name) is not None
+        if matches and not own and addition.kind in ("asset", "behaviour"):
+            yield Issue("needs", f"{addition.words}: did you mean {' or '.join(matches)}?")
+        else:
+            unmet.setdefault(addition.words, []).append(hazard.id)
+
+
+def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]:
+    """Return the things that hazards need and nobody put into a category."""
+    named = {name for hazard in hazards for name in hazard.needs.assets}
+    for hazard in hazards:
+        named.update(
+            name for options in (hazard.stage.assets if hazard.stage else ()) for name in options
+        )
+    return sorted(name for name in named if knowledge.category(name) is None)
+
+
+def _unstaged(hazard: Hazard, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
+    """Stage the hazard from its first phrasing and report why that fails."""
+    text = hazard.events[0].replace("{where}", "").replace("  ", " ").strip() + "."
+    scenario = Scenario(id="check", text=text, path=("x", "y", hazard.family, hazard.label))
+    try:
+        stage.run(scenario)
+    except AnswerError as error:
+        for issue in error.issues:
+            yield Issue(f"stage: on {catalogue}: {issue.path}", issue.message)
+    except LLMError as error:
+        yield Issue(f"stage: on {catalogue}", str(error))
