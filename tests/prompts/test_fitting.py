@@ -1,0 +1,42 @@
+"""Questions become shorter without losing what they are about."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from oodscen_pybullet.catalogue import load_catalogue
+
+from oodscen.prompts import CatalogueDigest, JudgeBranch, StageScene
+from oodscen.prompts.fitting import ANSWER_TOKENS, fitted, tokens_of
+
+CATALOGUE = CatalogueDigest.of(load_catalogue())
+PATH = ("OOD", "Interactional", "Animals", "Deer on the road")
+QUESTIONS = (
+    JudgeBranch(path=PATH, catalogue=CATALOGUE),
+    StageScene(text="A stag bolts across the lane.", path=PATH, catalogue=CATALOGUE),
+)
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.purpose)
+def test_a_question_fits_four_thousand_tokens(question):
+    short = fitted(question, 4_096)
+    assert tokens_of(question) > tokens_of(short)
+    assert tokens_of(short) + ANSWER_TOKENS <= 4_096
+    rendered = short.question()
+    assert "stag with antlers" in rendered
+    assert all(line.id in rendered for line in CATALOGUE.assets)
+    assert all(line.id in rendered for line in CATALOGUE.behaviours)
+
+
+@given(st.integers(0, 8_000))
+def test_the_vocabulary_stays_whole(context):
+    short = fitted(QUESTIONS[0], context).catalogue
+    for field in ("assets", "behaviours"):
+        whole = [line.id for line in getattr(CATALOGUE, field)]
+        assert [line.id for line in getattr(short, field)] == whole
+    assert short.maps == CATALOGUE.maps
+
+
+@pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.purpose)
+def test_a_model_that_reads_enough_gets_everything(question):
+    assert fitted(question, None) is question
+    assert fitted(question, 100_000) is question
