@@ -13,7 +13,7 @@ from typing import ClassVar
 from oodscen._data import Data
 from oodscen.redteaming.rounds import NEW, Round
 
-Z = 1.96
+Z = 1.959964
 """Of a 95 % interval."""
 
 
