@@ -1,44 +1,19 @@
 """Laws of the tree: a value that is the fold of its edits."""
 
+import copy
 import json
 import pickle
 import re
+import threading
 import unicodedata
-from contextlib import suppress
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError
-from oodscen.tree import MAX_LABEL, ROOT, Node, ScenarioTree, TreeEdit, slug
-
-labels = st.one_of(
-    st.sampled_from(["Fog", "Deer", "", "  ", "a\nb", "a\u2028b", "x" * (MAX_LABEL + 1)]),
-    st.text(max_size=12),
-)
-ids = st.sampled_from([ROOT, "environmental", "interactional", "a", "b", "c", "no id", ""])
-edits = st.builds(
-    TreeEdit,
-    op=st.sampled_from(["add", "add", "broaden", "keep", "remove"]),
-    node=ids,
-    parent=st.none() | ids,
-    label=st.none() | labels,
-    attested=st.sampled_from([None, "paper"]),
-    reason=st.sampled_from(["", "because"]),
-)
-
-
-def grown(changes):
-    """Apply what can be applied, one by one."""
-    tree = ScenarioTree.planted()
-    for edit in changes:
-        with suppress(DataError):
-            tree = tree.apply(edit)
-    return tree
-
-
-trees = st.lists(edits, max_size=14).map(grown)
+from oodscen.tree import MAX_INDENT, ROOT, Node, ScenarioTree, TreeEdit, slug
+from tests.trees.woods import REFUSED, broad, chain, changes, edits, grown, trees
 
 
 @given(trees)
@@ -227,14 +202,99 @@ def test_files_that_hold_something_else_are_data_errors(tmp_path, text):
 
 def test_a_chain_of_ten_thousand_works():
     size = 10_000
-    adds = [TreeEdit(op="add", node="n0", label="0")]
-    adds += [
-        TreeEdit(op="add", node=f"n{i}", parent=f"n{i - 1}", label=str(i)) for i in range(1, size)
-    ]
-    tree = ScenarioTree().apply(*adds)
+    tree = chain(size)
+    last = f"n{size - 1}"
     assert tree.depth == size - 1
-    assert [leaf.id for leaf in tree.leaves] == [f"n{size - 1}"]
-    assert len(tree.paths[f"n{size - 1}"]) == size
-    assert len(tree.outline().splitlines()) == size
+    assert [leaf.id for leaf in tree.leaves] == [last]
+    assert len(tree.paths[last]) == size
+    lines = tree.outline().splitlines()
+    assert len(lines) == size
+    assert max(map(len, lines)) < 3 * MAX_INDENT
     assert ScenarioTree.parse(tree.to_json()) == tree
-    assert tree.apply(TreeEdit(op="remove", node=f"n{size - 1}")).depth == size - 2
+    assert tree.apply(TreeEdit(op="remove", node=last)).depth == size - 2
+    with pytest.raises(DataError):
+        tree.apply(TreeEdit(op="move", node="n1", parent=last))
+    assert len(tree.undo(1)) == 1
+    assert tree.undo(1).undo(-1).path("n1") == ("0", "1")
+
+
+def test_ten_thousand_single_edits_copy_nothing():
+    tree = broad(10_000)
+    assert len(tree) == 10_000
+    growth = tree._line[0]
+    tree = tree.apply(TreeEdit(op="keep", node=ROOT))
+    assert tree._line[0] is growth
+    assert "nodes" not in tree.__dict__
+    assert "edits" not in tree.__dict__
+    assert tree.at(edit=5_000)._line[0] is growth
+    assert len(tree.at(edit=5_000)) == 5_000
+
+
+@given(changes, changes)
+def test_branches_of_one_tree_know_nothing_of_each_other(one, other):
+    trunk = ScenarioTree.planted()
+    first, second = grown(one, trunk), grown(other, trunk)
+    assert first == ScenarioTree(edits=first.edits)
+    assert second == ScenarioTree(edits=second.edits)
+    assert [tree.nodes for tree in (first, second, trunk)] == [
+        ScenarioTree(edits=tree.edits).nodes for tree in (first, second, trunk)
+    ]
+    assert len(first) == len(first.nodes)
+
+
+def test_threads_may_branch_off_the_same_tree():
+    trunk = ScenarioTree.planted()
+    found = {}
+
+    def grow(name):
+        tree = trunk
+        for number in range(200):
+            label = f"{name}{number}"
+            edit = TreeEdit(op="add", node=tree.new_id(label), parent="environmental", label=label)
+            tree = tree.apply(edit)
+        found[name] = tree
+
+    threads = [threading.Thread(target=grow, args=(name,)) for name in "abcd"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for name, tree in found.items():
+        assert [node.label for node in tree.nodes[3:]] == [f"{name}{n}" for n in range(200)]
+
+
+@given(trees, edits)
+def test_a_moved_branch_takes_all_below_it_along(tree, edit):
+    after = grown([edit], tree)
+    if edit.op != "move" or after is tree:
+        return
+    assert set(after.by_id) == set(tree.by_id)
+    assert after.by_id[edit.node].parent == edit.parent
+    for node in tree.nodes:
+        if node.id != edit.node:
+            assert after.by_id[node.id] == node
+    for parent, children in after.children.items():
+        before = tree.children[parent]
+        assert [child for child in children if child != edit.node] == [
+            child for child in before if child != edit.node
+        ]
+
+
+@pytest.mark.parametrize("label", REFUSED)
+@pytest.mark.parametrize("op", ["add", "broaden"])
+def test_what_cannot_be_a_label_is_refused(label, op):
+    tree = ScenarioTree.planted()
+    node = "fog" if op == "add" else "environmental"
+    with pytest.raises(DataError) as caught:
+        tree.apply(TreeEdit(op=op, node=node, parent="environmental", label=label))
+    assert len(str(caught.value)) < 500
+    assert tree == ScenarioTree.planted()
+
+
+@given(trees)
+def test_copies_are_equal_and_hold_all_fields(tree):
+    late = tree.apply(TreeEdit(op="keep", node=ROOT)) if ROOT in tree.by_id else tree
+    for other in (late.model_copy(), copy.copy(late), copy.deepcopy(late)):
+        assert other == late
+        assert dict(other) == dict(late) == late._fields()
+        assert repr(other) == repr(late)

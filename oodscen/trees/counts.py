@@ -92,7 +92,7 @@ class Coverage(Data):
                 row.holes,
             )
             lines.append(f"{name:44}" + "".join(f"{count:7}" for count in counts))
-        for lack, words in _LACKS.items():
+        for lack, words in LACKS.items():
             found = [row.label for row in self.holes if row.lacks == lack]
             if found:
                 lines.append(f"{len(found)} {words}: {'; '.join(found)}")
@@ -101,12 +101,13 @@ class Coverage(Data):
         return "\n".join(lines)
 
 
-_LACKS: Mapping[Lack, str] = {
+LACKS: Mapping[Lack, str] = {
     "text": "without a text",
     "scene": "with a text but no scene",
     "episode": "with a scene but no episode that ran",
     "choice": "with episodes in which every action, or none, is safe",
 }
+"""What a leaf lacks, in words, by the names that `Tally.lacks` uses."""
 
 
 @dataclass

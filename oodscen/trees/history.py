@@ -46,7 +46,7 @@ def undo(tree: ScenarioTree, index: int | None = None) -> ScenarioTree:
     """Take back one edit; see `ScenarioTree.undo`."""
     edits = tree.edits
     if index is None:
-        standing = _standing(edits)
+        standing = _standing(tree)
         if not standing:
             raise UsageError("no edit is left to be undone")
         index = standing[-1]
@@ -59,11 +59,11 @@ def undo(tree: ScenarioTree, index: int | None = None) -> ScenarioTree:
 def undo_round(tree: ScenarioTree, round: int) -> ScenarioTree:
     """Take back what a round did, as far as it still stands; see `ScenarioTree.undo`."""
     edits = tree.edits
-    found = [index for index in _standing(edits) if edits[index].round == round]
+    found = [index for index in _standing(tree) if edits[index].round == round]
     if not found:
         raise UsageError(f"no edit of round {round} is left to be undone")
     for index in reversed(found):
-        if (edits[index].node in tree.by_id) != (edits[index].op == "remove"):
+        if _is_effective(tree, edits[index]):
             tree = tree.apply(*_inverse(tree, index))
     return tree
 
@@ -78,11 +78,18 @@ def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
     return undone
 
 
-def _standing(edits: Sequence[TreeEdit]) -> list[int]:
-    undone = undone_edits(edits)
+def _standing(tree: ScenarioTree) -> list[int]:
+    """Return the positions of the edits that can be taken back and were not."""
+    undone = undone_edits(tree.edits)
     return [
-        index for index, edit in enumerate(edits) if edit.undoes is None and index not in undone
+        index
+        for index, edit in enumerate(tree.edits)
+        if edit.undoes is None and index not in undone and _is_effective(tree, edit)
     ]
+
+
+def _is_effective(tree: ScenarioTree, edit: TreeEdit) -> bool:
+    return (edit.node in tree.by_id) != (edit.op == "remove")
 
 
 def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
@@ -99,7 +106,7 @@ def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
 
 def _inverse(tree: ScenarioTree, index: int) -> list[TreeEdit]:
     edit, before = tree.edits[index], tree.before(index)
-    if (edit.node in tree.by_id) == (edit.op == "remove"):
+    if not _is_effective(tree, edit):
         state = "is there again" if edit.op == "remove" else "is gone"
         raise UsageError(f"edit {index} cannot be undone: its node {edit.node!r} {state}")
     why = {"stage": "undo", "reason": f"takes back edit {index} ({edit.op})", "undoes": index}

@@ -17,11 +17,14 @@ MAX_SHOWN = 3_000
 """Most nodes that a notebook shows; below that, whole levels are left out."""
 
 
+Fate = Literal["", "kept", "dropped", "failed"]
+
+
 @dataclass(frozen=True)
 class Remark:
     """What an outline says about a node, beyond its label."""
 
-    fate: Literal["", "kept", "dropped", "failed"] = ""
+    fate: Fate = ""
     """What became of it, where that is known."""
     origin: str = ""
     """Where it comes from, in a few words."""

@@ -48,15 +48,14 @@ def merge(
 
 
 def _decisions(tree: ScenarioTree) -> dict[str, list[TreeEdit]]:
-    """Return by node the edits that stand: what added it, relabelled it, confirmed it; in order."""
+    """Return by node the edit that added it and those that relabelled or confirmed it and stand."""
     undone = undone_edits(tree.edits)
     found: dict[str, list[TreeEdit]] = {}
     for index, edit in enumerate(tree.edits):
-        if edit.undoes is not None or index in undone or edit.op in ("move", "remove"):
-            continue
-        if edit.op == "add":
-            found[edit.node] = []
-        found[edit.node].append(edit)
+        if edit.op == "add" and (edit.undoes is None or edit.node not in found):
+            found[edit.node] = [edit]
+        elif edit.op in ("broaden", "keep") and edit.undoes is None and index not in undone:
+            found[edit.node].append(edit)
     return found
 
 
@@ -83,6 +82,7 @@ def _added(node: Node, ids: dict[str, str], log: list[TreeEdit]) -> list[TreeEdi
                 "node": here,
                 "parent": parent if edit.op == "add" else None,
                 "attested": node.attested and edit.attested,
+                "undoes": None,
             }
         )
         for edit in log
