@@ -1,0 +1,116 @@
+"""Whether an open answer names what a path is about: a matcher whose rules anyone can check."""
+
+import re
+from collections.abc import Sequence
+
+COMMON = frozenset(
+    """
+    a an and are as at be by for from in into is it its near no not of off on onto or other out over
+    that the their there this to with without ego vehicle car lane road street driver driving
+    traffic ahead front middle side left right sudden suddenly unexpected unusual large small
+    another someone something object scene situation across where none
+    """.split()
+)
+"""Words that two descriptions share without meaning the same."""
+
+SYNONYMS: tuple[frozenset[str], ...] = tuple(
+    frozenset(words.split())
+    for words in (
+        "overturned rollover flipped upturned toppled capsized overturn",
+        "fog mist haze foggy misty",
+        "snow snowfall snowstorm blizzard snowy snowing",
+        "rain rainfall downpour rainstorm rainy raining cloudburst",
+        "ice icy frozen slippery",
+        "deer stag doe elk moose",
+        "animal wildlife livestock cattle cow sheep deer dog horse boar",
+        "people crowd pedestrian person protester marcher demonstrator parade protest procession demonstration rally march",
+        "police officer checkpoint roadblock",
+        "construction roadworks works excavator digger barricade barrier cone",
+        "wrong opposite wrongway contraflow ghost",
+        "box carton cardboard package crate",
+        "debris rubble litter wreckage",
+        "tree branch trunk log",
+        "child kid boy girl toddler",
+        "bicycle bike cyclist bicyclist",
+        "motorcycle motorbike motorcyclist biker",
+        "lorry truck trailer",
+        "crash accident collision wreck",
+        "flood flooded flooding inundated",
+        "ambulance firetruck emergency siren",
+        "smoke fire burning flames",
+        "pot planter flowerpot",
+        "ball football",
+        "halted stopped stationary parked stranded broken stalled",
+        "merge merging cutin cutting",
+    )
+)
+"""Words that count as the same."""
+
+_OPPOSITE = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")
+
+
+def names_aspect(aspect: str, path: Sequence[str]) -> bool:
+    """Whether an open answer names what a path is about.
+
+    The leaf's label decides. The answer and the label agree when they share a telling word: equal up
+    to its ending, or a synonym of it, and neither common in driving texts nor denied ("no deer").
+    Where the label has several telling words besides one that other leaves are likely to share, one
+    is enough: the matcher is lenient towards wording and strict towards content. An answer that lists
+    more than `MOST_THINGS` things names none.
+
+    Args:
+        aspect: The answer.
+        path: Labels from the root to the leaf.
+    """
+    if not path or not aspect.strip():
+        return False
+    parts = [
+        part for part in re.split(r"[,;.]|\b(?:and|but|or)\b", aspect.casefold()) if part.strip()
+    ]
+    if len(parts) > MOST_THINGS:
+        return False
+    said: set[str] = set()
+    for part in parts:
+        if not _OPPOSITE.search(part):
+            said |= telling_words(part)
+    return bool(_widened(said) & _widened(telling_words(path[-1])))
+
+
+MOST_THINGS = 6
+"""A list of more parts than this names nothing in particular."""
+
+
+def telling_words(text: str) -> set[str]:
+    """Return the stems of a text's words that are not common in driving texts."""
+    words = re.findall(r"[a-z]+", text.casefold().replace("'s", ""))
+    return {stem(word) for word in words if word not in COMMON and len(word) > 2}
+
+
+def stem(word: str) -> str:
+    """Cut the ending off an English word."""
+    for ending, rest in (
+        ("ies", "y"),
+        ("ings", ""),
+        ("ing", ""),
+        ("ed", ""),
+        ("es", ""),
+        ("ly", ""),
+    ):
+        if word.endswith(ending) and len(word) - len(ending) >= 3:
+            return _plain(word[: -len(ending)] + rest)
+    return _plain(word.removesuffix("s") if len(word) > 3 and not word.endswith("ss") else word)
+
+
+def _plain(word: str) -> str:
+    doubled = len(word) > 3 and word[-1] == word[-2] and word[-1] not in "sl"
+    return word[:-1] if doubled else word.removesuffix("e")
+
+
+_SAME: dict[str, set[int]] = {}
+for _index, _group in enumerate(SYNONYMS):
+    for _word in _group:
+        _SAME.setdefault(stem(_word), set()).add(_index)
+
+
+def _widened(stems: set[str]) -> set[str]:
+    return stems | {f"={index}" for one in stems for index in _SAME.get(one, ())}
