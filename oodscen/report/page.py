@@ -8,10 +8,9 @@ from typing import Any
 from oodscen import paper
 from oodscen.evaluation import OPTIONS
 from oodscen.llms.accounting import Account, account, accounts
-from oodscen.report import charts, gallery, leaderboard, measures, words
+from oodscen.report import charts, gallery, measures, parts, trust, words
 from oodscen.report.outline import outline
 from oodscen.report.reading import Failure, Material, dig, mapping, number
-from oodscen.report.thumbnails import Thumbnails
 from oodscen.study import Study
 
 _SHOWN_FAILURES = 200
@@ -48,11 +47,8 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         for episode in found.episodes
         if episode.status == "ok" and not gallery.is_twin(episode.scene_id)
     ]
-    thumbnails = Thumbnails(study.folder, 3 * len(episodes))
-    sections = gallery.sections(found, thumbnails)
-    counts = _counts(found, [leaderboard.choice(episode) for episode in episodes])
-    scene_verdicts = [row for row in found.verdicts if not gallery.is_twin(row.scene_id)]
-    standings = leaderboard.standings(scene_verdicts)
+    scenes = gallery.payload(found, study.folder)
+    counts = _counts(found, [gallery.choice(episode) for episode in episodes])
     return {
         "title": "Out-of-distribution driving scenarios",
         "status": str(found.info.get("status") or "unknown"),
@@ -76,7 +72,11 @@ def context(study: Study, found: Material) -> dict[str, Any]:
                 "paths": len(tree.leaves),
                 "depth": tree.depth,
                 "attested": sum(leaf.attested == "paper" for leaf in tree.leaves),
-                "roots": outline(tree, found.decisions if name == "diverse" else ()),
+                "outline": outline(
+                    tree,
+                    found.decisions if name == "diverse" else (),
+                    {f"path-{leaf}" for leaf in scenes["leaves"]} if name == "simulatable" else (),
+                ),
             }
             for name, tree in found.trees.items()
         },
@@ -84,22 +84,22 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "rounds": found.rounds,
         "round_tally": Counter(row.decision or row.status for row in found.rounds),
         "growth": _growth(found),
-        "standings": standings,
-        "floor": leaderboard.floor(standings),
-        "names_nothing": leaderboard.names_nothing(standings),
-        "paper_standings": leaderboard.papers_table(),
-        "paper_scenes": paper.PATHS * paper.PER_PATH,
-        "action_rows": leaderboard.action_counts(episodes) if episodes else [],
+        **trust.context(found),
+        "parts": parts.drawn(study, found),
+        "restores": _restores(found),
         "action_words": {option.id: option.description for option in OPTIONS},
-        "chance": leaderboard.chance(episodes),
         "counts": counts,
-        "sections": sections,
-        "anchors": {section.anchor for section in sections}
-        | {f"scene-{card.id}" for section in sections for card in section.cards},
-        "cards": sum(len(section.cards) for section in sections),
-        "twins": sum(gallery.is_twin(scene.id) for scene in found.scenes),
-        "kinds": sorted({section.kind for section in sections if section.kind}),
-        "can_shrink": thumbnails.can_shrink,
+        "payload": scenes,
+        "paths": [
+            {"anchor": f"path-{leaf}", "labels": one["path"], "scenes": tally}
+            for leaf, one in scenes["leaves"].items()
+            if (tally := sum(row["leaf"] == leaf for row in scenes["scenes"]))
+        ],
+        "anchors": {f"path-{leaf}" for leaf in scenes["leaves"]}
+        | {f"scene-{row['id']}" for row in scenes["scenes"]},
+        "cards": len(scenes["scenes"]),
+        "twins": sum(row["twin"] is not None for row in scenes["scenes"]),
+        "filters": _filters(scenes),
         "config": sorted(found.config.items()),
         "facts": _facts(found.info),
         "call_rows": _call_rows(found.calls),
@@ -107,6 +107,31 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "unshown_failures": max(len(found.failures) - _SHOWN_FAILURES, 0),
         "failure_tally": _tally(found.failures),
     }
+
+
+def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return what can be chosen in each filter."""
+    rows, paths = scenes["scenes"], [one["path"] for one in scenes["leaves"].values()]
+    return {
+        "class": sorted({path[0] for path in paths if path}),
+        "family": sorted({path[1] for path in paths if len(path) > 2}),
+        "map": sorted({row["map"] for row in rows if row["map"]}),
+        "weather": sorted({word for row in rows for word in row["weather"]}),
+        "model": [one["name"] for one in scenes["models"]],
+    }
+
+
+def _restores(found: Material) -> list[tuple[str, int, str]]:
+    """Return what the catalogue lacks, how many pruned paths need it, and one of them."""
+    needs: dict[str, list[str]] = {}
+    parents = {decision.path[:-1] for decision in found.decisions}
+    for decision in found.decisions:
+        if decision.keep or decision.path in parents:
+            continue
+        for thing in decision.missing:
+            needs.setdefault(thing, []).append(decision.path[-1] if decision.path else decision.id)
+    rows = [(thing, len(paths), paths[0]) for thing, paths in needs.items()]
+    return sorted(rows, key=lambda row: (-row[1], row[0]))
 
 
 def _counts(found: Material, choices: Sequence[str]) -> Counts:
@@ -187,7 +212,7 @@ def _authorship(found: Material) -> list[str]:
         sentences.append("No vision-language model was judged.")
     if any(row.kind == "reference" for row in found.verdicts):
         sentences.append(
-            "Rows marked “reference” are answerers that see nothing: constants and chance. They show what an action score is worth."
+            "Rows marked “reference” are answerers shipped with oodscen: constants, chance and others that know or see less, and an oracle that is told the truth. They show what a score is worth."
         )
     return sentences
 

@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from oodscen.report import page, reading, words
+from oodscen.report import charts, page, reading, words
 from oodscen.study import Study
 
 FILE = "report.html"
@@ -20,7 +21,7 @@ FILE = "report.html"
 def write_report(study: Study) -> Path:
     """Write `report.html` into a study's folder and return its path.
 
-    The page needs nothing but itself (thumbnails are inside; full-size frames are linked). Whatever
+    The page needs nothing but itself and, for the pictures, the folder `frames` beside it. Whatever
     a study does not hold (yet), or holds in a broken form, is said in its place. The same study
     gives the same bytes.
 
@@ -42,13 +43,21 @@ def render(context: dict[str, Any]) -> str:
         _environment()
         .get_template("report.html.j2")
         .render(
-            **context,
+            **{**context, "payload": embedded(context["payload"])},
             style=Markup(style),
             script=Markup(script),
             style_hash=_hash(style),
             script_hash=_hash(script),
         )
     )
+
+
+def embedded(value: Any) -> Markup:
+    """Write plain data as JSON that can stand inside a script element, whatever it holds."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    for char in "<>&\u2028\u2029":
+        text = text.replace(char, f"\\u{ord(char):04x}")
+    return Markup(text)
 
 
 @cache
@@ -61,6 +70,9 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters["percent"] = lambda share: f"{100 * share:.0f} %"
+    environment.globals["shares"] = lambda row: charts.shares(
+        [("safe", row.safe), ("unsafe", row.unsafe), ("unavailable", row.unavailable)]
+    )
     environment.filters["duration"] = words.duration
     environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
     return environment

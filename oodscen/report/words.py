@@ -179,6 +179,20 @@ def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
     return f"gap {value.margin_m:.1f} m"
 
 
+def measures(value: ActionOutcome) -> str:
+    """Write how close an action came and how hard it was on the passengers."""
+    if value.unavailable:
+        return ""
+    parts = []
+    if value.min_ttc_s is not None and value.min_ttc_s > 0:
+        parts.append(f"TTC {value.min_ttc_s:.1f} s")
+    if value.peak_deceleration is not None:
+        parts.append(f"brakes {value.peak_deceleration:.1f} m/s²")
+    if value.peak_jerk is not None:
+        parts.append(f"jerk {value.peak_jerk:.0f} m/s³")
+    return ", ".join(parts)
+
+
 def _light(sun_elevation_deg: float) -> str:
     if sun_elevation_deg <= -6:
         return "night"

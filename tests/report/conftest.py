@@ -15,6 +15,7 @@ from oodscen.prune import PruneDecision, all_decisions
 from oodscen.redteam import Round
 from oodscen.scenario import Scenario
 from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.sketch import Body, Lane, Sketch
 from oodscen.study import Study, StudyConfig
 from oodscen.tree import ScenarioTree, TreeEdit
 from oodscen.verdict import Verdict
@@ -131,6 +132,26 @@ def outcomes(index: int) -> dict[str, ActionOutcome]:
     return dict(zip(ACTIONS, (hit, hit, good, good, good, none, off), strict=True))
 
 
+def sketched() -> Sketch:
+    return Sketch(
+        lanes=(
+            Lane(kind="shoulder", direction=0, right=-3.2, left=-1.8),
+            Lane(kind="driving", direction=1, right=-1.8, left=1.8),
+            Lane(kind="driving", direction=-1, right=1.8, left=5.4),
+        ),
+        bodies={
+            "ego": Body(x=0.0, y=0.0, heading_deg=0.0, length=4.5, width=1.9),
+            "hazard": Body(x=24.0, y=0.1, heading_deg=180.0, length=5.3, width=2.2),
+        },
+        paths={
+            name: (0.0, 0.0, 10.0, 0.5, 18.0, 1.0)
+            for name in ACTIONS
+            if name != "change_lane_right"
+        },
+        ends={name: {"hazard": (20.0, 0.1, 180.0)} for name in ACTIONS},
+    )
+
+
 def frame(index: int, moment: int, size: tuple[int, int] = (320, 240)) -> bytes:
     """Draw a road, with the grain that makes real frames hard to compress."""
     width, height = size
@@ -172,13 +193,21 @@ def measured(count: int, seed: int) -> dict[str, Any]:
     }
 
 
-def build_study(folder: Path, *, per_path: int = 2, frames: int = 10_000, **config: Any) -> Study:
+def build_study(
+    folder: Path,
+    *,
+    per_path: int = 2,
+    frames: int = 10_000,
+    with_twins: bool = False,
+    **config: Any,
+) -> Study:
     """Write a finished study with one scene and one text that failed.
 
     Args:
         folder: Where.
         per_path: Texts per path.
         frames: How many scenes get frame files of their own; the others share the first one's.
+        with_twins: Whether every scene that ran has an ordinary twin.
         config: Changes of the configuration.
     """
     study = Study(folder)
@@ -252,6 +281,7 @@ def build_study(folder: Path, *, per_path: int = 2, frames: int = 10_000, **conf
             visible={"last": {"hazard": 400 + index}},
             trace_sha256="ab" * 32,
             actions=outcomes(index),
+            sketch=sketched(),
         )
         for index, scene in enumerate(scenes[:-1])
     ]
@@ -261,11 +291,22 @@ def build_study(folder: Path, *, per_path: int = 2, frames: int = 10_000, **conf
         status="failed",
         error="cannot spawn 'hazard' (van): it overlaps 'follower'",
     )
-    store.write_lines("episodes.jsonl", episodes)
+    twins = [
+        episode.model_copy(
+            update={
+                "id": f"{episode.id}~twin",
+                "scene_id": f"{episode.id}~twin",
+                "actions": {name: ActionOutcome(safe=True, margin_m=9.0) for name in ACTIONS},
+            }
+        )
+        for episode in episodes
+        if with_twins and episode.status == "ok"
+    ]
+    store.write_lines("episodes.jsonl", [*episodes, *twins])
     for index, episode in enumerate(episodes[:frames]):
         for number, name in enumerate(episode.frames.values()):
             store.write(name, frame(index, number))
-    store.write_lines("verdicts.jsonl", _verdicts(episodes))
+    store.write_lines("verdicts.jsonl", _verdicts([*episodes, *twins]))
     store.write_lines(
         "calls.jsonl",
         [
@@ -329,24 +370,34 @@ def _verdicts(episodes: list[Episode]) -> list[Verdict]:
                     scene_id=episode.scene_id,
                     model=model,
                     kind=kind,
+                    is_twin=episode.is_twin,
                     descriptions=("A road.", "A road, something ahead.", "It is close."),
-                    is_ood=True,
+                    is_ood=kind == "reference" or not episode.is_twin,
+                    confidence=0.9,
                     aspect="a carton in the lane",
-                    aspect_is_right=index % 2 == 0,
+                    aspect_is_right=None if episode.is_twin else index % 2 == 0,
+                    choice="wrong-way",
+                    choice_is_right=episode.scene_id.startswith("wrong-way-"),
                     action=action,
-                    action_is_safe=action == "stop",
+                    action_is_safe=episode.actions[action].safe,
+                    reasoning="The lane ahead is blocked.",
                 )
             )
     lost = episodes[0].scene_id
     error = "gpt-4o: 429 too many requests"
-    found[-1] = Verdict(
-        id=f"{lost}@gpt-4o", scene_id=lost, model="gpt-4o", status="failed", error=error
+    row = next(i for i, one in enumerate(found) if one.id == f"{lost}@gpt-4o")
+    found[row] = Verdict(
+        id=f"{lost}@gpt-4o",
+        scene_id=lost,
+        model="gpt-4o",
+        status="failed",
+        outcome="timeout",
+        error=error,
     )
     return found
 
 
 def _json(value: Any) -> str:
-
     return json.dumps(value)
 
 

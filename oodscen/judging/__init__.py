@@ -1,0 +1,1 @@
+"""Judging models and drivers: answers, references, safe sets, statistics and the leaderboard."""

@@ -1,0 +1,290 @@
+"""Which model to trust with what: the leaderboard as the page shows it."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from oodscen.judging.findings import Finding, answer, findings
+from oodscen.judging.leaderboard import (
+    Comparison,
+    Figure,
+    Leaderboard,
+    Rate,
+    Standing,
+    leaderboard,
+    paper_example,
+)
+from oodscen.report import bars, charts
+from oodscen.report.reading import Material
+from oodscen.verdict import NOTHING, Verdict
+
+_MOST_TYPES = 20
+"""With more paths than these the charts are drawn by family."""
+_MOST_SERIES = 5
+_TOP_CONFUSIONS = 8
+
+GRADES = {
+    "yes": "better than not looking",
+    "no": "worse than not looking",
+    "unclear": "not shown to beat not looking",
+    "unknown": "not measured",
+}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One figure of the leaderboard in words and as a dot with its interval."""
+
+    value: str
+    count: str = ""
+    bounds: str = ""
+    how: str = ""
+    """How the interval was found."""
+    chart: str = ""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One row of the leaderboard."""
+
+    model: str
+    is_reference: bool
+    note: str
+    balanced: Cell
+    sensitivity: Cell
+    specificity: Cell
+    auroc: Cell
+    d_prime: Cell
+    open: Cell
+    closed: Cell
+    safe: Cell
+    collision_free: Cell
+    above_chance: Cell
+    needless: Cell
+    asked: int
+    silent: str
+    """Outcomes other than answers, counted."""
+    contradictions: int
+    outdated: int
+
+
+@dataclass(frozen=True)
+class Confused:
+    """What one model took for what."""
+
+    model: str
+    chart: Markup
+    labels: tuple[str, ...]
+    top: tuple[tuple[str, str, int], ...]
+
+
+def context(found: Material) -> dict[str, Any]:
+    """Return the template's variables about models."""
+    board = leaderboard(found.verdicts, found.episodes, found.scenarios)
+    shown = _series(board)
+    level = _level(board)
+    said = findings(board)
+    return {
+        "board": board,
+        "answer": answer(board),
+        "findings": _by_model(said),
+        "grades": GRADES,
+        "lines": [_line(row) for row in board.standings],
+        "has_twins": any(row.detection.specificity.n for row in board.standings),
+        "has_collisions": any(row.control.collision_free.n for row in board.standings),
+        "has_closed": any(row.identification.closed.n for row in board.standings),
+        "comparisons": [_compared(c) for c in board.comparisons],
+        "series": [row.model for row in shown],
+        "type_level": level,
+        "chart_named": _chart(shown, level, "open", "Aspect named"),
+        "chart_safe": _chart(shown, level, "safe", "Safe action chosen"),
+        "confused": _confusions(found.verdicts, board, found),
+        "example": paper_example(),
+    }
+
+
+def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
+    grouped: dict[str, list[Finding]] = {}
+    for one in said:
+        grouped.setdefault(one.model, []).append(one)
+    return grouped
+
+
+def _line(row: Standing) -> Line:
+    detection, control = row.detection, row.control
+    silent = [
+        f"{count} {name}" for name, count in row.outcomes.items() if name != "answered" and count
+    ]
+    return Line(
+        model=row.model,
+        is_reference=row.kind == "reference",
+        note="paper’s protocol" if row.protocol == "paper" else "",
+        balanced=_figure(detection.balanced_accuracy, chance=0.5),
+        sensitivity=_rate(detection.sensitivity),
+        specificity=_rate(detection.specificity),
+        auroc=_plain(detection.auroc),
+        d_prime=_plain(detection.d_prime),
+        open=_rate(row.identification.open),
+        closed=_rate(row.identification.closed),
+        safe=_rate(control.safe),
+        collision_free=_rate(control.collision_free),
+        above_chance=_plain(control.above_chance),
+        needless=_rate(control.needless),
+        asked=row.asked,
+        silent=", ".join(silent),
+        contradictions=row.contradictions,
+        outdated=row.outdated,
+    )
+
+
+def _rate(rate: Rate) -> Cell:
+    if rate.value is None or rate.interval is None:
+        return Cell("")
+    return Cell(
+        value=f"{100 * rate.value:.0f} %",
+        count=f"{rate.hits} of {rate.n}",
+        bounds=f"{100 * rate.interval.low:.0f} to {100 * rate.interval.high:.0f} %",
+        how=f"{rate.interval.method}, {rate.interval.units} units",
+        chart=charts.whisker(rate.value, rate.interval.low, rate.interval.high),
+    )
+
+
+def _figure(figure: Figure, chance: float) -> Cell:
+    if figure.value is None:
+        return Cell("")
+    low, high = (
+        (figure.interval.low, figure.interval.high)
+        if figure.interval
+        else (figure.value, figure.value)
+    )
+    return Cell(
+        value=f"{100 * figure.value:.0f} %",
+        count=f"chance {100 * chance:.0f} %",
+        bounds=f"{100 * low:.0f} to {100 * high:.0f} %" if figure.interval else "",
+        chart=charts.whisker(figure.value, low, high),
+    )
+
+
+def _plain(figure: Figure) -> Cell:
+    if figure.value is None:
+        return Cell("")
+    bounds = ""
+    if figure.interval:
+        bounds = (
+            f"{charts.signed(figure.interval.low, 2)} to {charts.signed(figure.interval.high, 2)}"
+        )
+    return Cell(value=charts.signed(figure.value, 2), bounds=bounds)
+
+
+def _compared(comparison: Comparison) -> dict[str, str]:
+    test = comparison.test
+    return {
+        "task": {
+            "detection": "telling rare from ordinary",
+            "open": "naming it",
+            "closed": "picking it from a list",
+            "control": "choosing an action",
+        }[comparison.task],
+        "against": comparison.against,
+        "first": comparison.first,
+        "second": comparison.second,
+        "difference": f"{charts.signed(100 * test.difference, 0)} points",
+        "split": f"{test.first_only} : {test.second_only}",
+        "n": str(test.n),
+        "plain": _p(comparison.p_holm),
+        "clustered": _p(comparison.p_clustered_holm),
+        "shown": "yes" if comparison.p_clustered_holm < 0.05 else "",
+    }
+
+
+def _p(value: float) -> str:
+    return "< 0.001" if value < 0.001 else f"{value:.3f}"
+
+
+def _series(board: Leaderboard) -> list[Standing]:
+    """Return whom the charts show: the models, or without any the references that differ most."""
+    models = [row for row in board.standings if row.kind == "model"]
+    if models:
+        return models[:_MOST_SERIES]
+    names = ("oracle", "novelty", "blind", "random")
+    references = [row for row in board.standings if row.model.startswith(names)]
+    floor = board.floor("control")
+    chosen = [*references, *([floor] if floor and floor not in references else [])]
+    return chosen[:_MOST_SERIES]
+
+
+def _level(board: Leaderboard) -> str:
+    groups = board.standings[0].groups if board.standings else ()
+    paths = sum(group.level == "path" for group in groups)
+    families = sum(group.level == "family" for group in groups)
+    return "family" if paths > _MOST_TYPES and families else "path"
+
+
+def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Markup:
+    if not shown:
+        return Markup("")
+    found = [{group.name: group for group in row.groups if group.level == level} for row in shown]
+    rows = []
+    for name, group in found[0].items():
+        rates: list[Rate | None] = [
+            getattr(groups[name], field) if name in groups else None for groups in found
+        ]
+        rows.append(
+            bars.Row(
+                name, [_bar(rate) for rate in rates], group.chance if field == "safe" else None
+            )
+        )
+    if not any(bar for row in rows for bar in row.bars):
+        return Markup("")
+    return bars.bars(rows, [row.model for row in shown], what)
+
+
+def _bar(rate: Rate | None) -> bars.Bar | None:
+    if rate is None or not rate.n or rate.interval is None:
+        return None
+    return bars.Bar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
+
+
+def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material) -> list[Confused]:
+    """Return what models took for what, by the level of the charts."""
+    level = _level(board)
+    labels = {s.leaf: _label(s.path, level) for s in found.scenarios}
+    leaf_of = {s.id: s.leaf for s in found.scenarios}
+    names = {s.leaf: s.path[-1] if s.path else s.leaf for s in found.scenarios}
+    rows = []
+    order = list(dict.fromkeys(labels.values()))
+    place = {label: index for index, label in enumerate(order)}
+    for row in [row for row in board.standings if row.kind == "model"][:_MOST_SERIES]:
+        counts: Counter[tuple[int, int]] = Counter()
+        for verdict in verdicts:
+            if verdict.model != row.model or verdict.protocol != row.protocol:
+                continue
+            truth, chosen = leaf_of.get(verdict.scene_id), verdict.choice
+            if truth is None or chosen is None:
+                continue
+            column = place.get(labels.get(chosen, ""), len(order))
+            counts[place[labels[truth]], column] += 1
+        if counts:
+            top = tuple(
+                (
+                    names.get(one.truth, one.truth),
+                    "nothing unusual"
+                    if one.chosen == NOTHING
+                    else names.get(one.chosen, one.chosen),
+                    one.count,
+                )
+                for one in row.confusions[:_TOP_CONFUSIONS]
+            )
+            rows.append(
+                Confused(row.model, bars.confusion(order, counts, len(order)), tuple(order), top)
+            )
+    return rows
+
+
+def _label(path: Sequence[str], level: str) -> str:
+    if level == "family" and len(path) > 3:
+        return path[2]
+    return path[-1] if path else ""
