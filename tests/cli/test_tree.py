@@ -1,0 +1,114 @@
+"""The commands about trees: files and studies, text and JSON, exit codes."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen.cli import main
+from oodscen.cli.tree import _TREES
+from oodscen.scenario import Scenario
+from oodscen.study import TREES, Store
+from oodscen.tree import ScenarioTree, TreeEdit
+from oodscen.trees import to_mermaid
+
+BEFORE = ScenarioTree.planted().apply(
+    TreeEdit(op="add", node="weather", parent="environmental", label="Weather", stage="grow"),
+    TreeEdit(op="add", node="fog", parent="weather", label="Thick fog", stage="grow"),
+)
+AFTER = BEFORE.apply(
+    TreeEdit(op="broaden", node="fog", label="Fog or smoke", stage="redteam", round=1),
+    TreeEdit(op="add", node="hail", parent="weather", label="Hail", stage="redteam", round=2),
+)
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, ["tree", *map(str, arguments)])
+
+
+@pytest.fixture
+def place(tmp_path):
+    store = Store(tmp_path)
+    store.write("tree.initial.json", BEFORE.to_json())
+    store.write("tree.diverse.json", AFTER.to_json())
+    store.write("tree.simulatable.json", AFTER.to_json())
+    store.write("study.json", json.dumps({"config": {}}))
+    store.write_lines("scenarios.jsonl", [Scenario(id="fog-001", text="Fog.", leaf="fog")])
+    return tmp_path
+
+
+def test_the_names_of_a_studys_trees_are_those_of_the_study():
+    assert _TREES == TREES
+
+
+def test_show_prints_a_tree_or_the_provenance_of_a_node(place):
+    assert call("show", place).stdout.strip() == AFTER.outline()
+    assert call("show", place, "--which", "initial", "--ids").stdout.strip() == BEFORE.outline(
+        ids=True
+    )
+    assert ScenarioTree.parse(call("show", place, "--json").stdout) == AFTER
+    assert "broadened from “Thick fog”" in call("show", place, "--node", "fog").stdout
+    history = json.loads(call("show", place, "--node", "fog", "--json").stdout)
+    assert history["later"][0]["edit"]["round"] == 1
+
+
+def test_diff_tells_the_changes_in_three_forms(place):
+    files = (place / "tree.initial.json", place / "tree.diverse.json")
+    assert "1 added, 0 removed, 1 broadened" in call("diff", *files).stdout
+    assert json.loads(call("diff", *files, "--json").stdout)["added"][0]["id"] == "hail"
+    assert call("diff", *files, "--mermaid").stdout.startswith("flowchart")
+    assert call("diff", *files, "--exit-code").exit_code == 1
+    assert call("diff", files[0], files[0], "--exit-code", "--encoder", "hash").exit_code == 0
+
+
+def test_merge_writes_a_tree(place):
+    out = place / "merged.json"
+    files = (place / "tree.initial.json", place / "tree.diverse.json")
+    assert call("merge", *files, "--encoder", "hash", "-o", out).exit_code == 0
+    assert [leaf.label for leaf in ScenarioTree.load(out).leaves] == ["Thick fog", "Hail"]
+
+
+def test_coverage_lists_holes_and_can_fail_a_build(place):
+    assert "1 without a text: Hail" in call("coverage", place).stdout
+    assert json.loads(call("coverage", place, "--json").stdout)["rows"][0]["texts"] == 1
+    assert call("coverage", place, "--exit-code").exit_code == 1
+
+
+@pytest.mark.parametrize("form", ["mermaid", "dot", "json", "nested", "html"])
+def test_export_writes_every_format(place, form):
+    shown = call("export", place, "--format", form).stdout
+    assert "Hail" in shown
+    assert shown.strip() == to_mermaid(AFTER) or form != "mermaid"
+
+
+def test_replay_prints_the_log_or_writes_an_earlier_tree(place):
+    assert len(call("replay", place).stdout.splitlines()) == len(AFTER.edits)
+    rows = [
+        json.loads(line)
+        for line in call("replay", place, "--round", 1, "--json").stdout.split("\n")
+        if line
+    ]
+    assert [row["nodes"] for row in rows] == [1, 2, 3, 4, 5, 5]
+    out = place / "earlier.json"
+    assert call("replay", place, "--stage", "grow", "-o", out).exit_code == 0
+    assert ScenarioTree.load(out) == BEFORE
+    assert call("replay", place, "--undo", 6, "--undo", 5, "-o", out).exit_code == 0
+    assert ScenarioTree.load(out).nodes == BEFORE.nodes
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("show", "--node", "fgo"),
+        ("replay", "--edit", "99"),
+        ("replay", "--edit", "1", "--round", "1"),
+        ("replay", "--undo", "99"),
+        ("replay", "--stage", "nobody"),
+    ],
+)
+def test_what_cannot_be_is_one_line(place, arguments):
+    result = call(arguments[0], place, *arguments[1:])
+    assert result.exit_code == 2
+    assert "Traceback" not in result.stderr
+    (place / "tree.diverse.json").unlink()
+    assert call("show", place).exit_code == 2
