@@ -7,6 +7,7 @@ from pydantic import ValidationError
 from oodscen._data import issues_of
 from oodscen.ask import ATTEMPTS, ask
 from oodscen.catalogue import Catalogue
+from oodscen.claims.claim import Claim
 from oodscen.errors import Issue
 from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 from oodscen.protocols import LLM
@@ -17,12 +18,17 @@ from oodscen.scene import Scene
 class Augmenter:
     """Asks the augmenter-LLM to stage texts; what it returns has passed validation and runs.
 
+    Before a text is staged, its claims are read from the text alone, and every scene is compared with them; what
+    a scene contradicts is fed back to the model, claim by claim.
+
     Args:
         llm: The augmenter-LLM.
         catalogue: What the simulator offers.
         check: Finds faults in a scene; they are fed back to the model. The default checks the
             catalogue's vocabulary, places on the road, overlap and reachability.
         attempts: Largest number of calls per scene.
+        claims: Whether scenes must hold to what their texts say.
+        reader: Reads the claims; the augmenter-LLM if left out.
     """
 
     def __init__(
@@ -32,6 +38,8 @@ class Augmenter:
         *,
         check: Callable[[Scene, Catalogue], Sequence[Issue]] | None = None,
         attempts: int = ATTEMPTS,
+        claims: bool = True,
+        reader: LLM | None = None,
     ) -> None:
         if check is None:
             from oodscen.driving import check_scene
@@ -42,29 +50,58 @@ class Augmenter:
         self.digest = CatalogueDigest.of(catalogue)
         self.check = check
         self.attempts = attempts
+        self.claims = claims
+        self.reader = reader or llm
 
-    def run(self, scenario: Scenario) -> Scene:
-        """Return the scene for one text; its id is the scenario's.
+    def read(self, scenario: Scenario) -> tuple[Claim, ...]:
+        """Return what a text says, none where claims are not asked for.
 
         Raises:
-            AnswerError: When the model does not arrive at a scene that runs; it lists the faults.
+            AnswerError: When the model does not arrive at valid claims; it lists the faults.
             LLMError: When the model cannot be reached.
         """
+        if not self.claims:
+            return ()
+        from oodscen.claims import extract_claims
+
+        return extract_claims(self.reader, scenario.text, attempts=self.attempts)
+
+    def run(self, scenario: Scenario, claims: Sequence[Claim] | None = None) -> Scene:
+        """Return the scene for one text; its id is the scenario's.
+
+        Args:
+            scenario: With the text.
+            claims: What the text says, where that has been read before.
+
+        Raises:
+            AnswerError: When the model does not arrive at a scene that runs and holds to the text;
+                it lists the faults, and every claim that is contradicted.
+            LLMError: When the model cannot be reached.
+        """
+        told = self.read(scenario) if claims is None else tuple(claims)
         prompt = StageScene(text=scenario.text, path=scenario.path, catalogue=self.digest)
         draft = ask(
             self.llm,
             prompt,
-            check=lambda draft: self._faults(scenario, draft),
+            check=lambda draft: self._faults(scenario, told, draft),
             attempts=self.attempts,
         )
         return _staged(scenario, draft)
 
-    def _faults(self, scenario: Scenario, draft: SceneDraft) -> Sequence[Issue]:
+    def _faults(
+        self, scenario: Scenario, claims: Sequence[Claim], draft: SceneDraft
+    ) -> Sequence[Issue]:
         try:
             scene = _staged(scenario, draft)
         except ValidationError as error:
             return issues_of(error)
-        return self.check(scene, self.catalogue)
+        faults = self.check(scene, self.catalogue)
+        if faults or not claims:
+            return faults
+        from oodscen.claims import check_claims
+
+        found = check_claims(claims, scene, self.catalogue)
+        return [Issue(mismatch.path, str(mismatch)) for mismatch in found]
 
 
 def _staged(scenario: Scenario, draft: SceneDraft) -> Scene:

@@ -96,7 +96,7 @@ class Cast:
         ):
             shown = state
             brakes = acceleration < BRAKING or (holds and abs(speed) < _STANDING)
-            if brakes and "brake" in asset.states:
+            if brakes and "brake" in asset.states and state != "unlit":
                 shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
             frame = frame_of(asset.id, state, pose, speed, time)
             looks.append(Look(asset.id, shown, paint, runs, frame))
@@ -157,7 +157,7 @@ def _paint(seed: int, actor_id: str, asset: str) -> str:
 def _runs(scene: Scene, actor_id: str) -> bool:
     """Tell whether an actor has its lamps on: it drives, and it is not broad daylight.
 
-    Whatever merely stands with its lights off is dark at night as well.
+    What is unlit never has, and whatever merely stands with its lights off is dark at night as well.
     """
     weather = scene.weather
     is_bright = (
@@ -169,4 +169,4 @@ def _runs(scene: Scene, actor_id: str) -> bool:
         return False
     behaviours = {actor.id: (actor.behaviour.name, actor.state) for actor in scene.actors}
     name, state = behaviours.get(actor_id, ("stand", ""))
-    return name != "stand" or state not in ("", "off")
+    return state != "unlit" and (name != "stand" or state not in ("", "off"))

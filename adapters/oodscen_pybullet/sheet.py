@@ -51,7 +51,7 @@ width and height in metres at rest; they are those of the meshes, which a test m
 the first by default. The vehicle under test is {ego}.
 
 - Brake lamps light up by themselves below -1 m/s²; head and tail lamps are on in the dark, in fog and in rain, unless a vehicle merely stands with its
-  lamps off. Indicators, hazard lamps, beacons, arrow boards and amber signals flash at 1.5 Hz, as a function of time.
+  lamps off or is `unlit`, which puts out its brake lamps as well. Indicators, hazard lamps, beacons, arrow boards and amber signals flash at 1.5 Hz, as a function of time.
 - Legs and arms swing with the way that is covered, in eight steps per stride, at a walk and at a run; pedals and a wheelchair's wheels turn likewise.
 - Signs, signals and work-zone boards show their faces to traffic that drives along their own heading: place them with heading 0.
 - What is tagged `flat` is driven over and collides with nothing; `car_door` turns about its front edge.

@@ -9,6 +9,7 @@ from oodscen.prompts.describe_frame import DescribeFrame, FrameDescription
 from oodscen.prompts.describe_ordinary import DescribeOrdinary, OrdinaryText
 from oodscen.prompts.describe_path import STYLES, DescribePath, Descriptions, Style
 from oodscen.prompts.digest import CatalogueDigest
+from oodscen.prompts.extract_claims import Claims, ExtractClaims
 from oodscen.prompts.give_examples import Examples, GiveExamples
 from oodscen.prompts.imagine_scenario import ImaginedScenario, ImagineScenario
 from oodscen.prompts.judge_branch import BranchJudgement, JudgeBranch
@@ -26,6 +27,7 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
     JudgeBranch,
     DescribePath,
     DescribeOrdinary,
+    ExtractClaims,
     StageScene,
     DescribeFrame,
     NameAspect,
@@ -41,6 +43,7 @@ __all__ = [
     "CatalogueDigest",
     "ChooseAction",
     "ChosenAction",
+    "Claims",
     "Classification",
     "ClassifiedExample",
     "ClassifyExamples",
@@ -49,6 +52,7 @@ __all__ = [
     "DescribePath",
     "Descriptions",
     "Examples",
+    "ExtractClaims",
     "FrameDescription",
     "GiveExamples",
     "ImagineScenario",

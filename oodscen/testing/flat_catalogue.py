@@ -4,7 +4,7 @@ from oodscen.catalogue import Asset, Catalogue, Category, WeatherRange
 from oodscen.driving.behaviours import BEHAVIOURS
 from oodscen.driving.maps.shipped import SHIPPED_MAPS
 
-_LIGHTS = ("off", "brake", "hazard", "indicate_left", "indicate_right")
+_LIGHTS = ("off", "brake", "hazard", "indicate_left", "indicate_right", "unlit")
 _BEACON = (*_LIGHTS, "beacon")
 _ARROWS = ("left", "right")
 

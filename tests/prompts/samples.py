@@ -9,6 +9,7 @@ from oodscen.prompts import (
     DescribeFrame,
     DescribeOrdinary,
     DescribePath,
+    ExtractClaims,
     GiveExamples,
     ImagineScenario,
     JudgeBranch,
@@ -19,6 +20,7 @@ from oodscen.prompts import (
 )
 from oodscen.prompts.digest import AssetLine, BehaviourLine, MapLine
 from oodscen.prompts.landmarks import Landmark
+from oodscen.prompts.place_scenario import Hidden
 from oodscen.tree import Node
 
 DIGEST = CatalogueDigest(
@@ -66,11 +68,24 @@ SAMPLES = (
     EXAMPLES,
     CLASSES,
     ProposeTree(asked=CLASSES, classes=("environmental", "interactional"), nodes=5),
-    ImagineScenario(shown=("A deer crosses.",), covered=("Fog", "Deer on the road")),
-    PlaceScenario(text="A stag leaps onto the road.", nodes=NODES),
+    ImagineScenario(
+        shown=("A deer crosses.",),
+        covered=("Fog", "Deer on the road"),
+        unlisted=7,
+        thin=("Animals",),
+        refused=("A stag leaps onto the road.",),
+    ),
+    PlaceScenario(
+        text="A stag leaps onto the road.",
+        nodes=NODES,
+        hidden=(Hidden(id="animals", leaves=2),),
+        full=("deer",),
+        procedure="closed",
+    ),
     JudgeBranch(path=PATH, catalogue=DIGEST),
     DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",)),
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
+    ExtractClaims(text="A stag leaps onto the road at night."),
     StageScene(text="A stag leaps onto the road.", path=PATH, catalogue=DIGEST),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2]),
     NameAspect(frames=FRAMES, descriptions=SEEN),

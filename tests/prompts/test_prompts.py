@@ -159,7 +159,9 @@ def test_fenced_inputs_change_nothing_outside_their_fence(text):
     def outside(prompt):
         return re.sub(r"<data>.*?</data>", "<data></data>", prompt.question(), flags=re.DOTALL)
 
-    assert outside(PlaceScenario(text=text, nodes=NODES)) == outside(SAMPLES[4])
-    assert outside(StageScene(text=text, path=(text,), catalogue=DIGEST)) == outside(SAMPLES[7])
+    assert outside(SAMPLES[4].model_copy(update={"text": text})) == outside(SAMPLES[4])
+    assert outside(StageScene(text=text, path=(text,), catalogue=DIGEST)) == outside(
+        next(sample for sample in SAMPLES if isinstance(sample, StageScene))
+    )
     asked = DescribePath(path=(*PATH, text), count=3, avoid=(text,))
     assert outside(asked) == outside(SAMPLES[6])

@@ -9,23 +9,30 @@ import numpy as np
 from pydantic import BaseModel
 
 from oodscen.errors import LLMError
+from oodscen.llms.author.claiming import read_claims
 from oodscen.llms.author.compose import Composer
 from oodscen.llms.author.feasibility import Judge
+from oodscen.llms.author.imagining import Imagination
 from oodscen.llms.author.knowledge import Hazard, load_knowledge, stamp_of
+from oodscen.llms.author.ordinary import OrdinaryAuthor
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.llms.author.staging import Stager
 from oodscen.llms.author.taxonomy import TreeAuthor
 from oodscen.prompts import (
+    Claims,
     Classification,
     ClassifiedExample,
     ClassifyExamples,
+    DescribeOrdinary,
     DescribePath,
     Descriptions,
     Examples,
+    ExtractClaims,
     GiveExamples,
     ImaginedScenario,
     ImagineScenario,
     JudgeBranch,
+    OrdinaryText,
     PlaceScenario,
     ProposeTree,
     StageScene,
@@ -34,8 +41,6 @@ from oodscen.prompts.describe_path import plain
 from oodscen.protocols import Completion, Request
 from oodscen.seeding import stream
 
-_REPEATS = 6
-"""One in so many imagined scenarios is of a kind that the tree covers already."""
 _ACTS = frozenset(
     """driver drives pedestrian cyclist motorcyclist child dog deer animal crowd police runs walks
     crosses overtakes swerves brakes reverses cuts merges jumps changes chases""".split()
@@ -51,6 +56,8 @@ class BuiltinAuthor:
     """
 
     name = "builtin"
+    argument = "knowledge"
+    """What a text after the colon is given to: `builtin:FILE`."""
 
     def __init__(self, seed: int = 0, knowledge: str | Path | None = None) -> None:
         """Open the knowledge base.
@@ -64,9 +71,13 @@ class BuiltinAuthor:
         """
         self.seed = seed
         self.knowledge = None if knowledge is None else Path(knowledge)
+        if self.knowledge is not None:
+            self.name = f"builtin:{self.knowledge.name}"
         self._knowledge = load_knowledge(knowledge)
         self._recogniser = _recogniser(self.knowledge, stamp_of(self.knowledge))
         self._composer = Composer(self._knowledge)
+        self._twins = OrdinaryAuthor(self._knowledge, self._recogniser)
+        self._imagination = Imagination(seed, self._knowledge, self._recogniser)
         self._trees = TreeAuthor(self._knowledge, self._recogniser)
         self._judge = Judge(self._recogniser)
         self._stager = Stager(self._knowledge, self._recogniser)
@@ -78,6 +89,8 @@ class BuiltinAuthor:
             PlaceScenario: lambda prompt, request: self._trees.place(prompt),
             JudgeBranch: lambda prompt, request: self._judge.judge(prompt),
             DescribePath: self._describe,
+            DescribeOrdinary: self._ordinary,
+            ExtractClaims: lambda prompt, request: Claims(claims=list(read_claims(prompt.text))),
             StageScene: self._stage,
         }
 
@@ -149,14 +162,7 @@ class BuiltinAuthor:
 
     def _imagine(self, prompt: ImagineScenario, request: Request) -> ImaginedScenario:
         rng = self._stream(request)
-        covered = {h.id for label in prompt.covered for h in self._recogniser.covered_by(label)}
-        hazards = list(self._knowledge.hazards)
-        new = [hazard for hazard in hazards if hazard.id not in covered]
-        if covered and new and rng.random() >= 1.0 / _REPEATS:
-            hazards = new
-        elif covered:
-            hazards = [hazard for hazard in hazards if hazard.id in covered] or hazards
-        hazard = hazards[int(rng.integers(len(hazards)))]
+        hazard = self._imagination.hazard(prompt, rng)
         return ImaginedScenario(
             reasoning=f"Rarely met in ordinary traffic, where {hazard.ordinary}.",
             text=self._composer.text(hazard, rng),
@@ -169,9 +175,11 @@ class BuiltinAuthor:
         hazards = self._told_by(label)
         if not hazards:
             raise LLMError(f"the built-in author has no knowledge of {label!r}", model=self.name)
-        rng = self._stream(request, *prompt.path)
+        rng = self._stream(request, *prompt.path, prompt.style)
         taken = {plain(text) for text in prompt.avoid}
-        sources = [self._composer.texts(hazard, rng, taken) for hazard in hazards]
+        sources = [
+            self._composer.texts(hazard, rng, taken, prompt.style) for hazard in hazards
+        ]
         texts: list[str] = []
         while len(texts) < prompt.count and sources:
             source = sources[len(texts) % len(sources)]
@@ -186,6 +194,11 @@ class BuiltinAuthor:
                 model=self.name,
             )
         return Descriptions(texts=texts)
+
+    def _ordinary(self, prompt: DescribeOrdinary, request: Request) -> OrdinaryText:
+        label = prompt.path[-1] if prompt.path else ""
+        rng = self._stream(request, prompt.text)
+        return OrdinaryText(text=self._twins.twin(prompt.text, label, rng))
 
     def _told_by(self, label: str) -> tuple[Hazard, ...]:
         """Return the hazards that texts of a leaf are about.

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from oodscen.claims.things import Thing
 from oodscen.llms.author import approach
 from oodscen.llms.author.anchors import LANDMARKS, marks
 from oodscen.llms.author.knowledge import (
@@ -18,7 +19,7 @@ from oodscen.llms.author.knowledge import (
     RecipeTrigger,
     TrafficActor,
 )
-from oodscen.prompts.digest import CatalogueDigest, MapLine
+from oodscen.prompts.digest import AssetLine, CatalogueDigest, MapLine
 from oodscen.scene import Actor, Behaviour, Placement, Trigger
 
 _SLOWED = frozenset({"vehicle", "cyclist"})
@@ -52,6 +53,8 @@ class Stage:
     """Whether somebody drives close behind."""
     escape: int = 0
     """Where only a change of lane helps its direction: 1 left, -1 right; 0 otherwise."""
+    named: tuple[Thing, ...] = ()
+    """What the text names: an actor that may be several things is one of these."""
     placed: dict[str, Actor] = field(default_factory=dict)
     """The actors so far, by id in the recipe; of a row the first."""
 
@@ -64,10 +67,16 @@ class Stage:
         """Draw from a range."""
         return round(float(self.rng.uniform(*limits)), 2)
 
-    def choose(self, options: tuple[str, ...]) -> str:
-        """Choose an asset that the simulator has."""
-        offered = {asset.id for asset in self.digest.assets}
+    def choose(self, options: tuple[str, ...], named: tuple[Thing, ...] | None = None) -> str:
+        """Choose an asset that the simulator has and the text may mean.
+
+        Args:
+            options: Their ids.
+            named: What the text names; that of the scene if left out.
+        """
+        offered = {asset.id: asset for asset in self.digest.assets}
         fitting = [option for option in options if option in offered] or list(options)
+        fitting = _meant(fitting, offered, self.named if named is None else named)
         return fitting[int(self.rng.integers(len(fitting)))]
 
     def reach(self, actor: RecipeActor) -> float:
@@ -105,6 +114,23 @@ class Stage:
                 standing = one.height_m + _EYE * along / away
                 areas.append(across * standing * (_FOCAL / away) ** 2)
         return min(areas, default=math.inf)
+
+
+def _meant(
+    options: list[str], assets: Mapping[str, AssetLine], named: tuple[Thing, ...]
+) -> list[str]:
+    """Return those of several assets that a text names, all where it names none or all of them."""
+    if len(options) < 2:
+        return options
+    chosen = [
+        [option for option in options if option in assets and thing.fits(assets[option])]
+        for thing in named
+    ]
+    exact = [found for found in chosen if 0 < len(set(found)) < len(set(options))]
+    if not exact:
+        return options
+    common = [option for option in options if all(option in found for found in exact)]
+    return common or [option for option in options if any(option in found for found in exact)]
 
 
 class _Spot(NamedTuple):
@@ -298,8 +324,14 @@ def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
     return state if state in known else ""
 
 
-def told_traffic(part: TrafficActor, scene: Stage) -> list[Actor]:
-    """Add the ordinary road user that the text mentions, where the road has a lane for it."""
+def told_traffic(part: TrafficActor, scene: Stage, named: tuple[Thing, ...]) -> list[Actor]:
+    """Add the ordinary road user that the text mentions, where the road has a lane for it.
+
+    Args:
+        part: Who that is.
+        scene: Has the lanes.
+        named: What the text calls it.
+    """
     left = scene.road.lanes - scene.ego_lane
     lane = left if part.side == "oncoming" else 1
     there = scene.road.oncoming_lanes > 0 if part.side == "oncoming" else left > 1
@@ -308,7 +340,7 @@ def told_traffic(part: TrafficActor, scene: Stage) -> list[Actor]:
     return [
         Actor(
             id=part.id,
-            asset=scene.choose(part.asset),
+            asset=scene.choose(part.asset, named),
             placement=Placement(ahead_m=scene.draw(part.ahead), lane=lane),
             behaviour=Behaviour(
                 name=part.behaviour,

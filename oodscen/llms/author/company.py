@@ -34,6 +34,7 @@ def company(
     rng: np.random.Generator,
     *,
     free: int = 0,
+    is_dense: bool = False,
 ) -> list[Actor]:
     """Draw the ordinary traffic beside the ego and in the oncoming lane.
 
@@ -45,6 +46,7 @@ def company(
         decision: When it falls, and to which actor it is measured.
         rng: Draws.
         free: Side that must stay free: 1 left, -1 right, 0 neither.
+        is_dense: Whether everybody comes who may.
     """
     lane, speed = ego
     found: list[Actor] = []
@@ -61,7 +63,7 @@ def company(
                 lane + 1 == road.lanes and road.oncoming_lanes > 0 and "divided" not in road.traits
             ),
         }[kind.side]
-        if draws[0] >= kind.share or not has_room or side == free:
+        if (draws[0] >= kind.share and not is_dense) or not has_room or side == free:
             continue
         if any(_takes(actor, side) for actor in actors):
             continue

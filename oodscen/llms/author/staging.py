@@ -1,21 +1,26 @@
 """Staging: from a text and a catalogue's digest to the draft of a scene, by recipe."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from oodscen.claims.claim import Claim
+from oodscen.claims.roads import is_so
+from oodscen.claims.things import Thing, mentions
 from oodscen.errors import LLMError
 from oodscen.llms.author import approach
 from oodscen.llms.author.anchors import LANDMARKS, has_landmarks, root
 from oodscen.llms.author.cast import Stage, cast, told_traffic
+from oodscen.llms.author.claiming import read_claims
 from oodscen.llms.author.company import company, follower, is_followed
 from oodscen.llms.author.feasibility import WeatherLimits
-from oodscen.llms.author.knowledge import Hazard, Knowledge, Place, Recipe, RecipeActor
+from oodscen.llms.author.knowledge import Hazard, Knowledge, Place, Recipe, RecipeActor, Traffic
 from oodscen.llms.author.lanes import settled, varied
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.llms.author.weather import draw_weather
 from oodscen.prompts import SceneDraft, StageScene
+from oodscen.prompts.describe_path import plain
 from oodscen.prompts.digest import CatalogueDigest, MapLine
 from oodscen.scene import Actor, Ego, Trigger
 from oodscen.scene import Hazard as Unusual
@@ -64,16 +69,18 @@ class Stager:
         hazard = self._hazard(prompt)
         assert hazard.stage is not None
         recipe = varied(hazard.stage, prompt.text)
+        said = read_claims(prompt.text)
         rng = stream(seed, "stage", prompt.text, attempt)
         place = self._place(prompt.text, hazard, rng)
-        road = _map_for(place, hazard, prompt.catalogue)
+        road = _map_for(place, hazard, prompt.catalogue, said)
         told = self.recogniser.conditions(prompt.text, hazard)
         limits = WeatherLimits.of(prompt.catalogue.weather)
-        weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng)
+        weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng, said)
         distance = _distance(prompt.text)
         recipe, lane = settled(recipe, road, prompt.text, rng)
         scene = _set(prompt.catalogue, road, recipe, place, lane, rng)
         traffic = self.recogniser.traffic(prompt.text)
+        scene.named, others = _named(prompt.text, said, traffic)
         tailgater = is_followed(self.knowledge.company, recipe, traffic, rng)
         scene.is_followed = tailgater is not None
         shift, decision = _timing(scene, weather.friction, distance)
@@ -85,9 +92,10 @@ class Stager:
                 actors.append(actor)
                 if part.hazard:
                     unusual[actor.id] = counterpart
-        if traffic is not None and traffic.actor is not None and attempt < 2:
-            actors += told_traffic(traffic.actor, scene)
-        if tailgater is not None and scene.is_followed:
+        if traffic is not None and traffic.actor is not None:
+            actors += told_traffic(traffic.actor, scene, others)
+        is_told = traffic is not None and traffic.key == "follower"
+        if tailgater is not None and (scene.is_followed or is_told):
             actors += follower(tailgater, scene, actors)
         if traffic is None and recipe.company and attempt < 2:
             decisive = decision.actor or next(iter(unusual), None)
@@ -99,6 +107,7 @@ class Stager:
                 (decision, decisive),
                 rng,
                 free=scene.escape,
+                is_dense=any(_is_busy(claim) for claim in said),
             )
         if ordinary is None and not unusual:
             raise LLMError(f"the recipe for {hazard.label!r} has no hazard", model="builtin")
@@ -145,8 +154,34 @@ def _distance(text: str) -> float | None:
     return float(found.group(1)) if found else None
 
 
-def _map_for(place: Place, hazard: Hazard, digest: CatalogueDigest) -> MapLine:
-    """Return the map that shares most traits with the place."""
+def _named(
+    text: str, said: Sequence[Claim], traffic: Traffic | None
+) -> tuple[tuple[Thing, ...], tuple[Thing, ...]]:
+    """Return the things that a text names, those of its ordinary traffic apart."""
+    words = plain(text)
+    phrase = next((p for p in traffic.phrases if plain(p) in words), "") if traffic else ""
+    of_traffic = {mention.thing for mention in mentions(phrase)}
+    quotes = [claim.quote for claim in said if claim.kind == "thing"]
+    things = list(dict.fromkeys(m.thing for quote in quotes for m in mentions(quote)))
+    told = [thing for thing in things if thing not in of_traffic or _is_twice(thing, quotes)]
+    return tuple(told), tuple(of_traffic)
+
+
+def _is_twice(thing: Thing, quotes: Sequence[str]) -> bool:
+    return sum(mention.thing is thing for quote in quotes for mention in mentions(quote)) > 1
+
+
+def _is_busy(claim: Claim) -> bool:
+    """Tell whether a claim asks for more road users than a recipe has."""
+    if claim.kind == "count":
+        return claim.subject in ("vehicle", "car")
+    return claim.kind == "traffic" and claim.value == "dense"
+
+
+def _map_for(
+    place: Place, hazard: Hazard, digest: CatalogueDigest, said: Sequence[Claim] = ()
+) -> MapLine:
+    """Return the map of which most of what a text says is true, then the one most like the place."""
     needed = set(hazard.needs.traits)
     fitting = [
         road
@@ -155,7 +190,14 @@ def _map_for(place: Place, hazard: Hazard, digest: CatalogueDigest) -> MapLine:
     ]
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")
-    return max(fitting, key=lambda road: len(set(place.traits) & set(road.traits)))
+    told = [claim for claim in said if claim.kind in ("road", "lanes", "own_lanes")]
+    return max(
+        fitting,
+        key=lambda road: (
+            sum(is_so(claim, road) for claim in told),
+            len(set(place.traits) & set(road.traits)),
+        ),
+    )
 
 
 def _set(

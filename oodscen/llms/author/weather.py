@@ -1,12 +1,13 @@
 """Drawing a scene's weather: what the text says, what the recipe demands, what can be shown."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from oodscen.claims.claim import Claim
 from oodscen.llms.author.feasibility import WeatherLimits
-from oodscen.llms.author.knowledge import Condition, Knowledge, Recipe
+from oodscen.llms.author.knowledge import Condition, Knowledge, Range, Recipe
 from oodscen.scene import Weather
 
 _DRY = {"precipitation": "none", "precipitation_mm_h": 0.0}
@@ -18,6 +19,7 @@ def draw_weather(
     knowledge: Knowledge,
     limits: WeatherLimits,
     rng: np.random.Generator,
+    said: Sequence[Claim] = (),
 ) -> tuple[Weather, Weather | None]:
     """Return the weather of a scene, and the ordinary weather where the weather is the hazard.
 
@@ -27,6 +29,7 @@ def draw_weather(
         knowledge: Knows what clear weather is.
         limits: What the simulator can show.
         rng: Draws from the ranges.
+        said: What the text claims, in more detail than conditions have.
     """
     fields: dict[str, Any] = {}
     clear = knowledge.condition_keys.get("clear")
@@ -39,11 +42,53 @@ def draw_weather(
     dark = [c for c in told if _is_dark(c)]
     if dark and "sun_elevation_deg" not in recipe.weather:
         fields.update(_drawn({"sun_elevation_deg": dark[0].weather["sun_elevation_deg"]}, rng))
+    _agree(fields, {c.value for c in said if c.kind in ("weather", "time")}, recipe, rng)
     weather = _shown(fields, limits)
     if not recipe.ordinary_weather:
         return weather, None
     ordinary = {**weather.model_dump(), **recipe.ordinary_weather}
     return weather, _shown(ordinary, limits)
+
+
+def _agree(
+    fields: dict[str, Any], said: set[str], recipe: Recipe, rng: np.random.Generator
+) -> None:
+    """Change weather so that it agrees with a text, but for what the recipe demands.
+
+    Args:
+        fields: Of the weather; changed.
+        said: Values of claims of kind weather and time.
+        recipe: Of the hazard.
+        rng: Draws; as often for every text.
+    """
+    draw = float(rng.random())
+    for value, field, (least, most), (low, high), more in _AGREED:
+        if value not in said or field in recipe.weather or more.keys() & recipe.weather.keys():
+            continue
+        current = float(fields.get(field, Weather.model_fields[field].default))
+        if not least <= current <= most:
+            fields[field] = round(low + draw * (high - low), 2)
+            fields.update(more)
+
+
+_RAIN, _SNOW = {"precipitation": "rain"}, {"precipitation": "snow"}
+_AGREED: tuple[tuple[str, str, Range, Range, dict[str, str]], ...] = (
+    ("clear", "cloud_cover", (0.0, 0.4), (0.0, 0.3), {}),
+    ("cloudy", "cloud_cover", (0.7, 1.0), (0.85, 1.0), {}),
+    ("light_rain", "precipitation_mm_h", (0.1, 2.5), (0.8, 2.4), _RAIN),
+    ("heavy_rain", "precipitation_mm_h", (8.0, 100.0), (9.0, 16.0), _RAIN),
+    ("light_snow", "precipitation_mm_h", (0.1, 2.0), (0.6, 1.9), _SNOW),
+    ("heavy_snow", "precipitation_mm_h", (4.0, 100.0), (5.0, 9.0), _SNOW),
+    ("wet_road", "friction", (0.1, 0.8), (0.65, 0.75), {}),
+    ("slippery_road", "friction", (0.1, 0.5), (0.25, 0.4), {}),
+    ("fog", "fog_visual_range_m", (0.0, 900.0), (180.0, 400.0), {}),
+    ("thick_fog", "fog_visual_range_m", (0.0, 180.0), (50.0, 110.0), {}),
+    ("day", "sun_elevation_deg", (1.0, 90.0), (25.0, 45.0), {}),
+    ("night", "sun_elevation_deg", (-90.0, -6.0), (-28.0, -18.0), {}),
+    ("twilight", "sun_elevation_deg", (-6.0, 5.0), (-2.5, -0.9), {}),
+    ("low_sun", "sun_elevation_deg", (1.0, 14.0), (4.0, 9.0), {}),
+)
+"""What a claim demands of a field, what is drawn where that is not so, and what goes with it."""
 
 
 def _is_dark(condition: Condition) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from oodscen.augment import Augmenter
+from oodscen.claims.claim import Claim
 from oodscen.concurrency import as_finished
 from oodscen.episode import Episode
 from oodscen.errors import LLMError
@@ -17,12 +18,17 @@ RESTAGED = "restaged.jsonl"
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
-    """Stage every scenario."""
+    """Read what every text says, and stage it so that the scene holds to that."""
     augmenter = Augmenter(run.llm, run.simulator.catalogue())
+    told = _claims(run, augmenter, scenarios)
 
     def work(scenario: Scenario) -> dict[str, Any]:
+        claims = told[scenario.id]
+        if isinstance(claims, str):
+            error = f"what the text says could not be read: {claims}"
+            return failed(scenario.id, LLMError(error), scenario_id=scenario.id)
         try:
-            return augmenter.run(scenario).model_dump(mode="json")
+            return augmenter.run(scenario, claims).model_dump(mode="json")
         except LLMError as error:
             return failed(scenario.id, error, scenario_id=scenario.id)
 
@@ -34,6 +40,33 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         lambda todo: (row for _, row in as_finished(work, todo.values(), threads=run.threads)),
     )
     return [Scene.parse(row) for row in rows if row.get("status") != "failed"]
+
+
+def _claims(
+    run: Context, augmenter: Augmenter, scenarios: Sequence[Scenario]
+) -> dict[str, tuple[Claim, ...] | str]:
+    """Return what every text says, by its id; where nobody could read it, the error."""
+
+    def work(scenario: Scenario) -> dict[str, Any]:
+        try:
+            claims = augmenter.read(scenario)
+        except LLMError as error:
+            return failed(scenario.id, error)
+        return {"id": scenario.id, "claims": [claim.model_dump(mode="json") for claim in claims]}
+
+    items = {scenario.id: scenario for scenario in scenarios}
+    rows = run.each(
+        "claims",
+        "claims.jsonl",
+        items,
+        lambda todo: (row for _, row in as_finished(work, todo.values(), threads=run.threads)),
+    )
+    return {
+        row["id"]: row["error"]
+        if row.get("status") == "failed"
+        else tuple(Claim.parse(claim) for claim in row["claims"])
+        for row in rows
+    }
 
 
 def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:

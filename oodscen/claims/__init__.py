@@ -1,0 +1,45 @@
+"""What texts say about scenes, and whether scenes hold to it.
+
+Claims are light and read by prompts; comparing them with scenes needs roads and arrays, so the rest
+is loaded when it is asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from oodscen.claims.claim import NUMBERS, VALUES, Claim, Mismatch
+
+if TYPE_CHECKING:
+    from oodscen.claims.checking import Finding, check_claims, judge_claims
+    from oodscen.claims.faithful import Faithfulness, check_faithful, extract_claims
+    from oodscen.claims.watching import watch
+
+_LATE = {
+    "Finding": "checking",
+    "check_claims": "checking",
+    "judge_claims": "checking",
+    "Faithfulness": "faithful",
+    "check_faithful": "faithful",
+    "extract_claims": "faithful",
+    "watch": "watching",
+}
+
+__all__ = [
+    "NUMBERS",
+    "VALUES",
+    "Claim",
+    "Faithfulness",
+    "Finding",
+    "Mismatch",
+    "check_claims",
+    "check_faithful",
+    "extract_claims",
+    "judge_claims",
+    "watch",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_LATE[name]}"), name)

@@ -1,0 +1,326 @@
+"""Reading: what a text says about a scene, from its words alone."""
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from oodscen.claims.claim import Claim, Kind
+from oodscen.claims.things import Mention, mentions
+from oodscen.llms.author import phrases
+from oodscen.llms.author.phrases import Pattern
+
+_STRONGER = {
+    "rain": ("heavy_rain", "light_rain"),
+    "snow": ("heavy_snow", "light_snow"),
+    "fog": ("thick_fog",),
+    "mist": ("fog", "thick_fog"),
+    "wet_road": ("rain", "heavy_rain", "light_rain"),
+    "junction": ("t_junction",),
+    "day": ("night", "twilight"),
+    "twilight": ("night",),
+    "moving": ("crossing", "oncoming", "reversing", "slow", "into_lane", "from_left", "from_right"),
+    "ahead": ("behind",),
+}
+"""What is not claimed beside something that says more, or contradicts it and is surer."""
+_WILFUL = frozenset({"oncoming", "moving", "slow", "reversing", "crossing"})
+_CROSSES = frozenset({"crossing", "into_lane", "from_left", "from_right"})
+_UNINFLECTED = frozenset({"deer", "sheep", "moose", "elk"})
+_FEW, _MANY = 2, 3
+_APPOSED = 24
+"""Characters between a noun and a relative clause about it, at most."""
+
+
+@dataclass
+class Subject:
+    """A thing that a text speaks of."""
+
+    name: str
+    mention: Mention
+    count: int = 1
+
+
+@dataclass(frozen=True)
+class Noun:
+    """A noun phrase: of a thing, of the ego, or a pronoun."""
+
+    start: int
+    end: int
+    subject: Subject | None
+    """`None` for the ego and pronouns."""
+    is_oblique: bool
+    """It follows a preposition."""
+
+
+@dataclass
+class Clause:
+    """A stretch of a sentence."""
+
+    start: int
+    end: int
+    sentence: int
+    is_relative: bool
+    nouns: list[Noun] = field(default_factory=list)
+
+
+def read_claims(text: str) -> tuple[Claim, ...]:
+    """Return what a text says, settings first, then thing by thing."""
+    return _Reading(" ".join(text.replace("\u2019", "'").split())).claims()
+
+
+class _Reading:
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.found: dict[tuple[Kind, str, str], Claim] = {}
+        self.subjects: list[Subject] = []
+        self.clauses = _clauses(text)
+        self.nouns = self._nouns()
+        starts = [clause.start for clause in self.clauses]
+        for noun in self.nouns:
+            self.clauses[bisect_right(starts, noun.start) - 1].nouns.append(noun)
+
+    def claims(self) -> tuple[Claim, ...]:
+        self._settings()
+        for subject in self.subjects:
+            start, end = subject.mention.start, subject.mention.end
+            self._add("thing", "present", subject.name, start, end)
+            thing = subject.mention.thing
+            if subject.count > 1 and not thing.many and not thing.map:
+                self._add("count", str(subject.count), subject.name, start, end)
+        for pattern in phrases.PREDICATES:
+            for found in pattern.regex.finditer(self.text):
+                self._predicate(pattern, found)
+        for noun in self.nouns:
+            if noun.subject is not None:
+                self._leading(noun, noun.subject)
+        for found in phrases.BLOCKED_BY.finditer(self.text):
+            after = next((n for n in self.nouns if 0 <= n.start - found.end() <= 30), None)
+            if after is not None and after.subject is not None:
+                self._add("place", "in_lane", after.subject.name, *found.span())
+        self._signals()
+        return tuple(self._kept())
+
+    # -------------------------------------------------------------- things
+
+    def _nouns(self) -> list[Noun]:
+        nouns: list[Noun] = []
+        named = list(mentions(self.text))
+        for mention, after in zip(named, [*named, None][1:], strict=True):
+            if after is not None and self.text[mention.end : after.start] == " ":
+                continue
+            before = self.text[: mention.start]
+            oblique = phrases.OBLIQUE.search(before[-60:]) is not None
+            nouns.append(Noun(mention.start, mention.end, self._subject(mention), oblique))
+        for found in phrases.EGO.finditer(self.text):
+            is_possessive = found.group(0).endswith(("'s", "your"))
+            oblique = phrases.OBLIQUE.search(self.text[: found.start()][-20:]) is not None
+            if not any(n.start < found.end() and found.start() < n.end for n in nouns):
+                nouns.append(Noun(found.start(), found.end(), None, oblique or is_possessive))
+        return sorted(nouns, key=lambda noun: noun.start)
+
+    def _subject(self, mention: Mention) -> Subject | None:
+        before, after = self.text[: mention.start], self.text[mention.end :]
+        sentence = before[_last_end(phrases.SENTENCE, before) :]
+        name = mention.thing.name
+        if phrases.NOT_THERE.search(sentence) or phrases.NOT_ITSELF.match(after):
+            return None
+        if name == "traffic light" and re.match(r" (?:the |to )", after):
+            return None
+        if re.search(r"\bas an? $", before) and re.match(r"[.,;]|$", after):
+            return None
+        if name == "barrier" and after.startswith(" of "):
+            return None
+        lead = sentence[_last_end(phrases.BREAK, sentence) :]
+        count = _count(lead, mention)
+        determiner = phrases.DETERMINER.search(lead)
+        word = determiner.group(1).casefold() if determiner else ""
+        if name in phrases.PARTS and word in ("the", "its", "their"):
+            return None
+        same = [s for s in self.subjects if s.mention.thing is mention.thing]
+        is_new = word in ("a", "an", "another", "a second", "a third", "a further")
+        is_new = is_new or (count > 1 and word not in ("the", "these", "those", "its"))
+        if same and (not is_new or word == "one"):
+            return same[-1]
+        if name in phrases.GENERIC and word in ("the", "its", "this", "that"):
+            alike = [s for s in self.subjects if s.mention.thing.group == mention.thing.group]
+            if alike:
+                return alike[-1]
+            if count > 1:
+                return None
+        label = name if not same else f"{name} {len(same) + 1}"
+        subject = Subject(label, mention, count)
+        self.subjects.append(subject)
+        return subject
+
+    # -------------------------------------------------------------- predicates
+
+    def _predicate(self, pattern: Pattern, found: re.Match[str]) -> None:
+        start, end = found.span()
+        while start < end and self.text[start] == " ":
+            start += 1
+        is_verb = pattern.kind == "motion"
+        if is_verb and phrases.FORBIDDEN.search(self.text[:start][-40:]):
+            return
+        if pattern.value == "clear_of_lane" and phrases.LEFT.search(self.text[:start][-40:]):
+            return
+        subject = self._owner(start, end, is_verb=is_verb)
+        if subject is None:
+            return
+        thing = subject.mention.thing
+        if pattern.value == "reversing" and thing.group != "vehicle":
+            return
+        names_ego = phrases.EGO.search(found.group(0)) is not None
+        if pattern.value == "behind" and thing.group != "vehicle" and not names_ego:
+            return
+        if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
+            return
+        value = pattern.value or found.group(1)
+        self._add(pattern.kind, value, subject.name, start, end)
+
+    def _owner(self, start: int, end: int, *, is_verb: bool) -> Subject | None:
+        """Find the thing that a predicate is about; `None` for the ego or where it is unclear."""
+        at = bisect_right([clause.start for clause in self.clauses], start) - 1
+        clause = self.clauses[at]
+        before = [noun for noun in clause.nouns if noun.end <= start]
+        if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):
+            return before[-1].subject
+        heads = [noun for noun in before if not noun.is_oblique]
+        if heads:
+            head = self._meant(heads[0])
+            if head.subject is None and not is_verb and len(before) > 1:
+                rest = [noun for noun in before if noun.start > head.start]
+                return rest[-1].subject
+            return head.subject
+        if not is_verb:
+            after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
+            if after and not before:
+                return after[0].subject
+        if not before and clause.is_relative:
+            return self._last_before(clause)
+        earlier = self._subject_before(at)
+        if earlier is not None:
+            return earlier.subject
+        return before[0].subject if before and is_verb else None
+
+    def _meant(self, noun: Noun) -> Noun:
+        """Return what a pronoun stands for: the last thing that its sentence named."""
+        if self.text[noun.start : noun.end].casefold() not in ("it", "they"):
+            return noun
+        earlier = [one for one in self.nouns if one.end <= noun.start]
+        if not earlier or earlier[-1].subject is None:
+            return noun
+        between = self.text[earlier[-1].end : noun.start]
+        return noun if phrases.SENTENCE.search(between) else earlier[-1]
+
+    def _may_govern(self, noun: Noun) -> bool:
+        """Tell whether what follows a noun phrase at once may be said of it."""
+        is_possessive = self.text[noun.end - 2 : noun.end] == "'s"
+        is_possessive = is_possessive or self.text.startswith("'", noun.end)
+        return not is_possessive and (noun.subject is not None or not noun.is_oblique)
+
+    def _last_before(self, clause: Clause) -> Subject | None:
+        """Return what a relative clause is about: the noun phrase right before it."""
+        earlier = [noun for noun in self.nouns if noun.end <= clause.start]
+        if not earlier or clause.start - earlier[-1].end > _APPOSED:
+            return None
+        between = self.text[earlier[-1].end : clause.start]
+        return None if phrases.SENTENCE.search(between) else earlier[-1].subject
+
+    def _subject_before(self, at: int) -> Noun | None:
+        """Return the subject of the nearest earlier clause of the same sentence."""
+        for clause in reversed(self.clauses[:at]):
+            if clause.sentence != self.clauses[at].sentence:
+                return None
+            heads = [noun for noun in clause.nouns if not noun.is_oblique]
+            if heads:
+                return heads[0]
+        return None
+
+    def _leading(self, noun: Noun, subject: Subject) -> None:
+        """Claim what adjectives right before a noun say."""
+        lead = self.text[max(0, noun.start - 40) : noun.start]
+        words = re.search(r"(?:[\w-]+,?\s+){1,4}$", lead)
+        phrase = f"{words.group(0) if words else ''}{self.text[noun.start : noun.end]}"
+        shift = noun.end - len(phrase)
+        for pattern in phrases.LEADS:
+            for found in pattern.regex.finditer(phrase):
+                between = phrase[found.end() : len(phrase) - (noun.end - noun.start)]
+                if re.search(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", between):
+                    continue
+                start, end = found.start() + shift, found.end() + shift
+                self._add(pattern.kind, pattern.value, subject.name, start, end)
+
+    def _signals(self) -> None:
+        signals = [s for s in self.subjects if s.mention.thing.name == "traffic light"]
+        for pattern in phrases.SIGNALS if signals else ():
+            for found in pattern.regex.finditer(self.text):
+                self._add(pattern.kind, pattern.value, signals[0].name, *found.span())
+
+    # -------------------------------------------------------------- settings
+
+    def _settings(self) -> None:
+        for pattern in phrases.SETTINGS:
+            for found in pattern.regex.finditer(self.text):
+                before = self.text[: found.start()]
+                if pattern.kind != "traffic" and phrases.DENIED.search(before[-40:]):
+                    continue
+                value = pattern.value
+                if not value:
+                    word = found.group(1).casefold()
+                    value = str(phrases.NUMBER_WORDS.get(word) or word)
+                self._add(pattern.kind, value, "", *found.span())
+                if pattern.kind == "own_lanes" and re.search("each|either|per", found.group(0)):
+                    self._add("road", "two_way", "", *found.span())
+
+    # -------------------------------------------------------------- what is kept
+
+    def _add(self, kind: Kind, value: str, subject: str, start: int, end: int) -> None:
+        key = (kind, value, subject)
+        if key not in self.found:
+            quote = self.text[start:end]
+            self.found[key] = Claim(kind=kind, value=value, subject=subject, quote=quote[:200])
+
+    def _kept(self) -> Iterator[Claim]:
+        told = {(claim.subject, claim.value) for claim in self.found.values()}
+        moving = {subject for subject, value in told if value in _CROSSES}
+        for claim in self.found.values():
+            stronger = _STRONGER.get(claim.value, ())
+            if any((claim.subject, value) in told for value in stronger):
+                continue
+            if claim.value == "clear_of_lane" and claim.subject in moving:
+                continue
+            if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
+                continue
+            yield claim
+
+
+def _clauses(text: str) -> list[Clause]:
+    clauses, start, sentence = [], 0, 0
+    for found in [*phrases.BREAK.finditer(text), None]:
+        end = len(text) if found is None else found.end()
+        if end > start:
+            relative = phrases.RELATIVE.match(text[start:]) is not None
+            clauses.append(Clause(start, end, sentence, relative))
+        if found is not None and phrases.SENTENCE.match(found.group(0)):
+            sentence += 1
+        start = end
+    return clauses
+
+
+def _count(lead: str, mention: Mention) -> int:
+    found = phrases.QUANTITY.search(lead)
+    if found is None:
+        return _FEW if mention.is_plural else 1
+    number, pair, several = found.groups()
+    if not mention.is_plural and mention.word not in _UNINFLECTED:
+        return 1
+    if number:
+        return phrases.NUMBER_WORDS.get(number.casefold()) or max(int(number), 1)
+    if pair:
+        return _FEW
+    large = re.search(r"crowd|large|dozens|many|herd|swarm", several, re.IGNORECASE)
+    return _MANY if large else _FEW
+
+
+def _last_end(pattern: re.Pattern[str], text: str) -> int:
+    return max((found.end() for found in pattern.finditer(text)), default=0)

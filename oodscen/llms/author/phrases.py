@@ -1,0 +1,234 @@
+"""How English says what claims say: patterns for settings, predicates and their contexts."""
+
+import re
+from typing import NamedTuple
+
+from oodscen.claims.claim import Kind
+
+
+class Pattern(NamedTuple):
+    """Words that make a claim."""
+
+    kind: Kind
+    value: str
+    """Empty where a group of the pattern gives the number."""
+    regex: re.Pattern[str]
+
+
+def _patterns(rows: str) -> tuple[Pattern, ...]:
+    """Read a table: kind, value and pattern, a line each; `{lane}` and `{ego}` are filled in."""
+    found = []
+    for line in filter(None, map(str.strip, rows.splitlines())):
+        kind, value, regex = line.split(maxsplit=2)
+        filled = regex.replace("{lane}", _LANE).replace("{ego}", _EGO).replace("{n}", _NUMBER)
+        pattern = re.compile(rf"(?<![\w-])(?:{filled})(?![\w-])", re.IGNORECASE)
+        found.append(Pattern(kind, "" if value == "-" else value, pattern))  # type: ignore[arg-type]
+    return tuple(found)
+
+
+_EGO = r"(?:(?:the|an|your|its) )?(?:(?:user-controlled )?ego(?:[- ](?:vehicle|car|motorcycle|driver))?|hero vehicle|autonomous vehicle|automated vehicle|self-driving car|own vehicle)"
+_LANE = (
+    rf"(?:{_EGO}['’]s(?: own| entry| driving| original| current| very| planned)? (?:lane|path|way|side)"
+    rf"|(?:the |its )?(?:lane|path|way) of {_EGO}|the lane (?:in which|that|used by|where) {_EGO}"
+    r"|the same lane|your lane|(?<=vehicle in )its(?: entry| own)? lane|(?<=vehicle inside )its lane)"
+)
+_NUMBER = r"(two|three|four|five|six|eight|one|a single|single|[1-8])"
+
+NUMBER_WORDS = {
+    "a single": 1,
+    "single": 1,
+    "one": 1,
+    "two": 2,
+    "both": 2,
+    "three": 3,
+    "four": 4,
+    "five": 5,
+    "six": 6,
+    "seven": 7,
+    "eight": 8,
+    "nine": 9,
+    "ten": 10,
+    "dozen": 12,
+}
+
+EGO = re.compile(
+    rf"(?<![\w-]){_EGO}(?:['’]s)?(?![\w-])|\b(?:it|you|your|they|somebody|someone|nobody)\b",
+    re.IGNORECASE,
+)
+"""The ego, and pronouns that may stand for it or for anybody."""
+
+SETTINGS = _patterns(
+    r"""
+    weather clear       (?:clear|fine|sunny|bright|good)(?:,? (?:and )?(?:clear|sunny|dry|bright|warm))* (?:weather|day|sky|skies|conditions|night|sunset|sunrise|morning|afternoon|evening)(?: conditions)?
+    weather clear       weather is (?:fine|clear|good)|sunny|cloudless|(?:bright|brilliant) sunshine|dry,? clear conditions|clear,? dry day
+    weather cloudy      overcast|cloudy|(?:heavy|low|thick|dense) clouds?|(?:grey|gray|leaden) (?:sky|day)|dull (?:day|daylight|weather|light|morning)
+    weather heavy_rain  torrential(?: rain)?|(?:heavy|hard|pouring|driving|lashing|intense) rain(?:fall|y)?|(?:hard|heavily) rain(?:y|ing)|rain(?:ing|s)? heavily|downpour|cloudburst|rainstorm|pouring
+    weather light_rain  (?:light|gentle|soft|slight) rain|drizzl(?:e|es|ing|y)|rain(?:ing|s)? lightly
+    weather rain        rain(?:s|ing|y|fall)?|(?:light|steady|freezing|gentle|mid-)rainy?
+    weather heavy_snow  heavy snow(?:fall)?|(?:unusually |very )?heavy snowfall|blizzard|snowstorm|snow(?:s|ing) heavily|whiteout
+    weather light_snow  light snow(?:fall)?|snow(?:s|ing) (?:gently|lightly)|snow-dusted
+    weather snow        snowfall|snowing|falling snow|snowy (?:day|night|morning|evening|weather)|snow (?:is|starts|begins) (?:falling|to fall)|snow falls|snow has set in
+    weather thick_fog   (?:thick|dense|heavy|impenetrable|deep)(?: [\w-]+){0,2} fog|fog (?:is )?so (?:thick|dense)|wall of fog|bank of fog|fog bank
+    weather fog         fog|foggy
+    weather mist        mist|misty|haze|hazy
+    weather wet_road    wet (?:road|asphalt|street|surface|tarmac|pavement|roads)|rain-slick|rain-soaked road
+    weather slippery_road icy|black ice|(?:sheet|film|layer|glaze) of ice|ice-covered|frozen road|freezing rain|slippery (?:road|surface|conditions|roads)|(?:covered|buried|buries the road) (?:in|under|by|with) (?:\w+ )?(?:ice|snow)|snow-covered|packed snow
+    time day            daylight|daytime|sunny|noon|midday|afternoon|by day|on an? [\w-]+(?:, [\w-]+)? day|it is an? [\w-]+(?:, [\w-]+)? day
+    time night          night(?!['’])|night-time|nighttime|midnight|after dark|after nightfall|darkness|in the dark|dark of night
+    time twilight       dusk|dawn|daybreak|twilight|sunset|sunrise|sun has (?:just )?set|fading light|half-light|first light|day is (?:just )?breaking|barely light|nightfall|gloaming
+    time low_sun        low (?:\w+ )?sun|sun (?:is |stands |hangs )?low|setting sun|rising sun|late-afternoon sun|in the evening sun|in the morning sun
+    road residential    residential|neighbou?rhood|suburban|housing estate|suburb
+    road urban          city(?! bus)|urban(?! (?:highway|motorway|expressway|freeway))|downtown|town centre|inner-city|avenue|boulevard
+    road highway        highway(?! (?:speed|patrol|code|maintenance|authority))|motorway|freeway|expressway|autobahn
+    road rural          rural|country(?:side| road| lane)|(?:curving|winding|hilly) country road|farmland
+    road tunnel         tunnel
+    road bridge         (?<!under a )(?<!under the )(?<!beneath a )(?:bridge|viaduct|bridge deck)
+    road roundabout     roundabout|traffic circle
+    road hill           hill|hilly|hilltop|uphill|downhill|crest|brow
+    road t_junction     t-junction|t-intersection|t junction|three-way (?:junction|intersection)|side (?:street|road)
+    road junction       junction|intersection|crossroads|t-junction|t-intersection
+    road signalised     signali[sz]ed|(?:junction|intersection|crossing|crossroads) with traffic (?:lights|signals)
+    road curve          curve|curves|curved|curving|winding|hairpin|twisty|(?:gentle|sharp|blind|tight|long|a|the) bends?(?! (?:down|over|to))
+    road one_way        one-way
+    road two_way        (?:in|from) (?:each|either|both) directions?|each way|two-way
+    road divided        divided|dual carriageway|central reservation
+    road shoulder       hard shoulder|(?:with|on|along|onto|from) (?:an? |the |its )?(?:\w+ )?shoulder(?! to)
+    road level_crossing level crossing|railway crossing|railroad crossing
+    road coastal        coastal|coast road|seafront
+    road mountain       mountain(?! of)|mountainous
+    own_lanes -         {n} lanes? (?:in each direction|each way|in either direction|per direction|in (?:its|the ego['’]s|your|the same|this) direction)
+    lanes -             {n}-lane(?! (?:\w+ )?roundabout)
+    lanes -             (?:road|street|highway|motorway|avenue|way)(?: \w+)? (?:with|of) {n} lanes(?! (?:in|each|per))
+    traffic none        no other (?:vehicle|vehicles|traffic|car|cars|road user|road users)(?: is| are)?(?: nearby| in sight| around| visible)?|otherwise empty|empty (?:road|street)|deserted|nobody else
+    traffic dense       (?:heavy|dense|crowded|busy|high) traffic|rush[- ]hour|traffic jam|evening peak|morning peak|congested|high-traffic|busy (?:city |urban )?(?:street|road|avenue)
+    ego left_lane       {ego} (?:is )?(?:travell?ing|driving|moving|drives|travels|moves|keeps|cruises|stays)(?: \w+){0,3} in the (?:left|leftmost|left-hand|fast|overtaking) lane
+    ego right_lane      {ego} (?:is )?(?:travell?ing|driving|moving|drives|travels|moves|keeps|cruises|stays)(?: \w+){0,3} in the (?:right|rightmost|right-hand|slow|nearside) lane
+    ego middle_lane     {ego} (?:is )?(?:travell?ing|driving|moving|drives|travels|moves|keeps|cruises|stays)(?: \w+){0,3} in the (?:middle|centre|center) lane
+    ego turns_left      {ego} (?:is )?(?:turning|turns|makes|making|performing|performs|attempts|attempting|takes|taking|starts)(?: an?)?(?: [\w-]+)? left(?: turn)?
+    ego turns_right     {ego} (?:is )?(?:turning|turns|makes|making|performing|performs|attempts|attempting|takes|taking|starts)(?: an?)?(?: [\w-]+)? right(?: turn)?
+    """
+)
+"""What is said of weather, light, road, traffic and the ego's lane."""
+
+PREDICATES = _patterns(
+    r"""
+    place in_lane       (?:in|inside|into|onto|on|across|along|over|within|occupy(?:ing)?|enter(?:s|ing)?)(?: the)?(?: very)?(?: middle| centre| center| right edge)?(?: of)? {lane}
+    place in_lane       (?:block(?:s|ing)?|fill(?:s|ing)?|occup(?:ies|ying)|obstruct(?:s|ing)?|take up|takes up|closes|closing|cover(?:s|ing)|cross(?:es|ing)?|straddl(?:es|ing)|share(?:s)?)(?: up)?(?: (?:half|part|most|the middle|the whole|all|the centre|both) of)? {lane}
+    place in_lane       right in {ego}['’]s path|in line with {ego}
+    place clear_of_lane (?:just )?clear of (?:{lane}|the (?:lane|road|carriageway))|(?<!half )beside (?:the (?:road|carriageway|lane)|{lane})|short of {lane}
+    place clear_of_lane (?<!half )on the (?:hard |gravel |grass |right |left |right-hand |left-hand |nearside |far )*(?:shoulder|verge|pavement|sidewalk|kerb|curb|roadside)|at the (?:roadside|kerb|curb)
+    place left          (?:on|at) (?:the|{ego}['’]s) left(?:-hand (?:side|kerb|verge|edge))?(?! lane)|left of {ego}|on the left front
+    place right         (?:on|at) (?:the|{ego}['’]s) right(?:-hand (?:side|kerb|verge|edge))?(?! lane)|right of {ego}|on the right front
+    place left_lane     in the (?:next |adjacent |neighbou?ring )?lane (?:to|on) (?:its|the|{ego}['’]s) left|in the next lane on the left|(?:in|from) the lane (?:to|on) the left|(?:in|from) the (?:left neighbou?ring|adjacent left|neighbou?ring left|left-hand) lane
+    place right_lane    in the (?:next |adjacent |neighbou?ring )?lane (?:to|on) (?:its|the|{ego}['’]s) right|in the next lane on the right|(?:in|from) the lane (?:to|on) the right|(?:in|from) the (?:right neighbou?ring|adjacent right|neighbou?ring right|right-hand) lane
+    place oncoming_lane in the (?:oncoming|opposite) lane
+    place behind        (?:(?:close|right|just|directly|immediately|closely|short distance) )?behind {ego}|(?:close|right|just|closely|directly) behind it|(?:close|right|closely) behind|following (?:closely|close)|follows (?:closely|close)|tailgat(?:es|ing)|up from behind
+    place ahead         ahead(?! of (?!{ego}|it))|in front(?! of)|in front of {ego}|before {ego}
+    distance -          (\d{1,3}) ?(?:m|metres|meters)(?: \w+)? (?:ahead|in front|away|from|down|up|before|further)
+    motion stationary   stands?|(?<!was )(?<!were )standing|lie(?:s)?|lying|lay(?:s)?|sit(?:s|ting)?|parked|stationary|motionless|immobile|has stopped|have stopped|is stopped|halted|has broken down|stalled|stranded|abandoned|dumped|left standing|come to (?:a |an )?(?:\w+ )?(?:rest|standstill|stop|halt)|came to rest|comes to rest|at a standstill|stuck|positioned|has died|will not start
+    motion moving       driv(?:es|ing)|mov(?:es|ing)|travel(?:s|ling|ing)|rid(?:es|ing)|runs?|running(?! lane)|walk(?:s|ing)?|wander(?:s|ing)?|roam(?:s|ing)?|roll(?:s|ing)|creep(?:s|ing)?|crawl(?:s|ing)?|trot(?:s|ting)?|gallop(?:s|ing)?|jog(?:s|ging)?|sprint(?:s|ing)?|dash(?:es|ing)|dart(?:s|ing)|leap(?:s|ing)?|bound(?:s|ing)|jump(?:s|ing)?|swerv(?:es|ing)|weav(?:es|ing)|overtak(?:es|ing(?! lane))|merg(?:es|ing)|drift(?:s|ing)|stray(?:s|ing)?|pedals?|pedalling|limps|approach(?:es|ing)|revers(?:es|ing)|pull(?:s|ing) out|cut(?:s|ting) in|cut(?:s|ting) off|step(?:s|ping) (?:out|onto|into|off)|emerg(?:es|ing) from
+    motion slow         (?:driv|mov|travel|roll)(?:es|s|ing|ling)? (?:very )?(?:slowly|along slowly)|slow(?:ly)?[- ]moving|slowly moving|creep(?:s|ing)?(?: along)?|crawl(?:s|ing)?|at (?:a |less than )?walking pace|slowed to a crawl|plods?(?: along)?
+    motion oncoming     oncoming|towards? {ego}|towards it|(?:pedals|drives|comes|coming|rides|runs|running|charges|heads|heading|races|racing|hurtles|speeds|trots|gallops|straight|directly|right) at {ego}|head-on|against (?:the )?(?:flow of )?(?:traffic|its direction|the direction of travel)|(?:the|in the) wrong (?:way(?! (?:round(?! the)|up))|direction)|(?:driv|rid|travel|com|pedal|mov)\w+ (?:[\w'-]+ ){0,4}on the wrong side|com(?:es|ing) the other way|com(?:es|ing) from the opposite direction|approaching in the (?:oncoming|opposite) lane
+    motion crossing     sets? (?:off|out) across|cross(?:es|ing)(?! the (?:marking|line|centre|center|verge|median))|(?:run|runs|running|walk|walks|walking|dash|dashes|dart|darts|drive|drives|shoot|shoots|leap|leaps|bolt|bolts|roll|rolls|step|steps|wander|wanders|ride|rides|stroll|strolls|hurry|hurries) (?:out )?(?:straight |right |suddenly |blindly )?across
+    motion crossing     (?:runs|running|darts|darting|dashes|dashing|leaps|leaping|bolts|bolting|sprints|jumps|bounds|steps|stepping|shoots) (?:straight |suddenly |blindly |right )?(?:out|into|onto|on to|in front|off)
+    motion from_left    (?:out )?(?:from|of) (?:the|its|{ego}['’]s) left(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the left-hand (?:side|verge)
+    motion from_right   (?:out )?(?:from|of) (?:the|its|{ego}['’]s) right(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the right-hand (?:side|verge)
+    motion into_lane    (?:cut|swerv|chang|mov|merg|drift|stray|pull|steer|nos|push|stepp?|runn?|walk|roll|jump|leap|dart|shoot|com|veer|slid|lurch)(?:s|es|ing)?(?: (?!back)[\w-]+){0,4} into {lane}|cut(?:s|ting) in (?:right |directly |sharply )?(?:ahead of|in front of) {ego}
+    motion reversing    revers(?:es|ing)|(?<!look )(?<!looks )(?<!looking )(?<!facing )backwards|back(?:s|ing) (?:out|up)|tail first|in reverse
+    motion braking      (?<!the )(?<!its )brak(?:es|ing)|slams on (?:its|the) brakes|decelerat(?:es|ing)|slows down|(?:suddenly|abruptly) (?:stops|slows)|stops (?:suddenly|abruptly|dead)|comes to a (?:sudden |dead |complete )?(?:halt|stop)
+    state off           unlit|without (?:any )?lights|with no lights|(?:all )?its lights off|lights switched off|has no lights|no tail lamps|put out every lamp|without (?:head|tail)(?:lights|lamps)
+    state hazard        hazard (?:lights|lamps|warning lights|flashers)(?: (?:on|flashing|blinking))?|four-way flashers
+    state beacon        (?:its |with )?(?:siren|blue lights|beacon)s?(?: (?:on|flashing|flickering|flicker|flashes))?
+    """
+)
+"""What is said of things, after the thing or right before it."""
+
+SIGNALS = _patterns(
+    r"""
+    state off           (?:gone|went|go|are|is|stay|every \w+ \w+) dark|(?:has|have) failed|fail|failing|out of (?:order|action|service)|without power|non-functional|not working|dead
+    state all_on        all (?:three |its |their )?colours|red, amber and green|red and green|red and green glow together
+    state flashing      flash(?:es|ing) amber|amber (?:is )?flashing|blink(?:s|ing) amber
+    """
+)
+"""What is said of signals and of nothing else."""
+
+LEADS = _patterns(
+    r"""
+    motion stationary   stationary|parked|double-parked|stopped|halted|motionless|standing|abandoned|stranded|broken-down|stalled|crashed|wrecked|overturned|fallen|downed|uprooted
+    motion slow         slow|slower|slow-moving|slowly moving|crawling|creeping
+    motion moving       speeding|moving|slowly moving|slow-moving|running|galloping|rolling|reversing
+    motion oncoming     oncoming|approaching|wrong-way
+    motion reversing    reversing
+    state off           unlit|unlighted
+    """
+)
+"""Adjectives right before a noun."""
+
+FORBIDDEN = re.compile(
+    r"(?:(?<!starts )(?<!begins )(?<!began )(?<!starting )(?<!beginning )\bto|will|would|could|may|might|can|cannot|must|should|went|not|never|nearly|almost|without|instead of|before|no longer|how to|"
+    r"although no|no|do not|does not|which would)\s(?:\w+ )?$",
+    re.IGNORECASE,
+)
+"""What, before a verb, says that it does not happen, or not yet."""
+
+NOT_THERE = re.compile(
+    r"(?:\b(?:no|without|neither|nor|than|like|resembl\w+|instead of|rather than|mistaken for|seems? to be|appears? to be|loose from|not|any|every|all|other|each|fellow|lack of|absence of|size of|shape of|sound of|smell of|as (?:big|tall|large|high|long|wide|heavy|small|little) as|"
+    r"(?:reserved|meant|space|room|place|made|designed|built|enough|sign|parking) for|ignor\w+|aimed at)\s+(?:(?:an?|the|any|other)\s+)?(?:[\w-]+\s+){0,2}"
+    r"|\b(?:lost|fell|fallen|falls|falling|come loose|dropped|shed|slid|slipped|torn|spilled|spilt|blown|thrown|left behind|came|rolled|bounced)\b[^.;,]{0,25}\b(?:from|off|by)\s+(?:(?:an?|the|some|passing)\s+)?(?:[\w'-]+\s+){0,2}"
+    r"|\bto (?!an?\s|the\s|its\s|one\s|their\s)\w+ (?:an? |the )?(?:[\w-]+ )?|\bha[sd] left an? (?:[\w-]+ ){0,2}"
+    r"|\bso that |\b(?:said|says|sign|board|warning|warns|warn) (?:of|about) (?:[\w-]+\s+){0,2})$",
+    re.IGNORECASE,
+)
+"""What, before a noun, says that the thing itself is not there."""
+
+NOT_ITSELF = re.compile(
+    r"^(?:['’]s? (?:tyres?|size|driver)| (?:is|are|was|were) (?:not|never|nowhere|rarely)\b| of (?:farm|fire|parked|tractors|people|vehicles|light|sound)\b|[ -](?:park|stop|lane|driver|drivers|wash|length|lengths|horn|tracks?|tyres?|load|cargo|parts?|part|sized|like|shaped|owner|show|dealer|race|alarm|company|number|traffic|count|behavio\w+|dynamics|collision|fence|market|crossing|crossings|lines?|flow)\b)",
+    re.IGNORECASE,
+)
+"""What, after a noun, says that it only modifies another."""
+
+DENIED = re.compile(r"\b(?:no|without|not|between|nor|than|leaves? the) (?:\w+ )?$", re.IGNORECASE)
+"""What, before words about weather or road, says that it is not so."""
+
+QUANTITY = re.compile(
+    r"\b(?:(two|both|three|four|five|six|seven|eight|nine|ten|\d{1,3})|(a (?:pair|couple) of)|((?:a |an )?(?:\w+ )?(?:row|line|group|crowd|herd|flock|cluster|string|number|pack|swarm|handful) of|several|a few|some|many|multiple|dozens of|various))\s+(?:[\w'’-]+,?\s+){0,3}$",
+    re.IGNORECASE,
+)
+
+DETERMINER = re.compile(
+    r"\b(another|a second|a third|a further|an?|the|its|his|her|their|this|that|these|those|one)\s+(?:[\w'’-]+,?\s+){0,3}$",
+    re.IGNORECASE,
+)
+
+OBLIQUE = re.compile(
+    r"\b(?:from|behind|between|beneath|under|near|beside|past|round|around|of|over|in front of|on|at|towards?|against|through|into|onto|off|among|amid|next to|to|in|up to|before|for|by|out of|along|across|than|as)"
+    r"\s+(?:(?:an?|the|its|his|their|one|two|three|some|several|both|parked)\s+)?(?:(?!(?:an?|the|its|his|their|this|that|two|three|another)\s)[\w'’-]+\s+){0,2}$",
+    re.IGNORECASE,
+)
+"""A preposition before a noun phrase, which therefore is no subject."""
+
+BREAK = re.compile(
+    r"[.;:!?]+(?=\s|$)|,\s|\s[-–—]\s|\s(?=(?:and|but|while|whilst|when|as|whose|which|that|who|where|with|although|though|so|until|because|before|after|since|if|yet)\s)"
+)
+RELATIVE = re.compile(r"^(?:which|that|who|whose)\s", re.IGNORECASE)
+SENTENCE = re.compile(r"[.;!?]+(?=\s|$)")
+
+BLOCKED_BY = re.compile(
+    rf"(?:{_LANE}) (?:is|has been|ends|lies) (?:[\w-]+ ){{0,2}}?(?:blocked|taken|taken up|closed|occupied|obstructed|filled|cut off|covered)(?: [\w-]+){{0,6}}? (?:by|with) ",
+    re.IGNORECASE,
+)
+"""The ego's lane is blocked by what follows."""
+
+PARTS = frozenset({"tyre", "bumper", "car door"})
+"""Things that a definite article makes a part of some vehicle."""
+
+INERT = frozenset({"barrier", "traffic cone", "traffic light", "tree", "power pole"})
+"""Things of which no motion is claimed but falling, rolling and the like."""
+
+LEFT = re.compile(
+    r"\b(?:leav(?:es|ing)|left|from|off|out of|was|were|had)\s(?:[\w'-]+\s){0,4}$", re.IGNORECASE
+)
+"""What, before a place, says that something is no longer there."""
+
+GENERIC = frozenset({"vehicle", "object", "person", "animal", "heavy vehicle", "heavy equipment"})
+"""Names that may stand for something named before."""
