@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from oodscen._version import __version__
-from oodscen.cli import components, measuring, pruning, stages, study, tree
+from oodscen.cli import components, judging, measuring, pruning, stages, study, tree
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -51,6 +51,7 @@ for _command in (
     stages.simulate,
     study.evaluate,
     measuring.score,
+    judging.power,
     study.report,
     tree.tree,
     components.plugins,

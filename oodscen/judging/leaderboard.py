@@ -324,12 +324,14 @@ def _standing(
         for values in (sheet.called, sheet.open, sheet.closed, sheet.safe)
     ]
     found = _resampled(resampler, columns)
-    rates = [_rate(*pair, sheet, resampler) for pair in zip(columns, found.T, strict=True)]
+    rates = [
+        _rate(*pair, sheet, resampler) for pair in zip(columns[:-1], found.T[:-1], strict=True)
+    ]
     rates += [_rate(column, None, sheet, resampler) for column in wanted]
     sensitivity, specificity, named, chosen, safe, success, decidable, twin_safe, needless = rates[
         :9
     ]
-    by_group = [rates[10 + start : 14 + start] for start in range(0, 4 * len(groups), 4)]
+    by_group = [rates[9 + start : 13 + start] for start in range(0, 4 * len(groups), 4)]
     chance = items.chance_over(items.is_decidable & np.isfinite(sheet.safe))
     reach = items.is_decidable & np.isfinite(sheet.safe)
     corrected = (

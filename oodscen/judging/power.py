@@ -101,9 +101,10 @@ def scenes_needed(
     z_power = _NORMAL.inv_cdf(power)
     gap = abs(first - second)
     under_null, under_truth = _spreads(first, second, paired, discordant)
-    independent = math.ceil(((z_alpha * under_null + z_power * under_truth) / gap) ** 2 - 1e-9)
+    exact = ((z_alpha * under_null + z_power * under_truth) / gap) ** 2
+    independent = math.ceil(exact - 1e-9)
     effect = 1 + (per_path - 1) * icc
-    paths = math.ceil(independent * effect / per_path - 1e-9)
+    paths = math.ceil(exact * effect / per_path - 1e-9)
     return SampleSize(
         first=first,
         second=second,
