@@ -76,8 +76,9 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     inner = {one.path[:-1] for one in everything}
     leaves = [one for one in everything if one.path not in inner and len(one.path) > 2]
     dropped = [one for one in leaves if not one.keep and one.status == "ok"]
+    first: dict[tuple[str, str], Addition] = {}
     needs = {
-        one.id: one.lacks
+        one.id: tuple(dict.fromkeys(first.setdefault(_key(lack), lack) for lack in one.lacks))
         for one in dropped
         if one.lacks and all(addition.kind != "other" for addition in one.lacks)
     }
@@ -91,6 +92,11 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
         beyond=tuple(one.id for one in dropped if one.id not in needs),
         unknown=tuple(one.id for one in leaves if one.status == "failed"),
     )
+
+
+def _key(addition: Addition) -> tuple[str, str]:
+    """Return what makes two additions one, whatever category a model gave them."""
+    return addition.kind, addition.name.casefold()
 
 
 Needs = dict[str, tuple[Addition, ...]]
