@@ -139,7 +139,7 @@ def _branch(node: Node, remark: Remark, paths: int, *, is_open: bool) -> str:
     count = f'<span class="aside">{paths:,} path{"" if paths == 1 else "s"}</span>'
     return (
         f"<li><details{' open' if is_open else ''}><summary>{_mark(remark)}{_label(node, remark)}"
-        f"{_origin(remark)} {count}</summary>\n<ul>"
+        f" {count}{_origin(remark)}</summary>\n<ul>"
     )
 
 
@@ -150,9 +150,9 @@ def _item(node: Node, remark: Remark, depth: int, paths: int) -> str:
     parts.append(_label(node, remark))
     if node.attested and not paths:
         parts.append(' <span class="badge paper">paper</span>')
-    parts.append(_origin(remark))
     if paths:
         parts.append(f' <span class="aside">{paths:,} path{"" if paths == 1 else "s"}</span>')
+    parts.append(_origin(remark))
     for heading, text in remark.lines:
         bold = f"<b>{escape(heading)}</b> " if heading else ""
         parts.append(f"\n<small>{bold}<bdi>{escape(text)}</bdi></small>")
@@ -176,9 +176,9 @@ def _mark(remark: Remark) -> str:
 
 
 def _origin(remark: Remark) -> str:
-    return (
-        f' <span class="origin"><bdi>{escape(remark.origin)}</bdi></span>' if remark.origin else ""
-    )
+    if not remark.origin:
+        return ""
+    return f'<span class="origin"> · <bdi>{escape(remark.origin)}</bdi></span>'
 
 
 def _paths_below(tree: ScenarioTree) -> dict[str, int]:

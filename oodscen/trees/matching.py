@@ -14,7 +14,7 @@ from oodscen.errors import UsageError
 from oodscen.protocols import Encoder
 from oodscen.tree import ScenarioTree
 
-THRESHOLD = 0.7
+THRESHOLD = 0.65
 """Cosine from which two labels are taken to mean the same, for MiniLM."""
 
 _BLOCK = 1024
