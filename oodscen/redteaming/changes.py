@@ -51,7 +51,8 @@ def edits_of(
         old = tree.by_id[parent].label
         edits.append(TreeEdit(op="broaden", node=parent, label=_one_line(placed.category), **why))
         add(parent, old)
-        return tuple(edits), add(parent, label)
+        leaf = add(parent, label)
+        return tuple(edits), leaf
     if placed.category:
         parent = add(parent, _one_line(placed.category))
     leaf = add(parent, label)

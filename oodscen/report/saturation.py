@@ -6,14 +6,14 @@ from oodscen.redteaming.saturation import Saturation
 from oodscen.report.charts import _n, _scale, _svg
 
 _WIDTH = 480
-_LEFT, _RIGHT, _TOP, _BOTTOM = 34, _WIDTH - 46, 14, 160
+_LEFT, _RIGHT, _TOP, _BOTTOM = 34, _WIDTH - 58, 14, 160
 
 
 def saturation_chart(found: Saturation) -> Markup:
     """Draw new kinds and Good-Turing coverage over the rounds.
 
-    The line counts the new kinds; the bar at its end spans the interval of the estimated total, drawn
-    up to the upper edge where it is larger. The dotted line is the coverage, on the axis at the right.
+    The line counts the new kinds; dot and bar at its end are the estimated total and its interval, as
+    far as they lie inside the chart. The dotted line is the coverage, on the axis at the right.
 
     Args:
         found: The estimates; without rounds the chart is empty.
@@ -25,7 +25,7 @@ def saturation_chart(found: Saturation) -> Markup:
         return Markup("")
     last = max(found.curve[-1].round, 1)
     total = found.kinds + found.unseen
-    _, high, step = _scale(0, max(round(1.25 * max(min(total, 3.0 * found.kinds), 1.0)), 4), 4)
+    _, high, step = _scale(0, max(round(min(1.1 * total, 1.6 * found.kinds)), 4), 4)
 
     def x(value: float) -> float:
         return _LEFT + (_RIGHT - _LEFT) * value / last
@@ -54,15 +54,18 @@ def saturation_chart(found: Saturation) -> Markup:
         kinds += f"H{_n(x(point.round))}V{_n(y(point.kinds))}"
     parts.append(Markup('<path class="reference" fill="none" d="{}"/>').format(coverage))
     parts.append(Markup('<path class="line" d="{}"/>').format(kinds))
-    if found.unseen_high > 0.0:
+    if 0.0 < found.unseen_high and found.kinds + found.unseen_low < high:
         parts.append(
-            Markup(
-                '<line class="range" x1="{0}" x2="{0}" y1="{1}" y2="{2}"/><circle class="dot" cx="{0}" cy="{3}" r="3.5"/>'
-            ).format(
+            Markup('<line class="range" x1="{0}" x2="{0}" y1="{1}" y2="{2}"/>').format(
                 _n(_RIGHT + 5),
                 _n(y(found.kinds + found.unseen_low)),
                 _n(y(found.kinds + found.unseen_high)),
-                _n(y(total)),
+            )
+        )
+    if 0.0 < found.unseen and total <= high:
+        parts.append(
+            Markup('<circle class="dot" cx="{}" cy="{}" r="3.5"/>').format(
+                _n(_RIGHT + 5), _n(y(total))
             )
         )
     if found.dry_from is not None:
