@@ -23,7 +23,7 @@ NEAREST = 0.93
 
 
 class Describer:
-    """Asks the tree-LLM for texts along each path; near duplicates are drawn again.
+    """Asks the tree-LLM for texts along each path; near duplicates and off-topic texts are redrawn.
 
     Args:
         llm: The tree-LLM.
@@ -31,11 +31,12 @@ class Describer:
         per_path: Texts per path.
         style: `natural`, `paper`, `terse`, `verbose` or `first-person`.
         nearest: Largest cosine between two texts of one path.
-        redraws: How often near duplicates are replaced before they are accepted.
+        redraws: How often near duplicates and off-topic texts are replaced before they are accepted.
         candidates: Texts that are written for each that is kept; of more than one, those are kept
             that differ most from one another.
         band: Lowest and highest OOD-ness of the texts among which is chosen.
-        metrics: Measures OOD-ness and chooses; needed for `candidates` above 1 and for a `band`.
+        metrics: Measures OOD-ness, chooses, and flags what is off-topic; needed for `candidates` above
+            1 and for a `band`.
         twins: Whether every text gets its ordinary twin; one whose answer is never valid has none.
         batch: Largest number of texts asked for in one call.
         sample: Keeps independent sets of texts apart.
@@ -53,7 +54,7 @@ class Describer:
         per_path: int = PER_PATH,
         style: Style = "natural",
         nearest: float = NEAREST,
-        redraws: int = 2,
+        redraws: int = 3,
         candidates: int = 1,
         band: tuple[float, float] | None = None,
         metrics: "Metrics | None" = None,
@@ -110,11 +111,11 @@ class Describer:
         """
         texts = self._draw(path, count * self.candidates, avoid=())
         for _ in range(self.redraws):
-            near = self._near_duplicates(texts)
-            if not near:
+            unfit = self._near_duplicates(texts) | self._off_topic(texts)
+            if not unfit:
                 break
-            kept = [text for index, text in enumerate(texts) if index not in near]
-            fresh = self._draw(path, len(near), avoid=tuple(texts))
+            kept = [text for index, text in enumerate(texts) if index not in unfit]
+            fresh = self._draw(path, len(unfit), avoid=tuple(texts))
             texts = kept + fresh
         if self.metrics is not None and (self.candidates > 1 or self.band is not None):
             low, high = self.band or (-np.inf, np.inf)
@@ -182,6 +183,14 @@ class Describer:
                 kept = refused if plain(text) in (taken or ()) else texts
                 kept.append(" ".join(text.split()))
         return texts
+
+    def _off_topic(self, texts: list[str]) -> set[int]:
+        """Return the positions of texts that are not about driving, where that can be told."""
+        from oodscen.metrics.guard import is_calibrated
+
+        if self.metrics is None or not is_calibrated(self.metrics.encoder.name):
+            return set()
+        return set(self.metrics.off_topic(texts).flagged)
 
     def _near_duplicates(self, texts: list[str]) -> set[int]:
         """Return the positions of texts that are too near an earlier one."""

@@ -23,8 +23,9 @@ Option = TypeVar("Option")
 
 _IDLE_TRIES = 400
 """Drafts in a row that repeat earlier texts, after which a hazard counts as exhausted."""
+_MOSTLY_EGO: tuple[Name, ...] = ("ego",) * 6
 _NAMES: dict[Style, tuple[Name, ...]] = {
-    "natural": ("ego", "ego", "ego", "ego", "the ego vehicle", "the ego vehicle", "the ego car"),
+    "natural": (*_MOSTLY_EGO, "the ego vehicle", "the ego vehicle", "the ego car"),
     "paper": ("ego", "the ego vehicle"),
     "terse": ("ego",),
     "verbose": ("ego", "the ego vehicle", "the ego vehicle"),
@@ -173,19 +174,21 @@ def _ordered(event: str, where: str, construction: Construction, rng: np.random.
             subject = found["subject"][0].lower() + found["subject"][1:]
             start = found["lane"][0].upper() + found["lane"][1:]
             return f"{start} {where} {found['verb']} {subject}{found['rest']}"
-        fits = _PREPOSABLE.search(event) is not None and "from {where}" not in event
+        fits = _PREPOSABLE.search(event) is not None and not _BOUND.search(event)
         if fits and rng.random() < _PREPOSED:
             rest = " ".join(event.replace("{where}", "").split()).replace(" ,", ",")
-            return f"{where[0].upper()}{where[1:]}, {rest[0].lower()}{rest[1:]}"
+            start = f"About {where}" if where[0].isdigit() else where[0].upper() + where[1:]
+            return f"{start}, {rest[0].lower()}{rest[1:]}"
     return event.replace("{where}", where)
 
 
 _NAMED_TWICE = re.compile(r"((?:in front|ahead) of the ego vehicle) \{where\}", re.IGNORECASE)
 _LYING = re.compile(
-    r"(?P<subject>(?:An?|Several|Two|Some) [^,]+?) (?P<verb>lies|lie|stands?|sits?|stretch(?:es)?|gapes|blazes) "
+    r"(?P<subject>(?:An?|Several|Two|Some) (?:(?!\b(?<!that )(?:has|have|is|are|and)\b)[^,])+?) (?P<verb>lies|lie|stands?|sits?|stretch(?:es)?|gapes|blazes) "
     r"(?P<lane>(?:right |upright )?(?:in|across|over) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)) "
     r"\{where\}(?P<rest>(?:,.*)?)"
 )
+_BOUND = re.compile(r"from \{where\}|, \{where\}(?:,|$)")
 _PREPOSABLE = re.compile(
     r"^(?:An?|The|Two|Three|Several|Some|Somebody|Someone|[A-Z][a-z]+s)\b.*\{where\}"
 )

@@ -21,7 +21,8 @@ _DRIVES = (
     rf"{_EGO} (?:is |am )?(?:travel|driv|mov|head|proceed|cruis|roll|go)(?:l?ing|ing|es|s|e)?\b"
 )
 _MORE_OF_PLACE = re.compile(
-    r"(?:on|along|in|through|across|over|into|down|up|towards) (?:an?|the) [^,.:]+", re.I
+    r"(?:on|along|in|through|across|over|into|down|up|towards) (?:an?|the) [^,.:]+?(?=[,.:]|$| when | while | and )",
+    re.I,
 )
 _ROAD = re.compile(
     r"\b(?:road|street|lane|highway|motorway|freeway|avenue|boulevard|carriageway|tunnel|bridge|"

@@ -8,6 +8,7 @@ from oodscen.concurrency import as_finished
 from oodscen.describe import Describer, spread, spread_subset
 from oodscen.errors import LLMError, UsageError
 from oodscen.metrics import Metrics
+from oodscen.metrics.guard import is_calibrated
 from oodscen.scenario import Scenario
 from oodscen.study.context import Context, failed
 from oodscen.study.record import is_builtin
@@ -83,8 +84,9 @@ def _describe(
 
 def _describer(run: Context, sample: int) -> Describer:
     config = run.config
+    is_chosen = config.candidates > 1
     metrics = None
-    if config.candidates > 1:
+    if is_chosen or is_calibrated(run.encoder.name):
         baseline = load_baseline(config.baseline) if config.baseline else None
         metrics = Metrics(run.encoder, baseline, seed=config.seed)
     return Describer(
@@ -92,7 +94,7 @@ def _describer(run: Context, sample: int) -> Describer:
         run.encoder,
         style=config.style,
         candidates=config.candidates,
-        band=config.band if metrics is not None else None,
+        band=config.band if is_chosen else None,
         metrics=metrics,
         twins=is_builtin(config.llm) if config.twins is None else config.twins,
         sample=sample,
