@@ -99,7 +99,10 @@ class PlaceScenario(Prompt[PlacedScenario]):
         is_class = node.parent == ROOT
         inner = {n.parent for n in self.nodes} | {item.id for item in self.hidden}
         is_leaf = node.id not in inner and not is_class
-        if answer.decision in ("covered", "split") and not is_leaf:
+        needs_leaf = answer.decision in ("covered", "split") or (
+            answer.decision == "broaden" and self.procedure == "closed"
+        )
+        if needs_leaf and not is_leaf:
             issues.append(Issue("node", f"{node.id!r} is not a leaf"))
         if answer.decision == "broaden" and is_class:
             issues.append(Issue("node", "the classes keep their labels"))

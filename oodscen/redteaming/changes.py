@@ -37,7 +37,7 @@ def edits_of(
         edit = TreeEdit(
             op="broaden", node=placed.node, label=label, attested=attestation(label), **why
         )
-        return (edit,), placed.node
+        return (edit,), None if tree.children[placed.node] else placed.node
     edits: list[TreeEdit] = []
 
     def add(parent: str, name: str) -> str:
