@@ -1,6 +1,6 @@
 """Grow the initial tree: few-shot chain of thought in three turns (paper, section III-A)."""
 
-from oodscen.ask import ask
+from oodscen.ask import ask, speaker
 from oodscen.paper import FEW_SHOTS, NODES, attestation
 from oodscen.prompts import ClassifyExamples, GiveExamples, ProposedTree, ProposeTree
 from oodscen.protocols import LLM
@@ -50,7 +50,7 @@ class TreeGrower:
         )
         return _planted(
             ask(self.llm, propose, sample),
-            model=self.llm.name,
+            model=speaker(self.llm),
             prompt=f"{propose.purpose}@{propose.version()}",
         )
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
-from oodscen.ask import ask
+from oodscen.ask import ask, speaker
 from oodscen.catalogue import Catalogue
 from oodscen.concurrency import as_finished
 from oodscen.errors import LLMError
@@ -113,7 +113,7 @@ class Pruner:
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
         asked = {
             "catalogue": self.name,
-            "model": self.llm.name,
+            "model": speaker(self.llm),
             "prompt": f"{JudgeBranch.purpose}@{JudgeBranch.version()}",
         }
         try:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import NamedTuple
 
-from oodscen.ask import ask
+from oodscen.ask import ask, speaker
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.paper import FEW_SHOTS, ITERATIONS
 from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
@@ -270,7 +270,7 @@ class _Game:
                 round=known.round,
                 reason=placed.reasoning,
                 source=known.text,
-                model=teamer.llm.name,
+                model=speaker(teamer.llm),
                 prompt=f"{question.purpose}@{question.version()}",
             )
             after = tree.apply(*edits)

@@ -127,6 +127,11 @@ class Recording:
             file.seek(places[-1].start)
             return self._parse(file.read(places[-1].length), places[-1].start)
 
+    @property
+    def models(self) -> set[str]:
+        """Names of the models that were recorded."""
+        return {place.model for places in self._places.values() for place in places}
+
     def add(self, exchange: Exchange) -> None:
         """Append an exchange and hand it to the operating system."""
         line = (redact_keys(exchange.to_json()) + "\n").encode()
@@ -240,6 +245,12 @@ class ReplayLLM:
         )
         self._model = model or None
         self._recording = Recording(path)
+
+    @property
+    def speaks_for(self) -> str:
+        """Name of the model that was recorded; this object's own where there are several."""
+        names = {self._model} if self._model else self._recording.models
+        return str(*names) if len(names) == 1 else self.name
 
     def complete(self, request: Request) -> Completion:
         """Return the recorded answer.
