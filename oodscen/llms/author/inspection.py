@@ -103,6 +103,7 @@ def inspect_knowledge(
             shown[name] += 1
             if has_files and hazard.id not in tried:
                 tried.add(hazard.id)
+                faults += at(hazard, _unfit(hazard, stage.catalogue))
                 faults += at(hazard, _unstaged(hazard, stage, name))
     return Inspection(
         faults=tuple(faults),
@@ -174,11 +175,14 @@ def _misspelt(
         "behaviour": {b.id for d in offered.values() for b in d.behaviours},
         "map": {trait for d in offered.values() for road in d.maps for trait in road.features},
     }
+    used = hazard.stage.behaviours if hazard.stage else ()
     for addition in sorted(set.intersection(*lacks) - {NO_RECIPE}, key=lambda one: one.words):
         matches = get_close_matches(addition.name, sorted(known.get(addition.kind, ())), 2, _TYPO)
         own = knowledge.category(addition.name) is not None
         if matches and not own and addition.kind in ("asset", "behaviour"):
             yield Issue("needs", f"{addition.words}: did you mean {' or '.join(matches)}?")
+        elif addition.kind == "behaviour" and addition.name in used:
+            yield Issue("stage.actors", f"{addition.words}: no catalogue has it to stage this with")
         else:
             unmet.setdefault(addition.words, []).append(hazard.id)
 
@@ -191,6 +195,37 @@ def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]
             name for options in (hazard.stage.assets if hazard.stage else ()) for name in options
         )
     return sorted(name for name in named if knowledge.category(name) is None)
+
+
+def _unfit(hazard: Hazard, catalogue: Catalogue) -> Iterator[Issue]:
+    """Find states, parameters and behaviours of a recipe that its assets do not have.
+
+    The author leaves such things aside when it stages, so that nothing else would tell of them.
+    """
+    digest = CatalogueDigest.of(catalogue)
+    kinds = {kind.id: kind for kind in catalogue.behaviours}
+    for index, actor in enumerate(hazard.stage.actors if hazard.stage else ()):
+        where = f"stage.actors[{index}]"
+        assets = [asset for name in actor.asset for asset in digest.called(name)]
+        if assets and actor.state and not any(actor.state in asset.states for asset in assets):
+            known = ", ".join(assets[0].states) or "none"
+            yield Issue(f"{where}.state", f"{assets[0].id} has no {actor.state!r}; known: {known}")
+        kind = kinds.get(actor.behaviour)
+        if kind is None:
+            continue
+        if assets and not any(asset.category in kind.categories for asset in assets):
+            able = ", ".join(kind.categories)
+            message = f"{kind.id} is for {able}; {assets[0].id} is {assets[0].category}"
+            yield Issue(f"{where}.behaviour", message)
+        for name, drawn in actor.parameters.items():
+            allowed = kind.parameters.get(name)
+            if allowed is None:
+                known = ", ".join(kind.parameters) or "none"
+                message = f"{kind.id} has no parameter {name!r}; known: {known}"
+                yield Issue(f"{where}.parameters", message)
+            elif drawn != "ego" and not allowed.minimum <= drawn[0] <= drawn[1] <= allowed.maximum:
+                message = f"outside {allowed.minimum:g} to {allowed.maximum:g}"
+                yield Issue(f"{where}.parameters.{name}", message)
 
 
 def _unstaged(hazard: Hazard, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
