@@ -70,7 +70,7 @@ def mermaid_text(text: str) -> str:
 
 
 # What a chart could read as its own: all but words and plain punctuation, and what begins a list.
-_SPECIAL = re.compile(r"[^\w .,:;()/+–—’“”„→…-]|^[-+]|(?<=^\d)\.|(?<=^\d\d)\.")
+_SPECIAL = re.compile(r"[^\w .,;()/+–—’“”„→…-]|^[-+]|(?<=^\d)\.|(?<=^\d\d)\.")
 
 
 def _names(tree: ScenarioTree) -> dict[str, str]:
