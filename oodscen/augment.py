@@ -10,6 +10,7 @@ from oodscen.catalogue import Catalogue
 from oodscen.claims.claim import Claim
 from oodscen.errors import Issue
 from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
+from oodscen.prompts.fitting import fitted
 from oodscen.protocols import LLM
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
@@ -29,6 +30,7 @@ class Augmenter:
         attempts: Largest number of calls per scene.
         claims: Whether scenes must hold to what their texts say.
         reader: Reads the claims; the augmenter-LLM if left out.
+        context: Tokens that the model can read and write, where the whole catalogue is too long for it.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Augmenter:
         attempts: int = ATTEMPTS,
         claims: bool = True,
         reader: LLM | None = None,
+        context: int | None = None,
     ) -> None:
         if check is None:
             from oodscen.driving import check_scene
@@ -52,6 +55,7 @@ class Augmenter:
         self.attempts = attempts
         self.claims = claims
         self.reader = reader or llm
+        self.context = context
 
     def read(self, scenario: Scenario) -> tuple[Claim, ...]:
         """Return what a text says, none where claims are not asked for.
@@ -82,7 +86,7 @@ class Augmenter:
         prompt = StageScene(text=scenario.text, path=scenario.path, catalogue=self.digest)
         draft = ask(
             self.llm,
-            prompt,
+            fitted(prompt, self.context),
             check=lambda draft: self._faults(scenario, told, draft),
             attempts=self.attempts,
         )

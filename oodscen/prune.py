@@ -10,6 +10,7 @@ from oodscen.concurrency import as_finished
 from oodscen.errors import LLMError
 from oodscen.paper import attestation
 from oodscen.prompts import CatalogueDigest, JudgeBranch
+from oodscen.prompts.fitting import fitted
 from oodscen.protocols import LLM
 from oodscen.pruning.additions import Addition
 from oodscen.tree import Node, ScenarioTree, TreeEdit
@@ -80,16 +81,24 @@ class Pruner:
         catalogue: What the simulator offers.
         threads: How many questions may be under way at once.
         substitutes: Whether a branch that is shown with substitute assets survives.
+        context: Tokens that the model can read and write, where the whole catalogue is too long for it.
     """
 
     def __init__(
-        self, llm: LLM, catalogue: Catalogue, *, threads: int = 1, substitutes: bool = True
+        self,
+        llm: LLM,
+        catalogue: Catalogue,
+        *,
+        threads: int = 1,
+        substitutes: bool = True,
+        context: int | None = None,
     ) -> None:
         self.llm = llm
         self.catalogue = CatalogueDigest.of(catalogue)
         self.name = f"{catalogue.simulator}-{catalogue.version}"
         self.threads = threads
         self.substitutes = substitutes
+        self.context = context
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
         """Return the simulatable tree; its edits tell the reason for every node."""
@@ -117,7 +126,8 @@ class Pruner:
             "prompt": f"{JudgeBranch.purpose}@{JudgeBranch.version()}",
         }
         try:
-            answer = ask(self.llm, JudgeBranch(path=path, catalogue=self.catalogue))
+            question = JudgeBranch(path=path, catalogue=self.catalogue)
+            answer = ask(self.llm, fitted(question, self.context))
         except LLMError as error:
             return PruneDecision(
                 id=leaf.id,

@@ -29,6 +29,11 @@ from oodscen.registry import DEFAULT_ENCODER
 @click.argument("out", type=click.Path(file_okay=False, path_type=Path))
 @llm_options
 @click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
+@click.option(
+    "--context",
+    type=click.IntRange(min=2_048),
+    help="Tokens that --llm can read and write, e.g. 4096; longer questions are shortened.",
+)
 @click.option("--fallback", help="Model that is asked where the others give no answer.")
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @traffic_options
@@ -142,16 +147,43 @@ def run(
 @click.option(
     "--vlm", "vlms", multiple=True, required=True, help="Vision-language model; repeatable."
 )
+@click.option(
+    "--protocol",
+    type=click.Choice(("ours", "paper")),
+    default="ours",
+    show_default=True,
+    help="`paper` adds the paper's exact protocol: whole traces, collisions only, no twins.",
+)
+@click.option("--judge", help="Model that decides whether an open aspect is right.")
+@click.option(
+    "--retry-failed", is_flag=True, help="Ask again where no usable answer came the last time."
+)
 @traffic_options
-def evaluate(out: Path, vlms: tuple[str, ...], **choices: Any) -> None:
+def evaluate(
+    out: Path,
+    vlms: tuple[str, ...],
+    protocol: str,
+    judge: str | None,
+    retry_failed: bool,
+    **choices: Any,
+) -> None:
     """Judge further vision-language models on the study in the folder OUT."""
     from oodscen.study import Study, run_study
 
     config = Study.open(out).config
     names = tuple(dict.fromkeys((*config.vlms, *vlms)))
-    config = config.model_copy(update={"vlms": names})
+    protocols = tuple(dict.fromkeys((*config.protocols, protocol)))
+    changes = {"vlms": names, "protocols": protocols, "judge": judge or config.judge}
+    traffic = traffic_from(choices)
     with bars() as progress:
-        study = run_study(out, config, progress=progress, traffic=traffic_from(choices))
+        study = run_study(
+            out,
+            config.model_copy(update=changes),
+            progress=progress,
+            traffic=traffic,
+            workers=os.cpu_count() or 1,
+            retry=retry_failed,
+        )
     click.echo(f"report: {(study.folder / 'report.html').resolve()}")
 
 

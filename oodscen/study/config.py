@@ -24,6 +24,13 @@ class StudyConfig(Data):
     """Asked where `llm` or `red_llm` gives no answer."""
     vlms: tuple[str, ...] = ()
     """Vision-language models to judge; reference answerers always run."""
+    protocols: tuple[Literal["ours", "paper"], ...] = ("ours",)
+    """How models are judged: `paper` adds the paper's protocol beside ours."""
+    judge: str | None = None
+    """Model that decides whether an open aspect is right; the documented matcher if left out."""
+    context: int | None = Field(default=None, ge=2_048)
+    """Tokens that `llm` can read and write; longer questions are shortened. Left out: as many as they
+    need, some 8,000."""
     api_base: str | None = None
     """Address of an OpenAI-compatible server for the models."""
     simulator: str = DEFAULT_SIMULATOR

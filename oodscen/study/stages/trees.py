@@ -4,6 +4,7 @@ from oodscen.grow import TreeGrower
 from oodscen.prune import Pruner, all_decisions, pruned
 from oodscen.pruning.restoring import restoration
 from oodscen.redteam import RedTeamer, Round
+from oodscen.redteaming.thresholds import TOKENS
 from oodscen.study.context import Context
 from oodscen.tree import ScenarioTree
 
@@ -44,6 +45,7 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
         in_flight=run.config.in_flight,
         threads=run.models.threads(run.config.red_llm or run.config.llm),
         broadenings=run.config.broadenings,
+        tokens=TOKENS if run.config.context is None else min(TOKENS, run.config.context // 2),
     )
     for item in teamer.rounds(tree, done):
         run.store.append("redteam.jsonl", item)
@@ -66,7 +68,9 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         run.progress("prune", total, total)
         return run.study.tree("simulatable")
     run.store.write_lines("pruned.jsonl", judged)
-    pruner = Pruner(run.llm, run.simulator.catalogue(), threads=run.threads)
+    pruner = Pruner(
+        run.llm, run.simulator.catalogue(), threads=run.threads, context=run.config.context
+    )
     for decision in pruner.decisions(tree, [item.id for item in judged]):
         run.store.append("pruned.jsonl", decision)
         judged.append(decision)
