@@ -4,9 +4,9 @@ The similarities are centred cosines of MiniLM (`oodscen.redteaming.novelty`). M
 built-in author, what they refuse is covered already in nine cases out of ten.
 """
 
-NEAREST_TEXT = 0.58
+NEAREST_TEXT = 0.62
 """Similarity to an earlier proposal from which on a new one repeats it."""
-NEAREST_LABEL = 0.52
+NEAREST_LABEL = 0.55
 """Similarity to a leaf's label from which on a proposal is of that kind."""
 BROADENINGS = 2
 """So often a leaf is broadened before it is split."""
