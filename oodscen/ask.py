@@ -27,6 +27,7 @@ QUOTED = 8_000
 """How much of an invalid answer is put before the model again, in characters."""
 
 Check = Callable[[Answer], Sequence[Issue]]
+Read = Callable[[str], Answer | None]
 
 
 def ask(
@@ -36,6 +37,7 @@ def ask(
     *,
     check: Check[Answer] | None = None,
     attempts: int = ATTEMPTS,
+    read: Read[Answer] | None = None,
 ) -> Answer:
     """Put a question; parse and validate the answer; feed faults back until it is valid.
 
@@ -45,6 +47,8 @@ def ask(
         sample: Which of several independent draws this is.
         check: Further requirements, beyond those of the prompt itself.
         attempts: Largest number of calls, at least 1.
+        read: Finds an answer in words that hold no valid JSON object, before they are sent back; it
+            may raise `AnswerError` where asking again is of no use.
 
     Raises:
         AnswerError: When the last answer is still invalid; it keeps the raw text and the faults.
@@ -59,10 +63,17 @@ def ask(
     for attempt in range(1, max(attempts, 1) + 1):
         raw = llm.complete(Request(prompt, messages, schema, sample, attempt)).text
         answer, issues = read_answer(raw, kind, checks)
+        if answer is None and read is not None:
+            answer = read(raw)
         if answer is not None:
             return answer
         messages = (*question, *_repair(raw, issues))
     raise AnswerError(llm.name, prompt.purpose, issues, raw, max(attempts, 1))
+
+
+def speaker(llm: LLM) -> str:
+    """Return the name of the model whose words one hears: a replay speaks for the one recorded."""
+    return str(getattr(llm, "speaks_for", llm.name))
 
 
 def read_answer(
