@@ -28,4 +28,5 @@ $(READY): pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet -c constraints.txt torch
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[dev]'
+	if command -v chromium >/dev/null; then $(BIN)/pip install --quiet -c constraints.txt -e '.[browser]' || echo "Playwright cannot be had: the report is not tested in a browser"; fi
 	touch $(READY)

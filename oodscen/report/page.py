@@ -86,7 +86,6 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "growth": _growth(found),
         **trust.context(found),
         "parts": parts.drawn(study, found),
-        "restores": _restores(found),
         "action_words": {option.id: option.description for option in OPTIONS},
         "counts": counts,
         "payload": scenes,
@@ -119,19 +118,6 @@ def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
         "weather": sorted({word for row in rows for word in row["weather"]}),
         "model": [one["name"] for one in scenes["models"]],
     }
-
-
-def _restores(found: Material) -> list[tuple[str, int, str]]:
-    """Return what the catalogue lacks, how many pruned paths need it, and one of them."""
-    needs: dict[str, list[str]] = {}
-    parents = {decision.path[:-1] for decision in found.decisions}
-    for decision in found.decisions:
-        if decision.keep or decision.path in parents:
-            continue
-        for thing in decision.missing:
-            needs.setdefault(thing, []).append(decision.path[-1] if decision.path else decision.id)
-    rows = [(thing, len(paths), paths[0]) for thing, paths in needs.items()]
-    return sorted(rows, key=lambda row: (-row[1], row[0]))
 
 
 def _counts(found: Material, choices: Sequence[str]) -> Counts:

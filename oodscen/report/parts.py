@@ -30,9 +30,9 @@ class Part(NamedTuple):
 
 PARTS: tuple[Part, ...] = (
     Part("metrics", "Pictures of the measures", "oodscen.report.metric_pictures:part"),
-    Part("growth", "How far the space is exhausted", "oodscen.redteaming.report:part"),
-    Part("pruning", "What would bring paths back", "oodscen.pruning.report:part"),
-    Part("coverage", "What the tree covers", "oodscen.trees.report:part"),
+    Part("growth", "How much is left to be found", "oodscen.report.further:saturation_part"),
+    Part("pruning", "What would bring paths back", "oodscen.report.further:restoration_part"),
+    Part("coverage", "What the texts and scenes cover", "oodscen.trees.report:part"),
 )
 """Every part, in the order in which they are shown."""
 

@@ -121,7 +121,7 @@
     more.hidden = built >= fits.length;
     const limited = fits.length !== scenes.length || leaf;
     get("shown").value = limited ? `${fits.length} of ${scenes.length} scenes${leaf ? ` on one path` : ""}` : `${scenes.length} scenes`;
-    get("reset").hidden = !limited && !Object.keys(want).length;
+    get("f-reset").hidden = !limited && !Object.keys(want).length;
     get("none").hidden = fits.length > 0;
     const query = new URLSearchParams(want).toString();
     listHash = leaf ? `#path-${encodeURIComponent(leaf)}` : query ? `#scenes?${query}` : "#scenes";
@@ -265,8 +265,13 @@
       if (scene) { show(scene); return; }
     }
     const back = leave();
+    if (back && location.hash === listHash) {
+      back.scrollIntoView({ block: "center" });
+      back.focus({ preventScroll: true });
+      return;
+    }
     if (form && name.startsWith("path-")) {
-      form.reset();
+      for (const control of form.elements) if (control.name) control.value = "";
       leaf = name.slice(5) in data.leaves ? name.slice(5) : "";
       apply();
       get("scenes").scrollIntoView();
@@ -284,7 +289,6 @@
       for (let box = target.closest("details"); box; box = box.parentElement.closest("details")) box.open = true;
       target.scrollIntoView();
     }
-    if (back && (name === "scenes" || name.startsWith("scenes?"))) { back.scrollIntoView({ block: "center" }); back.focus({ preventScroll: true }); }
   };
 
   for (const tools of all(".tools")) {

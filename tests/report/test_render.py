@@ -87,7 +87,7 @@ def test_without_a_model_it_says_what_one_must_beat(study: Study) -> None:
         "verdicts.jsonl",
         lambda text: "".join(line + "\n" for line in text.splitlines() if "gpt-4o" not in line),
     )
-    models = section(page(study), "models")
+    models = section(page(study), "top")
     assert "there is none to trust yet" in models
     assert "What one must beat: constant:stop" in models
 
