@@ -46,7 +46,7 @@ def ordinary_driving() -> Baseline:
     return Baseline(
         texts=draw(_SIZE) + handwritten_driving().texts,
         name="ordinary-driving",
-        source="oodscen.baselines: grammar ordinary.toml, seed 0, and handwritten.txt",
+        source="oodscen.baselines: grammar ordinary.toml, seed 0, and by hand",
         licence="Apache-2.0",
     )
 

@@ -1,8 +1,10 @@
 """Sentences that say in general words that something is ordinary, or that it is not.
 
-They give a direction in an encoder's space, from *ordinary* to *not ordinary*, without an example of either:
-each pair is one frame with two words of opposite judgement in it. No sentence tells an event of an OOD
-text, and none was taken from one; they were written for English encoders trained on sentences.
+They give directions in an encoder's space, from *ordinary* to *not ordinary*. Most are one frame with two words of
+opposite judgement in it. `_KINDS` says what is wrong, or as it should be, with weather, loads, structures, signals and so
+on: kinds of events, so a detector that uses them knows these kinds beforehand. No sentence was taken from an OOD text;
+they were written by hand, for English encoders trained on sentences, by someone who had read the *tune* half of the
+controls.
 """
 
 from functools import cache
@@ -68,14 +70,63 @@ _SENTENCES = (
     ("Routine.", "Disaster."),
     ("Everything stays in its place.", "Something has come loose from its place."),
 )
+_KINDS = (
+    ("The weather is fine and harmless.", "The weather is violent and destroys things."),
+    ("The wind is light.", "The wind throws vehicles about."),
+    ("One can see far.", "One can see nothing at all."),
+    ("The sky is as on any day.", "Something terrible comes down from the sky."),
+    ("The road surface gives good grip.", "The road surface gives no grip at all."),
+    ("Cars brake and steer normally.", "Cars slide and spin."),
+    ("The liquid stays in its tank.", "The liquid has spilled all over the road."),
+    ("The lane is clean and dry.", "The lane is covered and slippery."),
+    ("The load is tied down.", "The load has come off."),
+    ("The trailer is attached.", "The trailer has broken loose."),
+    ("It stays on its vehicle.", "It flies towards us."),
+    ("It stands upright beside the road.", "It has collapsed across the road."),
+    ("The structure is intact.", "The structure has given way."),
+    ("It hangs high above the traffic.", "It has dropped onto the traffic."),
+    ("The ground is solid.", "The ground has opened up."),
+    ("The signals work.", "The signals have failed."),
+    ("The sign is right.", "The sign is false."),
+    ("Everyone has a turn in order.", "Everyone goes at the same time."),
+    ("The lights are on.", "All lights have gone out."),
+    ("The road goes on as the map says.", "The road ends without warning."),
+    ("The closure is signed and lit.", "There is an unmarked hole."),
+    ("The markings lead the way.", "The markings lead off the road."),
+    ("It drives in our direction.", "It drives against the traffic."),
+    ("It comes on its own side of the road.", "It comes straight at us in our lane."),
+    ("It keeps to its side of the barrier.", "It is on the wrong side of the barrier."),
+    ("It slows down gently.", "It stops dead in a live lane."),
+    ("It waits until we have passed.", "It shoots out in front of us."),
+    ("It indicates and changes lane.", "It swerves into us without warning."),
+    ("The vehicle is parked.", "The vehicle is wrecked."),
+    ("The bus stands on its wheels.", "The bus lies on its roof."),
+    ("There is no damage.", "There is fire and smoke."),
+    ("They stand in order.", "They have crashed into each other."),
+    ("It is a vehicle that one sees every day.", "It is a thing that has no place on a road."),
+    ("It fits into its lane.", "It fills the whole road."),
+    ("It moves with the traffic.", "It crawls along the fast lane."),
+    ("The animals are behind a fence.", "The animals are loose on the road."),
+    ("The animal stays at the roadside.", "The animal runs in front of us."),
+    ("A pet on a lead.", "A wild beast in the street."),
+    ("People walk on the pavement.", "People run about on the carriageway."),
+    ("They cross at the green light.", "They lie in our lane."),
+    ("A child holds a hand.", "A child is alone among the cars."),
+    ("He stands behind a barrier.", "He hangs on to a moving vehicle."),
+    ("The crowd is beside the road.", "The crowd has taken over the road."),
+    ("People wait in line.", "People flee in panic."),
+    ("The street is free.", "The street is blocked by a mob."),
+    ("We may drive on.", "We are stopped and threatened."),
+    ("Officers chat.", "Officers chase somebody."),
+)
 
 Pairs = tuple[tuple[str, str], ...]
 """What is ordinary, and what is not, in the same frame."""
 
 
 @cache
-def anchors() -> tuple[Pairs, Pairs, Pairs]:
-    """Return the pairs of three kinds: judgements, conduct of things on the road, sentences."""
+def anchors() -> tuple[Pairs, Pairs, Pairs, Pairs]:
+    """Return the pairs of four sorts: judgements, conduct of things on the road, sentences, kinds of events."""
     words = [pair.split() for pair in _JUDGEMENTS.split("|")]
     judgements = tuple(
         (_filled(frame, calm), _filled(frame, odd)) for calm, odd in words for frame in _FRAMES
@@ -83,7 +134,7 @@ def anchors() -> tuple[Pairs, Pairs, Pairs]:
     conduct = tuple(
         (f"{thing} {calm}.", f"{thing} {odd}.") for thing in _THINGS for calm, odd in _CONDUCT
     )
-    return judgements, conduct, _SENTENCES
+    return judgements, conduct, _SENTENCES, _KINDS
 
 
 def _filled(frame: str, word: str) -> str:

@@ -14,12 +14,14 @@ the baseline, mu and Sigma their mean and covariance.
                   near-duplicates in the baseline, next to which everything is sparse.
     whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: what varies much among ordinary texts (place,
                   wording) counts less. In [-1, 1]. Fooled by rare words in ordinary texts.
-    events        judgement + novelty, each in standard deviations of the baseline about its mean. *Judgement*
-                  is the mean of the projections of the text, and of its clauses (averaged), on S^-1 a, where a points
-                  from ordinary to not ordinary (`oodscen.metrics.anchors`) and S is Sigma shrunk by 0.3;
-                  *novelty* the largest distance of a clause to the nearest clause of another baseline text.
-                  About 0 for ordinary text, unbounded. Its own, not from the paper. Fooled by ordinary text that
-                  mentions danger ("a fire engine returns to its station") and by OOD text in mild words.
+    events        judgement + novelty + leaning / 2, each in standard deviations of the baseline about its mean.
+                  *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on S^-1 a,
+                  where a points from ordinary to not ordinary (`oodscen.metrics.anchors`) and S is Sigma shrunk by
+                  0.3; *novelty* the largest distance of a clause to the nearest clause of another baseline text;
+                  *leaning* how much nearer the nearest anchor for a kind of event is than the nearest one for its
+                  absence, for the text and its clauses (averaged). About 0 for ordinary text, unbounded. Its
+                  own, not from the paper. Fooled by ordinary text that mentions danger ("a fire engine returns to
+                  its station"), by OOD text in mild words, and by kinds of events that no anchor speaks of.
 
 Which of them is best, with their errors, is in `docs/metrics.md`.
 """
@@ -122,19 +124,36 @@ class Detectors:
 
     def _events(self) -> Callable[[Sequence[str], Vectors], Scores]:
         direction = np.linalg.pinv(shrunk(self._covariance(), _SHRUNK)) @ self._axis()
+        kinds = anchors()[-1]
+        calm, odd = (self._encode([pair[side] for pair in kinds]) for side in (0, 1))
+
+        def leaning(rows: Vectors) -> Scores:
+            return np.asarray((rows @ odd.T).max(axis=1) - (rows @ calm.T).max(axis=1), np.float64)
+
         parts, owner = _cut(self._texts)
         known = self._encode(parts)
-        first, first_parts = self._vectors @ direction, _by_text(known @ direction, owner, "mean")
-        alone = _by_text(_novelty_within(known, owner), owner, "max")
-        standards = [_Standard(values) for values in (first, first_parts, alone)]
+        samples = (
+            self._vectors @ direction,
+            _by_text(known @ direction, owner, "mean"),
+            _by_text(_novelty_within(known, owner), owner, "max"),
+            leaning(self._vectors),
+            _by_text(leaning(known), owner, "mean"),
+        )
+        standards = [_Standard(values) for values in samples]
+        weights = np.array([0.5, 0.5, 1.0, 0.25, 0.25])
 
         def score(texts: Sequence[str], vectors: Vectors) -> Scores:
             own_parts, whose = _cut(texts)
             found = self._encode(own_parts)
-            far = 1.0 - nearest(found, known).cosine
-            whole = standards[0](vectors @ direction)
-            pieces = standards[1](_by_text(found @ direction, whose, "mean"))
-            return (whole + pieces) / 2.0 + standards[2](_by_text(far, whose, "max"))
+            values = (
+                vectors @ direction,
+                _by_text(found @ direction, whose, "mean"),
+                _by_text(1.0 - nearest(found, known).cosine, whose, "max"),
+                leaning(vectors),
+                _by_text(leaning(found), whose, "mean"),
+            )
+            placed = [standard(one) for standard, one in zip(standards, values, strict=True)]
+            return np.asarray(weights @ np.array(placed), np.float64)
 
         return score
 

@@ -1,11 +1,13 @@
 """The off-topic guard: which texts are not about driving a car on a road.
 
-OOD-ness ranks a recipe above every accident, so a set must be cleared before it is scored. The guard is a
-linear function of the embedding, fitted by class-balanced ridge regression to what is shipped: the ordinary
-driving texts against `elsewhere.txt` and the *tune*
-half of `load_off_topic`. No OOD text takes part. A text is flagged below a threshold that was set on *tune*.
+OOD-ness ranks a recipe above every accident, so a set must be cleared before it is scored. The guard is fitted to
+what is shipped: the ordinary driving texts on one side, `elsewhere.txt` and the *tune* half of `load_off_topic` on
+the other. No OOD text takes part. A text is flagged below a threshold that was set on *tune*, each subject scored
+without its own texts, and on the public OOD sets.
 
-    score in about [-1.5, 1.5]; 1 is like ordinary driving, -1 like other texts; flagged below the threshold
+    score    f(e) + 2 (near(e, driving) - near(e, elsewhere)): f is a linear function of the embedding by
+             class-balanced ridge regression, near the mean of the 3 largest cosines. About 1.5 for ordinary
+             driving, -1.5 for other texts; flagged below the threshold
 
 Its error rates, on texts that took no part, are in `docs/metrics.md` and come with every result. What fools it: a
 text about driving in another language is flagged (the default encoder does not read it), racing games and car trade
@@ -25,10 +27,12 @@ from oodscen._data import Data
 from oodscen.baselines.off_topic import load_off_topic
 from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.metrics.detectors import Encode
-from oodscen.metrics.similarity import Vectors
+from oodscen.metrics.similarity import Vectors, largest
 
-_RIDGE = 0.02
-THRESHOLD = -0.15
+_RIDGE = 0.03
+_NEAREST = 3
+_WEIGHT = 2.0
+THRESHOLD = 0.05
 _CALIBRATED = "all-MiniLM-L6-v2@"
 
 
@@ -60,11 +64,17 @@ class Guard:
         self._encoder = encoder
         inside = encode(ordinary_driving().texts)
         outside = encode([*elsewhere(), *(text.text for text in load_off_topic("tune"))])
+        self._inside, self._outside = inside, outside
         self._weights = _fitted([(inside, 0.5, 1.0), (outside, 0.5, -1.0)])
 
     def scores(self, vectors: Vectors) -> NDArray[np.float64]:
         """Return [n] scores of [n, d] vectors; low is off-topic."""
-        return np.asarray(vectors @ self._weights[:-1] + self._weights[-1], np.float64)
+        linear = np.asarray(vectors @ self._weights[:-1] + self._weights[-1], np.float64)
+        inside, outside = (
+            largest(vectors, known, _NEAREST)[0].mean(axis=1)
+            for known in (self._inside, self._outside)
+        )
+        return np.asarray(linear + _WEIGHT * (inside - outside), np.float64)
 
     def flags(self, vectors: Vectors, threshold: float = THRESHOLD) -> OffTopicFlags:
         """Return which of the texts with these vectors, [n, d], are off-topic."""

@@ -8,9 +8,9 @@ TEXTS = handwritten_driving().texts
 
 
 def test_there_are_enough_on_many_subjects_and_all_differ():
-    assert len(TEXTS) >= 350
+    assert len(TEXTS) >= 1200
     assert len({bare(text) for text in TEXTS}) == len(TEXTS)
-    assert len(by_subject()) >= 30
+    assert len(by_subject()) >= 60
     assert min(len(texts) for texts in by_subject().values()) >= 5
 
 
@@ -22,5 +22,5 @@ def test_every_text_is_a_clean_line():
 
 
 def test_no_text_tells_of_anything_out_of_the_ordinary():
-    strange = r"accident|crash|suddenly|flood|overturned|debris|wrong way|swerve|collid|on fire|injured|roadblock|checkpoint"
+    strange = r"accident|crash(?! barrier| cushion)|suddenly|flood|overturned|debris|wrong way|swerve|skid|collid|on fire|injured|roadblock|checkpoint"
     assert [text for text in TEXTS if re.search(strange, text, re.IGNORECASE)] == []

@@ -289,7 +289,7 @@ def test_a_report_says_how_its_texts_stand_to_ordinary_ones():
     report = metrics.report(["a crocodile crawls from the drain", "flames engulf the viaduct"])
     assert report.control.n == 95
     assert report.control.auroc.n_ood == 2
-    assert report.calibration.held_out == 61
+    assert report.calibration.held_out == len(metrics.baseline)
     assert "AUROC" in str(report)
     bare = metrics.report(["a car waits"], checks=False)
     assert (bare.control, bare.calibration, bare.off_topic) == (None, None, None)
