@@ -1,15 +1,47 @@
-"""Judge a vision-language model on an episode: the paper's two tasks (section V-C)."""
+"""Judge a model on an episode: the paper's two tasks (section V-C), with what makes them mean more."""
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeVar
+
+from pydantic import BaseModel
 
 from oodscen.ask import ask
 from oodscen.episode import ACTIONS, MOMENTS, Episode
-from oodscen.errors import LLMError
+from oodscen.errors import AnswerError, LLMError, OodscenError
+from oodscen.judging.answers import (
+    Reading,
+    contradiction,
+    is_refusal,
+    read_action,
+    read_aspect,
+    read_choice,
+    read_description,
+)
+from oodscen.judging.matching import names_aspect
+from oodscen.judging.references import AspectOption, Case, Reference
 from oodscen.messages import Image
-from oodscen.prompts import ActionOption, ChooseAction, DescribeFrame, NameAspect
+from oodscen.prompts import (
+    ActionOption,
+    ChooseAction,
+    ChooseAspect,
+    ChosenAction,
+    ChosenAspect,
+    DescribeFrame,
+    FrameDescription,
+    JudgeAspect,
+    NameAspect,
+    OodAspect,
+    Prompt,
+)
 from oodscen.protocols import LLM
-from oodscen.verdict import Verdict
+from oodscen.seeding import stream
+from oodscen.verdict import NOTHING, Outcome, Verdict
+
+__all__ = ["OPTIONS", "aspect_options", "evaluate", "names_aspect", "unjudged"]
+
+Answer = TypeVar("Answer", bound=BaseModel)
+Protocol = Literal["ours", "paper"]
 
 OPTIONS = tuple(
     ActionOption(id=name, description=text)
@@ -29,77 +61,287 @@ OPTIONS = tuple(
 )
 """The discrete actions as they are offered to a model."""
 
-_COMMON = frozenset(
+NOTHING_UNUSUAL = AspectOption(id=NOTHING, label="Nothing is out of the ordinary")
+NO_DESCRIPTION = "(no usable description)"
+KEPT_REASONING = 600
+"""So much of a model's reasoning is kept, in characters."""
+
+
+def aspect_options(leaves: Mapping[str, str], *, seed: int, item: str) -> tuple[AspectOption, ...]:
+    """Return the options of the closed question: the leaves and "nothing", shuffled for one item.
+
+    Args:
+        leaves: Label by id.
+        seed: Of the study.
+        item: Scene or twin; each has its own order.
     """
-    a an and are as at be by for from in into is it its near no not of off on onto or other out over
-    that the their there this to with without ego vehicle car lane road street driver driving
-    traffic ahead front middle side left right sudden suddenly unexpected unusual large small
-    another someone something object scene situation
-    """.split()
-)
-"""Words that two descriptions share without meaning the same."""
+    options = [AspectOption(id=name, label=label) for name, label in sorted(leaves.items())]
+    options.append(NOTHING_UNUSUAL)
+    order = stream(seed, "aspect-options", item).permutation(len(options))
+    return tuple(options[int(index)] for index in order)
 
 
 def evaluate(
-    episode: Episode, frames: Mapping[str, Image], vlm: LLM, *, path: Sequence[str]
+    episode: Episode,
+    frames: Mapping[str, Image],
+    vlm: LLM,
+    *,
+    path: Sequence[str],
+    leaf: str = "",
+    options: Sequence[AspectOption] = (),
+    protocol: Protocol = "ours",
+    judge: LLM | None = None,
 ) -> Verdict:
     """Ask a model about one episode; a failure of the model is a verdict, not an exception.
 
-    The frames are described in turn; then the model names the OOD aspect (task one) and chooses
-    one of the discrete actions, which was executed in the simulator (task two).
+    The frames are described in turn. Task one: the model says whether anything is out of the ordinary,
+    how surely, and what (open), and chooses it among `options` (closed). Task two: it chooses one of
+    the discrete actions, which was executed in the simulator. An answer that is not the JSON that was asked
+    for is read as a person would read it; one that cannot be read is fed back, and in the end counted
+    apart: the other questions are asked all the same.
 
     Args:
-        episode: What happened, with the outcome of every action.
+        episode: What happened, with the outcome of every action. Twins are told by their id.
         frames: The pictures by moment.
-        vlm: Who is judged.
+        vlm: Who is judged. A `Reference` is asked directly.
         path: Labels from the root to the leaf: the ground truth of task one.
+        leaf: Id of that leaf.
+        options: Of the closed question; it is left out without any, and in the paper's protocol.
+        protocol: `paper` asks as the paper did: no closed question, collisions only.
+        judge: Decides whether an open aspect is right, instead of the documented matcher.
     """
-    kind = getattr(vlm, "kind", "model")
-    name = f"{episode.scene_id}@{vlm.name}"
+    if protocol == "paper":
+        options = ()
+    if isinstance(vlm, Reference):
+        return _judged_directly(episode, vlm, path, leaf, options, protocol)
+    asked = _Asked(vlm)
     images = tuple(frames[moment] for moment in MOMENTS)
-    descriptions: tuple[str, ...] = ()
+    fields: dict[str, Any] = {}
     try:
+        descriptions: tuple[str, ...] = ()
         for count in range(1, len(images) + 1):
-            prompt = DescribeFrame(frames=images[:count], descriptions=descriptions)
-            descriptions = (*descriptions, ask(vlm, prompt).description)
-        aspect = ask(vlm, NameAspect(frames=images, descriptions=descriptions))
-        chosen = ask(vlm, ChooseAction(frames=images, descriptions=descriptions, options=OPTIONS))
-    except LLMError as error:
-        return Verdict(
-            id=name,
-            scene_id=episode.scene_id,
-            model=vlm.name,
-            kind=kind,
-            status="failed",
-            error=str(error),
-            retryable=error.retryable,
-            descriptions=descriptions,
+            seen = asked.put(
+                DescribeFrame(frames=images[:count], descriptions=descriptions),
+                lambda raw: _as(read_description(raw), lambda d: FrameDescription(description=d)),
+            )
+            descriptions = (*descriptions, seen.description if seen else NO_DESCRIPTION)
+            fields["descriptions"] = descriptions
+        aspect = asked.put(NameAspect(frames=images, descriptions=descriptions), _read_aspect)
+        if aspect:
+            fields |= {
+                "is_ood": aspect.is_ood,
+                "confidence": aspect.confidence,
+                "aspect": aspect.aspect[:500],
+            }
+        if options:
+            fields["choice"] = asked.choice(images, descriptions, tuple(options))
+        chosen = asked.put(
+            ChooseAction(
+                frames=images,
+                descriptions=descriptions,
+                options=OPTIONS,
+                is_whole_trace=protocol == "paper",
+            ),
+            _read_action,
         )
-    outcome = episode.actions.get(chosen.action)
+        if chosen:
+            fields["action"] = chosen.action
+            fields["reasoning"] = chosen.reasoning[:KEPT_REASONING]
+            fields["contradiction"] = contradiction(chosen.reasoning, chosen.action, ACTIONS)
+    except LLMError as error:
+        asked.failures.append(error)
+    fields["notes"] = tuple(asked.notes)
+    fields["prompts"] = asked.versions
+    return _scored(episode, vlm, path, leaf, fields, protocol, asked.failures, judge)
+
+
+def unjudged(
+    episode: Episode, model: LLM, error: str, error_type: str, protocol: Protocol = "ours"
+) -> Verdict:
+    """Return the verdict on an item that could not be shown: no episode, or no frames."""
     return Verdict(
-        id=name,
+        id=_name(episode, model, protocol),
         scene_id=episode.scene_id,
-        model=vlm.name,
-        kind=kind,
-        descriptions=descriptions,
-        is_ood=aspect.is_ood,
-        aspect=aspect.aspect,
-        aspect_is_right=aspect.is_ood and names_aspect(aspect.aspect, path),
-        action=chosen.action,
-        action_is_safe=outcome.safe if outcome else None,
+        model=model.name,
+        kind=_kind(model),
+        status="failed",
+        outcome="error",
+        error=error,
+        error_type=error_type,
+        protocol=protocol,
+        is_twin=episode.is_twin,
     )
 
 
-def names_aspect(aspect: str, path: Sequence[str]) -> bool:
-    """Whether an open answer names what a path is about.
-
-    Two texts agree when they share the stem of a word that is not common in driving texts. The
-    leaf's label decides; a bare family name is not enough. This is lenient towards wording and
-    strict towards content, and it can be fooled by an answer that lists many aspects.
-    """
-    return bool(path) and bool(_stems(aspect) & _stems(path[-1]))
+# ------------------------------------------------------------------ asking
 
 
-def _stems(text: str) -> set[str]:
-    words = (word for word in re.findall(r"[a-z]+", text.casefold()) if word not in _COMMON)
-    return {re.sub(r"(ings?|ed|es|s|ly)$", "", word) for word in words if len(word) > 2}
+@dataclass
+class _Asked:
+    """Puts the questions about one item; keeps what went wrong and how answers were read."""
+
+    llm: LLM
+    notes: list[str] = field(default_factory=list)
+    failures: list[OodscenError] = field(default_factory=list)
+    versions: dict[str, str] = field(default_factory=dict)
+
+    def put(
+        self, prompt: Prompt[Answer], read: Callable[[str], tuple[Answer | None, str]]
+    ) -> Answer | None:
+        """Return the answer, or `None` where none can be read; the failure is kept."""
+        self.versions[prompt.purpose] = prompt.version()
+
+        def fallback(raw: str) -> Answer | None:
+            answer, note = read(raw)
+            if answer is not None:
+                self.notes.append(f"{prompt.purpose}: {note}")
+            elif note == _REFUSED:
+                raise AnswerError(self.llm.name, prompt.purpose, [], raw, 1)
+            return answer
+
+        try:
+            return ask(self.llm, prompt, read=fallback)
+        except AnswerError as error:
+            self.failures.append(error)
+            return None
+
+    def choice(
+        self,
+        images: tuple[Image, ...],
+        descriptions: tuple[str, ...],
+        options: tuple[AspectOption, ...],
+    ) -> str | None:
+        """Put the closed question; return the id of the option."""
+        labels = {option.id: option.label for option in options}
+        names = list(labels)
+
+        def read(raw: str) -> tuple[ChosenAspect | None, str]:
+            return _as(
+                read_choice(raw, labels), lambda name: ChosenAspect(choice=names.index(name) + 1)
+            )
+
+        prompt = ChooseAspect(
+            frames=images, descriptions=descriptions, labels=tuple(labels.values())
+        )
+        answer = self.put(prompt, read)
+        return names[answer.choice - 1] if answer else None
+
+
+_REFUSED = "a refusal"
+
+
+def _as(reading: Reading[Any], make: Callable[[Any], Answer]) -> tuple[Answer | None, str]:
+    if reading.outcome == "refused":
+        return None, _REFUSED
+    return (None if reading.value is None else make(reading.value)), reading.note
+
+
+def _read_aspect(raw: str) -> tuple[OodAspect | None, str]:
+    return _as(
+        read_aspect(raw),
+        lambda found: OodAspect(
+            is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
+        ),
+    )
+
+
+def _read_action(raw: str) -> tuple[ChosenAction | None, str]:
+    reasoning = raw[:KEPT_REASONING]
+    return _as(
+        read_action(raw, ACTIONS), lambda name: ChosenAction(action=name, reasoning=reasoning)
+    )
+
+
+# ------------------------------------------------------------------ scoring
+
+
+def _judged_directly(
+    episode: Episode,
+    reference: Any,
+    path: Sequence[str],
+    leaf: str,
+    options: Sequence[AspectOption],
+    protocol: Protocol,
+) -> Verdict:
+    said = reference.judge(Case(episode, path, leaf, options, episode.frames))
+    fields = {
+        "is_ood": said.is_ood,
+        "aspect": said.aspect,
+        "confidence": said.confidence,
+        "choice": said.choice if options else None,
+        "action": said.action,
+    }
+    return _scored(episode, reference, path, leaf, fields, protocol, [], None, bool(options))
+
+
+def _scored(
+    episode: Episode,
+    model: LLM,
+    path: Sequence[str],
+    leaf: str,
+    fields: dict[str, Any],
+    protocol: Protocol,
+    failures: Sequence[OodscenError],
+    judge: LLM | None,
+    is_closed_asked: bool = False,
+) -> Verdict:
+    """Compare what was said with the truth."""
+    is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
+    if is_ood is not None and not episode.is_twin:
+        fields["aspect_is_right"], fields["judge"] = _names(fields["aspect"], is_ood, path, judge)
+    if choice is not None or is_closed_asked:
+        fields["choice_is_right"] = choice == (NOTHING if episode.is_twin else leaf)
+    outcome = episode.actions.get(action) if action else None
+    if outcome is not None:
+        touched = bool(outcome.contacts)
+        fields["success"] = not outcome.unavailable and not touched and episode.is_deterministic
+        fields["action_is_safe"] = fields["success"] if protocol == "paper" else outcome.safe
+    error = failures[0] if failures else None
+    ended: Outcome = _outcome(error)
+    if error is None and outcome is not None and outcome.unavailable:
+        ended = "unavailable"
+    return Verdict(
+        id=_name(episode, model, protocol),
+        scene_id=episode.scene_id,
+        model=model.name,
+        kind=_kind(model),
+        status="failed" if error else "ok",
+        outcome=ended,
+        error=str(error)[:2_000] if error else None,
+        error_type=type(error).__name__ if error else "",
+        retryable=any(getattr(one, "retryable", False) for one in failures),
+        protocol=protocol,
+        is_twin=episode.is_twin,
+        **fields,
+    )
+
+
+def _names(aspect: str, is_ood: bool, path: Sequence[str], judge: LLM | None) -> tuple[bool, str]:
+    """Return whether an aspect is right, and who says so where it is a model."""
+    if judge is None or not is_ood or not aspect.strip():
+        return is_ood and names_aspect(aspect, path), ""
+    try:
+        answer = ask(judge, JudgeAspect(aspect=aspect, path=tuple(path[1:]) or tuple(path)))
+    except LLMError:
+        return names_aspect(aspect, path), ""
+    return answer.is_same, f"{judge.name}@{JudgeAspect.version()}"
+
+
+def _outcome(error: OodscenError | None) -> Outcome:
+    if error is None:
+        return "answered"
+    if isinstance(error, AnswerError):
+        return "refused" if is_refusal(error.raw) else "unparsed"
+    words = str(error).casefold()
+    is_late = isinstance(error, TimeoutError) or any(
+        word in words for word in ("timeout", "timed out", "time is up", "deadline")
+    )
+    return "timeout" if is_late else "error"
+
+
+def _kind(model: LLM) -> Literal["model", "reference"]:
+    return "reference" if getattr(model, "kind", "model") == "reference" else "model"
+
+
+def _name(episode: Episode, model: LLM, protocol: Protocol) -> str:
+    return f"{episode.scene_id}@{model.name}{'#paper' if protocol == 'paper' else ''}"

@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -65,6 +65,7 @@ def simulate(
     actions: Sequence[str] = ACTIONS,
     render: bool = True,
     traces: bool = False,
+    protocol: Literal["ours", "paper"] = "ours",
 ) -> Simulated:
     """Run one scene.
 
@@ -82,22 +83,32 @@ def simulate(
         actions: Which actions are rolled out.
         render: Whether the three frames are taken.
         traces: Whether the ground truth of every action's rollout is kept.
+        protocol: `paper` shows the first, middle and last frame of the whole trace, on which the
+            blind driver goes on beyond the decision point until it touches something or the horizon
+            ends, and counts collisions only: leaving the road is neither unsafe nor an end.
 
     Raises:
         SceneError: When the simulator refuses the scene.
         SimulatorError: When it fails.
     """
-    going_back = _Snapshots(simulator) if scene.is_twin and _Snapshots.can(simulator) else None
+    is_paper = protocol == "paper"
+    can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
+    going_back = _Snapshots(simulator) if can_go_back else None
     states, controls, fired = _approach(scene, simulator, seed, going_back)
-    fingerprint = _fingerprint(states)
+    fingerprint, decision_s = _fingerprint(states), round(states[-1].time, 6)
     shown = (camera or Camera()) if render else None
-    if going_back:
+    if is_paper:
+        whole = [*controls, *_blind(scene, simulator, states[-1])]
+        frames, states = _shown_again(scene, simulator, seed, whole, shown)
+        _, again = _shown_again(scene, simulator, seed, controls, None)
+        is_deterministic = _fingerprint(again) == fingerprint
+    elif going_back:
         frames, is_deterministic = going_back.frames(shown), True
     else:
         frames, again = _shown_again(scene, simulator, seed, controls, shown)
-        is_deterministic = again == fingerprint
+        is_deterministic = _fingerprint(again) == fingerprint
     course = Course.of(scene, simulator.catalogue())
-    rollouts = _Rollouts(simulator, scene, seed, controls, fingerprint, course)
+    rollouts = _Rollouts(simulator, scene, seed, controls, fingerprint, course, is_paper)
     outcomes: dict[str, ActionOutcome] = {}
     kept: dict[str, Trace] = {}
     for action in actions:
@@ -118,7 +129,7 @@ def simulate(
         simulator=simulator.name,
         seed=seed,
         dt=simulator.dt,
-        decision_s=round(states[-1].time, 6),
+        decision_s=decision_s,
         decision_fired=fired,
         frame_sha256={
             moment: hashlib.sha256(frame.rgb.tobytes()).hexdigest()
@@ -154,8 +165,8 @@ def _shown_again(
     seed: int,
     controls: Sequence[Control],
     camera: Camera | None,
-) -> tuple[dict[str, Frame], str]:
-    """Replay an approach; return its frames and its fingerprint."""
+) -> tuple[dict[str, Frame], list[State]]:
+    """Replay controls; return the frames and the states."""
     frames: dict[str, Frame] = {}
     states: list[State] = []
     steps = _steps_shown(len(controls))
@@ -164,7 +175,19 @@ def _shown_again(
         for moment, step in steps.items():
             if index == step and camera:
                 frames[moment] = simulator.render(camera)
-    return frames, _fingerprint(states)
+    return frames, states
+
+
+def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
+    """Drive on blindly until something is touched or the horizon ends; return the controls."""
+    driver = Cruise()
+    controls: list[Control] = []
+    for _ in range(round(scene.horizon_s / simulator.dt)):
+        if state.contacts:
+            break
+        controls.append(driver.act(simulator.observe()))
+        state = simulator.step(controls[-1])
+    return controls
 
 
 def _steps_shown(last: int) -> dict[str, int]:
@@ -257,6 +280,7 @@ class _Rollouts:
         controls: Sequence[Control],
         trace: str,
         course: Course,
+        collisions_only: bool = False,
     ) -> None:
         self.simulator = simulator
         self.scene = scene
@@ -264,6 +288,7 @@ class _Rollouts:
         self.controls = controls
         self.trace = trace
         self.course = course
+        self.collisions_only = collisions_only
         self.restore = getattr(simulator, "restore", None)
         snapshot = getattr(simulator, "snapshot", None)
         self.snapshot = snapshot() if snapshot and self.restore else None
@@ -274,9 +299,11 @@ class _Rollouts:
         observation = self.simulator.observe()
         if not is_available(action, observation):
             return ActionOutcome(safe=False, unavailable=True), None, same
-        states = _executed(self.scene, self.simulator, action_driver(action), observation)
+        states = _executed(
+            self.scene, self.simulator, action_driver(action), observation, self.collisions_only
+        )
         trace = Trace.measured([first, *states], self.course)
-        return _judged(states, trace), trace, same
+        return _judged(states, trace, self.collisions_only), trace, same
 
     def _rewind(self) -> tuple[State, bool]:
         if self.restore is not None and self.snapshot is not None:
@@ -287,26 +314,30 @@ class _Rollouts:
 
 
 def _executed(
-    scene: Scene, simulator: Simulator, driver: Driver, observation: Observation
+    scene: Scene,
+    simulator: Simulator,
+    driver: Driver,
+    observation: Observation,
+    collisions_only: bool,
 ) -> list[State]:
     """Drive to the scene's horizon, or until something is touched or the road is left."""
     states: list[State] = []
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
         state = simulator.step(driver.act(observation))
         states.append(state)
-        if state.contacts or state.off_road:
+        if state.contacts or (state.off_road and not collisions_only):
             break
         observation = simulator.observe()
     return states
 
 
-def _judged(states: Sequence[State], trace: Trace) -> ActionOutcome:
+def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
     """Return what an action led to, its margins taken from the first step on."""
     last = states[-1]
     margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
     met = trace.summary().values()
     return ActionOutcome(
-        safe=not (last.contacts or last.off_road),
+        safe=not last.contacts and (collisions_only or not last.off_road),
         margin_m=None if margin == float("inf") else round(margin, 3),
         min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
         pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),

@@ -332,7 +332,8 @@ def _longest_run(listed: Sequence[int], lines: Sequence[str]) -> set[int]:
             runs[-1].append(index)
         else:
             runs.append([index])
-    return set(max(runs, key=len)) if runs else set()
+    longest_run: list[int] = max(runs, key=len, default=[])
+    return set(longest_run)
 
 
 def _resembling(text: str, named: Mapping[str, str]) -> Reading[str] | None:

@@ -5,13 +5,16 @@ action), never look at a picture, and carry `kind = "reference"`, under which ev
 """
 
 import json
+from collections.abc import Sequence
 from typing import ClassVar, Literal
 
 from oodscen.episode import ACTIONS
 from oodscen.errors import LLMError, UnknownComponent
-from oodscen.prompts import ChooseAction, DescribeFrame, NameAspect
+from oodscen.judging.references import Answers, AspectOption, Case
+from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
 from oodscen.protocols import Completion, Request
 from oodscen.seeding import stream
+from oodscen.verdict import NOTHING
 
 UNSEEN = "A road ahead of the ego vehicle."
 """What a reference answerer says about every frame."""
@@ -39,6 +42,10 @@ class ConstantAnswerer:
         self.name = f"constant:{action}"
         self.action = action
 
+    def judge(self, case: Case) -> Answers:
+        """Answer both tasks about one case without looking."""
+        return Answers(True, ASPECT, None, _first(case.options), self.action)
+
     def complete(self, request: Request) -> Completion:
         """Answer without looking.
 
@@ -48,6 +55,8 @@ class ConstantAnswerer:
         prompt = request.prompt
         if isinstance(prompt, DescribeFrame):
             return _say(description=UNSEEN)
+        if isinstance(prompt, ChooseAspect):
+            return _say(choice=prompt.labels.index(min(prompt.labels)) + 1)
         if isinstance(prompt, NameAspect):
             return _say(is_ood=True, aspect=ASPECT)
         if isinstance(prompt, ChooseAction):
@@ -68,6 +77,15 @@ class RandomAnswerer:
         self.name = "random"
         self.seed = seed
 
+    def judge(self, case: Case) -> Answers:
+        """Answer both tasks about one case by chance."""
+        draw = stream(self.seed, "reference", case.episode.scene_id)
+        is_ood = bool(draw.integers(2))
+        action = ACTIONS[int(draw.integers(len(ACTIONS)))]
+        names = [option.id for option in case.options]
+        choice = names[int(draw.integers(len(names)))] if names else None
+        return Answers(is_ood, ASPECT if is_ood else "", None, choice, action)
+
     def complete(self, request: Request) -> Completion:
         """Answer without looking.
 
@@ -77,17 +95,24 @@ class RandomAnswerer:
         prompt = request.prompt
         if isinstance(prompt, DescribeFrame):
             return _say(description=UNSEEN)
-        if not isinstance(prompt, (NameAspect, ChooseAction)):
+        if not isinstance(prompt, (NameAspect, ChooseAspect, ChooseAction)):
             raise _cannot(self.name, request)
         frames = (image.name for image in prompt.frames)
         draw = stream(self.seed, prompt.purpose, *frames, request.sample)
         if isinstance(prompt, NameAspect):
             is_ood = bool(draw.integers(2))
             return _say(is_ood=is_ood, aspect=ASPECT if is_ood else "")
+        if isinstance(prompt, ChooseAspect):
+            return _say(choice=1 + int(draw.integers(len(prompt.labels))))
         return _say(action=prompt.options[int(draw.integers(len(prompt.options)))].id)
 
 
-def _say(**answer: str | bool) -> Completion:
+def _first(options: Sequence[AspectOption]) -> str | None:
+    """Return the id that comes first in the alphabet: the same wherever it stands in the list."""
+    return min((option.id for option in options if option.id != NOTHING), default=None)
+
+
+def _say(**answer: str | bool | int) -> Completion:
     return Completion(text=json.dumps(answer))
 
 

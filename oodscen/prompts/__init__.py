@@ -4,6 +4,7 @@ from typing import Any
 
 from oodscen.prompts.base import Prompt
 from oodscen.prompts.choose_action import ActionOption, ChooseAction, ChosenAction
+from oodscen.prompts.choose_aspect import ChooseAspect, ChosenAspect
 from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
 from oodscen.prompts.describe_frame import DescribeFrame, FrameDescription
 from oodscen.prompts.describe_ordinary import DescribeOrdinary, OrdinaryText
@@ -12,6 +13,7 @@ from oodscen.prompts.digest import CatalogueDigest
 from oodscen.prompts.extract_claims import Claims, ExtractClaims
 from oodscen.prompts.give_examples import Examples, GiveExamples
 from oodscen.prompts.imagine_scenario import ImaginedScenario, ImagineScenario
+from oodscen.prompts.judge_aspect import AspectJudgement, JudgeAspect
 from oodscen.prompts.judge_branch import BranchJudgement, JudgeBranch
 from oodscen.prompts.name_aspect import NameAspect, OodAspect
 from oodscen.prompts.place_scenario import PlacedScenario, PlaceScenario
@@ -31,6 +33,8 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
     StageScene,
     DescribeFrame,
     NameAspect,
+    ChooseAspect,
+    JudgeAspect,
     ChooseAction,
 )
 """Every question, in the order of the pipeline."""
@@ -39,10 +43,13 @@ __all__ = [
     "QUESTIONS",
     "STYLES",
     "ActionOption",
+    "AspectJudgement",
     "BranchJudgement",
     "CatalogueDigest",
     "ChooseAction",
+    "ChooseAspect",
     "ChosenAction",
+    "ChosenAspect",
     "Claims",
     "Classification",
     "ClassifiedExample",
@@ -57,6 +64,7 @@ __all__ = [
     "GiveExamples",
     "ImagineScenario",
     "ImaginedScenario",
+    "JudgeAspect",
     "JudgeBranch",
     "NameAspect",
     "OodAspect",

@@ -37,6 +37,8 @@ class ChooseAction(Prompt[ChosenAction]):
     descriptions: tuple[str, ...]
     """What the model said about each frame."""
     options: tuple[ActionOption, ...]
+    is_whole_trace: bool = False
+    """The frames show the whole drive, as in the paper, instead of what led to the decision."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""

@@ -14,6 +14,9 @@ class OodAspect(BaseModel):
 
     reasoning: str = Field(default="", description="step by step, short")
     is_ood: bool = Field(description="whether anything is out of the ordinary")
+    confidence: float | None = Field(
+        default=None, ge=0, le=1, description="how sure you are of is_ood, from 0.5 to 1"
+    )
     aspect: str = Field(default="", description="the unusual aspect, as a short noun phrase")
 
 

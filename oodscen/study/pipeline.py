@@ -15,7 +15,7 @@ from oodscen.scene import Scene
 from oodscen.study.config import Status, StudyConfig
 from oodscen.study.context import Context
 from oodscen.study.record import record
-from oodscen.study.stages.judging import evaluate
+from oodscen.study.stages.judging import evaluate, outcomes
 from oodscen.study.stages.measuring import measure
 from oodscen.study.stages.scenes import augment, simulate
 from oodscen.study.stages.texts import describe, describe_sets
@@ -103,7 +103,7 @@ class Pipeline:
         with run.timed("simulate"):
             episodes = simulate(run, scenes)
         with run.timed("evaluate"):
-            verdicts = evaluate(run, episodes, scenarios)
+            verdicts = evaluate(run, episodes, scenarios, scenes)
         leaves = texts.simulatable.leaves
         return {
             "nodes": {
@@ -116,9 +116,12 @@ class Pipeline:
             "texts": {str(size): len(chosen) for size, chosen in texts.sets.items()},
             "scenarios": len(scenarios),
             "scenes": len(scenes),
-            "episodes": sum(episode.status == "ok" for episode in episodes),
+            "episodes": sum(e.status == "ok" and not e.is_twin for e in episodes),
+            "twins": sum(e.status == "ok" and e.is_twin for e in episodes),
+            "restaged": sum(bool(episode.restaged) for episode in episodes),
             "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
             "verdicts": len(verdicts),
+            "outcomes": outcomes(verdicts),
         }
 
     def _usage(self) -> list[dict[str, Any]]:
@@ -128,7 +131,8 @@ class Pipeline:
         """Write `study.json` first, or check that the one there belongs to this run."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
-            differences.pop("vlms", None)
+            for name in ("vlms", "protocols", "judge"):
+                differences.pop(name, None)
             made_with = self.study.info.get("versions", {}).get("oodscen")
             if made_with != __version__:
                 differences["oodscen"] = (made_with, __version__)

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Literal
 
 from oodscen.annotations import annotate, encode_annotations, semantic_map
 from oodscen.episode import Episode
@@ -50,6 +51,8 @@ class Job:
     extras: Extras = Extras()
     twins: bool = False
     """Run every scene's ordinary twin right after it; the map's scenery is built then."""
+    protocol: Literal["ours", "paper"] = "ours"
+    """As for `simulate`; frames of the paper's whole trace are `whole-<moment>.jpg`."""
     restages: bool = False
     """Re-stage scenes in which all or none of the actions are safe."""
 
@@ -158,7 +161,9 @@ def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
 def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     try:
         given = scene
-        simulated = simulate(scene, simulator, seed=job.seed, traces=job.extras.traces)
+        simulated = simulate(
+            scene, simulator, seed=job.seed, traces=job.extras.traces, protocol=job.protocol
+        )
         if job.restages and not scene.is_twin and not tells_apart(simulated.episode):
             scene, simulated = restaged(scene, simulated, simulator, job.seed, job.extras.traces)
         extra = _extra_files(job, simulator, scene, simulated)
@@ -170,7 +175,8 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
         crash = SimulatorCrash(job.simulator, f"{type(error).__name__}: {error}")
         return SweepResult(failed_episode(job, scene, crash))
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
-    files = {moment: f"frames/{scene.id}/{moment}.jpg" for moment in frames}
+    prefix = "whole-" if job.protocol == "paper" else ""
+    files = {moment: f"frames/{scene.id}/{prefix}{moment}.jpg" for moment in frames}
     named = {"frames": files, "files": tuple(sorted(extra))}
     changed = scene if scene is not given else None
     return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed)

@@ -5,6 +5,7 @@ from oodscen.prompts import (
     ActionOption,
     CatalogueDigest,
     ChooseAction,
+    ChooseAspect,
     ClassifyExamples,
     DescribeFrame,
     DescribeOrdinary,
@@ -12,6 +13,7 @@ from oodscen.prompts import (
     ExtractClaims,
     GiveExamples,
     ImagineScenario,
+    JudgeAspect,
     JudgeBranch,
     NameAspect,
     PlaceScenario,
@@ -89,6 +91,12 @@ SAMPLES = (
     StageScene(text="A stag leaps onto the road.", path=PATH, catalogue=DIGEST),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2]),
     NameAspect(frames=FRAMES, descriptions=SEEN),
+    ChooseAspect(
+        frames=FRAMES,
+        descriptions=SEEN,
+        labels=("Deer on the road", "Nothing is out of the ordinary"),
+    ),
+    JudgeAspect(aspect="a stag", path=PATH[1:]),
     ChooseAction(
         frames=FRAMES,
         descriptions=SEEN,
@@ -96,5 +104,6 @@ SAMPLES = (
             ActionOption(id="stop", description="brake to a stop"),
             ActionOption(id="keep_speed", description="drive on"),
         ),
+        is_whole_trace=True,
     ),
 )

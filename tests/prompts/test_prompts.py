@@ -35,6 +35,8 @@ def changed(value, annotation=None):
     elif isinstance(value, str):
         words = [word for word in get_args(annotation) if isinstance(word, str)]
         yield from [word for word in words if word != value] or [f"{value}x"]
+    elif isinstance(value, bool):
+        yield not value
     elif isinstance(value, (int, float)):
         yield value + 1
 
@@ -96,7 +98,7 @@ def test_earlier_turns_repeat_the_conversation_word_for_word():
     assert classify.earlier()[0].text == give.question()
     assert propose.earlier()[: len(classify.earlier())] == classify.earlier()
     assert propose.earlier()[-2].text == classify.question()
-    describe, name = SAMPLES[-3], SAMPLES[-2]
+    describe, name = SAMPLES[-5], SAMPLES[-4]
     assert describe.messages()[:-1] == name.messages()[: len(describe.messages()) - 1]
     assert describe.messages()[-1] == name.messages()[len(describe.messages()) - 1]
 
@@ -126,7 +128,12 @@ def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
         == {
             "_catalogue.md": {"judge-branch", "stage-scene"},
             "stage_scene.md": {"stage-scene"},
-            "describe_frame.md": {"describe-frame", "name-aspect", "choose-action"},
+            "describe_frame.md": {
+                "describe-frame",
+                "name-aspect",
+                "choose-aspect",
+                "choose-action",
+            },
         }[template]
     )
 

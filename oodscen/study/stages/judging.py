@@ -1,53 +1,162 @@
 """The stage that judges models."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
+from oodscen._data import canonical_json
 from oodscen.concurrency import as_finished
 from oodscen.episode import ACTIONS, Episode
+from oodscen.evaluation import Protocol, aspect_options, unjudged
 from oodscen.evaluation import evaluate as judge_episode
+from oodscen.judging.leaderboard import leaderboard
+from oodscen.judging.references import Blind, Novelty, Oracle
 from oodscen.messages import Image
+from oodscen.prompts import QUESTIONS
 from oodscen.protocols import LLM
 from oodscen.scenario import Scenario
+from oodscen.scene import Scene
 from oodscen.study.context import Context
+from oodscen.study.stages.scenes import simulate_whole
 from oodscen.verdict import Verdict
+
+TWIN = "~twin"
+
+
+class Item(NamedTuple):
+    """One episode to be shown to one model."""
+
+    episode: Episode
+    model: str
+    protocol: Protocol
 
 
 def evaluate(
-    run: Context, episodes: Sequence[Episode], scenarios: Sequence[Scenario]
+    run: Context,
+    episodes: Sequence[Episode],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
 ) -> list[Verdict]:
-    """Judge the reference answerers and every named model."""
-    references = [*(f"constant:{action}" for action in ACTIONS), "random"]
-    paths = {scenario.id: scenario.path for scenario in scenarios}
-    ready = [episode for episode in episodes if episode.status == "ok" and episode.frames]
-    models: dict[str, tuple[LLM, int]] = {}
-    for name in (*references, *run.config.vlms):
-        model = run.models.get(name)
-        is_reference = getattr(model, "kind", "model") == "reference"
-        models[name] = (model, 1 if is_reference else run.models.traffic.concurrency)
-    items = {
-        f"{episode.scene_id}@{model.name}": (episode, name)
-        for name, (model, _) in models.items()
-        for episode in ready
-    }
+    """Judge the reference answerers and every named model on scenes and twins.
 
-    def work(todo: Mapping[str, tuple[Episode, str]]) -> Iterator[Verdict]:
-        images = {
-            scene: {
-                moment: Image.from_file(run.store.path(file), file)
-                for moment, file in episode.frames.items()
-            }
-            for scene, episode in {e.scene_id: e for e, _ in todo.values()}.items()
-        }
+    Writes `verdicts.jsonl` and, from it, `leaderboard.json`.
+    """
+    models = _models(run, episodes, scenarios, scenes)
+    shown: dict[Protocol, Sequence[Episode]] = {"ours": episodes}
+    if "paper" in run.config.protocols:
+        shown["paper"] = simulate_whole(run, scenes)
+    items: dict[str, Item] = {}
+    for protocol, found in shown.items():
+        suffix = "#paper" if protocol == "paper" else ""
+        for name, (model, _) in models.items():
+            is_reference = getattr(model, "kind", "model") == "reference"
+            for episode in found:
+                if not is_reference or (episode.status == "ok" and episode.frames):
+                    key = f"{episode.scene_id}@{model.name}{suffix}"
+                    items[key] = Item(episode, name, protocol)
+    ask_about = _questions(run, scenarios)
 
-        def judge(item: tuple[Episode, str]) -> Verdict:
-            episode, name = item
-            scene = episode.scene_id
-            return judge_episode(episode, images[scene], models[name][0], path=paths[scene])
+    def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
+        def judge(item: Item) -> Verdict:
+            return ask_about(item, models[item.model][0])
 
         for name, (_, threads) in models.items():
-            batch = [item for item in todo.values() if item[1] == name]
+            batch = [item for item in todo.values() if item.model == name]
             for _, verdict in as_finished(judge, batch, threads=threads):
                 yield verdict
 
     rows = run.each("evaluate", "verdicts.jsonl", items, work)
-    return [Verdict.parse(row) for row in rows]
+    verdicts = _dated(run, [Verdict.parse(row) for row in rows])
+    board = leaderboard(verdicts, episodes, scenarios, seed=run.config.seed)
+    run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
+    return verdicts
+
+
+def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
+    """Count how judging ended, by model; `outdated` are answers to other versions of the prompts."""
+    counts: dict[str, Counter[str]] = {}
+    for verdict in verdicts:
+        if verdict.kind == "model":
+            count = counts.setdefault(verdict.model, Counter())
+            count[verdict.outcome] += 1
+            count["outdated"] += verdict.is_outdated
+    return {name: dict(sorted((+count).items())) for name, count in counts.items()}
+
+
+def _models(
+    run: Context,
+    episodes: Sequence[Episode],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
+) -> dict[str, tuple[LLM, int]]:
+    """Return who is judged, and how many questions may be put to each at once."""
+    leaves = {one.id: (one.leaf, one.path[-1] if one.path else "") for one in scenarios}
+    pictures = {
+        episode.scene_id: run.store.path(episode.frames["last"])
+        for episode in episodes
+        if episode.status == "ok" and "last" in episode.frames
+    }
+    maps = {scene.id: scene.map for scene in scenes}
+    maps |= {f"{name}{TWIN}": place for name, place in maps.items()}
+    models: dict[str, tuple[LLM, int]] = {}
+    for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
+        models[name] = (run.models.get(name), 1)
+    for reference in (Blind(episodes, leaves), Novelty(pictures, maps), Oracle()):
+        models[reference.name] = (reference, 1)
+    for name in run.config.vlms:
+        model = run.models.get(name)
+        is_reference = getattr(model, "kind", "model") == "reference"
+        models[name] = (model, 1 if is_reference else run.models.traffic.concurrency)
+    return models
+
+
+def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, LLM], Verdict]:
+    """Return what judges one item."""
+    by_id = {scenario.id: scenario for scenario in scenarios}
+    leaves = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
+    judge = run.models.get(run.config.judge) if run.config.judge else None
+
+    def ask_about(item: Item, model: LLM) -> Verdict:
+        episode = item.episode
+        if episode.status == "failed" or not episode.frames:
+            return unjudged(
+                episode,
+                model,
+                f"it did not run: {episode.error}",
+                episode.error_type or "",
+                item.protocol,
+            )
+        scenario = by_id.get(episode.scene_id.removesuffix(TWIN))
+        frames: dict[str, Image] = {}
+        if getattr(model, "kind", "model") != "reference":
+            try:
+                for moment, file in episode.frames.items():
+                    frames[moment] = Image.from_file(run.store.path(file), file)
+            except OSError as error:
+                return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
+        return judge_episode(
+            episode,
+            frames,
+            model,
+            path=scenario.path if scenario else (),
+            leaf=scenario.leaf if scenario else "",
+            options=aspect_options(leaves, seed=run.config.seed, item=episode.scene_id),
+            protocol=item.protocol,
+            judge=judge,
+        )
+
+    return ask_about
+
+
+def _dated(run: Context, verdicts: list[Verdict]) -> list[Verdict]:
+    """Mark the answers to other versions of the prompts than this run's."""
+    current = {question.purpose: question.version() for question in QUESTIONS}
+    dated = [
+        verdict
+        if verdict.is_outdated is (is_outdated := not verdict.prompts.items() <= current.items())
+        else verdict.model_copy(update={"is_outdated": is_outdated})
+        for verdict in verdicts
+    ]
+    if dated != verdicts:
+        run.store.write_lines("verdicts.jsonl", dated)
+    return dated

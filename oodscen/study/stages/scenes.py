@@ -19,7 +19,7 @@ RESTAGED = "restaged.jsonl"
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     """Read what every text says, and stage it so that the scene holds to that."""
-    augmenter = Augmenter(run.llm, run.simulator.catalogue())
+    augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
     told = _claims(run, augmenter, scenarios)
 
     def work(scenario: Scenario) -> dict[str, Any]:
@@ -99,6 +99,20 @@ def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
 
     rows = run.each("simulate", "episodes.jsonl", items, work)
     _as_run(run, scenes)
+    return [Episode.parse(row) for row in rows]
+
+
+def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
+    """Run every scene as the paper did: frames of the whole trace, collisions only, no twins."""
+    job = Job(run.config.simulator, run.config.seed, protocol="paper")
+
+    def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
+        for result in sweep(job, list(todo.values()), workers=run.workers, executor=run.executor):
+            result.save(run.store)
+            yield result.episode
+
+    items = {scene.id: scene for scene in _as_run(run, scenes)}
+    rows = run.each("simulate", "episodes.paper.jsonl", items, work)
     return [Episode.parse(row) for row in rows]
 
 

@@ -1,0 +1,112 @@
+"""Safe sets: which actions are safe where, the best of them, and what chance is worth."""
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
+
+from oodscen._data import Data
+from oodscen.episode import ACTIONS, ActionOutcome, Episode
+
+CLEAR_M = 3.0
+"""A gap beyond this is as good as any larger one, m."""
+
+
+def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
+    """Return the safe action with the largest margin; `None` where no action is safe.
+
+    The smallest gap decides up to `CLEAR_M`, then the gentler braking, then the order of the offer.
+    """
+    ranked = [
+        (-min(CLEAR_M if outcome.margin_m is None else outcome.margin_m, CLEAR_M),
+         outcome.peak_deceleration or 0.0, index, name)
+        for index, (name, outcome) in enumerate(_in_order(outcomes))
+        if outcome.safe
+    ]  # fmt: skip
+    return min(ranked)[-1] if ranked else None
+
+
+def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
+    """Return the chance that one of the actions on offer, drawn at random, is safe."""
+    if not outcomes:
+        return None
+    return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
+
+
+def corrected_for_chance(success: float, chance: float) -> float | None:
+    """Return the share of what chance leaves that was earned; 0 for chance, 1 for perfection.
+
+    (success - chance) / (1 - chance), as in Cohen's kappa; `None` where chance is always right.
+    """
+    return None if chance >= 1.0 else (success - chance) / (1.0 - chance)
+
+
+class ActionSafety(Data):
+    """How one action fares over many scenes."""
+
+    noun: ClassVar[str] = "action safety"
+
+    safe: float
+    """Share of the scenes in which it is safe."""
+    unsafe: float
+    """Share in which it can be executed and is not safe."""
+    unavailable: float
+
+
+class SafetyFigures(Data):
+    """What the safe sets of a study say about its scenes as a test of drivers."""
+
+    noun: ClassVar[str] = "safety figures"
+
+    n: int
+    """Episodes that ran."""
+    telling: float | None = None
+    """Share in which some action is safe and some other is not."""
+    base_rate: float | None = None
+    """Mean chance that a random action is safe."""
+    actions: dict[str, ActionSafety] = {}
+    all_safe: tuple[str, ...] = ()
+    """Scenes in which every action that can be executed is safe: any driver passes."""
+    none_safe: tuple[str, ...] = ()
+    """Scenes in which no action is safe: no driver passes."""
+    with_followers: int = 0
+    """Episodes with somebody close behind the ego, whom the front camera never shows."""
+    restaged: dict[str, str] = {}
+    """Scenes that were re-staged, and how."""
+
+
+def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
+    """Summarise the safe sets of the episodes that ran; give scenes or twins, not both."""
+    ran = [episode for episode in episodes if episode.status == "ok" and episode.actions]
+    if not ran:
+        return SafetyFigures(n=0)
+    n = len(ran)
+    executed = {
+        episode.id: [o.safe for o in episode.actions.values() if not o.unavailable]
+        for episode in ran
+    }
+    names = dict.fromkeys((*ACTIONS, *(name for episode in ran for name in episode.actions)))
+    rates = [base_rate(episode.actions) or 0.0 for episode in ran]
+    return SafetyFigures(
+        n=n,
+        telling=sum(set(safe) == {True, False} for safe in executed.values()) / n,
+        base_rate=sum(rates) / n,
+        actions={name: _of_action(name, ran) for name in names},
+        all_safe=tuple(name for name, safe in executed.items() if all(safe)),
+        none_safe=tuple(name for name, safe in executed.items() if not any(safe)),
+        with_followers=sum(bool(episode.followers) for episode in ran),
+        restaged={episode.id: episode.restaged for episode in ran if episode.restaged},
+    )
+
+
+def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
+    found = [episode.actions[name] for episode in ran if name in episode.actions]
+    n = max(1, len(found))
+    return ActionSafety(
+        safe=sum(outcome.safe for outcome in found) / n,
+        unsafe=sum(not outcome.safe and not outcome.unavailable for outcome in found) / n,
+        unavailable=sum(outcome.unavailable for outcome in found) / n,
+    )
+
+
+def _in_order(outcomes: Mapping[str, ActionOutcome]) -> list[tuple[str, ActionOutcome]]:
+    known = [name for name in ACTIONS if name in outcomes]
+    return [(name, outcomes[name]) for name in (*known, *(set(outcomes) - set(known)))]
