@@ -25,7 +25,7 @@ def moved(**placement):
 
 
 def test_a_valid_draft_becomes_the_scene_of_the_scenario():
-    scene = Augmenter(ScriptedLLM([draft()]), CATALOGUE).run(SCENARIO)
+    scene = Augmenter(ScriptedLLM([draft()]), CATALOGUE, claims=False).run(SCENARIO)
     assert scene == example_scene().model_copy(update={"id": "box-001", "scenario_id": "box-001"})
 
 
@@ -46,12 +46,12 @@ def test_a_valid_draft_becomes_the_scene_of_the_scenario():
 )
 def test_every_fault_goes_back_with_its_path(changes, told):
     llm = ScriptedLLM([draft(**changes), draft()])
-    assert Augmenter(llm, CATALOGUE).run(SCENARIO).id == "box-001"
+    assert Augmenter(llm, CATALOGUE, claims=False).run(SCENARIO).id == "box-001"
     assert told in llm.requests[1].messages[-1].text
 
 
 def test_what_stays_wrong_is_one_typed_error():
     with pytest.raises(AnswerError) as caught:
-        Augmenter(ScriptedLLM([draft(map="moon")] * 3), CATALOGUE).run(SCENARIO)
+        Augmenter(ScriptedLLM([draft(map="moon")] * 3), CATALOGUE, claims=False).run(SCENARIO)
     assert caught.value.purpose == "stage-scene"
     assert [issue.path for issue in caught.value.issues] == ["map"]

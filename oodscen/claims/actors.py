@@ -20,7 +20,7 @@ _STILL = 0.5
 """m/s below which something counts as standing: gusts and milling about are above."""
 _MOVES = 0.3
 """m/s from which something counts as moving."""
-_ACROSS_M = 1.2
+_ACROSS_M = 0.8
 """m to the side that make a crossing."""
 _ASIDE_M = 0.5
 """m from the lane's middle from which something is to one side."""

@@ -23,8 +23,8 @@ _DENSE = 2
 _USERS = frozenset({"vehicle", "cyclist"})
 _MOTIONS = frozenset({"stationary"})
 
-Casting = Mapping[str, Seen | None]
-"""By subject: the actor it is taken for; `None` for what the map itself shows."""
+_OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
+"""What a map's own signals never show."""
 
 
 class Finding(Data):
@@ -152,8 +152,9 @@ def _settle(
         if best is None or faults < best[0]:
             best = faults, cast
     for name, chosen in zip(single, best[1] if best else (), strict=True):
-        if chosen is None or (scenery and _faults(scores[name, chosen.id])):
-            settled[name] = _unstaged(subjects[name], scenery, len(fitting)), set()
+        shown = scenery and _is_scenic(subjects[name])
+        if chosen is None or (shown and _faults(scores[name, chosen.id])):
+            settled[name] = _unstaged(subjects[name], shown, len(fitting)), set()
         else:
             settled[name] = scores[name, chosen.id], {chosen.id}
     return settled
@@ -182,7 +183,7 @@ def _judge_group(
 ) -> tuple[dict[Claim, Finding], set[str]]:
     """Judge claims about several things: each must be true of one of them at least."""
     if not fitting:
-        return _unstaged(claims, scenery, 0), set()
+        return _unstaged(claims, scenery and _is_scenic(claims), 0), set()
     findings: dict[Claim, Finding] = {}
     every = [_judge_one(claims, one) for one in fitting]
     for claim in claims:
@@ -199,14 +200,27 @@ def _judge_group(
 def _unstaged(claims: Sequence[Claim], scenery: bool, others: int) -> dict[Claim, Finding]:
     """Return the findings about something that no actor is."""
     if scenery:
-        found = "the map has it"
-        return {
-            claim: _finding(claim, True if claim.kind == "thing" else None, found, "map")
-            for claim in claims
-        }
+        return {claim: _of_scenery(claim) for claim in claims}
     rest = " other" if others else ""
     found = f"there is no{rest} actor that is one"
     return {claim: _finding(claim, False, found, "actors") for claim in claims}
+
+
+def _is_scenic(claims: Sequence[Claim]) -> bool:
+    """Tell whether what is said may be true of something that belongs to the map."""
+    return not any(
+        claim.kind == "distance"
+        or (claim.kind == "motion" and claim.value != "stationary")
+        or (claim.kind == "place" and claim.value == "in_lane")
+        for claim in claims
+    )
+
+
+def _of_scenery(claim: Claim) -> Finding:
+    """Judge a claim about something that only the map shows: it stands there, in good order."""
+    if claim.kind == "state" and claim.value in _OUT_OF_ORDER:
+        return _finding(claim, False, "the map's own is in order", "map")
+    return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")
 
 
 def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> Finding:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from oodscen._version import __version__
-from oodscen.cli import components, judging, measuring, pruning, stages, study, tree
+from oodscen.cli import claims, components, judging, measuring, pruning, stages, study, tree
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -48,6 +48,7 @@ for _command in (
     pruning.prune,
     stages.describe,
     stages.augment,
+    claims.faithful,
     stages.simulate,
     study.evaluate,
     measuring.score,

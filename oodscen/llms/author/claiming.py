@@ -23,7 +23,9 @@ _STRONGER = {
     "ahead": ("behind",),
 }
 """What is not claimed beside something that says more, or contradicts it and is surer."""
-_WILFUL = frozenset({"oncoming", "moving", "slow", "reversing", "crossing"})
+_WILFUL = frozenset(
+    {"oncoming", "moving", "slow", "reversing", "crossing", "from_left", "from_right"}
+)
 _CROSSES = frozenset({"crossing", "into_lane", "from_left", "from_right"})
 _UNINFLECTED = frozenset({"deer", "sheep", "moose", "elk"})
 _FEW, _MANY = 2, 3
@@ -128,13 +130,19 @@ class _Reading:
             return None
         if re.search(r"\bas an? $", before) and re.match(r"[.,;]|$", after):
             return None
+        if name == "object" and re.match(r" [^.;,]{0,40}\bis (?:an?|really) ", after):
+            return None
         if name == "barrier" and after.startswith(" of "):
             return None
         lead = sentence[_last_end(phrases.BREAK, sentence) :]
         count = _count(lead, mention)
         determiner = phrases.DETERMINER.search(lead)
         word = determiner.group(1).casefold() if determiner else ""
+        if mention.thing.group == "person" and phrases.RIDES.match(after):
+            return None
         if name in phrases.PARTS and word in ("the", "its", "their"):
+            return None
+        if mention.thing.group == "object" and self._is_carried(mention):
             return None
         same = [s for s in self.subjects if s.mention.thing is mention.thing]
         is_new = word in ("a", "an", "another", "a second", "a third", "a further")
@@ -147,10 +155,21 @@ class _Reading:
                 return alike[-1]
             if count > 1:
                 return None
+        if (word == "its" and mention.thing.group == "vehicle") or (
+            word == "the" and name == "tree" and mention.is_plural
+        ):
+            return None
         label = name if not same else f"{name} {len(same) + 1}"
         subject = Subject(label, mention, count)
         self.subjects.append(subject)
         return subject
+
+    def _is_carried(self, mention: Mention) -> bool:
+        """Tell whether a thing is but a part or the load of the thing named right before it."""
+        if not self.subjects:
+            return False
+        between = self.text[self.subjects[-1].mention.end : mention.start]
+        return phrases.CARRIED.fullmatch(between.lstrip()) is not None
 
     # -------------------------------------------------------------- predicates
 
@@ -161,6 +180,13 @@ class _Reading:
         is_verb = pattern.kind == "motion"
         if is_verb and phrases.FORBIDDEN.search(self.text[:start][-40:]):
             return
+        if is_verb and self._leads(end):
+            return
+        lead = self.text[:start][-40:]
+        if pattern.value != "off" and not is_verb and phrases.NEGATED.search(lead):
+            return
+        if is_verb and pattern.value != "stationary" and phrases.PERFECT.search(lead):
+            return
         if pattern.value == "clear_of_lane" and phrases.LEFT.search(self.text[:start][-40:]):
             return
         subject = self._owner(start, end, is_verb=is_verb)
@@ -169,13 +195,23 @@ class _Reading:
         thing = subject.mention.thing
         if pattern.value == "reversing" and thing.group != "vehicle":
             return
-        names_ego = phrases.EGO.search(found.group(0)) is not None
+        names_ego = "ego" in found.group(0).casefold()
         if pattern.value == "behind" and thing.group != "vehicle" and not names_ego:
             return
         if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
             return
         value = pattern.value or found.group(1)
         self._add(pattern.kind, value, subject.name, start, end)
+
+    def _leads(self, end: int) -> bool:
+        """Tell whether a word is an adjective of the noun that follows at once."""
+        following = next((noun for noun in self.nouns if noun.start >= end), None)
+        if following is None or following.subject is None:
+            return False
+        return (
+            re.fullmatch(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", self.text[end : following.start])
+            is not None
+        )
 
     def _owner(self, start: int, end: int, *, is_verb: bool) -> Subject | None:
         """Find the thing that a predicate is about; `None` for the ego or where it is unclear."""
@@ -187,9 +223,9 @@ class _Reading:
         heads = [noun for noun in before if not noun.is_oblique]
         if heads:
             head = self._meant(heads[0])
-            if head.subject is None and not is_verb and len(before) > 1:
+            if head.subject is None and self._is_ego(head) and not is_verb and len(before) > 1:
                 rest = [noun for noun in before if noun.start > head.start]
-                return rest[-1].subject
+                return rest[-1].subject if rest else None
             return head.subject
         if not is_verb:
             after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
@@ -206,11 +242,19 @@ class _Reading:
         """Return what a pronoun stands for: the last thing that its sentence named."""
         if self.text[noun.start : noun.end].casefold() not in ("it", "they"):
             return noun
-        earlier = [one for one in self.nouns if one.end <= noun.start]
+        earlier = [
+            one
+            for one in self.nouns
+            if one.end <= noun.start and (one.subject is not None or not one.is_oblique)
+        ]
         if not earlier or earlier[-1].subject is None:
             return noun
         between = self.text[earlier[-1].end : noun.start]
         return noun if phrases.SENTENCE.search(between) else earlier[-1]
+
+    def _is_ego(self, noun: Noun) -> bool:
+        words = self.text[noun.start : noun.end].casefold()
+        return words in ("it", "you") or "ego" in words
 
     def _may_govern(self, noun: Noun) -> bool:
         """Tell whether what follows a noun phrase at once may be said of it."""
@@ -231,7 +275,7 @@ class _Reading:
         for clause in reversed(self.clauses[:at]):
             if clause.sentence != self.clauses[at].sentence:
                 return None
-            heads = [noun for noun in clause.nouns if not noun.is_oblique]
+            heads = [noun for noun in clause.nouns if not noun.is_oblique] or clause.nouns
             if heads:
                 return heads[0]
         return None

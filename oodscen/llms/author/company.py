@@ -86,7 +86,12 @@ def company(
 
 
 def is_followed(
-    kinds: Sequence[Company], recipe: Recipe, told: Traffic | None, rng: np.random.Generator
+    kinds: Sequence[Company],
+    recipe: Recipe,
+    told: Traffic | None,
+    rng: np.random.Generator,
+    *,
+    is_dense: bool = False,
 ) -> Company | None:
     """Return who drives close behind the ego, if anybody does.
 
@@ -95,6 +100,7 @@ def is_followed(
         recipe: May forbid or demand it.
         told: Traffic that the text mentions; where it mentions any, that is all there is.
         rng: Draws once, whatever comes of it.
+        is_dense: Whether everybody comes who may.
     """
     draw = float(rng.random())
     behind = next((kind for kind in kinds if kind.side == "behind"), None)
@@ -102,7 +108,7 @@ def is_followed(
         return None
     if recipe.company == "follower" or (told is not None and told.key == "follower"):
         return behind
-    return behind if told is None and draw < behind.share else None
+    return behind if told is None and (is_dense or draw < behind.share) else None
 
 
 def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor]:

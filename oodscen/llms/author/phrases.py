@@ -20,16 +20,22 @@ def _patterns(rows: str) -> tuple[Pattern, ...]:
     found = []
     for line in filter(None, map(str.strip, rows.splitlines())):
         kind, value, regex = line.split(maxsplit=2)
-        filled = regex.replace("{lane}", _LANE).replace("{ego}", _EGO).replace("{n}", _NUMBER)
+        filled = (
+            regex.replace("{lane}", _LANE)
+            .replace("{ego}", _EGO_ITSELF)
+            .replace("{own}", rf"{_EGO}['’]s")
+            .replace("{n}", _NUMBER)
+        )
         pattern = re.compile(rf"(?<![\w-])(?:{filled})(?![\w-])", re.IGNORECASE)
         found.append(Pattern(kind, "" if value == "-" else value, pattern))  # type: ignore[arg-type]
     return tuple(found)
 
 
 _EGO = r"(?:(?:the|an|your|its) )?(?:(?:user-controlled )?ego(?:[- ](?:vehicle|car|motorcycle|driver))?|hero vehicle|autonomous vehicle|automated vehicle|self-driving car|own vehicle)"
+_EGO_ITSELF = rf"{_EGO}(?!['’]s)"
 _LANE = (
     rf"(?:{_EGO}['’]s(?: own| entry| driving| original| current| very| planned)? (?:lane|path|way|side)"
-    rf"|(?:the |its )?(?:lane|path|way) of {_EGO}|the lane (?:in which|that|used by|where) {_EGO}"
+    rf"|(?:the )?ego(?: own| entry)? (?:lane|path)|(?:the |its )?(?:lane|path|way) of {_EGO}|the lane (?:in which|that|used by|where) {_EGO}"
     r"|the same lane|your lane|(?<=vehicle in )its(?: entry| own)? lane|(?<=vehicle inside )its lane)"
 )
 _NUMBER = r"(two|three|four|five|six|eight|one|a single|single|[1-8])"
@@ -52,7 +58,7 @@ NUMBER_WORDS = {
 }
 
 EGO = re.compile(
-    rf"(?<![\w-]){_EGO}(?:['’]s)?(?![\w-])|\b(?:it|you|your|they|somebody|someone|nobody)\b",
+    rf"(?<![\w-]){_EGO}(?:['’]s)?(?![\w-])|\b(?:it|you|your|they|somebody|someone|nobody|traffic)\b",
     re.IGNORECASE,
 )
 """The ego, and pronouns that may stand for it or for anybody."""
@@ -95,7 +101,7 @@ SETTINGS = _patterns(
     road shoulder       hard shoulder|(?:with|on|along|onto|from) (?:an? |the |its )?(?:\w+ )?shoulder(?! to)
     road level_crossing level crossing|railway crossing|railroad crossing
     road coastal        coastal|coast road|seafront
-    road mountain       mountain(?! of)|mountainous
+    road mountain       mountain(?! (?:of|bike|biker|bikes))|mountainous
     own_lanes -         {n} lanes? (?:in each direction|each way|in either direction|per direction|in (?:its|the ego['’]s|your|the same|this) direction)
     lanes -             {n}-lane(?! (?:\w+ )?roundabout)
     lanes -             (?:road|street|highway|motorway|avenue|way)(?: \w+)? (?:with|of) {n} lanes(?! (?:in|each|per))
@@ -114,25 +120,25 @@ PREDICATES = _patterns(
     r"""
     place in_lane       (?:in|inside|into|onto|on|across|along|over|within|occupy(?:ing)?|enter(?:s|ing)?)(?: the)?(?: very)?(?: middle| centre| center| right edge)?(?: of)? {lane}
     place in_lane       (?:block(?:s|ing)?|fill(?:s|ing)?|occup(?:ies|ying)|obstruct(?:s|ing)?|take up|takes up|closes|closing|cover(?:s|ing)|cross(?:es|ing)?|straddl(?:es|ing)|share(?:s)?)(?: up)?(?: (?:half|part|most|the middle|the whole|all|the centre|both) of)? {lane}
-    place in_lane       right in {ego}['’]s path|in line with {ego}
+    place in_lane       right in {own} path|in line with {ego}
     place clear_of_lane (?:just )?clear of (?:{lane}|the (?:lane|road|carriageway))|(?<!half )beside (?:the (?:road|carriageway|lane)|{lane})|short of {lane}
     place clear_of_lane (?<!half )on the (?:hard |gravel |grass |right |left |right-hand |left-hand |nearside |far )*(?:shoulder|verge|pavement|sidewalk|kerb|curb|roadside)|at the (?:roadside|kerb|curb)
-    place left          (?:on|at) (?:the|{ego}['’]s) left(?:-hand (?:side|kerb|verge|edge))?(?! lane)|left of {ego}|on the left front
-    place right         (?:on|at) (?:the|{ego}['’]s) right(?:-hand (?:side|kerb|verge|edge))?(?! lane)|right of {ego}|on the right front
-    place left_lane     in the (?:next |adjacent |neighbou?ring )?lane (?:to|on) (?:its|the|{ego}['’]s) left|in the next lane on the left|(?:in|from) the lane (?:to|on) the left|(?:in|from) the (?:left neighbou?ring|adjacent left|neighbou?ring left|left-hand) lane
-    place right_lane    in the (?:next |adjacent |neighbou?ring )?lane (?:to|on) (?:its|the|{ego}['’]s) right|in the next lane on the right|(?:in|from) the lane (?:to|on) the right|(?:in|from) the (?:right neighbou?ring|adjacent right|neighbou?ring right|right-hand) lane
+    place left          (?:on|at) (?:the|{own}) left(?:-hand (?:side|kerb|verge|edge))?(?! lane)|left of {ego}|on the left front
+    place right         (?:on|at) (?:the|{own}) right(?:-hand (?:side|kerb|verge|edge))?(?! lane)|right of {ego}|on the right front
+    place left_lane     in the (?:next |adjacent |neighbou?ring )?lane (?:to|on) (?:its|the|{own}) left|in the next lane on the left|(?:in|from) the lane (?:to|on) the left|(?:in|from) the (?:left neighbou?ring|adjacent left|neighbou?ring left|left-hand) lane
+    place right_lane    in the (?:next |adjacent |neighbou?ring )?lane (?:to|on) (?:its|the|{own}) right|in the next lane on the right|(?:in|from) the lane (?:to|on) the right|(?:in|from) the (?:right neighbou?ring|adjacent right|neighbou?ring right|right-hand) lane
     place oncoming_lane in the (?:oncoming|opposite) lane
     place behind        (?:(?:close|right|just|directly|immediately|closely|short distance) )?behind {ego}|(?:close|right|just|closely|directly) behind it|(?:close|right|closely) behind|following (?:closely|close)|follows (?:closely|close)|tailgat(?:es|ing)|up from behind
     place ahead         ahead(?! of (?!{ego}|it))|in front(?! of)|in front of {ego}|before {ego}
     distance -          (\d{1,3}) ?(?:m|metres|meters)(?: \w+)? (?:ahead|in front|away|from|down|up|before|further)
-    motion stationary   stands?|(?<!was )(?<!were )standing|lie(?:s)?|lying|lay(?:s)?|sit(?:s|ting)?|parked|stationary|motionless|immobile|has stopped|have stopped|is stopped|halted|has broken down|stalled|stranded|abandoned|dumped|left standing|come to (?:a |an )?(?:\w+ )?(?:rest|standstill|stop|halt)|came to rest|comes to rest|at a standstill|stuck|positioned|has died|will not start
-    motion moving       driv(?:es|ing)|mov(?:es|ing)|travel(?:s|ling|ing)|rid(?:es|ing)|runs?|running(?! lane)|walk(?:s|ing)?|wander(?:s|ing)?|roam(?:s|ing)?|roll(?:s|ing)|creep(?:s|ing)?|crawl(?:s|ing)?|trot(?:s|ting)?|gallop(?:s|ing)?|jog(?:s|ging)?|sprint(?:s|ing)?|dash(?:es|ing)|dart(?:s|ing)|leap(?:s|ing)?|bound(?:s|ing)|jump(?:s|ing)?|swerv(?:es|ing)|weav(?:es|ing)|overtak(?:es|ing(?! lane))|merg(?:es|ing)|drift(?:s|ing)|stray(?:s|ing)?|pedals?|pedalling|limps|approach(?:es|ing)|revers(?:es|ing)|pull(?:s|ing) out|cut(?:s|ting) in|cut(?:s|ting) off|step(?:s|ping) (?:out|onto|into|off)|emerg(?:es|ing) from
+    motion stationary   stands?|(?<!was )(?<!were )standing|lie(?:s)?|lying|lay(?:s)?|sit(?:s|ting)?|parked|stationary|motionless|immobile|has stopped|have stopped|is stopped|halted|has broken down|stalled|stranded|abandoned|dumped|left standing|come to (?:a |an )?(?:\w+ )?(?:rest|standstill|stop|halt)|came to rest|at a standstill|stuck|positioned|has died|will not start
+    motion moving       driv(?:es|ing)|mov(?:es|ing)|travel(?:s|ling|ing)|rid(?:es|ing)|runs?|running(?! (?:lane|to the|along the))|walk(?:s|ing)?|wander(?:s|ing)?|roam(?:s|ing)?|roll(?:s|ing)|creep(?:s|ing)?|crawl(?:s|ing)?|trot(?:s|ting)?|gallop(?:s|ing)?|jog(?:s|ging)?|sprint(?:s|ing)?|dash(?:es|ing)|dart(?:s|ing)|leap(?:s|ing)?|bound(?:s|ing)|jump(?:s|ing)?|hop(?:s|ping)|swerv(?:es|ing)|weav(?:es|ing)|overtak(?:es|ing(?! lane))|merg(?:es|ing)|drift(?:s|ing)|stray(?:s|ing)?|pedals?|pedalling|limps|approach(?:es|ing)|revers(?:es|ing)|pull(?:s|ing) out|cut(?:s|ting) in|cut(?:s|ting) off|step(?:s|ping) (?:out|onto|into|off)|emerg(?:es|ing) from
     motion slow         (?:driv|mov|travel|roll)(?:es|s|ing|ling)? (?:very )?(?:slowly|along slowly)|slow(?:ly)?[- ]moving|slowly moving|creep(?:s|ing)?(?: along)?|crawl(?:s|ing)?|at (?:a |less than )?walking pace|slowed to a crawl|plods?(?: along)?
     motion oncoming     oncoming|towards? {ego}|towards it|(?:pedals|drives|comes|coming|rides|runs|running|charges|heads|heading|races|racing|hurtles|speeds|trots|gallops|straight|directly|right) at {ego}|head-on|against (?:the )?(?:flow of )?(?:traffic|its direction|the direction of travel)|(?:the|in the) wrong (?:way(?! (?:round(?! the)|up))|direction)|(?:driv|rid|travel|com|pedal|mov)\w+ (?:[\w'-]+ ){0,4}on the wrong side|com(?:es|ing) the other way|com(?:es|ing) from the opposite direction|approaching in the (?:oncoming|opposite) lane
     motion crossing     sets? (?:off|out) across|cross(?:es|ing)(?! the (?:marking|line|centre|center|verge|median))|(?:run|runs|running|walk|walks|walking|dash|dashes|dart|darts|drive|drives|shoot|shoots|leap|leaps|bolt|bolts|roll|rolls|step|steps|wander|wanders|ride|rides|stroll|strolls|hurry|hurries) (?:out )?(?:straight |right |suddenly |blindly )?across
     motion crossing     (?:runs|running|darts|darting|dashes|dashing|leaps|leaping|bolts|bolting|sprints|jumps|bounds|steps|stepping|shoots) (?:straight |suddenly |blindly |right )?(?:out|into|onto|on to|in front|off)
-    motion from_left    (?:out )?(?:from|of) (?:the|its|{ego}['’]s) left(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the left-hand (?:side|verge)
-    motion from_right   (?:out )?(?:from|of) (?:the|its|{ego}['’]s) right(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the right-hand (?:side|verge)
+    motion from_left    (?:out )?(?:from|of) (?:the|its|{own}) left(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the left-hand (?:side|verge)
+    motion from_right   (?:out )?(?:from|of) (?:the|its|{own}) right(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the right-hand (?:side|verge)
     motion into_lane    (?:cut|swerv|chang|mov|merg|drift|stray|pull|steer|nos|push|stepp?|runn?|walk|roll|jump|leap|dart|shoot|com|veer|slid|lurch)(?:s|es|ing)?(?: (?!back)[\w-]+){0,4} into {lane}|cut(?:s|ting) in (?:right |directly |sharply )?(?:ahead of|in front of) {ego}
     motion reversing    revers(?:es|ing)|(?<!look )(?<!looks )(?<!looking )(?<!facing )backwards|back(?:s|ing) (?:out|up)|tail first|in reverse
     motion braking      (?<!the )(?<!its )brak(?:es|ing)|slams on (?:its|the) brakes|decelerat(?:es|ing)|slows down|(?:suddenly|abruptly) (?:stops|slows)|stops (?:suddenly|abruptly|dead)|comes to a (?:sudden |dead |complete )?(?:halt|stop)
@@ -166,29 +172,48 @@ LEADS = _patterns(
 
 FORBIDDEN = re.compile(
     r"(?:(?<!starts )(?<!begins )(?<!began )(?<!starting )(?<!beginning )\bto|will|would|could|may|might|can|cannot|must|should|went|not|never|nearly|almost|without|instead of|before|no longer|how to|"
-    r"although no|no|do not|does not|which would)\s(?:\w+ )?$",
+    r"although no|no|do not|does not|which would)\s(?:\w+ )?$"
+    r"|\b(?:an?|the|its|their|his|her|whose|for)\s$|\buntil (?:\w+ ){0,2}$|\b(?:look|star|fac|gaz|point|signal|gestur|wav)\w*(?: \w+)? $",
     re.IGNORECASE,
 )
 """What, before a verb, says that it does not happen, or not yet."""
 
 NOT_THERE = re.compile(
-    r"(?:\b(?:no|without|neither|nor|than|like|resembl\w+|instead of|rather than|mistaken for|seems? to be|appears? to be|loose from|not|any|every|all|other|each|fellow|lack of|absence of|size of|shape of|sound of|smell of|as (?:big|tall|large|high|long|wide|heavy|small|little) as|"
+    r"(?:\b(?:no|without|neither|nor|than|like|resembl\w+|instead of|rather than|mistaken for|seems? to be|appears? to be|loose from|not|any|every|all|other|each|fellow|lack of|absence of|size of|shape of|sound of|smell of|as [\w-]+ as|"
     r"(?:reserved|meant|space|room|place|made|designed|built|enough|sign|parking) for|ignor\w+|aimed at)\s+(?:(?:an?|the|any|other)\s+)?(?:[\w-]+\s+){0,2}"
-    r"|\b(?:lost|fell|fallen|falls|falling|come loose|dropped|shed|slid|slipped|torn|spilled|spilt|blown|thrown|left behind|came|rolled|bounced)\b[^.;,]{0,25}\b(?:from|off|by)\s+(?:(?:an?|the|some|passing)\s+)?(?:[\w'-]+\s+){0,2}"
+    r"|\b(?:lost|fell|fallen|falls|falling|come loose|come|let go|strewn|toppled|dropped|shed|slid|slipped|torn|spilled|spilt|blown|thrown|left behind|came|rolled|bounced)\b[^.;,]{0,25}\b(?:from|off|by)\s+(?:(?:an?|the|some|passing)\s+)?(?:[\w'-]+\s+){0,2}"
     r"|\bto (?!an?\s|the\s|its\s|one\s|their\s)\w+ (?:an? |the )?(?:[\w-]+ )?|\bha[sd] left an? (?:[\w-]+ ){0,2}"
+    r"|\b(?:crates?|logs?|boxes|load|planks|pipes|goods|cargo|timber) from an? (?:[\w-]+ ){0,2}|\bbecause [^.,;]{0,40}|\b(?:gives?|shows?) the (?:[\w-]+ )?|\b(?:speed|pace|height|width) of an? (?:[\w-]+ )?"
     r"|\bso that |\b(?:said|says|sign|board|warning|warns|warn) (?:of|about) (?:[\w-]+\s+){0,2})$",
     re.IGNORECASE,
 )
 """What, before a noun, says that the thing itself is not there."""
 
+RIDES = re.compile(
+    r"^ (?:on|astride) (?:an?|his|her) (?:[\w-]+ )?(?:bike|bicycle|e-scooter|scooter|motorcycle|motorbike|moped|horse|tractor)",
+    re.IGNORECASE,
+)
+"""What, after a person, says that somebody on wheels is meant."""
+
+NEGATED = re.compile(
+    r"\b(?:not|never|without|no|nor|hardly|barely|scarcely|instead of)\s(?:\w+ )?$", re.IGNORECASE
+)
+PERFECT = re.compile(r"\b(?:has|have|had)\s$", re.IGNORECASE)
+
 NOT_ITSELF = re.compile(
-    r"^(?:['’]s? (?:tyres?|size|driver)| (?:is|are|was|were) (?:not|never|nowhere|rarely)\b| of (?:farm|fire|parked|tractors|people|vehicles|light|sound)\b|[ -](?:park|stop|lane|driver|drivers|wash|length|lengths|horn|tracks?|tyres?|load|cargo|parts?|part|sized|like|shaped|owner|show|dealer|race|alarm|company|number|traffic|count|behavio\w+|dynamics|collision|fence|market|crossing|crossings|lines?|flow)\b)",
+    r"^(?:['’]s? | of (?:drinks|goods|tools|beer|water|fruit)\b|,? (?:that |which )?(?:has|have|had)(?: just)? (?:lost|dropped|shed|spilled|spilt|carried|pulled down|torn down|brought down|knocked down|dumped|put up|set up|run into)(?! its (?!load|cargo))| (?:is|are|was|were) (?:not|never|nowhere|rarely)\b| of (?:farm|fire|parked|tractors|people|vehicles|light|sound)\b|[ -](?:park|stop|lane|driver|drivers|wash|length|lengths|horn|tracks?|tyres?|load|cargo|parts?|part|sized|like|shaped|owner|show|dealer|race|alarm|company|number|traffic|count|behavio\w+|dynamics|collision|fence|market|crossing|crossings|lines?|flow|transport|machinery|track)\b)",
     re.IGNORECASE,
 )
 """What, after a noun, says that it only modifies another."""
 
-DENIED = re.compile(r"\b(?:no|without|not|between|nor|than|leaves? the) (?:\w+ )?$", re.IGNORECASE)
+DENIED = re.compile(
+    r"\b(?:no|without|not|between|nor|than|any|disused|former|leaves? the|after an?|last|yesterday's|during the|all) (?:[\w-]+ )?$",
+    re.IGNORECASE,
+)
 """What, before words about weather or road, says that it is not so."""
+
+CARRIED = re.compile(r"\bwith (?:an? |its |two |some )?(?:[\w-]+ ){0,2}$", re.IGNORECASE)
+"""What, between two things, says that the second is part or load of the first."""
 
 QUANTITY = re.compile(
     r"\b(?:(two|both|three|four|five|six|seven|eight|nine|ten|\d{1,3})|(a (?:pair|couple) of)|((?:a |an )?(?:\w+ )?(?:row|line|group|crowd|herd|flock|cluster|string|number|pack|swarm|handful) of|several|a few|some|many|multiple|dozens of|various))\s+(?:[\w'’-]+,?\s+){0,3}$",
@@ -222,7 +247,22 @@ BLOCKED_BY = re.compile(
 PARTS = frozenset({"tyre", "bumper", "car door"})
 """Things that a definite article makes a part of some vehicle."""
 
-INERT = frozenset({"barrier", "traffic cone", "traffic light", "tree", "power pole"})
+INERT = frozenset(
+    {
+        "barrier",
+        "traffic cone",
+        "traffic light",
+        "tree",
+        "power pole",
+        "power line",
+        "smoke",
+        "bonfire",
+        "flood water",
+        "puddle",
+        "oil spill",
+        "broken glass",
+    }
+)
 """Things of which no motion is claimed but falling, rolling and the like."""
 
 LEFT = re.compile(

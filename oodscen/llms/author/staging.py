@@ -81,7 +81,8 @@ class Stager:
         scene = _set(prompt.catalogue, road, recipe, place, lane, rng)
         traffic = self.recogniser.traffic(prompt.text)
         scene.named, others = _named(prompt.text, said, traffic)
-        tailgater = is_followed(self.knowledge.company, recipe, traffic, rng)
+        is_dense = any(_is_busy(claim) for claim in said)
+        tailgater = is_followed(self.knowledge.company, recipe, traffic, rng, is_dense=is_dense)
         scene.is_followed = tailgater is not None
         shift, decision = _timing(scene, weather.friction, distance)
         recipe = scene.recipe
@@ -94,7 +95,7 @@ class Stager:
                     unusual[actor.id] = counterpart
         if traffic is not None and traffic.actor is not None:
             actors += told_traffic(traffic.actor, scene, others)
-        is_told = traffic is not None and traffic.key == "follower"
+        is_told = is_dense or (traffic is not None and traffic.key == "follower")
         if tailgater is not None and (scene.is_followed or is_told):
             actors += follower(tailgater, scene, actors)
         if traffic is None and recipe.company and attempt < 2:
@@ -107,7 +108,7 @@ class Stager:
                 (decision, decisive),
                 rng,
                 free=scene.escape,
-                is_dense=any(_is_busy(claim) for claim in said),
+                is_dense=is_dense,
             )
         if ordinary is None and not unusual:
             raise LLMError(f"the recipe for {hazard.label!r} has no hazard", model="builtin")

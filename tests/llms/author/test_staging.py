@@ -7,7 +7,7 @@ from oodscen.driving import check_scene
 from oodscen.errors import LLMError
 from oodscen.llms.author import BuiltinAuthor, Knowledge
 from oodscen.llms.author.compose import Composer
-from oodscen.llms.author.feasibility import missing_for
+from oodscen.llms.author.feasibility import realise
 from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 from oodscen.scene import Scene
 from oodscen.seeding import stream
@@ -23,7 +23,7 @@ def texts_of(knowledge: Knowledge, digest: CatalogueDigest, count: int) -> list[
     return [
         (hazard.id, text)
         for hazard in knowledge.hazards
-        if hazard.stage is not None and not list(missing_for(hazard, digest))
+        if hazard.stage is not None and not realise(hazard, digest, knowledge).missing
         for text, _ in zip(
             composer.texts(hazard, stream(5, hazard.label), set()), range(count), strict=False
         )
@@ -195,7 +195,7 @@ def test_texts_on_their_own_decide(author: BuiltinAuthor, ask, digest: Catalogue
 
 @pytest.mark.parametrize(
     "text",
-    ["A sinkhole has opened in the road and swallowed the ego's lane.", "Nothing to see here."],
+    ["Lava from a volcano creeps over the asphalt.", "Nothing to see here."],
 )
 def test_what_cannot_be_staged_is_refused(
     author: BuiltinAuthor, ask, digest: CatalogueDigest, text: str
