@@ -2,15 +2,16 @@
 
 import unicodedata
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from itertools import count
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from oodscen._data import Data
 from oodscen.edits import Node
 from oodscen.errors import UsageError
+from oodscen.metrics.similarity import Vectors, unit
 from oodscen.protocols import Encoder
 from oodscen.tree import ScenarioTree
 
@@ -31,7 +32,7 @@ class Match(Data):
     """Id in the second tree."""
     by: Literal["id", "label", "meaning"]
     similarity: float | None = None
-    """Cosine of the labels, where it decided."""
+    """Cosine of the meanings, where it decided."""
 
 
 def match(
@@ -47,7 +48,8 @@ def match(
     that were grown apart number their ids apart; a tree read from a file without a log is trusted.
     Labels pair without regard to case and spaces, below paired parents first. What is left
     pairs by meaning: leaf with leaf and branch with branch, where each is the other's nearest and
-    the cosine is at least the threshold.
+    the cosine is at least the threshold. A leaf means its label; a branch means its label and the
+    leaves below it, half and half.
 
     All is linear in the nodes, but for the cosines of those left over: every pair is looked at, in
     blocks of at most 4 MB.
@@ -71,13 +73,16 @@ def match(
     _by_label(one, other, pairs)
     if encoder is not None:
         for is_leaf in (True, False):
-            _by_meaning(
-                list(_left(one, pairs.forth, is_leaf)),
-                list(_left(other, pairs.back, is_leaf)),
-                pairs,
-                encoder,
-                threshold,
-            )
+            left = _left(one, pairs.forth, is_leaf), _left(other, pairs.back, is_leaf)
+            if left[0] and left[1]:
+                rows, columns = (
+                    _vectors(tree, nodes, encoder)
+                    for tree, nodes in zip((one, other), left, strict=True)
+                )
+                forth, back = _nearest(rows, columns), _nearest(columns, rows)
+                for node, index, (cosine, there) in zip(left[0], count(), forth, strict=False):
+                    if cosine >= threshold and back[there][1] == index:
+                        pairs.add(node.id, left[1][there].id, "meaning", cosine)
     return tuple(pairs.forth[node.id] for node in one.nodes if node.id in pairs.forth)
 
 
@@ -144,35 +149,33 @@ def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
                 pairs.add(node.id, candidates.pop().id, "label")
 
 
-def _left(tree: ScenarioTree, paired: Mapping[str, Match], is_leaf: bool) -> Iterator[Node]:
-    for node in tree.nodes:
-        if node.id not in paired and (not tree.children[node.id]) == is_leaf:
-            yield node
+def _left(tree: ScenarioTree, paired: Mapping[str, Match], is_leaf: bool) -> list[Node]:
+    return [
+        node
+        for node in tree.nodes
+        if node.id not in paired and (not tree.children[node.id]) == is_leaf
+    ]
 
 
-def _by_meaning(
-    one: Sequence[Node],
-    other: Sequence[Node],
-    pairs: _Pairs,
-    encoder: Encoder,
-    threshold: float,
-) -> None:
-    if not one or not other:
-        return
-    rows, columns = _embedded(one, encoder), _embedded(other, encoder)
-    forth, back = _nearest(rows, columns), _nearest(columns, rows)
-    for index, (cosine, there) in enumerate(forth):
-        if cosine >= threshold and back[there][1] == index:
-            pairs.add(one[index].id, other[there].id, "meaning", cosine)
+def _vectors(tree: ScenarioTree, nodes: Sequence[Node], encoder: Encoder) -> Vectors:
+    """Return what nodes mean: a leaf its label, a branch half its label and half its leaves."""
+    own = _encoded(nodes, encoder)
+    if not tree.children[nodes[0].id]:
+        return own
+    leaves = [node for node in tree.nodes if not tree.children[node.id]]
+    below = dict(zip((leaf.id for leaf in leaves), _encoded(leaves, encoder), strict=True))
+    for node in reversed(tree.nodes):
+        children = tree.children[node.id]
+        if children:
+            below[node.id] = np.sum([below[child] for child in children], axis=0)
+    return unit(own + unit(np.array([below[node.id] for node in nodes])))
 
 
-def _embedded(nodes: Iterable[Node], encoder: Encoder) -> NDArray[np.float32]:
-    from oodscen.metrics.similarity import unit
-
+def _encoded(nodes: Sequence[Node], encoder: Encoder) -> Vectors:
     return unit(encoder.encode([node.label for node in nodes]))
 
 
-def _nearest(rows: NDArray[np.float32], columns: NDArray[np.float32]) -> list[tuple[float, int]]:
+def _nearest(rows: Vectors, columns: Vectors) -> list[tuple[float, int]]:
     """Return the nearest column of each row; rounded, so that rounding errors decide nothing."""
     found = []
     for start in range(0, len(rows), _BLOCK):
