@@ -1,6 +1,6 @@
 """Closed against open loop at equal model calls; a part of benchmarks/text.py.
 
-Alone: python benchmarks/_text_redteam.py [--json] [--recording replay:FILE] [--seeds N] [--quick]
+Alone: python benchmarks/_text_redteam.py [--json] [--llm replay:FILE] [--encoder NAME] [--quick]
 
 The built-in author plays both models. In the open loop it draws from a repertoire that is fitted to how many
 leaves two real models added in a hundred rounds (37 by the paper, 36 rounds by a frontier model that followed it by
@@ -13,7 +13,7 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ from oodscen.prompts import PlaceScenario
 from oodscen.protocols import LLM, Encoder
 from oodscen.redteaming.rounds import Round
 from oodscen.redteaming.saturation import Saturation, saturation
+from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM
 from oodscen.tree import ScenarioTree
 
 BUDGET = 200
@@ -56,37 +57,39 @@ class Played(NamedTuple):
 
 
 def rows(
-    encoder: Encoder | None = None,
     *,
-    recording: str | None = None,
-    seeds: Iterable[int] = range(3),
+    llm: str = DEFAULT_LLM,
+    seed: int = 0,
+    encoder: str = DEFAULT_ENCODER,
+    count: int = 3,
     quick: bool = False,
 ) -> list[Row]:
     """Return the rows of the comparison.
 
     Args:
-        encoder: Compares proposals and labels; MiniLM if left out.
-        recording: `replay:FILE` of a red team that a model played; its figures are printed as well.
-        seeds: One red team of each kind is played per seed.
+        llm: The built-in author decides in any case; another model, or `replay:FILE`, is played in addition.
+        seed: Of the first red team.
+        encoder: Compares proposals and labels.
+        count: So many seeds are played.
         quick: Leave out the authors with other habits, and the rounds until nothing new comes.
     """
-    encoder = CachedEncoder(encoder or make_encoder("minilm"))
-    seeds = list(seeds)
+    meaning = CachedEncoder(make_encoder(encoder))
+    seeds = range(seed, seed + count)
     found, played = [], []
-    for seed in tqdm(seeds, desc="red teams", disable=None):
-        loops = [play(author(seed), encoder, closed=closed) for closed in (False, True)]
-        found += compared(*loops, encoder, f"seed {seed}", decides=True)
-        if seed == seeds[0]:
+    for one_seed in tqdm(seeds, desc="red teams", disable=None):
+        loops = [play(author(one_seed), meaning, closed=closed) for closed in (False, True)]
+        found += compared(*loops, meaning, f"seed {one_seed}", decides=True)
+        if one_seed == seed:
             for name, one in zip(("open", "closed"), loops, strict=True):
                 found += described(one, f"{name} loop, seed {seed}")
-        played.append((author(seed), loops[1]))
+        played.append((author(one_seed), loops[1]))
     found += refusals(played)
     for closed in () if quick else (False, True):
-        found.append(saturated(author(seeds[0]), encoder, closed=closed))
+        found.append(saturated(author(seed), meaning, closed=closed))
     for name, habits in () if quick else HABITS.items():
-        loops = [play(author(0, habits), encoder, closed=closed) for closed in (False, True)]
-        found += compared(*loops, encoder, name, decides=False)[:1]
-    return found + recorded(recording, encoder)
+        loops = [play(author(seed, habits), meaning, closed=closed) for closed in (False, True)]
+        found += compared(*loops, meaning, name, decides=False)[:1]
+    return found + modelled(llm, seed, meaning)
 
 
 def author(seed: int, habits: Habits | None = None) -> LLM:
@@ -200,25 +203,25 @@ def refusals(played: Sequence[tuple[LLM, Played]]) -> list[Row]:
     return [row("proposals refused by meaning, all seeds", value)]
 
 
-def recorded(recording: str | None, encoder: Encoder) -> list[Row]:
-    """Play the loops of a recorded model, as far as the recording goes."""
-    if recording is None:
-        return [row("closed over open loop, recorded model", "no recording given")]
-    llm = make_llm(recording)
-    loops = {}
-    found = []
+def modelled(llm: str, seed: int, encoder: Encoder) -> list[Row]:
+    """Play both loops with a model or a recording of one, as far as that goes."""
+    if llm == DEFAULT_LLM:
+        return [
+            row("closed over open loop, recorded model", "no recording given (--llm replay:FILE)")
+        ]
+    loops, found = {}, []
     for closed in (False, True):
-        name = f"{'closed' if closed else 'open'} loop, {llm.name}"
+        name = f"{'closed' if closed else 'open'} loop, {llm}"
         try:
-            loops[closed] = play(llm, encoder, closed=closed)
+            loops[closed] = play(make_llm(llm, seed=seed), encoder, closed=closed)
         except LLMError as error:
-            found.append(row(name, f"not in the recording: {str(error)[:80]}"))
+            found.append(row(name, f"no answer: {str(error)[:100]}"))
             continue
         answered = [item for item in loops[closed].rounds if item.status == "ok"]
         found.append(row(f"{name}: rounds with an answer", len(answered)))
         found += described(loops[closed], name)
-    if len(loops) == 2 and all(one.found.observations for one in loops.values()):
-        found += compared(loops[False], loops[True], encoder, llm.name, decides=False)
+    if len(loops) == 2:
+        found += compared(loops[False], loops[True], encoder, llm, decides=False)
     return found
 
 
@@ -238,15 +241,17 @@ def main() -> int:
     """Print the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--encoder", default="minilm")
-    parser.add_argument("--recording", help="replay:FILE of a model")
-    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--llm", default=DEFAULT_LLM, help="another model, or replay:FILE")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--encoder", default=DEFAULT_ENCODER)
+    parser.add_argument("--count", type=int, default=3, help="seeds that are played")
     parser.add_argument("--quick", action="store_true")
     given = parser.parse_args()
     found = rows(
-        make_encoder(given.encoder),
-        recording=given.recording,
-        seeds=range(given.seeds),
+        llm=given.llm,
+        seed=given.seed,
+        encoder=given.encoder,
+        count=given.count,
         quick=given.quick,
     )
     if given.json:

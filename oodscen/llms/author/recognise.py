@@ -158,7 +158,7 @@ class Recogniser:
         hazard = self.knowledge.hazards[best] if accepted else None
         return Recognition(hazard, weight, share, is_driving)
 
-    def candidates(self, text: str, share: float = 0.4) -> tuple[tuple[Hazard, float], ...]:
+    def candidates(self, text: str, share: float = 0.2) -> tuple[tuple[Hazard, float], ...]:
         """Return the hazards that a text may be about, best first.
 
         Args:
@@ -170,7 +170,7 @@ class Recogniser:
         """
         scores = self._scores(text)[0]
         best = max(scores.values(), default=0.0)
-        least = max(share * best, _LABEL_WEIGHT)
+        least = max(share * best, 0.5 * _LABEL_WEIGHT)
         found = [owner for owner, score in scores.items() if score >= least]
         found.sort(key=lambda owner: (-scores[owner], owner))
         return tuple((self.knowledge.hazards[owner], scores[owner]) for owner in found)

@@ -159,7 +159,7 @@ class TreeAuthor:
         )
         if prompt.procedure == "paper":
             return placed
-        return placed.model_copy(update={"also": self._also(prompt.text, placed, outline)})
+        return placed.model_copy(update={"also": self._also(prompt, hazard, placed.node)})
 
     def _covered(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
         for leaf in outline.leaves:
@@ -171,15 +171,21 @@ class TreeAuthor:
                 )
         return None
 
-    def _also(self, text: str, placed: PlacedScenario, outline: "_Outline") -> list[AlsoFits]:
-        """Name the leaves of the hazards whose words the text has as well."""
-        found: dict[str, str] = {}
-        for hazard, _ in self.recogniser.candidates(text)[1:]:
-            for leaf in outline.leaves:
-                known, _ = self.recogniser.label(leaf.label)
-                if known is not None and known.id == hazard.id and leaf.id != placed.node:
-                    found.setdefault(leaf.id, f"It has words of {leaf.label!r} as well.")
-        return [AlsoFits(node=node, why=why) for node, why in list(found.items())[:MOST_ALSO]]
+    def _also(self, prompt: PlaceScenario, hazard: Hazard, chosen: str | None) -> list[AlsoFits]:
+        """Name the leaves of kin, and of the hazards whose words the text has as well."""
+        kin = [h for h in self.knowledge.hazards if h.id in hazard.kin or hazard.id in h.kin]
+        whys = {h.id: "It is close kin." for h in kin}
+        for other, _ in self.recogniser.candidates(prompt.text):
+            whys.setdefault(other.id, "The text has words of it as well.")
+        whys.pop(hazard.id, None)
+        order = {name: place for place, name in enumerate(whys)}
+        found: dict[str, tuple[int, str]] = {}
+        for leaf in _Outline(prompt).leaves:
+            known, _ = self.recogniser.label(leaf.label)
+            if known is not None and known.id in whys and leaf.id != chosen:
+                found.setdefault(leaf.id, (order[known.id], whys[known.id]))
+        best = sorted(found, key=lambda node: found[node])[:MOST_ALSO]
+        return [AlsoFits(node=node, why=found[node][1]) for node in best]
 
     def _broadened(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
         """Widen a leaf that is close kin, once in its life; divide it where it may not be widened."""
