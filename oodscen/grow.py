@@ -1,5 +1,7 @@
 """Grow the initial tree: few-shot chain of thought in three turns (paper, section III-A)."""
 
+from collections.abc import Sequence
+
 from oodscen.ask import ask, speaker
 from oodscen.paper import FEW_SHOTS, NODES, attestation
 from oodscen.prompts import ClassifyExamples, GiveExamples, ProposedTree, ProposeTree
@@ -50,12 +52,15 @@ class TreeGrower:
         )
         return _planted(
             ask(self.llm, propose, sample),
+            given,
             model=speaker(self.llm),
             prompt=f"{propose.purpose}@{propose.version()}",
         )
 
 
-def _planted(proposed: ProposedTree, *, model: str, prompt: str) -> ScenarioTree:
+def _planted(
+    proposed: ProposedTree, given: Sequence[str], *, model: str, prompt: str
+) -> ScenarioTree:
     """Turn the numbered list of an answer into a tree with ids."""
     tree = ScenarioTree()
     ids: dict[int, str] = {}
@@ -77,6 +82,7 @@ def _planted(proposed: ProposedTree, *, model: str, prompt: str) -> ScenarioTree
             label=label,
             attested=attestation(label),
             stage="grow",
+            source=" ".join(given[node.example - 1].split()) if node.example is not None else "",
             model=model,
             prompt=prompt,
         )

@@ -69,6 +69,14 @@ def test_every_node_names_the_model_and_the_question():
     }
 
 
+def test_a_leaf_that_comes_from_an_example_keeps_its_text():
+    answer = tree_answer()
+    answer["nodes"][6]["example"] = 2
+    tree, _ = grown([answer])
+    sources = {edit.node: edit.source for edit in tree.edits if edit.source}
+    assert sources == {"vehicle-driving-the-wrong-way": EXAMPLES["examples"][1]}
+
+
 @pytest.mark.parametrize(
     ("change", "hint"),
     [
@@ -77,6 +85,7 @@ def test_every_node_names_the_model_and_the_question():
         ({"number": 6, "parent": 5, "label": "twice"}, "6 is taken"),
         ({"number": 7, "parent": 0, "label": "second root"}, "no node 0 is listed before"),
         ({"number": 7, "parent": 1, "label": "third class"}, "exactly Environmental and"),
+        ({"number": 7, "parent": 5, "label": "x", "example": 3}, "there is no example 3"),
         ({"number": 7, "parent": 5, "label": " "}, "the label is empty"),
         ({"number": 7, "parent": 5, "label": "x" * 10_000}, "the label has 10000 characters"),
     ],

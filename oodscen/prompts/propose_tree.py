@@ -21,6 +21,9 @@ class ProposedNode(BaseModel):
     number: int = Field(description="counted from 1; the root is 1")
     parent: int = Field(description="number of the parent, listed before; 0 for the root")
     label: str = Field(description="a short noun phrase")
+    example: int | None = Field(
+        default=None, description="number of the example it comes from, counted from 1"
+    )
 
 
 class ProposedTree(BaseModel):
@@ -77,6 +80,8 @@ class ProposeTree(Prompt[ProposedTree]):
                 issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
             if fault := label_fault(" ".join(node.label.split())):
                 issues.append(Issue(f"{path}.label", fault))
+            if node.example is not None and not 1 <= node.example <= len(self.asked.given):
+                issues.append(Issue(f"{path}.example", f"there is no example {node.example}"))
             known[node.number] = node
             depths[node.number] = depths.get(node.parent, -1) + 1
             if depths[node.number] == MAX_DEPTH + 1:

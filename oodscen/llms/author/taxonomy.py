@@ -1,6 +1,6 @@
 """Answers about the tree: proposing one, and finding the place of a scenario in it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,6 +54,15 @@ class TreeAuthor:
         found = [self.recogniser.recognise(text).hazard for text in descriptions]
         return tuple({hazard.id: hazard for hazard in found if hazard is not None}.values())
 
+    def _numbers(self, descriptions: Sequence[str]) -> dict[str, int]:
+        """Return by hazard the number of the first example that describes it."""
+        found: dict[str, int] = {}
+        for number, text in enumerate(descriptions, start=1):
+            hazard = self.recogniser.recognise(text).hazard
+            if hazard is not None:
+                found.setdefault(hazard.id, number)
+        return found
+
     def propose(self, prompt: ProposeTree, rng: np.random.Generator) -> ProposedTree:
         """Arrange the paper's scenarios and a seeded choice of others as a tree of given size."""
         draft = _Draft(room=prompt.nodes - 1 - len(CLASSES))
@@ -74,7 +83,7 @@ class TreeAuthor:
                 f"the built-in author knows enough for {size} nodes, not {prompt.nodes}",
                 model="builtin",
             )
-        return self._lay_out(draft)
+        return self._lay_out(draft, self._numbers(prompt.asked.given))
 
     def _found(self, draft: _Draft) -> None:
         """Place the simulated scenarios; where the tree is tiny, some without their family."""
@@ -117,7 +126,7 @@ class TreeAuthor:
             draft.add(best)
             left.remove(best)
 
-    def _lay_out(self, draft: _Draft) -> ProposedTree:
+    def _lay_out(self, draft: _Draft, examples: Mapping[str, int]) -> ProposedTree:
         nodes = [ProposedNode(number=1, parent=0, label=_ROOT_LABEL)]
         classes = {}
         for label in CLASSES:
@@ -131,12 +140,22 @@ class TreeAuthor:
                 nodes.append(ProposedNode(number=parent, parent=top, label=family))
                 for hazard in leaves:
                     nodes.append(
-                        ProposedNode(number=len(nodes) + 1, parent=parent, label=hazard.label)
+                        ProposedNode(
+                            number=len(nodes) + 1,
+                            parent=parent,
+                            label=hazard.label,
+                            example=examples.get(hazard.id),
+                        )
                     )
             for hazard in draft.bare:
                 if hazard.class_name == class_name:
                     nodes.append(
-                        ProposedNode(number=len(nodes) + 1, parent=top, label=hazard.label)
+                        ProposedNode(
+                            number=len(nodes) + 1,
+                            parent=top,
+                            label=hazard.label,
+                            example=examples.get(hazard.id),
+                        )
                     )
         return ProposedTree(nodes=nodes)
 
