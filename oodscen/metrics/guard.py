@@ -32,7 +32,7 @@ from oodscen.metrics.similarity import Vectors, largest
 _RIDGE = 0.03
 _NEAREST = 3
 _WEIGHT = 2.0
-THRESHOLD = 0.05
+THRESHOLD = 0.12
 _CALIBRATED = "all-MiniLM-L6-v2@"
 
 

@@ -99,7 +99,7 @@ class Metrics:
         texts: Texts,
         groups: Sequence[str] | None = None,
         *,
-        definition: Definition = "tabulated",
+        definition: Measure = "tabulated",
         checks: bool = True,
     ) -> Report:
         """Return all figures of a set of texts.
@@ -112,7 +112,7 @@ class Metrics:
             texts: At least one; strings or scenarios.
             groups: One label per text, by default the path of a scenario. Texts of a group are
                 resampled together, since they resemble one another, and get a mean of their own.
-            definition: Of OOD-ness.
+            definition: Of OOD-ness, or a detector.
             checks: Whether to make the checks; without them only the texts and the baseline are encoded.
 
         Raises:
@@ -153,6 +153,31 @@ class Metrics:
             DataError: When there is no text, or one is blank or not a text.
         """
         return self._space.guard.flags(self._space.vectors(check_texts(texts)), threshold)
+
+    def held_out_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
+        """Return the OOD-ness of baseline texts that were held out in groups of like texts, for calibration."""
+        return tuple(self._space.held_out_by(definition)[0].tolist())
+
+    def control_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
+        """Return the OOD-ness of the shipped ordinary control sentences (*frozen*)."""
+        return tuple(self._space.control_scores(definition).tolist())
+
+    def vectors(self, texts: Texts) -> NDArray[np.float32]:
+        """Return the embeddings of texts: [n, d], rows of unit length or zero.
+
+        Raises:
+            DataError: When there is no text, or one is blank or not a text.
+        """
+        return self._space.vectors(check_texts(texts))
+
+    @property
+    def baseline_vectors(self) -> NDArray[np.float32]:
+        """The embeddings of the baseline's texts: [N, d].
+
+        Raises:
+            UsageError: When they are on disk.
+        """
+        return self._space.whole
 
     def select(
         self,
@@ -442,14 +467,13 @@ class Metrics:
         )
 
     def _calibration(self, oodness: Oodness) -> Calibration | None:
-        """Place a set among held-out texts; for `tabulated`, where the baseline has texts to hold out."""
-        is_known = isinstance(self.baseline, Baseline) and len(self.baseline) > 1
-        if oodness.definition != "tabulated" or not is_known:
+        """Place a set among held-out texts, where the baseline has texts to hold out."""
+        if not isinstance(self.baseline, Baseline) or len(self.baseline) < 2:
             return None
-        return calibrate(oodness.per_text, *self._space.held_out)
+        return calibrate(oodness.per_text, *self._space.held_out_by(oodness.definition))
 
     def _control(
-        self, oodness: Oodness, clusters: tuple[str, ...] | None, definition: Definition
+        self, oodness: Oodness, clusters: tuple[str, ...] | None, definition: Measure
     ) -> ControlCheck:
         ordinary, own = self._space.control_scores(definition), np.array(oodness.per_text)
         return ControlCheck(

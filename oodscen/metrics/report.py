@@ -88,7 +88,7 @@ class Report(Data):
     groups: dict[str, GroupScore] = Field(default_factory=dict)
     """By path, where the texts have one."""
     calibration: Calibration | None = None
-    """OOD-ness among that of held-out baseline texts; for the definition `tabulated`."""
+    """OOD-ness among that of held-out baseline texts, by the same definition or detector."""
     control: ControlCheck | None = None
     """The set against ordinary sentences in the controls' style."""
     off_topic: OffTopicFlags | None = None

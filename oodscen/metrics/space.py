@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +14,17 @@ from oodscen.encoders.cached import CachedEncoder, cache_folder
 from oodscen.encoders.check import encode
 from oodscen.errors import UsageError
 from oodscen.metrics import accelerated
-from oodscen.metrics.calibration import held_out_scores
-from oodscen.metrics.detectors import Detectors
+from oodscen.metrics.calibration import held_out_scores, like_groups
+from oodscen.metrics.detectors import DetectorName, Detectors
 from oodscen.metrics.guard import Guard
-from oodscen.metrics.oodness import Definition, Measure
+from oodscen.metrics.oodness import Measure
 from oodscen.metrics.similarity import Nearest, Rows, Vectors, nearest, smallest, unit
 from oodscen.protocols import Encoder
+from oodscen.seeding import stream
+
+_PARTS = 4
+_ASKED = 300
+_MOST_GROUPED = 20_000
 
 
 class Space:
@@ -109,12 +115,48 @@ class Space:
         """OOD-ness of held-out baseline texts, and the number of groups."""
         return held_out_scores(self.whole, self.seed)
 
-    def control_scores(self, definition: Definition) -> NDArray[np.float64]:
+    def held_out_by(self, measure: Measure) -> tuple[NDArray[np.float64], int]:
+        """Scores of held-out baseline texts by any definition or detector, and the number of groups.
+
+        For all but `tabulated` the groups of like texts are dealt into 4 parts, and what is fitted to three of them
+        scores up to 300 texts of the fourth: with a smaller baseline, texts look a little further out.
+        """
+        if measure == "tabulated":
+            return self.held_out
+        if measure not in self._held_out:
+            self._held_out[measure] = self._in_parts(measure)
+        return self._held_out[measure]
+
+    def _in_parts(
+        self, measure: DetectorName | Literal["printed"]
+    ) -> tuple[NDArray[np.float64], int]:
+        whole, texts = self.whole, np.array(self.baseline.texts, object)
+        group = like_groups(whole) if len(whole) <= _MOST_GROUPED else np.arange(len(whole))
+        if not group.any():
+            group = np.arange(len(whole))
+        draws = stream(self.seed, "calibration", "parts")
+        part = draws.permutation(int(group.max()) + 1)[group] % min(_PARTS, int(group.max()) + 1)
+        found = []
+        for number in range(int(part.max()) + 1):
+            out = np.flatnonzero(part == number)
+            asked = np.sort(out[draws.permutation(len(out))[:_ASKED]])
+            rest = np.ascontiguousarray(whole[part != number])
+            if measure == "printed":
+                found.append(smallest(whole[asked], rest))
+                continue
+            fitted = Detectors(tuple(texts[part != number]), rest, self._kept)
+            found.append(fitted.score(measure, tuple(texts[asked]), whole[asked]))
+        return np.concatenate(found), int(group.max()) + 1
+
+    def control_scores(self, measure: Measure) -> NDArray[np.float64]:
         """OOD-ness of the ordinary controls that are for reporting."""
-        vectors = self._shipped([control.text for control in load_controls("frozen")[::2]])
-        if definition == "printed":
+        texts = [control.text for control in load_controls("frozen")[::2]]
+        vectors = self._shipped(texts)
+        if measure == "tabulated":
+            return 0.0 - self.nearest(vectors).cosine
+        if measure == "printed":
             return smallest(vectors, self.reference)
-        return 0.0 - self.nearest(vectors).cosine
+        return self.detectors.score(measure, texts, vectors)
 
     def _kept(self, texts: Sequence[str]) -> Vectors:
         return self._from("baselines/" + self.baseline.digest()[:16], texts)
@@ -129,6 +171,10 @@ class Space:
                 folder, CachedEncoder(encoder, cache_folder() / folder)
             )
         return unit(encode(encoder, texts))
+
+    @cached_property
+    def _held_out(self) -> dict[str, tuple[NDArray[np.float64], int]]:
+        return {}
 
     @cached_property
     def _stores(self) -> dict[str, CachedEncoder]:

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from oodscen.errors import UsageError
+from oodscen.metrics.axes import principal_axes
 from oodscen.metrics.similarity import unit
-from oodscen.report.plots import distributions, embedding_map, principal_axes, size_curve
+from oodscen.report.plots import distributions, embedding_map, size_curve
 
 pytest.importorskip("matplotlib")
 

@@ -7,6 +7,7 @@ from oodscen import paper
 from oodscen._data import canonical_json
 from oodscen.baselines import load_baseline
 from oodscen.metrics import Metrics
+from oodscen.metrics.pictured import picture_data
 from oodscen.scenario import Scenario
 from oodscen.study.context import Context
 
@@ -48,4 +49,7 @@ def _metrics(run: Context, groups: Mapping[str, Sequence[Scenario]]) -> dict[str
         },
         "baseline_batch": metrics.baseline_batch(size).model_dump(mode="json"),
         "baseline_diversity": metrics.baseline_diversity().model_dump(mode="json"),
+        "pictures": picture_data(
+            metrics, {name: chosen for name, chosen in groups.items() if chosen}
+        ),
     }
