@@ -1,24 +1,21 @@
-"""A driver of your own in closed loop: brakes when something stands ahead in its lane."""
+"""A driver of your own in closed loop, beside the shipped one, in a scene and its ordinary twin."""
 
 from oodscen import make_simulator
 from oodscen.driving import Cruise, action_driver
-from oodscen.protocols import State
+from oodscen.judging.closed_loop import RuleBasedDriver, drive
 from oodscen.testing.scenes import example_scene
 
 
 class Watchful:
-    """Cruises, and brakes for good when a gap in front becomes small."""
+    """Wraps a stack: `look` is what it perceives, `act` what it does."""
 
-    def __init__(self, brake_at_m: float) -> None:
+    def __init__(self) -> None:
         self.driver = Cruise()
-        self.brake_at_m = brake_at_m
-        self.has_braked = False
 
-    def look(self, state: State) -> None:
-        """Watch the distances to everything in the scene."""
-        if not self.has_braked and state.gaps[1:].min(initial=float("inf")) < self.brake_at_m:
+    def look(self, state):
+        """Brake for good when a gap in front becomes small."""
+        if isinstance(self.driver, Cruise) and state.gaps[1:].min(initial=float("inf")) < 15.0:
             self.driver = action_driver("emergency_brake")
-            self.has_braked = True
 
     def act(self, observation):
         """Choose the control for the next step."""
@@ -26,16 +23,12 @@ class Watchful:
 
 
 def main() -> None:
-    """Drive the example scene with two tempers."""
+    """Drive the example scene with three stacks."""
     with make_simulator("flat") as simulator:
-        for brake_at_m in (1.0, 15.0):
-            driver = Watchful(brake_at_m)
-            state = simulator.reset(example_scene(), seed=0)
-            while state.time < 12 and not state.contacts:
-                driver.look(state)
-                state = simulator.step(driver.act(simulator.observe()))
-            end = f"touches {state.contacts[0]}" if state.contacts else "stops in time"
-            print(f"brakes at {brake_at_m:4.1f} m: {end} after {state.time:.2f} s")
+        for stack in (Cruise, Watchful, RuleBasedDriver):
+            for result in drive([example_scene()], stack, simulator):
+                end = f"touches {result.collisions[0]}" if result.collisions else "passes"
+                print(f"{result.id:32} {end}, braking at most {result.peak_deceleration} m/s^2")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,17 @@ from typing import Any
 import click
 
 from oodscen._version import __version__
-from oodscen.cli import claims, components, judging, measuring, pruning, stages, study, tree
+from oodscen.cli import (
+    claims,
+    components,
+    driving,
+    judging,
+    measuring,
+    pruning,
+    stages,
+    study,
+    tree,
+)
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -51,6 +61,7 @@ for _command in (
     claims.faithful,
     stages.simulate,
     study.evaluate,
+    driving.drive,
     measuring.score,
     judging.power,
     study.report,
