@@ -1,7 +1,6 @@
 """What would restore the pruned branches, ranked by how many paths each addition unlocks."""
 
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
@@ -111,11 +110,16 @@ def _restored(needs: Needs, additions: Sequence[Addition]) -> tuple[str, ...]:
 
 
 def _alone(needs: Needs) -> Iterable[Unlocked]:
-    wanted = dict.fromkeys(lack for lacks in needs.values() for lack in lacks)
-    for addition in wanted:
-        helped = [lacks for lacks in needs.values() if any(addition.brings(one) for one in lacks)]
-        alone = {leaf: lacks for leaf, lacks in needs.items() if all(map(addition.brings, lacks))}
-        yield Unlocked(additions=(addition,), paths=tuple(alone), helps=len(helped))
+    users: dict[Addition, list[str]] = {}
+    for leaf, lacks in needs.items():
+        for lack in lacks:
+            users.setdefault(lack, []).append(leaf)
+    order = {leaf: number for number, leaf in enumerate(needs)}
+    for addition in users:
+        brought = _closure(frozenset({addition}), users)
+        helped = sorted({leaf for lack in brought for leaf in users[lack]}, key=order.__getitem__)
+        alone = tuple(leaf for leaf in helped if brought.issuperset(needs[leaf]))
+        yield Unlocked(additions=(addition,), paths=alone, helps=len(helped))
 
 
 def _by_category(needs: Needs) -> Iterable[Unlocked]:
@@ -137,29 +141,56 @@ def _ranked(found: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
     return tuple(sorted(found, key=lambda one: (-len(one.paths), -one.helps, one.words)))
 
 
+Wanted = frozenset[Addition]
+
+
 def _sequence(needs: Needs) -> tuple[Step, ...]:
     """Greedily: of what the leaves left still lack, the set that restores most per addition."""
-    left = dict(needs)
+    order = {leaf: number for number, leaf in enumerate(needs)}
+    groups: dict[Wanted, list[str]] = {}
+    for leaf, lacks in needs.items():
+        groups.setdefault(frozenset(lacks), []).append(leaf)
     steps: list[Step] = []
     total = 0
-    while left:
-        sets = Counter(frozenset(lacks) for lacks in left.values())
-        ranked = [
-            (tuple(sorted(lacks, key=lambda one: one.words)), _restored(left, tuple(lacks)))
-            for lacks in sets
-        ]
-        additions, paths = min(
-            ranked,
-            key=lambda one: (-len(one[1]) / len(one[0]), len(one[0]), [a.words for a in one[0]]),
-        )
-        total += len(paths)
-        steps.append(Step(additions=additions, paths=paths, total=total))
-        left = {
-            leaf: tuple(lack for lack in lacks if not any(one.brings(lack) for one in additions))
-            for leaf, lacks in left.items()
-            if leaf not in paths
+    while groups:
+        users: dict[Addition, set[Wanted]] = {}
+        for wanted in groups:
+            for addition in wanted:
+                users.setdefault(addition, set()).add(wanted)
+        closed = {wanted: _closure(wanted, users) for wanted in groups}
+        restored = {
+            wanted: {other for lack in closure for other in users[lack] if other <= closure}
+            for wanted, closure in closed.items()
         }
+        worth = {
+            wanted: (-sum(len(groups[g]) for g in restored[wanted]) / len(wanted), len(wanted))
+            for wanted in groups
+        }
+        first = min(worth.values())
+        best = min((one for one in groups if worth[one] == first), key=_words)
+        paths = sorted((leaf for g in restored[best] for leaf in groups[g]), key=order.__getitem__)
+        total += len(paths)
+        additions = tuple(sorted(best, key=lambda one: one.words))
+        steps.append(Step(additions=additions, paths=tuple(paths), total=total))
+        left: dict[Wanted, list[str]] = {}
+        for wanted, leaves in groups.items():
+            if wanted not in restored[best]:
+                left.setdefault(wanted - closed[best], []).extend(leaves)
+        groups = left
     return tuple(steps)
+
+
+def _closure(wanted: Wanted, users: Mapping[Addition, object]) -> Wanted:
+    """Return all that some additions bring: with a map every map of fewer traits."""
+    if all(addition.kind != "map" for addition in wanted):
+        return wanted
+    maps = [addition for addition in wanted if addition.kind == "map"]
+    brought = (one for one in users if one.kind == "map" and any(m.brings(one) for m in maps))
+    return wanted.union(brought)
+
+
+def _words(wanted: Wanted) -> list[str]:
+    return sorted(addition.words for addition in wanted)
 
 
 def restoration_rows(
