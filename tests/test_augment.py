@@ -13,6 +13,24 @@ SCENARIO = Scenario(
 CATALOGUE = FlatSimulator().catalogue()
 
 
+CLAIMS = {
+    "claims": [
+        {
+            "kind": "thing",
+            "value": "present",
+            "subject": "cardboard box",
+            "quote": "cardboard box",
+        },
+        {
+            "kind": "motion",
+            "value": "stationary",
+            "subject": "cardboard box",
+            "quote": "lies on the road",
+        },
+    ]
+}
+
+
 def draft(**changes):
     scene = example_scene().model_dump(mode="json")
     kept = ("map", "ego", "weather", "actors", "hazard", "decision", "horizon_s")
@@ -55,3 +73,36 @@ def test_what_stays_wrong_is_one_typed_error():
         Augmenter(ScriptedLLM([draft(map="moon")] * 3), CATALOGUE, claims=False).run(SCENARIO)
     assert caught.value.purpose == "stage-scene"
     assert [issue.path for issue in caught.value.issues] == ["map"]
+
+
+def test_a_claim_that_is_contradicted_goes_back_by_name():
+    rolling = {"name": "walk_along", "parameters": {"speed": 1.0}}
+    wrong = draft(actors=[{**draft()["actors"][0], "behaviour": rolling}])
+    llm = ScriptedLLM([CLAIMS, wrong, draft()])
+    assert Augmenter(llm, CATALOGUE).run(SCENARIO).actors[0].behaviour.name == "stand"
+    assert (
+        "cardboard box: it does not move ('lies on the road')" in llm.requests[2].messages[-1].text
+    )
+
+
+def test_a_scene_that_contradicts_its_text_to_the_end_is_refused_with_the_claim():
+    wrong = draft(actors=[{**draft()["actors"][0], "asset": "sofa"}])
+    with pytest.raises(AnswerError) as caught:
+        Augmenter(ScriptedLLM([CLAIMS, *[wrong] * 3]), CATALOGUE).run(SCENARIO)
+    assert any("the text says cardboard box" in issue.message for issue in caught.value.issues)
+
+
+def test_claims_may_be_read_before_or_by_another_model():
+    reader = ScriptedLLM([CLAIMS])
+    augmenter = Augmenter(ScriptedLLM([draft(), draft()]), CATALOGUE, reader=reader)
+    claims = augmenter.read(SCENARIO)
+    assert [claim.value for claim in claims] == ["present", "stationary"]
+    assert augmenter.run(SCENARIO, claims) == augmenter.run(SCENARIO, ())
+    assert len(reader.requests) == 1
+
+
+def test_claims_that_quote_what_is_not_there_are_put_again():
+    false = {"claims": [{**CLAIMS["claims"][0], "quote": "a purple box"}]}
+    llm = ScriptedLLM([false, CLAIMS])
+    assert len(Augmenter(llm, CATALOGUE).read(SCENARIO)) == 2
+    assert "claims[0].quote" in llm.requests[1].messages[-1].text

@@ -124,7 +124,8 @@ class _Reading:
         before, after = self.text[: mention.start], self.text[mention.end :]
         sentence = before[_last_end(phrases.SENTENCE, before) :]
         name = mention.thing.name
-        if phrases.NOT_THERE.search(sentence) or phrases.NOT_ITSELF.match(after):
+        is_all = name == "traffic light" and re.search(r"\b(?:all|every) (?:the )?$", before)
+        if (phrases.NOT_THERE.search(sentence) and not is_all) or phrases.NOT_ITSELF.match(after):
             return None
         if name == "traffic light" and re.match(r" (?:the |to )", after):
             return None
@@ -146,7 +147,8 @@ class _Reading:
             return None
         same = [s for s in self.subjects if s.mention.thing is mention.thing]
         is_new = word in ("a", "an", "another", "a second", "a third", "a further")
-        is_new = is_new or (count > 1 and word not in ("the", "these", "those", "its"))
+        is_counted = phrases.QUANTITY.search(lead) is not None
+        is_new = is_new or (is_counted and word not in ("the", "these", "those", "its"))
         if same and (not is_new or word == "one"):
             return same[-1]
         if name in phrases.GENERIC and word in ("the", "its", "this", "that"):

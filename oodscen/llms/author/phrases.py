@@ -75,7 +75,7 @@ SETTINGS = _patterns(
     weather light_snow  light snow(?:fall)?|snow(?:s|ing) (?:gently|lightly)|snow-dusted
     weather snow        snowfall|snowing|falling snow|snowy (?:day|night|morning|evening|weather)|snow (?:is|starts|begins) (?:falling|to fall)|snow falls|snow has set in
     weather thick_fog   (?:thick|dense|heavy|impenetrable|deep)(?: [\w-]+){0,2} fog|fog (?:is )?so (?:thick|dense)|wall of fog|bank of fog|fog bank
-    weather fog         fog|foggy
+    weather fog         fog|foggy|fog-covered|fog-shrouded
     weather mist        mist|misty|haze|hazy
     weather wet_road    wet (?:road|asphalt|street|surface|tarmac|pavement|roads)|rain-slick|rain-soaked road
     weather slippery_road icy|black ice|(?:sheet|film|layer|glaze) of ice|ice-covered|frozen road|freezing rain|slippery (?:road|surface|conditions|roads)|(?:covered|buried|buries the road) (?:in|under|by|with) (?:\w+ )?(?:ice|snow)|snow-covered|packed snow
@@ -120,7 +120,7 @@ PREDICATES = _patterns(
     r"""
     place in_lane       (?:in|inside|into|onto|on|across|along|over|within|occupy(?:ing)?|enter(?:s|ing)?)(?: the)?(?: very)?(?: middle| centre| center| right edge)?(?: of)? {lane}
     place in_lane       (?:block(?:s|ing)?|fill(?:s|ing)?|occup(?:ies|ying)|obstruct(?:s|ing)?|take up|takes up|closes|closing|cover(?:s|ing)|cross(?:es|ing)?|straddl(?:es|ing)|share(?:s)?)(?: up)?(?: (?:half|part|most|the middle|the whole|all|the centre|both) of)? {lane}
-    place in_lane       right in {own} path|in line with {ego}
+    place in_lane       (?:block|obstruct)(?:s|ing) its lane|right in {own} path|in line with {ego}
     place clear_of_lane (?:just )?clear of (?:{lane}|the (?:lane|road|carriageway))|(?<!half )beside (?:the (?:road|carriageway|lane)|{lane})|short of {lane}
     place clear_of_lane (?<!half )on the (?:hard |gravel |grass |right |left |right-hand |left-hand |nearside |far )*(?:shoulder|verge|pavement|sidewalk|kerb|curb|roadside)|at the (?:roadside|kerb|curb)
     place left          (?:on|at) (?:the|{own}) left(?:-hand (?:side|kerb|verge|edge))?(?! lane)|left of {ego}|on the left front
@@ -131,15 +131,15 @@ PREDICATES = _patterns(
     place behind        (?:(?:close|right|just|directly|immediately|closely|short distance) )?behind {ego}|(?:close|right|just|closely|directly) behind it|(?:close|right|closely) behind|following (?:closely|close)|follows (?:closely|close)|tailgat(?:es|ing)|up from behind
     place ahead         ahead(?! of (?!{ego}|it))|in front(?! of)|in front of {ego}|before {ego}
     distance -          (\d{1,3}) ?(?:m|metres|meters)(?: \w+)? (?:ahead|in front|away|from|down|up|before|further)
-    motion stationary   stands?|(?<!was )(?<!were )standing|lie(?:s)?|lying|lay(?:s)?|sit(?:s|ting)?|parked|stationary|motionless|immobile|has stopped|have stopped|is stopped|halted|has broken down|stalled|stranded|abandoned|dumped|left standing|come to (?:a |an )?(?:\w+ )?(?:rest|standstill|stop|halt)|came to rest|at a standstill|stuck|positioned|has died|will not start
-    motion moving       driv(?:es|ing)|mov(?:es|ing)|travel(?:s|ling|ing)|rid(?:es|ing)|runs?|running(?! (?:lane|to the|along the))|walk(?:s|ing)?|wander(?:s|ing)?|roam(?:s|ing)?|roll(?:s|ing)|creep(?:s|ing)?|crawl(?:s|ing)?|trot(?:s|ting)?|gallop(?:s|ing)?|jog(?:s|ging)?|sprint(?:s|ing)?|dash(?:es|ing)|dart(?:s|ing)|leap(?:s|ing)?|bound(?:s|ing)|jump(?:s|ing)?|hop(?:s|ping)|swerv(?:es|ing)|weav(?:es|ing)|overtak(?:es|ing(?! lane))|merg(?:es|ing)|drift(?:s|ing)|stray(?:s|ing)?|pedals?|pedalling|limps|approach(?:es|ing)|revers(?:es|ing)|pull(?:s|ing) out|cut(?:s|ting) in|cut(?:s|ting) off|step(?:s|ping) (?:out|onto|into|off)|emerg(?:es|ing) from
+    motion stationary   stands?|(?<!was )(?<!were )standing|lie(?:s)?|lying|lay(?:s)?|sit(?:s|ting)?|parked|stationary|motionless|immobile|has stopped|have stopped|is stopped|halted|has broken down|stalled|stranded|abandoned|dumped|left standing|come to (?:a |an )?(?:\w+ )?(?:rest|standstill|stop|halt)|came to rest|at a standstill|stuck|positioned(?! behind)|has died|will not start
+    motion moving       driv(?:es|ing)(?! (?:policy|behavio\w+|conditions|style))|mov(?:es|ing)|travel(?:s|ling|ing)|rid(?:es|ing)|runs?|running(?! (?:lane|to the|along the))|walk(?:s|ing)?|wander(?:s|ing)?|roam(?:s|ing)?|roll(?:s|ing)|creep(?:s|ing)?|crawl(?:s|ing)?|trot(?:s|ting)?|gallop(?:s|ing)?|jog(?:s|ging)?|sprint(?:s|ing)?|dash(?:es|ing)|dart(?:s|ing)|leap(?:s|ing)?|bound(?:s|ing)|jump(?:s|ing)?|hop(?:s|ping)|swerv(?:es|ing)|weav(?:es|ing)|overtak(?:es|ing(?! lane))|merg(?:es|ing)|drift(?:s|ing)|stray(?:s|ing)?|pedals?|pedalling|limps|approach(?:es|ing)|revers(?:es|ing)|pull(?:s|ing) out|cut(?:s|ting) in|cut(?:s|ting) off|step(?:s|ping) (?:out|onto|into|off)|emerg(?:es|ing) from
     motion slow         (?:driv|mov|travel|roll)(?:es|s|ing|ling)? (?:very )?(?:slowly|along slowly)|slow(?:ly)?[- ]moving|slowly moving|creep(?:s|ing)?(?: along)?|crawl(?:s|ing)?|at (?:a |less than )?walking pace|slowed to a crawl|plods?(?: along)?
     motion oncoming     oncoming|towards? {ego}|towards it|(?:pedals|drives|comes|coming|rides|runs|running|charges|heads|heading|races|racing|hurtles|speeds|trots|gallops|straight|directly|right) at {ego}|head-on|against (?:the )?(?:flow of )?(?:traffic|its direction|the direction of travel)|(?:the|in the) wrong (?:way(?! (?:round(?! the)|up))|direction)|(?:driv|rid|travel|com|pedal|mov)\w+ (?:[\w'-]+ ){0,4}on the wrong side|com(?:es|ing) the other way|com(?:es|ing) from the opposite direction|approaching in the (?:oncoming|opposite) lane
     motion crossing     sets? (?:off|out) across|cross(?:es|ing)(?! the (?:marking|line|centre|center|verge|median))|(?:run|runs|running|walk|walks|walking|dash|dashes|dart|darts|drive|drives|shoot|shoots|leap|leaps|bolt|bolts|roll|rolls|step|steps|wander|wanders|ride|rides|stroll|strolls|hurry|hurries) (?:out )?(?:straight |right |suddenly |blindly )?across
     motion crossing     (?:runs|running|darts|darting|dashes|dashing|leaps|leaping|bolts|bolting|sprints|jumps|bounds|steps|stepping|shoots) (?:straight |suddenly |blindly |right )?(?:out|into|onto|on to|in front|off)
-    motion from_left    (?:out )?(?:from|of) (?:the|its|{own}) left(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the left-hand (?:side|verge)
-    motion from_right   (?:out )?(?:from|of) (?:the|its|{own}) right(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the right-hand (?:side|verge)
-    motion into_lane    (?:cut|swerv|chang|mov|merg|drift|stray|pull|steer|nos|push|stepp?|runn?|walk|roll|jump|leap|dart|shoot|com|veer|slid|lurch)(?:s|es|ing)?(?: (?!back)[\w-]+){0,4} into {lane}|cut(?:s|ting) in (?:right |directly |sharply )?(?:ahead of|in front of) {ego}
+    motion from_left    (?:out )?(?:from|of) (?:(?:the|its|{own}) )?left(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the left-hand (?:side|verge)
+    motion from_right   (?:out )?(?:from|of) (?:(?:the|its|{own}) )?right(?:-hand (?:side|verge|edge|kerb))?(?: front)?|from the right-hand (?:side|verge)
+    motion into_lane    performs? a cut-in|(?:cut|swerv|chang|mov|merg|drift|stray|pull|steer|nos|push|stepp?|runn?|walk|roll|jump|leap|dart|shoot|com|veer|slid|lurch)(?:s|es|ing)?(?: (?!back)[\w-]+){0,4} into {lane}|cut(?:s|ting) in (?:right |directly |sharply )?(?:ahead of|in front of) {ego}
     motion reversing    revers(?:es|ing)|(?<!look )(?<!looks )(?<!looking )(?<!facing )backwards|back(?:s|ing) (?:out|up)|tail first|in reverse
     motion braking      (?<!the )(?<!its )brak(?:es|ing)|slams on (?:its|the) brakes|decelerat(?:es|ing)|slows down|(?:suddenly|abruptly) (?:stops|slows)|stops (?:suddenly|abruptly|dead)|comes to a (?:sudden |dead |complete )?(?:halt|stop)
     state off           unlit|without (?:any )?lights|with no lights|(?:all )?its lights off|lights switched off|has no lights|no tail lamps|put out every lamp|without (?:head|tail)(?:lights|lamps)
@@ -153,6 +153,8 @@ SIGNALS = _patterns(
     r"""
     state off           (?:gone|went|go|are|is|stay|every \w+ \w+) dark|(?:has|have) failed|fail|failing|out of (?:order|action|service)|without power|non-functional|not working|dead
     state all_on        all (?:three |its |their )?colours|red, amber and green|red and green|red and green glow together
+    state red           (?:is|shows|turns|showing|stays) red
+    state green         (?:is|shows|turns|showing|stays) green
     state flashing      flash(?:es|ing) amber|amber (?:is )?flashing|blink(?:s|ing) amber
     """
 )
@@ -165,6 +167,7 @@ LEADS = _patterns(
     motion moving       speeding|moving|slowly moving|slow-moving|running|galloping|rolling|reversing
     motion oncoming     oncoming|approaching|wrong-way
     motion reversing    reversing
+    motion crossing     crossing
     state off           unlit|unlighted
     """
 )

@@ -1,0 +1,46 @@
+"""Names of things: every plural is found, the longest name counts, every asset has a name."""
+
+import pytest
+
+from oodscen.claims.things import may_be, mentions, named, things
+from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
+
+
+def test_every_name_is_found_in_a_sentence():
+    for thing in things():
+        for word in thing.words:
+            found = [one.thing for one in mentions(f"There it is: {word}, at last.")]
+            assert (thing in found) == bool(thing.terms), word
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("two lorries and three women", ["lorry", "person"]),
+        ("a police car beside a car park", ["police car"]),
+        ("children ran past the bus stop", ["child"]),
+        ("an overturned vehicle", ["overturned car"]),
+    ],
+)
+def test_the_longest_name_counts(text, expected):
+    assert [one.thing.name for one in mentions(text)] == expected
+
+
+def test_every_asset_has_a_name():
+    names = [thing for thing in things() if thing.name not in ("object", "vehicle", "animal")]
+    for asset in FLAT_CATALOGUE.assets:
+        if asset.id not in ("ball", "road_closed_sign"):
+            assert any(thing.fits(asset) for thing in names), asset.id
+
+
+def test_a_phrase_names_its_head():
+    assert named("lorry with a mattress").name == "lorry"
+    assert named("large cardboard box").name == "cardboard box"
+    assert named("car 2").name == "car"
+    assert named("spaceship") is None
+
+
+def test_an_unknown_name_is_compared_with_the_asset_itself():
+    by_id = {asset.id: asset for asset in FLAT_CATALOGUE.assets}
+    assert may_be("big ball", by_id["ball"])
+    assert not may_be("spaceship", by_id["ball"])

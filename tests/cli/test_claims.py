@@ -1,0 +1,60 @@
+"""`oodscen faithful`: scenes of any origin against their texts, exit codes."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen.cli import main
+from oodscen.scenario import Scenario
+from oodscen.testing.scenes import example_scene
+
+TEXT = "A cardboard box stands in the ego's lane ahead on a two-lane residential street."
+
+
+def call(folder, scene, text, *options):
+    scenario = Scenario(id=scene.scenario_id, text=text, leaf="box", path=("OOD", "Box"))
+    (folder / "scenes.jsonl").write_text(scene.to_json() + "\n")
+    (folder / "texts.jsonl").write_text(scenario.to_json() + "\n")
+    files = (str(folder / "scenes.jsonl"), "--scenarios", str(folder / "texts.jsonl"))
+    simulator = ("--simulator", "oodscen.testing.flat:FlatSimulator")
+    return CliRunner().invoke(main, ["faithful", *files, *simulator, *options])
+
+
+def test_a_faithful_scene_passes(tmp_path):
+    done = call(tmp_path, example_scene(), TEXT)
+    assert done.exit_code == 0, done.output
+    assert "0 scenes that do not hold" in done.output
+
+
+@pytest.mark.parametrize("option", [(), ("--json",)])
+def test_a_contradiction_is_named(tmp_path, option):
+    done = call(tmp_path, example_scene(), f"At night, {TEXT}", *option)
+    assert done.exit_code == 1
+    assert "night" in done.output
+    if option:
+        found = json.loads(done.stdout)
+        assert found["unfaithful"] == 1
+        statuses = {f["claim"]["value"]: f["status"] for f in found["scenes"][0]["findings"]}
+        assert statuses["night"] == "fails"
+        assert statuses["in_lane"] == "holds"
+
+
+def test_a_scene_that_cannot_be_staged_is_said_to_be(tmp_path):
+    scene = example_scene().model_copy(update={"map": "moon"})
+    done = call(tmp_path, scene, TEXT)
+    assert done.exit_code == 1
+    assert "unknown map" in done.output
+
+
+def test_a_scene_without_a_text_is_a_usage_error(tmp_path):
+    scene = example_scene()
+    call(tmp_path, scene, TEXT)
+    other = scene.model_copy(update={"scenario_id": "other"})
+    (tmp_path / "scenes.jsonl").write_text(other.to_json())
+    done = CliRunner().invoke(
+        main,
+        ["faithful", str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl")],
+    )
+    assert done.exit_code != 0
+    assert "other" in done.output
