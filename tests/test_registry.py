@@ -10,7 +10,15 @@ from oodscen import registry
 from oodscen.encoders import SentenceTransformerEncoder
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.llms.reference import ConstantAnswerer, RandomAnswerer
-from oodscen.registry import find, make_encoder, make_llm, make_simulator, names, survey
+from oodscen.registry import (
+    find,
+    make_catalogue,
+    make_encoder,
+    make_llm,
+    make_simulator,
+    names,
+    survey,
+)
 from oodscen.testing import HashEncoder, ScriptedLLM
 
 
@@ -163,3 +171,22 @@ def test_nonsense_is_an_unknown_name(name):
     for make in (make_encoder, make_simulator, make_llm):
         with pytest.raises(UsageError):
             make(name)
+
+
+def test_a_catalogue_is_found_by_name_by_file_and_by_its_simulator(tmp_path):
+    carla = make_catalogue("carla-0.9.16")
+    assert make_catalogue(carla) is carla
+    (tmp_path / "own.json").write_text(carla.to_json())
+    assert make_catalogue(tmp_path / "own.json") == carla
+    assert make_catalogue("flat").simulator == "flat"
+    with pytest.raises(UnknownComponent) as caught:
+        make_catalogue("carla")
+    assert caught.value.matches == ("carla-0.9.16",)
+
+
+def test_what_follows_the_colon_goes_where_the_component_says(tmp_path):
+    (tmp_path / "own.toml").write_text("")
+    author = make_llm(f"builtin:{tmp_path / 'own.toml'}", seed=4)
+    assert (author.seed, author.name) == (4, "builtin:own.toml")
+    with pytest.raises(UsageError):
+        make_llm(f"builtin:{tmp_path / 'nowhere.toml'}")

@@ -217,3 +217,15 @@ def test_a_small_baseline_of_ones_own_is_enough(tmp_path):
     study = run_study(tmp_path / "out", config)
     assert study.metrics["baseline"]["N"] == 3
     assert study.metrics["baseline_batch"]["size"] == 1
+
+
+def test_pruning_explains_every_node_and_ranks_the_way_back(study):
+    decisions = study.decisions
+    assert [one.id for one in decisions] == [node.id for node, _ in study.tree("diverse").walk()]
+    assert all(one.reason and one.match for one in decisions)
+    assert {one.id for one in decisions if one.keep} == set(study.tree("simulatable").by_id)
+    found = study.restoration
+    assert found.kept == len(study.tree("simulatable").leaves)
+    restored = [leaf for step in found.sequence for leaf in step.paths]
+    dropped = {one.id for one in decisions if not one.keep and one.lacks}
+    assert {*restored, *found.beyond} == dropped
