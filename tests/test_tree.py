@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from oodscen.errors import DataError
 from oodscen.tree import MAX_INDENT, ROOT, Node, ScenarioTree, TreeEdit, slug
-from tests.trees.woods import REFUSED, broad, chain, changes, edits, grown, trees
+from tests.trees.woods import REFUSED, broad, chain, changes, edits, few, grown, trees
 
 
 @given(trees)
@@ -43,6 +43,7 @@ def test_an_edit_is_applied_or_refused_and_the_tree_stays(tree, edit):
         assert after != tree
 
 
+@few
 @given(trees)
 def test_nodes_are_the_fold_of_the_edits(tree):
     assert ScenarioTree(edits=tree.edits) == tree
@@ -51,6 +52,7 @@ def test_nodes_are_the_fold_of_the_edits(tree):
     assert ScenarioTree().apply(*tree.edits[:half]).apply(*tree.edits[half:]) == tree
 
 
+@few
 @given(trees)
 def test_json_and_pickle_give_the_tree_back(tree):
     again = ScenarioTree.parse(tree.to_json())
@@ -59,11 +61,13 @@ def test_json_and_pickle_give_the_tree_back(tree):
     assert hash(again) == hash(tree)
 
 
+@few
 @given(trees, trees)
 def test_digests_are_equal_exactly_for_equal_trees(one, other):
     assert (one.digest() == other.digest()) == (one == other)
 
 
+@few
 @given(trees)
 def test_a_file_of_nodes_alone_is_a_tree(tree):
     nodes = [node.model_dump() for node in tree.nodes]
@@ -73,6 +77,7 @@ def test_a_file_of_nodes_alone_is_a_tree(tree):
     assert ScenarioTree.parse(read.to_json()) == read
 
 
+@few
 @given(trees)
 def test_the_outline_has_one_line_per_node(tree):
     lines = tree.outline(ids=True).splitlines()
@@ -81,6 +86,7 @@ def test_the_outline_has_one_line_per_node(tree):
         assert line == f"{'  ' * depth}- {node.label} [{node.id}]"
 
 
+@few
 @given(trees)
 def test_paths_lead_from_the_root_to_every_leaf(tree):
     assert list(tree.paths) == [leaf.id for leaf in tree.leaves]
@@ -93,6 +99,7 @@ def test_paths_lead_from_the_root_to_every_leaf(tree):
     assert set(tree.paths) == {name for name in below_classes if not tree.children[name]}
 
 
+@few
 @given(trees, st.text())
 def test_new_ids_are_free_and_valid(tree, label):
     new = tree.new_id(label)
@@ -230,6 +237,7 @@ def test_ten_thousand_single_edits_copy_nothing():
     assert len(tree.at(edit=5_000)) == 5_000
 
 
+@few
 @given(changes, changes)
 def test_branches_of_one_tree_know_nothing_of_each_other(one, other):
     trunk = ScenarioTree.planted()
@@ -291,6 +299,7 @@ def test_what_cannot_be_a_label_is_refused(label, op):
     assert tree == ScenarioTree.planted()
 
 
+@few
 @given(trees)
 def test_copies_are_equal_and_hold_all_fields(tree):
     late = tree.apply(TreeEdit(op="keep", node=ROOT)) if ROOT in tree.by_id else tree
