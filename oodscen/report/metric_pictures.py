@@ -142,7 +142,7 @@ def _curves(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
             lines.append((name, _colour(place), sizes, both))
     if not lines:
         return Markup("")
-    left, right, top = 40, _WIDTH - 12, 10
+    left, right, top = 40, _WIDTH - 22, 10
     values = [value for *_, both in lines for values in both for value in values]
     low, high = math.floor(min(values) * 10) / 10, math.ceil(max(values) * 10) / 10
     high = max(high, low + 0.1)
