@@ -141,7 +141,7 @@ def test_protocols_are_rows_of_their_own() -> None:
     assert not found.comparisons
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32))
 def test_any_verdicts_make_a_board_that_does_not_depend_on_their_order(seed: int) -> None:
     rng = random.Random(seed)

@@ -1,5 +1,5 @@
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
@@ -8,6 +8,7 @@ from oodscen.report.bars import Bar, Row, bars, confusion
 NAMES = st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=70)
 
 
+@settings(max_examples=25)
 @given(st.lists(st.tuples(NAMES, st.integers(0, 9), st.integers(1, 9)), min_size=1, max_size=5))
 def test_bars_are_well_formed_and_as_long_as_their_share(rows: list[tuple[str, int, int]]) -> None:
     drawn = bars(
