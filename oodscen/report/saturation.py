@@ -54,7 +54,7 @@ def saturation_chart(found: Saturation) -> Markup:
         kinds += f"H{_n(x(point.round))}V{_n(y(point.kinds))}"
     parts.append(Markup('<path class="reference" fill="none" d="{}"/>').format(coverage))
     parts.append(Markup('<path class="line" d="{}"/>').format(kinds))
-    if 0.0 < found.unseen_high and found.kinds + found.unseen_low < high:
+    if found.unseen_high > 0.0 and found.kinds + found.unseen_low < high:
         parts.append(
             Markup('<line class="range" x1="{0}" x2="{0}" y1="{1}" y2="{2}"/>').format(
                 _n(_RIGHT + 5),
@@ -62,7 +62,7 @@ def saturation_chart(found: Saturation) -> Markup:
                 _n(y(found.kinds + found.unseen_high)),
             )
         )
-    if 0.0 < found.unseen and total <= high:
+    if found.unseen > 0.0 and total <= high:
         parts.append(
             Markup('<circle class="dot" cx="{}" cy="{}" r="3.5"/>').format(
                 _n(_RIGHT + 5), _n(y(total))
