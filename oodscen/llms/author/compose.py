@@ -39,11 +39,20 @@ _TRAFFIC_SHARE: dict[Style, float] = {
     "first-person": 0.1,
 }
 _DETAIL_SHARE: dict[Style, float] = {
-    "natural": 0.3,
+    "natural": 0.2,
     "paper": 0.5,
     "terse": 0.0,
     "verbose": 1.0,
     "first-person": 0.3,
+}
+_BRIEF_OPENING = "The ego vehicle is"
+"""Where it needs no more than that: `on a country road`."""
+_BRIEF_SHARE: dict[Style, float] = {
+    "natural": 0.75,
+    "paper": 0.0,
+    "terse": 0.0,
+    "verbose": 0.0,
+    "first-person": 0.4,
 }
 _PREPOSED = 0.3
 """Share of the events that stand by themselves in which the distance comes first."""
@@ -116,11 +125,15 @@ class Composer:
             wheres = [phrase for phrase in wheres if nominal(phrase)] or wheres
             short = [event for event in events if len(event.split()) <= _TERSE_EVENT]
             events = short or [min(events, key=len)]
+        opening = turns.next("opening", self.knowledge.wording.openings)
         named_place = f"place {place.key} {len(wheres)}"
+        where = turns.next(named_place, wheres)
+        if where.startswith(("on ", "in ", "inside ")) and rng.random() < _BRIEF_SHARE[style]:
+            opening = _BRIEF_OPENING
         return Plot(
             event=turns.next("event", events),
             place=place,
-            where=turns.next(named_place, wheres),
+            where=where,
             condition=condition,
             weather=turns.next(f"weather {condition.key}", phrases) if condition else "",
             statement=turns.next(f"stated {condition.key}", statements)
@@ -128,7 +141,7 @@ class Composer:
             else "",
             is_act=hazard.class_name == "interactional",
             traffic=self._traffic(hazard, place, rng, _TRAFFIC_SHARE[style]),
-            opening=turns.next("opening", self.knowledge.wording.openings),
+            opening=opening,
             detail=_pick(rng, hazard.details)
             if hazard.details and rng.random() < _DETAIL_SHARE[style]
             else "",

@@ -91,7 +91,7 @@ def _happens(plot: Plot) -> bool:
 
 
 def _names_ego(plot: Plot) -> bool:
-    return re.search(r"\bego\b|{where}", plot.event) is not None
+    return re.search(r"\bego\b|(?<!from )\{where\}", plot.event) is not None
 
 
 def _leads(plot: Plot) -> bool:
@@ -337,8 +337,6 @@ CONSTRUCTIONS: dict[Style, tuple[Construction, ...]] = {
         _MEANWHILE,
         _JOINED,
         _TWO,
-        _TWO,
-        _WEATHER_FIRST,
         _WEATHER_FIRST,
         _STATED,
     ),

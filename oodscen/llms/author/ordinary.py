@@ -18,7 +18,8 @@ from oodscen.prompts.describe_path import plain
 
 _EGO = r"(?:the ego vehicle|the ego car|my car|ego|i|it)"
 _DRIVES = (
-    rf"{_EGO} (?:is |am )?(?:travel|driv|mov|head|proceed|cruis|roll|go)(?:l?ing|ing|es|s|e)?\b"
+    rf"{_EGO} (?:(?:is |am )?(?:travel|driv|mov|head|proceed|cruis|roll|go)(?:l?ing|ing|es|s|e)?\b"
+    r"|(?:is|am)(?= (?:on|in|inside) ))"
 )
 _MORE_OF_PLACE = re.compile(
     r"(?:on|along|in|through|across|over|into|down|up|towards) (?:an?|the) [^,.:]+?(?=[,.:]|$| when | while | and )",
@@ -135,10 +136,9 @@ class OrdinaryAuthor:
         missing = room - len(clause.split())
         if missing <= _SLACK:
             return clause
-        by_length = sorted(
-            range(len(_TAILS)), key=lambda n: (abs(len(_TAILS[n].split()) - missing), n)
-        )
-        tail = _TAILS[by_length[int(rng.integers(3))]]
+        fitting = [tail for tail in _TAILS if "traffic" not in tail or "traffic" not in clause]
+        fitting.sort(key=lambda tail: abs(len(tail.split()) - missing))
+        tail = fitting[int(rng.integers(3))]
         return f"{clause}, {tail}"
 
 
