@@ -153,8 +153,9 @@ def _settle(
             best = faults, cast
     for name, chosen in zip(single, best[1] if best else (), strict=True):
         shown = scenery and _is_scenic(subjects[name])
-        if chosen is None or (shown and _faults(scores[name, chosen.id])):
-            settled[name] = _unstaged(subjects[name], shown, len(fitting)), set()
+        without = _unstaged(subjects[name], shown, len(fitting))
+        if chosen is None or _faults(without) < _faults(scores[name, chosen.id]):
+            settled[name] = without, set()
         else:
             settled[name] = scores[name, chosen.id], {chosen.id}
     return settled

@@ -21,6 +21,8 @@ _STRONGER = {
     "twilight": ("night",),
     "moving": ("crossing", "oncoming", "reversing", "slow", "into_lane", "from_left", "from_right"),
     "ahead": ("behind",),
+    "red": ("all_on",),
+    "green": ("all_on",),
 }
 """What is not claimed beside something that says more, or contradicts it and is surer."""
 _WILFUL = frozenset(
@@ -127,7 +129,7 @@ class _Reading:
         is_all = name == "traffic light" and re.search(r"\b(?:all|every) (?:the )?$", before)
         if (phrases.NOT_THERE.search(sentence) and not is_all) or phrases.NOT_ITSELF.match(after):
             return None
-        if name == "traffic light" and re.match(r" (?:the |to )", after):
+        if name == "traffic light" and re.match(r" (?:the |to |ego)", after):
             return None
         if re.search(r"\bas an? $", before) and re.match(r"[.,;]|$", after):
             return None
@@ -157,7 +159,9 @@ class _Reading:
                 return alike[-1]
             if count > 1:
                 return None
-        if (word == "its" and mention.thing.group == "vehicle") or (
+        if word == "the" and mention.word == "cab":
+            return None
+        if (word == "its" and mention.thing.group in ("vehicle", "object")) or (
             word == "the" and name == "tree" and mention.is_plural
         ):
             return None
@@ -182,7 +186,7 @@ class _Reading:
         is_verb = pattern.kind == "motion"
         if is_verb and phrases.FORBIDDEN.search(self.text[:start][-40:]):
             return
-        if is_verb and self._leads(end):
+        if is_verb and (self._leads(end) or self._is_within(start)):
             return
         lead = self.text[:start][-40:]
         if pattern.value != "off" and not is_verb and phrases.NEGATED.search(lead):
@@ -198,12 +202,26 @@ class _Reading:
         if pattern.value == "reversing" and thing.group != "vehicle":
             return
         names_ego = "ego" in found.group(0).casefold()
-        if pattern.value == "behind" and thing.group != "vehicle" and not names_ego:
+        is_vague = thing.group != "vehicle" or self._is_among_others(start, subject)
+        if pattern.value == "behind" and not names_ego and is_vague:
             return
         if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
             return
         value = pattern.value or found.group(1)
         self._add(pattern.kind, value, subject.name, start, end)
+
+    def _is_within(self, position: int) -> bool:
+        return any(n.subject and n.start <= position < n.end for n in self.nouns)
+
+    def _is_among_others(self, position: int, subject: Subject) -> bool:
+        """Tell whether a sentence has named another thing, for which `it` may stand."""
+        sentence = self.text[:position]
+        begin = _last_end(phrases.SENTENCE, sentence)
+        return any(
+            noun.subject not in (None, subject)
+            for noun in self.nouns
+            if begin <= noun.start < position
+        )
 
     def _leads(self, end: int) -> bool:
         """Tell whether a word is an adjective of the noun that follows at once."""
@@ -290,6 +308,8 @@ class _Reading:
         shift = noun.end - len(phrase)
         for pattern in phrases.LEADS:
             for found in pattern.regex.finditer(phrase):
+                if found.end() > noun.start - shift:
+                    continue
                 between = phrase[found.end() : len(phrase) - (noun.end - noun.start)]
                 if re.search(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", between):
                     continue

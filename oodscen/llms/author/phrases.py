@@ -58,7 +58,7 @@ NUMBER_WORDS = {
 }
 
 EGO = re.compile(
-    rf"(?<![\w-]){_EGO}(?:['’]s)?(?![\w-])|\b(?:it|you|your|they|somebody|someone|nobody|traffic)\b",
+    rf"(?<![\w-]){_EGO}(?:['’]s)?(?![\w-])|\b(?:it|you|your|they|somebody|someone|nobody|traffic|(?:its|their) drivers?|driver of an? (?:disabled|failed|broken-down|stranded))\b",
     re.IGNORECASE,
 )
 """The ego, and pronouns that may stand for it or for anybody."""
@@ -94,7 +94,7 @@ SETTINGS = _patterns(
     road t_junction     t-junction|t-intersection|t junction|three-way (?:junction|intersection)|side (?:street|road)
     road junction       junction|intersection|crossroads|t-junction|t-intersection
     road signalised     signali[sz]ed|(?:junction|intersection|crossing|crossroads) with traffic (?:lights|signals)
-    road curve          curve|curves|curved|curving|winding|hairpin|twisty|(?:gentle|sharp|blind|tight|long|a|the) bends?(?! (?:down|over|to))
+    road curve          curve|curves|curved|curving(?! (?:up|down))|winding|hairpin|twisty|(?:gentle|sharp|blind|tight|long|a|the) bends?(?! (?:down|over|to))
     road one_way        one-way
     road two_way        (?:in|from) (?:each|either|both) directions?|each way|two-way
     road divided        divided|dual carriageway|central reservation
