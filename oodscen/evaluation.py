@@ -112,7 +112,7 @@ def evaluate(
     """
     if protocol == "paper":
         options = ()
-    if isinstance(vlm, Reference):
+    if _kind(vlm) == "reference" and isinstance(vlm, Reference):
         return _judged_directly(episode, vlm, path, leaf, options, protocol)
     asked = _Asked(vlm)
     images = tuple(frames[moment] for moment in MOMENTS)

@@ -47,10 +47,11 @@ def test_a_study_is_complete(folder, study):
     assert len(study.tree("initial")) == CONFIG.nodes
     assert [item.round for item in study.rounds] == list(range(1, CONFIG.iterations + 1))
     scenarios, scenes, episodes = study.scenarios, study.scenes, study.episodes
-    assert [s.id for s in scenarios] == [s.scenario_id for s in scenes] == [e.id for e in episodes]
+    assert [s.id for s in scenarios] == [s.scenario_id for s in scenes]
+    assert [e.id for e in episodes] == [n for s in scenes for n in (s.id, f"{s.id}~twin")]
     assert len(scenes) == CONFIG.max_paths * CONFIG.per_path
     assert len(study.texts(10)) == 10
-    assert {verdict.scene_id for verdict in study.verdicts} == {scene.id for scene in scenes}
+    assert {verdict.scene_id for verdict in study.verdicts} == {episode.id for episode in episodes}
     for episode in episodes:
         for name in episode.frames.values():
             picture = cv2.imdecode(
@@ -188,13 +189,15 @@ def test_malformed_answers_are_repaired_or_cost_one_item(folder, tmp_path, autho
     (failure,) = study.failures("scenes")
     assert failure["id"] == whole.scenes[0].id
     assert "stage-scene" in failure["error"]
-    assert len(study.scenes) == len(study.episodes) == len(whole.scenes) - 1
+    assert len(study.scenes) == len(whole.scenes) - 1
+    assert len(study.episodes) == 2 * len(study.scenes)
 
 
 def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
     answers = {
         "describe-frame": {"description": "a road"},
         "name-aspect": {"is_ood": True, "aspect": "something odd"},
+        "choose-aspect": {"choice": 1},
         "choose-action": {"action": "stop"},
     }
     with AnsweringServer(ScriptedLLM(answers)) as server:

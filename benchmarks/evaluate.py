@@ -1,0 +1,173 @@
+"""Judging on the default study: safe sets, references, and a served model on scenes and twins.
+
+`--study FOLDER` takes a finished study; without it, one is made (minutes). The served model is asked
+about `--paths` times ten scenes and their twins through HTTP, stopped half way and resumed.
+"""
+
+import argparse
+import json
+import shutil
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from oodscen.episode import ACTIONS, Episode
+from oodscen.errors import BudgetExceeded
+from oodscen.judging.closed_loop import RuleBasedDriver, drive
+from oodscen.judging.safety import safety_figures
+from oodscen.llms.reference import ConstantAnswerer
+from oodscen.llms.traffic import Caps, Traffic
+from oodscen.registry import make_simulator
+from oodscen.study import Study, StudyConfig, run_study
+from oodscen.testing import AnsweringServer
+from oodscen.verdict import Verdict
+
+Row = dict[str, Any]
+
+
+def row(name: str, value: float, unit: str, target: str, holds: bool) -> Row:
+    """Return one line of the result."""
+    return {"name": name, "value": value, "unit": unit, "target": target, "holds": holds}
+
+
+def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
+    """Figures of the scenes' safe sets."""
+    figures = safety_figures([episode for episode in episodes if not episode.is_twin])
+    constant = max(figures.actions.values(), key=lambda action: action.safe).safe
+    everywhere = sum(a.safe > 0 and a.unsafe > 0 for a in figures.actions.values())
+    keeping = 1.0 - figures.actions["keep_speed"].safe
+    print(f"all safe: {figures.all_safe}\nnone safe: {figures.none_safe}")
+    print(f"re-staged: {figures.restaged}\nwith followers: {figures.with_followers}")
+    return [
+        row("scenes with a safe and an unsafe action", figures.telling or 0.0, "share", ">= 0.85",
+            (figures.telling or 0.0) >= 0.85),
+        row("keeping the speed is unsafe", keeping, "share", ">= 0.70", keeping >= 0.70),
+        row("best constant action", constant, "share", "<= 0.75", constant <= 0.75),
+        row("actions safe somewhere and unsafe somewhere", everywhere, "actions", "7",
+            everywhere == len(ACTIONS)),
+        row("scenes in which no action or every action is safe",
+            len(figures.none_safe) + len(figures.all_safe), "scenes", "listed", True),
+    ]  # fmt: skip
+
+
+def references(study: Study) -> list[Row]:
+    """What the shipped answerers score, against what they must."""
+    episodes = {episode.id: episode for episode in study.episodes if episode.status == "ok"}
+    rows: dict[str, list[Verdict]] = {}
+    for verdict in study.verdicts:
+        if verdict.protocol == "ours" and verdict.scene_id in episodes:
+            rows.setdefault(verdict.model, []).append(verdict)
+    oracle = [v for v in rows["oracle"] if episodes[v.scene_id].safe_set]
+    safe = sum(v.action_is_safe is True for v in oracle) / len(oracle)
+    seen = sum(v.is_ood is not v.is_twin and v.choice_is_right is True for v in rows["oracle"])
+    seen_share = seen / len(rows["oracle"])
+    exact = all(
+        v.action_is_safe is episodes[v.scene_id].actions[a].safe
+        for a in ACTIONS
+        for v in rows[f"constant:{a}"]
+    )
+    drawn = rows["random"]
+    chance = [len(e.safe_set) / len(e.actions) for e in episodes.values()]
+    mean = sum(chance) / len(chance)
+    spread = (sum(p * (1 - p) for p in chance)) ** 0.5 / len(chance)
+    scored = sum(v.action_is_safe is True for v in drawn) / len(drawn)
+    balanced = {name: _balanced(found) for name, found in rows.items()}
+    return [
+        row("oracle, task 1 (detection and closed choice)", seen_share, "share", "1", seen_share == 1.0),
+        row("oracle, task 2 where any action is safe", safe, "share", "1", safe == 1.0),
+        row("every constant equals its computed value", float(exact), "0/1", "1", exact),
+        row("random, task 2: standard errors from chance", abs(scored - mean) / spread, "z", "<= 3",
+            abs(scored - mean) <= 3 * spread),
+        row("random, balanced accuracy", balanced["random"], "share", "0.45..0.55",
+            abs(balanced["random"] - 0.5) <= 0.05),
+        row("blind, balanced accuracy", balanced["blind"], "share", "0.45..0.55",
+            abs(balanced["blind"] - 0.5) <= 0.05),
+        row("novelty, balanced accuracy", balanced["novelty"], "share", "reported", True),
+    ]  # fmt: skip
+
+
+def _balanced(verdicts: Sequence[Verdict]) -> float:
+    scenes = [v.is_ood is True for v in verdicts if not v.is_twin]
+    twins = [v.is_ood is False for v in verdicts if v.is_twin]
+    return 0.5 * (sum(scenes) / max(1, len(scenes)) + sum(twins) / max(1, len(twins)))
+
+
+def served(folder: Path, items: int) -> list[Row]:
+    """Ask a served model about scenes and twins; stop half way and resume."""
+    with TemporaryDirectory() as temporary:
+        out = Path(temporary, "out")
+        shutil.copytree(folder, out)
+        config = Study.open(out).config.model_copy(update={"vlms": ("served",)})
+        with AnsweringServer(ConstantAnswerer("stop")) as server:
+            model = server.client("gpt-4o")
+            capped = server.client("gpt-4o", traffic=Traffic(Caps(requests=3 * items)))
+            with suppress(BudgetExceeded):
+                run_study(out, config, models={"served": capped})
+            run_study(out, config, models={"served": model})
+            asked, pictures = len(server.received), sum(len(r.images) for r in server.received)
+            bodies = [json.dumps(r.body, sort_keys=True) for r in server.received]
+        study = Study.open(out)
+        rows = [v for v in study.verdicts if v.model == model.name]
+        answered = sum(v.outcome in ("answered", "unavailable") for v in rows)
+        return [
+            row("served model, items answered", answered, "items", f"{items}", answered == items),
+            row("served model, requests", asked, "requests", f"{6 * items}", asked == 6 * items),
+            row("questions asked twice", len(bodies) - len(set(bodies)), "requests", "0",
+                len(bodies) == len(set(bodies))),
+            row("pictures received and decoded", pictures, "pictures", f"{15 * items}",
+                pictures == 15 * items),
+        ]  # fmt: skip
+
+
+def closed_loop(study: Study, count: int) -> list[Row]:
+    """The shipped rule-based driver over scenes and twins."""
+    scenes = study.scenes[:: max(1, len(study.scenes) // count)]
+    with make_simulator(study.config.simulator) as simulator:
+        results = drive(scenes, RuleBasedDriver, simulator)
+        same = drive(scenes[:3], RuleBasedDriver, simulator) == results[:6]
+    for kind in (False, True):
+        found = [r for r in results if r.is_twin is kind]
+        print(
+            f"rule-based, {'twins' if kind else 'scenes'}: {sum(r.passed for r in found)} of {len(found)} passed"
+        )
+    failed = sum(r.status == "failed" for r in results)
+    return [
+        row("rule-based driver, drives that failed to run", failed, "drives", "0", failed == 0),
+        row("rule-based driver, repeated drives are equal", float(same), "0/1", "1", same),
+    ]
+
+
+def main() -> int:
+    """Run and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--study", type=Path, help="folder of a finished default study")
+    parser.add_argument("--paths", type=int, default=13, help="paths that the served model sees")
+    parser.add_argument("--json", action="store_true")
+    given = parser.parse_args()
+    with TemporaryDirectory() as temporary:
+        folder = given.study or Path(temporary, "default")
+        if not given.study:
+            run_study(folder, StudyConfig(), workers=2)
+        study = Study.open(folder)
+        rows = [*safe_sets(study.episodes), *references(study), *closed_loop(study, 100)]
+        small = Path(temporary, "small")
+        began = time.perf_counter()
+        run_study(small, StudyConfig(max_paths=given.paths), workers=2)
+        episodes = Study.open(small).episodes
+        rows += served(small, len(episodes))
+        print(f"served part: {time.perf_counter() - began:.0f} s")
+    for one in rows:
+        print(
+            f"{'ok  ' if one['holds'] else 'FAIL'} {one['name']}: {one['value']:g} {one['unit']} ({one['target']})"
+        )
+    if given.json:
+        print(json.dumps(rows))
+    return 0 if all(one["holds"] for one in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

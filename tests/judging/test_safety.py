@@ -1,0 +1,111 @@
+"""Safe sets: repeatable, whatever the order; best action; chance; re-staging."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen import make_simulator, simulate
+from oodscen.episode import ACTIONS, ActionOutcome, Episode
+from oodscen.judging.restaging import restaged, tells_apart, variants
+from oodscen.judging.safety import base_rate, best_action, corrected_for_chance, safety_figures
+from oodscen.testing.scenes import example_scene
+
+OUTCOMES = st.builds(
+    ActionOutcome,
+    safe=st.booleans(),
+    margin_m=st.none() | st.floats(0, 50),
+    peak_deceleration=st.none() | st.floats(0, 9),
+)
+
+
+@pytest.fixture(scope="module")
+def simulator():
+    with make_simulator("flat") as made:
+        yield made
+
+
+@given(st.dictionaries(st.sampled_from(ACTIONS), OUTCOMES))
+def test_the_best_action_is_safe_and_chance_is_the_share_of_safe_ones(outcomes):
+    best = best_action(outcomes)
+    safe = [name for name, outcome in outcomes.items() if outcome.safe]
+    assert (best in safe) if safe else best is None
+    assert base_rate(outcomes) == (len(safe) / len(outcomes) if outcomes else None)
+
+
+@given(st.floats(0, 1), st.floats(0, 0.99))
+def test_correction_for_chance_has_its_fixed_points(success, chance):
+    assert corrected_for_chance(chance, chance) == 0
+    assert corrected_for_chance(1.0, chance) == pytest.approx(1.0)
+    assert (corrected_for_chance(success, chance) > 0) == (success > chance)
+    assert corrected_for_chance(success, 1.0) is None
+
+
+def test_the_safe_set_does_not_depend_on_the_order_of_rollouts(simulator):
+    first = simulate(example_scene(), simulator, render=False).episode
+    again = simulate(example_scene(), simulator, render=False, actions=ACTIONS[::-1]).episode
+    alone = simulate(example_scene(), simulator, render=False, actions=("stop",)).episode
+    assert first.actions == again.actions
+    assert alone.actions["stop"] == first.actions["stop"]
+    assert first.actions["emergency_brake"].peak_deceleration > 7
+    assert first.actions["keep_speed"].peak_deceleration == 0
+
+
+def test_a_twin_starts_like_its_scene_but_for_the_hazard(simulator):
+    scene = example_scene()
+    run = simulate(scene, simulator, render=False)
+    twin = simulate(scene.twin(run.episode.decision_s), simulator, render=False)
+    for here, there in zip(run.states, twin.states, strict=True):
+        assert here.poses[0].tobytes() == there.poses[0].tobytes()
+        shared = [name for name in there.ids if name not in scene.hazard.actors]
+        for name in shared:
+            one, other = here.ids.index(name), there.ids.index(name)
+            assert here.poses[one].tobytes() == there.poses[other].tobytes()
+
+
+def test_the_papers_protocol_shows_the_whole_trace_and_counts_collisions_only(simulator):
+    ours = simulate(example_scene(), simulator)
+    paper = simulate(example_scene(), simulator, protocol="paper")
+    assert len(paper.states) > len(ours.states)
+    assert paper.episode.frame_sha256["first"] == ours.episode.frame_sha256["first"]
+    assert paper.episode.frame_sha256["last"] != ours.episode.frame_sha256["last"]
+    assert paper.episode.decision_s == ours.episode.decision_s
+    assert paper.episode.trace_sha256 == ours.episode.trace_sha256
+    for outcome in paper.episode.actions.values():
+        assert outcome.safe is (not outcome.contacts and not outcome.unavailable)
+
+
+def test_a_scene_that_tells_actions_apart_is_left_and_variants_differ(simulator):
+    scene = example_scene()
+    run = simulate(scene, simulator, render=False)
+    assert tells_apart(run.episode)
+    for easy in (True, False):
+        changed = list(variants(scene, simulator.catalogue(), easy))
+        assert len({how for _, how in changed}) == len(changed) >= 6
+        assert all(one != scene and one.id == scene.id for one, _ in changed)
+
+
+def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
+    scene = example_scene()
+    box = scene.actors[0]
+    aside = box.model_copy(
+        update={"placement": box.placement.model_copy(update={"offset_m": 7.5})}
+    )
+    easy = scene.model_copy(update={"actors": (aside, *scene.actors[1:])})
+    run = simulate(easy, simulator)
+    assert not tells_apart(run.episode)
+    changed, again = restaged(easy, run, simulator, 0)
+    assert tells_apart(again.episode) is bool(again.episode.restaged)
+    assert (changed is easy) is (not again.episode.restaged)
+
+
+def test_figures_list_what_tells_nothing():
+    def episode(name, *safe):
+        actions = {a: ActionOutcome(safe=a in safe) for a in ("stop", "keep_speed")}
+        return Episode(id=name, scene_id=name, status="ok", actions=actions)
+
+    found = safety_figures([episode("a", "stop"), episode("b", "stop", "keep_speed"), episode("c")])
+    assert (found.n, found.all_safe, found.none_safe) == (3, ("b",), ("c",))
+    assert found.telling == pytest.approx(1 / 3)
+    assert found.base_rate == pytest.approx(0.5)
+    assert found.actions["stop"].safe == pytest.approx(2 / 3)
+    assert safety_figures([]).n == 0

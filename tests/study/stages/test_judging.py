@@ -1,0 +1,126 @@
+"""The stage that judges: both tasks, scenes and twins, real pictures, nothing asked twice."""
+
+import json
+import shutil
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen import Study
+from oodscen.episode import ACTIONS
+from oodscen.errors import BudgetExceeded
+from oodscen.llms.reference import ConstantAnswerer
+from oodscen.llms.traffic import Caps, Traffic
+from oodscen.study import StudyConfig, run_study
+from oodscen.testing import AnsweringServer
+
+CONFIG = StudyConfig.quick(
+    simulator="flat", encoder="hash", seed=3, iterations=4, max_paths=3, sets=(10,)
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("judging") / "out"
+    run_study(out, CONFIG)
+    return out
+
+
+@pytest.fixture
+def study(folder):
+    return Study.open(folder)
+
+
+def of(study, model):
+    return {row.scene_id: row for row in study.verdicts if row.model == model}
+
+
+def test_scenes_and_twins_are_run_and_judged(study):
+    ids = [episode.id for episode in study.episodes]
+    scenes = [scene.id for scene in study.scenes]
+    assert ids == [name for scene in scenes for name in (scene, f"{scene}~twin")]
+    models = {row.model for row in study.verdicts}
+    assert models == {
+        *(f"constant:{a}" for a in ACTIONS), "random", "blind", "novelty", "oracle"
+    }  # fmt: skip
+    assert json.loads((study.folder / "leaderboard.json").read_text())
+
+
+def test_the_oracle_is_always_right_where_anything_is_safe(study):
+    episodes = {episode.id: episode for episode in study.episodes}
+    for name, row in of(study, "oracle").items():
+        assert row.is_ood is not row.is_twin
+        assert row.choice_is_right
+        assert row.aspect_is_right or row.is_twin
+        assert row.action_is_safe or not episodes[name].safe_set
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_a_constant_scores_exactly_what_its_action_scored(study, action):
+    rows = of(study, f"constant:{action}")
+    for episode in study.episodes:
+        assert rows[episode.id].action_is_safe is episode.actions[action].safe
+        unavailable = episode.actions[action].unavailable
+        assert rows[episode.id].outcome == ("unavailable" if unavailable else "answered")
+
+
+def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        model = server.client("gpt-4o")
+        config = CONFIG.model_copy(update={"vlms": ("served",)})
+        capped = server.client("gpt-4o", traffic=Traffic(Caps(requests=20)))
+        with pytest.raises(BudgetExceeded):
+            run_study(out, config, models={"served": capped})
+        assert 0 < len(server.received) <= 20
+        run_study(out, config, models={"served": model})
+        asked = len(server.received)
+        pictures = [image for one in server.received for image in one.images]
+        run_study(out, config, models={"served": model})
+        assert len(server.received) == asked
+    study = Study.open(out)
+    rows = of(study, model.name)
+    assert len(rows) == len(study.episodes)
+    assert asked == 6 * len(rows)
+    for data in pictures[:6]:
+        assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)
+    episodes = {episode.id: episode for episode in study.episodes}
+    assert all(row.action_is_safe is episodes[n].actions["stop"].safe for n, row in rows.items())
+    assert study.info["counts"]["outcomes"][model.name] == {"answered": len(rows)}
+
+
+def test_the_paper_s_protocol_stands_beside_ours(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    config = CONFIG.model_copy(update={"protocols": ("ours", "paper")})
+    study = run_study(out, config)
+    paper = [row for row in study.verdicts if row.protocol == "paper"]
+    assert {row.scene_id for row in paper} == {scene.id for scene in study.scenes}
+    assert not any(row.is_twin for row in paper)
+    assert all(row.action_is_safe is row.success for row in paper)
+    assert (out / "frames" / study.scenes[0].id / "whole-last.jpg").is_file()
+
+
+def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "mine", "model"
+    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    gone = Study.open(out).scenes[0].id
+    shutil.rmtree(out / "frames" / gone)
+    study = run_study(out, config, models={"mine": model})
+    rows = of(study, "mine")
+    assert rows[gone].outcome == "error"
+    assert rows[gone].error_type == "FileNotFoundError"
+    lines = (out / "verdicts.jsonl").read_text().splitlines()
+    changed = [line.replace(_version(rows), "0" * 12) for line in lines]
+    (out / "verdicts.jsonl").write_text("\n".join(changed) + "\n")
+    counts = run_study(out, config, models={"mine": model}).info["counts"]["outcomes"]["mine"]
+    assert counts["outdated"] == counts["answered"] == len(rows) - 1
+
+
+def _version(rows):
+    return next(row.prompts["name-aspect"] for row in rows.values() if row.prompts)
