@@ -15,11 +15,15 @@ def principal_axes(
     """
     wide = np.asarray(vectors, np.float64)
     mean = wide.mean(axis=0)
-    _, lengths, axes = np.linalg.svd(wide - mean, full_matrices=False)
-    total = float(np.square(lengths).sum()) or 1.0
+    apart = wide - mean
+    scatter = apart.T @ apart
+    values, columns = np.linalg.eigh(scatter)
+    total = float(np.trace(scatter)) or 1.0
     found, share = np.zeros((count, wide.shape[1])), np.zeros(count)
-    for place in range(min(count, len(axes))):
-        axis = axes[place]
+    for place in range(min(count, len(values), max(len(wide) - 1, 0))):
+        value, axis = float(values[-1 - place]), columns[:, -1 - place]
+        if value <= 1e-12 * total:
+            break
         found[place] = axis * np.sign(axis[np.abs(axis).argmax()])
-        share[place] = lengths[place] ** 2 / total
+        share[place] = value / total
     return mean, found, share
