@@ -5,7 +5,7 @@ import pytest
 from oodscen import evaluate
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.errors import LLMError
-from oodscen.evaluation import names_aspect
+from oodscen.evaluation import aspect_options, names_aspect
 from oodscen.llms.reference import ConstantAnswerer, RandomAnswerer
 from oodscen.messages import Image
 from oodscen.testing import FunctionLLM, ScriptedLLM
@@ -105,3 +105,68 @@ def test_the_random_answerer_is_repeatable(frames):
 )
 def test_an_aspect_must_share_a_telling_word_with_the_label(aspect, label, right):
     assert names_aspect(aspect, ("OOD", label)) is right
+
+
+@pytest.mark.parametrize(
+    ("said", "outcome", "action"),
+    [
+        ("I would not stop, but slow down.", "answered", "slow_down"),
+        ("I'm sorry, but I can't help with that.", "refused", None),
+        ("Ich würde langsam anhalten.", "unparsed", None),
+        ("stop or pull_over", "unparsed", None),
+        ("x" * 1_000_000, "unparsed", None),
+        ('{"action": "fly"}', "unparsed", None),
+    ],
+)
+def test_what_a_model_says_in_its_own_way_has_a_typed_outcome(frames, said, outcome, action):
+    llm = ScriptedLLM({**answers(), "choose-action": said})
+    verdict = evaluate(EPISODE, frames, llm, path=PATH)
+    assert (verdict.outcome, verdict.action) == (outcome, action)
+    assert verdict.aspect_is_right
+    assert verdict.action_is_safe is (None if action is None else False)
+    if action:
+        assert verdict.notes
+
+
+def test_a_model_that_does_not_answer_in_time_is_told_from_one_that_fails(frames):
+    def late(request):
+        raise LLMError("the request timed out after 120 s", retryable=True)
+
+    verdict = evaluate(EPISODE, frames, FunctionLLM(late), path=PATH)
+    assert (verdict.outcome, verdict.status, verdict.retryable) == ("timeout", "failed", True)
+
+
+def test_an_unavailable_action_is_not_safe_and_counted(frames):
+    outcomes = {**EPISODE.actions, "change_lane_left": ActionOutcome(safe=False, unavailable=True)}
+    episode = EPISODE.model_copy(update={"actions": outcomes})
+    llm = ScriptedLLM(answers(action="change_lane_left"))
+    verdict = evaluate(episode, frames, llm, path=PATH)
+    assert verdict.outcome == "unavailable"
+    assert verdict.action_is_safe is verdict.success is False
+
+
+def test_the_closed_question_is_scored_by_its_leaf_and_shuffled_by_item(frames):
+    leaves = {"wreck": "Overturned vehicle", "deer": "Deer on the road"}
+    options = aspect_options(leaves, seed=1, item="x-001")
+    assert options == aspect_options(leaves, seed=1, item="x-001")
+    assert len({aspect_options(leaves, seed=1, item=str(n)) for n in range(20)}) > 1
+    place = [option.id for option in options].index("wreck") + 1
+    llm = ScriptedLLM({**answers(), "choose-aspect": {"choice": place}})
+    verdict = evaluate(EPISODE, frames, llm, path=PATH, leaf="wreck", options=options)
+    assert verdict.choice == "wreck"
+    assert verdict.choice_is_right
+    twin = EPISODE.model_copy(update={"id": "x-001~twin", "scene_id": "x-001~twin"})
+    llm = ScriptedLLM({**answers(), "choose-aspect": {"choice": place}})
+    verdict = evaluate(twin, frames, llm, path=PATH, leaf="wreck", options=options)
+    assert verdict.is_twin
+    assert verdict.choice_is_right is False
+    assert verdict.aspect_is_right is None
+
+
+def test_a_judge_model_is_recorded_with_its_prompt(frames):
+    judge = ScriptedLLM({"judge-aspect": {"is_same": True}})
+    verdict = evaluate(
+        EPISODE, frames, ScriptedLLM(answers("a flipped van")), path=PATH, judge=judge
+    )
+    assert verdict.aspect_is_right
+    assert verdict.judge.startswith("scripted@")

@@ -12,7 +12,7 @@ from oodscen.llms.accounting import Account, accounts
 from oodscen.llms.litellm import IMAGE_TOKENS, known_price, load_litellm
 from oodscen.llms.traffic import Price
 from oodscen.messages import Image, Message
-from oodscen.prompts import ChooseAction, DescribeFrame, NameAspect
+from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
 from oodscen.prompts.base import Prompt
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.registry import make_llm
@@ -63,7 +63,8 @@ def estimate(
             lines += [
                 {"stage": "evaluate", "model": name, **model.usage(request, 300).model_dump()}
                 for scene in scenes
-                if f"{scene.id}@{name}" not in judged
+                for item in (scene.id, f"{scene.id}~twin")
+                if f"{item}@{name}" not in judged
                 for request in _judging()
             ]
     return accounts(lines)
@@ -86,6 +87,7 @@ def _judging() -> Iterator[Request]:
     prompts: tuple[Prompt[Any], ...] = (
         *(DescribeFrame(frames=_FRAMES[:n], descriptions=seen[: n - 1]) for n in (1, 2, 3)),
         NameAspect(frames=_FRAMES, descriptions=seen),
+        ChooseAspect(frames=_FRAMES, descriptions=seen, labels=(DESCRIPTION,) * 10),
         ChooseAction(frames=_FRAMES, descriptions=seen, options=OPTIONS),
     )
     for prompt in prompts:
