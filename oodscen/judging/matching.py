@@ -54,9 +54,8 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
 
     The leaf's label decides. The answer and the label agree when they share a telling word: equal up
     to its ending, or a synonym of it, and neither common in driving texts nor denied ("no deer").
-    Where the label has several telling words besides one that other leaves are likely to share, one
-    is enough: the matcher is lenient towards wording and strict towards content. An answer that lists
-    more than `MOST_THINGS` things names none.
+    One such word is enough: the matcher is lenient towards wording and strict towards content. The
+    label itself is always right; an answer that lists more than `MOST_THINGS` things names none.
 
     Args:
         aspect: The answer.
@@ -64,6 +63,8 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     """
     if not path or not aspect.strip():
         return False
+    if _worded(aspect) == _worded(path[-1]):
+        return True
     parts = [
         part for part in re.split(r"[,;.]|\b(?:and|but|or)\b", aspect.casefold()) if part.strip()
     ]
@@ -74,6 +75,10 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
         if not _OPPOSITE.search(part):
             said |= telling_words(part)
     return bool(_widened(said) & _widened(telling_words(path[-1])))
+
+
+def _worded(text: str) -> list[str]:
+    return re.findall(r"\w+", text.casefold())
 
 
 MOST_THINGS = 6
