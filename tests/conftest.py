@@ -18,7 +18,12 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "suite"))
 
 @pytest.fixture(scope="session", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Keep cached embeddings out of the user's folder; return where they are kept."""
-    folder = tmp_path_factory.mktemp("cache")
+    """Keep cached embeddings out of the user's folder; return where they are kept.
+
+    The processes of a parallel run share one folder, so that a text is encoded once.
+    """
+    base = tmp_path_factory.getbasetemp()
+    folder = base.parent / "cache" if "PYTEST_XDIST_WORKER" in os.environ else base / "cache"
+    folder.mkdir(exist_ok=True)
     os.environ["XDG_CACHE_HOME"] = str(folder)
     return folder

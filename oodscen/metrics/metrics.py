@@ -10,7 +10,7 @@ from oodscen.baselines.baseline import Baseline
 from oodscen.baselines.embedded import EmbeddedBaseline
 from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.texts import check_texts
-from oodscen.encoders.minilm import MiniLM
+from oodscen.encoders import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.metrics.calibration import Calibration, calibrate
 from oodscen.metrics.distances import frechet, mmd, remote_clique, vendi
@@ -65,7 +65,7 @@ class Metrics:
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        self.encoder: Encoder = encoder if encoder is not None else MiniLM()
+        self.encoder: Encoder = encoder if encoder is not None else all_minilm()
         self.baseline = _as_baseline(baseline)
         self.seed = seed
         self._space = Space(self.encoder, self.baseline, seed, device)

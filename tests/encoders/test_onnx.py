@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oodscen.encoders import MiniLM, OnnxMiniLM
+from oodscen.encoders import MiniLM, OnnxMiniLM, all_minilm
 from oodscen.encoders.cached import cache_folder
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Encoder
@@ -31,6 +31,10 @@ def own_cache(monkeypatch, folder):
 @pytest.fixture(scope="module")
 def encoder():
     return OnnxMiniLM(threads=1)
+
+
+def test_the_default_is_the_quicker_one():
+    assert isinstance(all_minilm(), OnnxMiniLM)
 
 
 def test_it_agrees_with_torch(encoder):
