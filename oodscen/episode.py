@@ -3,6 +3,7 @@
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
+from oodscen.sketch import Sketch
 
 ACTIONS = (
     "keep_speed",
@@ -82,6 +83,8 @@ class Episode(Data):
     """False where replaying the approach gave another trace; then no action is called safe."""
     actions: dict[str, ActionOutcome] = {}
     """By action id."""
+    sketch: Sketch | None = None
+    """Where everybody is at the decision point, and where every action takes them."""
     followers: tuple[str, ...] = ()
     """Who is behind the ego in its lane at the decision point, near enough to matter: the front
     camera never shows them."""

@@ -177,9 +177,7 @@ class BuiltinAuthor:
             raise LLMError(f"the built-in author has no knowledge of {label!r}", model=self.name)
         rng = self._stream(request, *prompt.path, prompt.style)
         taken = {plain(text) for text in prompt.avoid}
-        sources = [
-            self._composer.texts(hazard, rng, taken, prompt.style) for hazard in hazards
-        ]
+        sources = [self._composer.texts(hazard, rng, taken, prompt.style) for hazard in hazards]
         texts: list[str] = []
         while len(texts) < prompt.count and sources:
             source = sources[len(texts) % len(sources)]
