@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from markupsafe import Markup
 
-_WIDTH = 480.0
+from oodscen.report.drawing import WIDTH, px, svg
+
 _LEFT, _RIGHT = 8.0, 404.0
 _BAR, _GAP = 11.0, 3.0
 
@@ -41,7 +42,7 @@ def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Markup:
     for row in rows:
         parts.append(
             Markup('<text class="name" x="{}" y="{}">{}</text>').format(
-                _n(_LEFT), _n(y + 11), _short(row.label, 56)
+                px(_LEFT), px(y + 11), _short(row.label, 56)
             )
         )
         top = y + 17
@@ -53,7 +54,7 @@ def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Markup:
             parts.append(
                 Markup(
                     '<path class="chance" d="M{} {}V{}"><title>a random action: {} %</title></path>'
-                ).format(_n(_x(row.chance)), _n(top - 2), _n(y - _GAP + 2), round(100 * row.chance))
+                ).format(px(_x(row.chance)), px(top - 2), px(y - _GAP + 2), round(100 * row.chance))
             )
         y += 10
     label = f"{what}, by scenario type: " + "; ".join(
@@ -65,30 +66,28 @@ def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Markup:
         )
         for row in rows
     )
-    return Markup(
-        '<svg class="chart bars" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>'
-    ).format(_n(_WIDTH), _n(y), label, Markup("").join(parts))
+    return svg(label, y, parts, kind="chart bars")
 
 
 def _bar(bar: Bar | None, index: int, model: str, y: float) -> list[Markup]:
     track = Markup('<rect class="track" x="{}" y="{}" width="{}" height="{}"/>').format(
-        _n(_LEFT), _n(y), _n(_RIGHT - _LEFT), _n(_BAR)
+        px(_LEFT), px(y), px(_RIGHT - _LEFT), px(_BAR)
     )
     if bar is None or not bar.n:
         return [
             track,
-            Markup('<text class="tick" x="{}" y="{}">–</text>').format(_n(_RIGHT + 8), _n(y + 10)),
+            Markup('<text class="tick" x="{}" y="{}">–</text>').format(px(_RIGHT + 8), px(y + 10)),
         ]
     share = bar.hits / bar.n
-    middle = _n(y + _BAR / 2)
+    middle = px(y + _BAR / 2)
     return [
         track,
         Markup('<rect class="series-{}" x="{}" y="{}" width="{}" height="{}"><title>{}: {} of {}</title></rect>').format(
-            index % 6, _n(_LEFT), _n(y), _n((_RIGHT - _LEFT) * share), _n(_BAR), model, bar.hits, bar.n
+            index % 6, px(_LEFT), px(y), px((_RIGHT - _LEFT) * share), px(_BAR), model, bar.hits, bar.n
         ),
-        Markup('<path class="span" d="M{0} {2}H{1}"/>').format(_n(_x(bar.low)), _n(_x(bar.high)), middle),
+        Markup('<path class="span" d="M{0} {2}H{1}"/>').format(px(_x(bar.low)), px(_x(bar.high)), middle),
         Markup('<text class="tick" x="{}" y="{}">{} % <tspan class="of">of {}</tspan></text>').format(
-            _n(_RIGHT + 8), _n(y + 10), round(100 * share), bar.n
+            px(_RIGHT + 8), px(y + 10), round(100 * share), bar.n
         ),
     ]  # fmt: skip
 
@@ -110,23 +109,23 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
         middle = top + size * (index + 0.5) + 3.5
         parts.append(
             Markup('<text class="small end" x="{}" y="{}">{} {}</text>').format(
-                _n(left - 6), _n(middle), _short(label, 32), index + 1
+                px(left - 6), px(middle), _short(label, 32), index + 1
             )
         )
         parts.append(
             Markup('<text class="small middle" x="{}" y="{}">{}</text>').format(
-                _n(left + size * (index + 0.5)), _n(top - 6), index + 1
+                px(left + size * (index + 0.5)), px(top - 6), index + 1
             )
         )
     parts.append(
         Markup('<text class="small middle" x="{}" y="{}">–</text>').format(
-            _n(left + size * (nothing + 0.5)), _n(top - 6)
+            px(left + size * (nothing + 0.5)), px(top - 6)
         )
     )
     parts += [
         Markup('<rect class="{}" x="{}" y="{}" width="{}" height="{}" fill-opacity="{}"><title>{}: {} taken for {}</title></rect>').format(
             "hit" if row == column else "miss",
-            _n(left + size * column), _n(top + size * row), _n(size - 1), _n(size - 1),
+            px(left + size * column), px(top + size * row), px(size - 1), px(size - 1),
             f"{0.15 + 0.85 * count / most:.2f}", labels[row], count,
             "nothing unusual" if column == nothing else labels[column],
         )
@@ -134,12 +133,12 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
     ]  # fmt: skip
     parts.append(
         Markup('<rect class="frame" x="{}" y="{}" width="{}" height="{}"/>').format(
-            _n(left), _n(top), _n(size * (nothing + 1)), _n(size * len(labels))
+            px(left), px(top), px(size * (nothing + 1)), px(size * len(labels))
         )
     )
     return Markup(
         '<svg class="chart confusion" viewBox="0 0 {} {}" role="img" aria-label="Which type of scenario was taken for which; the table below lists the most frequent">{}</svg>'
-    ).format(_n(width), _n(top + size * len(labels) + 6), Markup("").join(parts))
+    ).format(px(width), px(top + size * len(labels) + 6), Markup("").join(parts))
 
 
 def _x(share: float) -> float:
@@ -148,7 +147,3 @@ def _x(share: float) -> float:
 
 def _short(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[: most - 1]}…"
-
-
-def _n(value: float) -> str:
-    return f"{value:.1f}".removesuffix(".0")

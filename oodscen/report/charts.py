@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from markupsafe import Markup
 
-_WIDTH = 480
+from oodscen.report.drawing import WIDTH, px, svg
+
 """Width of the view box; text stays readable when a phone shrinks it to 340 px."""
 
 
@@ -33,10 +34,10 @@ def growth(points: Sequence[Point], start: int, final: int | None = None) -> Mar
         start: Size before the first round.
         final: Size that the paper reached; drawn as a dotted line.
     """
-    left, right, top, bottom = 34, _WIDTH - 12, 12, 150
+    left, right, top, bottom = 34, WIDTH - 12, 12, 150
     last = max(points[-1].round if points else 1, 1)
     sizes = [start, *(point.nodes for point in points), *([final] if final else [])]
-    low, high, step = _scale(min(sizes), max(sizes), 4)
+    low, high, step = scale(min(sizes), max(sizes), 4)
 
     def x(value: float) -> float:
         return left + (right - left) * value / last
@@ -47,29 +48,29 @@ def growth(points: Sequence[Point], start: int, final: int | None = None) -> Mar
     parts = [
         Markup(
             '<line class="grid" x1="{}" x2="{}" y1="{}" y2="{}"/><text class="tick end" x="{}" y="{}">{}</text>'
-        ).format(left, right, _n(y(value)), _n(y(value)), left - 6, _n(y(value) + 4), value)
+        ).format(left, right, px(y(value)), px(y(value)), left - 6, px(y(value) + 4), value)
         for value in range(low, high + 1, step)
     ]
     if final:
         parts.append(
             Markup(
                 '<line class="reference" x1="{}" x2="{}" y1="{}" y2="{}"/><text class="tick end" x="{}" y="{}">paper: {}</text>'
-            ).format(left, right, _n(y(final)), _n(y(final)), right, _n(y(final) - 5), final)
+            ).format(left, right, px(y(final)), px(y(final)), right, px(y(final) - 5), final)
         )
-    line = f"M{_n(x(0))},{_n(y(start))}"
+    line = f"M{px(x(0))},{px(y(start))}"
     for point in points:
-        line += f"H{_n(x(point.round))}V{_n(y(point.nodes))}"
+        line += f"H{px(x(point.round))}V{px(y(point.nodes))}"
     parts.append(Markup('<path class="line" d="{}"/>').format(line))
     width = max(1.0, min(3.0, 0.6 * (right - left) / last))
     parts += [
         Markup('<rect class="mark {}" x="{}" y="{}" width="{}" height="9"/>').format(
-            f"is-{point.decision}", _n(x(point.round) - width), bottom + 5, _n(width)
+            f"is-{point.decision}", px(x(point.round) - width), bottom + 5, px(width)
         )
         for point in points
     ]
     parts += [
         Markup('<text class="tick middle" x="{}" y="{}">{}</text>').format(
-            _n(x(value)), bottom + 28, value
+            px(x(value)), bottom + 28, value
         )
         for value in sorted({0, last // 2, last})
     ]
@@ -79,7 +80,7 @@ def growth(points: Sequence[Point], start: int, final: int | None = None) -> Mar
     label = (
         f"Nodes of the tree over {last} rounds of red teaming, from {start} to {sizes[len(points)]}"
     )
-    return _svg(label, bottom + 46, parts)
+    return svg(label, bottom + 46, parts)
 
 
 def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str = "") -> Markup:
@@ -90,7 +91,7 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
         marker: A value to mark across all of them.
         marked: What that value is.
     """
-    left, right, row, gap = 104, _WIDTH - 18, 40, 10
+    left, right, row, gap = 104, WIDTH - 18, 40, 10
     values = [value for strip in strips for value in strip.values]
     edges = [*values, *([marker] if marker is not None else [])]
     low, high = min(edges), max(edges)
@@ -109,7 +110,7 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
         parts.append(
             Markup(
                 '<line class="grid" x1="{0}" x2="{0}" y1="18" y2="{1}"/><text class="tick middle" x="{0}" y="{2}">{3}</text>'
-            ).format(_n(x(value)), height, height + 16, signed(value, 1))
+            ).format(px(x(value)), height, height + 16, signed(value, 1))
         )
     bar = (right - left) / bins
     for number, strip in enumerate(strips):
@@ -120,10 +121,10 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
         tallest = max(counts)
         parts += [
             Markup('<rect class="bar" x="{}" y="{}" width="{}" height="{}"/>').format(
-                _n(left + bar * index + 0.5),
-                _n(base - row * count / tallest),
-                _n(max(bar - 1, 0.5)),
-                _n(row * count / tallest),
+                px(left + bar * index + 0.5),
+                px(base - row * count / tallest),
+                px(max(bar - 1, 0.5)),
+                px(row * count / tallest),
             )
             for index, count in enumerate(counts)
             if count
@@ -142,7 +143,7 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
                 strip.label,
                 base - 4,
                 len(strip.values),
-                _n(x(strip.mean)),
+                px(x(strip.mean)),
                 base,
                 row + 4,
             )
@@ -153,17 +154,17 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
             Markup(
                 '<line class="reference" x1="{0}" x2="{0}" y1="4" y2="{1}"/><text class="tick{2}" x="{3}" y="12">{4}</text>'
             ).format(
-                _n(x(marker)),
+                px(x(marker)),
                 height,
                 " end" if near_right else "",
-                _n(x(marker) + (-5 if near_right else 5)),
+                px(x(marker) + (-5 if near_right else 5)),
                 marked,
             )
         )
     label = "OOD-ness per text: " + "; ".join(
         f"{strip.label}, {len(strip.values)} texts, mean {signed(strip.mean)}" for strip in strips
     )
-    return _svg(label, height + 22, parts)
+    return svg(label, height + 22, parts)
 
 
 def whisker(share: float, low: float, high: float) -> Markup:
@@ -179,10 +180,10 @@ def whisker(share: float, low: float, high: float) -> Markup:
         width,
         width - 1,
         middle,
-        _n(width / 2),
-        _n(1 + (width - 2) * low),
-        _n(1 + (width - 2) * high),
-        _n(1 + (width - 2) * share),
+        px(width / 2),
+        px(1 + (width - 2) * low),
+        px(1 + (width - 2) * high),
+        px(1 + (width - 2) * share),
     )
 
 
@@ -195,7 +196,7 @@ def shares(counts: Sequence[tuple[str, int]]) -> Markup:
         if size:
             parts.append(
                 Markup('<rect class="is-{}" x="{}" y="2" width="{}" height="12"/>').format(
-                    kind, _n(start), _n(max(size - 1, 0.5))
+                    kind, px(start), px(max(size - 1, 0.5))
                 )
             )
         start += size
@@ -212,22 +213,11 @@ def signed(value: float, digits: int = 3) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def _svg(label: str, height: float, parts: Sequence[Markup]) -> Markup:
-    return Markup(
-        '<svg class="chart" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>'
-    ).format(_WIDTH, _n(height), label, Markup("").join(parts))
-
-
-def _n(value: float) -> str:
-    """Write a coordinate in as few characters as a tenth of a pixel needs."""
-    return f"{value:.1f}".removesuffix(".0")
-
-
 def _floor(value: float, step: float) -> float:
     return round((value + 1e-9) // step * step, 6)
 
 
-def _scale(low: int, high: int, ticks: int) -> tuple[int, int, int]:
+def scale(low: int, high: int, ticks: int) -> tuple[int, int, int]:
     """Return round bounds and a round step for an axis of whole numbers."""
     span = max(high - low, 1)
     step = next(

@@ -11,11 +11,11 @@ from typing import Any
 from markupsafe import Markup
 
 from oodscen.report import charts
+from oodscen.report.drawing import WIDTH, px, svg
 from oodscen.report.measures import scores, set_names
 from oodscen.report.reading import Material, dig, mapping, number
 from oodscen.study import Study
 
-_WIDTH = 480
 _COLOURS = ("var(--accent)", "var(--unsafe)", "var(--safe)", "var(--warn)", "var(--amber)")
 _GREY = "var(--off)"
 _CURVE = 210
@@ -89,7 +89,7 @@ def _detector_caption(metrics: Mapping[str, Any], names: Sequence[str]) -> str:
 
 
 def _boxes(rows: Sequence[tuple[str, list[float]]]) -> Markup:
-    left, right, step = 104, _WIDTH - 14, 34
+    left, right, step = 104, WIDTH - 14, 34
     ends = [_quantile(values, share) for _, values in rows for share in (0.0, 1.0)]
     low, high = math.floor(min(ends)), math.ceil(max(ends))
     high = max(high, low + 1)
@@ -102,13 +102,13 @@ def _boxes(rows: Sequence[tuple[str, list[float]]]) -> Markup:
     parts = [
         Markup(
             '<line class="grid" x1="{0}" x2="{0}" y1="6" y2="{1}"/><text class="tick middle" x="{0}" y="{2}">{3}</text>'
-        ).format(_n(x(value)), height, height + 16, charts.signed(value, 0))
+        ).format(px(x(value)), height, height + 16, charts.signed(value, 0))
         for value in range(low, high + 1, every)
     ]
     for place, (name, values) in enumerate(rows):
         middle = 12 + step * place + step / 2 - 6
         edges = [_quantile(values, share) for share in (0.05, 0.25, 0.5, 0.75, 0.95)]
-        a, b, c, d, e = (_n(x(edge)) for edge in edges)
+        a, b, c, d, e = (px(x(edge)) for edge in edges)
         parts.append(
             Markup(
                 '<text class="name" x="0" y="{y1}">{name}</text><text class="tick" x="0" y="{y2}">n = {n}</text>'
@@ -116,20 +116,20 @@ def _boxes(rows: Sequence[tuple[str, list[float]]]) -> Markup:
                 '<rect class="bar" x="{b}" y="{top}" width="{w}" height="14"/>'
                 '<path class="mean" d="M{c} {top}v14"/>'
             ).format(
-                y1=_n(middle),
-                y2=_n(middle + 13),
+                y1=px(middle),
+                y2=px(middle + 13),
                 name=name,
                 n=len(values),
                 a=a,
                 e=e,
-                m=_n(middle),
+                m=px(middle),
                 b=b,
-                top=_n(middle - 7),
-                w=_n(max(float(d) - float(b), 1.0)),
+                top=px(middle - 7),
+                w=px(max(float(d) - float(b), 1.0)),
                 c=c,
             )
         )
-    return _svg("Scores of the detector by set", height + 22, parts)
+    return svg("Scores of the detector by set", height + 22, parts)
 
 
 def _curves(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
@@ -142,7 +142,7 @@ def _curves(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
             lines.append((name, _colour(place), sizes, both))
     if not lines:
         return Markup("")
-    left, right, top = 40, _WIDTH - 22, 10
+    left, right, top = 40, WIDTH - 22, 10
     values = [value for *_, both in lines for values in both for value in values]
     low, high = math.floor(min(values) * 10) / 10, math.ceil(max(values) * 10) / 10
     high = max(high, low + 0.1)
@@ -165,16 +165,16 @@ def _curves(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
             ).format(
                 left,
                 right,
-                _n(y(value)),
-                _n(y(value)),
+                px(y(value)),
+                px(y(value)),
                 left - 6,
-                _n(y(value) + 4),
+                px(y(value) + 4),
                 charts.signed(value, 1),
             )
         )
     parts += [
         Markup('<text class="tick middle" x="{}" y="{}">{}</text>').format(
-            _n(x(size)), bottom + 16, size
+            px(x(size)), bottom + 16, size
         )
         for size in (2, 10, 100, 1000)
         if size <= longest
@@ -182,7 +182,7 @@ def _curves(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
     for _, colour, sizes, both in lines:
         for kind, values in enumerate(both):
             path = "L".join(
-                f"{_n(x(size))},{_n(y(value))}" for size, value in zip(sizes, values, strict=True)
+                f"{px(x(size))},{px(y(value))}" for size, value in zip(sizes, values, strict=True)
             )
             parts.append(
                 Markup('<path d="M{}" fill="none" stroke="{}" stroke-width="2"{}/>').format(
@@ -191,7 +191,7 @@ def _curves(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
             )
     entries = [(_short(name), colour) for name, colour, *_ in lines]
     parts += _legend(entries, bottom + 38)
-    return _svg("Diversity by number of texts", bottom + 28 + _legend_height(entries), parts)
+    return svg("Diversity by number of texts", bottom + 28 + _legend_height(entries), parts)
 
 
 def _map(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
@@ -208,15 +208,15 @@ def _map(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
     lows = [min(pair[axis] for pair in every) for axis in (0, 1)]
     highs = [max(pair[axis] for pair in every) for axis in (0, 1)]
     spans = [max(high - low, 1e-9) for low, high in zip(lows, highs, strict=True)]
-    scale = min((_WIDTH - 20) / spans[0], (_MAP - 20) / spans[1])
+    scale = min((WIDTH - 20) / spans[0], (_MAP - 20) / spans[1])
     height = 20 + spans[1] * scale
     parts = []
     for name, colour, pairs in sets:
         radius = 1.8 if name == "baseline" else 2.6
         dots = Markup("").join(
             Markup('<circle cx="{}" cy="{}" r="{}"/>').format(
-                _n(10 + (first - lows[0]) * scale),
-                _n(height - 10 - (second - lows[1]) * scale),
+                px(10 + (first - lows[0]) * scale),
+                px(height - 10 - (second - lows[1]) * scale),
                 radius,
             )
             for first, second in pairs
@@ -228,7 +228,7 @@ def _map(metrics: Mapping[str, Any], names: Sequence[str]) -> Markup:
         )
     entries = [(f"{_short(name)} ({len(pairs)})", colour) for name, colour, pairs in sets]
     parts += _legend(entries, height + 14)
-    return _svg("Texts on two principal axes", height + 4 + _legend_height(entries), parts)
+    return svg("Texts on two principal axes", height + 4 + _legend_height(entries), parts)
 
 
 def _map_caption(metrics: Mapping[str, Any]) -> str:
@@ -245,11 +245,11 @@ def _legend(entries: Sequence[tuple[str, str]], top: float) -> list[Markup]:
         Markup(
             '<circle cx="{}" cy="{}" r="5" fill="{}"/><text class="tick" x="{}" y="{}">{}</text>'
         ).format(
-            _n(10 + 155 * (place % 3)),
-            _n(top + 18 * (place // 3) - 4),
+            px(10 + 155 * (place % 3)),
+            px(top + 18 * (place // 3) - 4),
             colour,
-            _n(20 + 155 * (place % 3)),
-            _n(top + 18 * (place // 3)),
+            px(20 + 155 * (place % 3)),
+            px(top + 18 * (place // 3)),
             label,
         )
         for place, (label, colour) in enumerate(entries)
@@ -285,13 +285,3 @@ def _quantile(values: Sequence[float], share: float) -> float:
     below = math.floor(place)
     above = min(below + 1, len(order) - 1)
     return order[below] + (order[above] - order[below]) * (place - below)
-
-
-def _svg(label: str, height: float, parts: Sequence[Markup]) -> Markup:
-    return Markup(
-        '<svg class="chart" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>'
-    ).format(_WIDTH, _n(height), label, Markup("").join(parts))
-
-
-def _n(value: float) -> str:
-    return f"{value:.1f}".removesuffix(".0")

@@ -3,10 +3,10 @@
 from markupsafe import Markup
 
 from oodscen.redteaming.saturation import Saturation
-from oodscen.report.charts import _n, _scale, _svg
+from oodscen.report.charts import scale
+from oodscen.report.drawing import WIDTH, px, svg
 
-_WIDTH = 480
-_LEFT, _RIGHT, _TOP, _BOTTOM = 34, _WIDTH - 58, 14, 160
+_LEFT, _RIGHT, _TOP, _BOTTOM = 34, WIDTH - 58, 14, 160
 
 
 def saturation_chart(found: Saturation) -> Markup:
@@ -25,7 +25,7 @@ def saturation_chart(found: Saturation) -> Markup:
         return Markup("")
     last = max(found.curve[-1].round, 1)
     total = found.kinds + found.unseen
-    _, high, step = _scale(0, max(round(min(1.1 * total, 1.6 * found.kinds)), 4), 4)
+    _, high, step = scale(0, max(round(min(1.1 * total, 1.6 * found.kinds)), 4), 4)
 
     def x(value: float) -> float:
         return _LEFT + (_RIGHT - _LEFT) * value / last
@@ -36,36 +36,36 @@ def saturation_chart(found: Saturation) -> Markup:
     parts = [
         Markup(
             '<line class="grid" x1="{}" x2="{}" y1="{}" y2="{}"/><text class="tick end" x="{}" y="{}">{}</text>'
-        ).format(_LEFT, _RIGHT, _n(y(value)), _n(y(value)), _LEFT - 6, _n(y(value) + 4), value)
+        ).format(_LEFT, _RIGHT, px(y(value)), px(y(value)), _LEFT - 6, px(y(value) + 4), value)
         for value in range(0, high + 1, step)
     ]
     parts += [
         Markup('<text class="tick" x="{}" y="{}">{}</text>').format(
-            _RIGHT + 12, _n(_BOTTOM - (_BOTTOM - _TOP) * share / 100 + 4), f"{share} %"
+            _RIGHT + 12, px(_BOTTOM - (_BOTTOM - _TOP) * share / 100 + 4), f"{share} %"
         )
         for share in (0, 50, 100)
     ]
     coverage = "".join(
-        f"{'L' if place else 'M'}{_n(x(point.round))},{_n(y(high * point.coverage))}"
+        f"{'L' if place else 'M'}{px(x(point.round))},{px(y(high * point.coverage))}"
         for place, point in enumerate(found.curve)
     )
-    kinds = f"M{_n(x(0))},{_n(y(0))}"
+    kinds = f"M{px(x(0))},{px(y(0))}"
     for point in found.curve:
-        kinds += f"H{_n(x(point.round))}V{_n(y(point.kinds))}"
+        kinds += f"H{px(x(point.round))}V{px(y(point.kinds))}"
     parts.append(Markup('<path class="reference" fill="none" d="{}"/>').format(coverage))
     parts.append(Markup('<path class="line" d="{}"/>').format(kinds))
     if found.unseen_high > 0.0 and found.kinds + found.unseen_low < high:
         parts.append(
             Markup('<line class="range" x1="{0}" x2="{0}" y1="{1}" y2="{2}"/>').format(
-                _n(_RIGHT + 5),
-                _n(y(found.kinds + found.unseen_low)),
-                _n(y(found.kinds + found.unseen_high)),
+                px(_RIGHT + 5),
+                px(y(found.kinds + found.unseen_low)),
+                px(y(found.kinds + found.unseen_high)),
             )
         )
     if found.unseen > 0.0 and total <= high:
         parts.append(
             Markup('<circle class="dot" cx="{}" cy="{}" r="3.5"/>').format(
-                _n(_RIGHT + 5), _n(y(total))
+                px(_RIGHT + 5), px(y(total))
             )
         )
     if found.dry_from is not None:
@@ -73,17 +73,17 @@ def saturation_chart(found: Saturation) -> Markup:
             Markup(
                 '<line class="grid" x1="{0}" x2="{0}" y1="{1}" y2="{2}"/><text class="tick end" x="{3}" y="{4}">{5}</text>'
             ).format(
-                _n(x(found.dry_from)),
+                px(x(found.dry_from)),
                 _TOP,
                 _BOTTOM,
-                _n(x(found.dry_from) - 4),
+                px(x(found.dry_from) - 4),
                 _BOTTOM - 6,
                 f"dry from {found.dry_from}",
             )
         )
     parts += [
         Markup('<text class="tick middle" x="{}" y="{}">{}</text>').format(
-            _n(x(value)), _BOTTOM + 16, value
+            px(x(value)), _BOTTOM + 16, value
         )
         for value in sorted({0, last // 2, last})
     ]
@@ -99,4 +99,4 @@ def saturation_chart(found: Saturation) -> Markup:
         f"New kinds over {last} rounds of red teaming: {found.kinds}; about {found.unseen:.0f} unseen, "
         f"coverage {found.coverage:.0%}"
     )
-    return _svg(label, _BOTTOM + 34, parts)
+    return svg(label, _BOTTOM + 34, parts)
