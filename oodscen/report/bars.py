@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from markupsafe import Markup
 
-from oodscen.report.drawing import WIDTH, px, svg
+from oodscen.report.drawing import px, svg
 
 _LEFT, _RIGHT = 8.0, 404.0
 _BAR, _GAP = 11.0, 3.0
