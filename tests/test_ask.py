@@ -11,6 +11,7 @@ from oodscen.ask import MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
 from oodscen.errors import AnswerError, Issue, LLMError
 from oodscen.prompts import QUESTIONS, ImaginedScenario, ImagineScenario, SceneDraft
 from oodscen.testing import FunctionLLM, ScriptedLLM
+from tests import strategies  # noqa: F401  # says how claims are drawn
 from tests.prompts.samples import SAMPLES
 
 QUESTION = ImagineScenario(shown=("A deer crosses.",))

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from oodscen.ask import read_answer
 from oodscen.prompts import QUESTIONS, SceneDraft
 from oodscen.scene import Actor, Ego, Hazard, Placement, Trigger, Weather
+from tests import strategies  # noqa: F401  # says how claims are drawn
 
 often = settings(
     max_examples=max(200, settings.default.max_examples),

@@ -39,10 +39,10 @@ class PlacedScenario(BaseModel):
         "label of the node",
     )
     members: list[str] = Field(
-        default_factory=list, description="add: ids of leaves that move into the new family"
+        default=[], description="add: ids of leaves that move into the new family"
     )
     also: list[AlsoFits] = Field(
-        default_factory=list, description="leaves that would have been the next best choices"
+        default=[], description="leaves that would have been the next best choices"
     )
 
 

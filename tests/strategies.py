@@ -1,0 +1,28 @@
+"""Answers of every type as Hypothesis draws them."""
+
+from hypothesis import strategies as st
+
+from oodscen.claims import NUMBERS, VALUES, Claim
+from oodscen.claims.claim import OF_THINGS
+from oodscen.prompts import OodAspect
+
+
+@st.composite
+def claims(draw):
+    """Draw claims that agree in themselves."""
+    kind = draw(st.sampled_from([*VALUES, *NUMBERS]))
+    number = st.integers(1, 1000).map(str)
+    subject = st.text(min_size=1, max_size=20).filter(str.strip)
+    return Claim(
+        kind=kind,
+        value=draw(number if kind in NUMBERS else st.sampled_from(list(VALUES[kind]))),
+        subject=draw(subject) if kind in OF_THINGS else "",
+        quote=draw(st.text(max_size=20)),
+    )
+
+
+st.register_type_strategy(Claim, claims())
+st.register_type_strategy(
+    OodAspect,
+    st.builds(OodAspect, confidence=st.none() | st.floats(0.0, 1.0)),
+)
