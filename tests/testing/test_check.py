@@ -246,7 +246,7 @@ def test_broken_promises_are_found(factory, words: list[str]) -> None:
     slow = {Hoards: "leaks", KeepsFiles: "leaks", Swallows: "appearance"}
     parts = (slow[factory],) if factory in slow else QUICK
     with pytest.raises(AssertionError) as caught:
-        check_simulator(factory, scenes=[weaving], parts=parts, resets=100)
+        check_simulator(factory, scenes=[weaving], parts=parts, resets=40)
     for word in words:
         assert word in str(caught.value)
 
