@@ -21,7 +21,7 @@ _ASSETS: tuple[tuple[Category, str, str, float, float, float, tuple[str, ...]], 
     ("vehicle", "overturned_car", "a car that lies on its roof", 4.3, 1.8, 1.4, _LIGHTS),
     ("vehicle", "overturned_truck", "a lorry that lies on its side", 9.0, 3.6, 2.5, _LIGHTS),
     ("vehicle", "excavator", "an excavator", 7.0, 2.6, 3.0, _LIGHTS),
-    ("vehicle", "trailer", "a small trailer", 2.5, 1.6, 1.2, ()),
+    ("vehicle", "trailer", "a caravan with its drawbar", 5.5, 2.2, 2.4, ()),
     ("cyclist", "cyclist", "a person on a bicycle", 1.8, 0.6, 1.75, ()),
     ("pedestrian", "adult", "an adult on foot", 0.5, 0.55, 1.75, ()),
     ("pedestrian", "child", "a child on foot", 0.35, 0.4, 1.2, ()),
@@ -76,6 +76,7 @@ FLAT_CATALOGUE = Catalogue(
             length=length,
             width=width,
             height=height,
+            tags=("caravan",) if name == "trailer" else (),
             states=states,
         )
         for category, name, description, length, width, height, states in _ASSETS

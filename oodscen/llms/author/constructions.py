@@ -204,8 +204,8 @@ def _noted(plot: Plot) -> str:
     return f"{_sentence(nominal(plot.where), plot.weather)} {_sentence(plot.event)}"
 
 
-def _set(plot: Plot) -> str:
-    place = _sentence("the scene is", nominal(plot.where), plot.weather)
+def _noted_as_stated(plot: Plot) -> str:
+    place = _sentence(f"{nominal(plot.where)};", _clause(plot.statement))
     return f"{place} {_sentence(plot.event)}"
 
 
@@ -292,7 +292,12 @@ _NOTED = Construction(
     names_ego=False,
     is_apart=True,
 )
-_SET = Construction(_set, _can_be_noted, names_ego=False, is_apart=True)
+_NOTED_AS_STATED = Construction(
+    _noted_as_stated,
+    lambda plot: _can_be_noted(plot) and bool(plot.statement),
+    names_ego=False,
+    is_apart=True,
+)
 _EVENT_FIRST = Construction(
     _event_first,
     lambda plot: not plot.traffic and "ego vehicle" not in plot.event and _introduces(plot),
@@ -314,29 +319,39 @@ _DOING = Construction(_doing, lambda plot: _starts_with_ego(plot) and not plot.t
 _LINE = Construction(_line, names_ego=False)
 _ACCOUNT = Construction(_account, is_apart=True)
 
+_WITHOUT_EGO = (
+    _PLACE_FIRST,
+    _PLACE_FIRST,
+    _PLACE_FIRST,
+    _PLACE_ALONE,
+    _PLACE_ALONE,
+    _WEATHER_AND_PLACE,
+    _WEATHER_AND_PLACE,
+    _WEATHER_AND_PLACE,
+    _STATED_PLACE,
+    _STATED_LAST,
+    _STATED_LAST,
+    _NOTED,
+    _NOTED,
+    _NOTED_AS_STATED,
+    _NOTED_AS_STATED,
+    _EVENT_THEN_PLACE,
+)
+"""Place and event, with nothing about the ego but what the event says."""
+
 FALLBACK = _TWO
 """Suits every plot."""
 
 CONSTRUCTIONS: dict[Style, tuple[Construction, ...]] = {
     "natural": (
-        _PLACE_FIRST,
-        _PLACE_FIRST,
-        _PLACE_ALONE,
-        _PLACE_ALONE,
-        _WEATHER_AND_PLACE,
-        _WEATHER_AND_PLACE,
-        _STATED_PLACE,
-        _STATED_LAST,
-        _NOTED,
-        _SET,
+        *_WITHOUT_EGO,
+        *_WITHOUT_EGO,
         _EVENT_FIRST,
-        _EVENT_THEN_PLACE,
         _DOING,
         _DOING,
         _OCCURRING,
         _MEANWHILE,
         _JOINED,
-        _TWO,
         _WEATHER_FIRST,
         _STATED,
     ),

@@ -75,6 +75,7 @@ class Judge:
             parts = (f"{s.asset} stands for {_words(s.stands_for)}" for s in found[0].substitutes)
             reason += f" Not with the thing itself: {', '.join(parts)}."
         first = shown[0]
+        standing = [s for one in shown for s in one.substitutes]
         return BranchJudgement(
             reasoning=reason,
             simulatable=True,
@@ -83,9 +84,11 @@ class Judge:
             behaviours=first.behaviours,
             weather=first.weather,
             traits=first.traits,
-            substitutes=first.substitutes,
+            substitutes=list({s.stands_for: s for s in standing}.values()),
             label=narrower,
-            missing=_together(hidden) if hidden else _originals(first, self.recogniser.knowledge),
+            missing=_together(hidden)
+            if hidden
+            else _originals(standing, self.recogniser.knowledge),
         )
 
 
@@ -192,13 +195,13 @@ def _find_map(found: Realisation, catalogue: CatalogueDigest) -> None:
         found.lack(map_with((*traits, *marks) if lacking or len(traits) > 1 else traits))
 
 
-def _originals(one: Realisation, knowledge: Knowledge) -> list[Addition]:
+def _originals(standing: Iterable[Substitute], knowledge: Knowledge) -> list[Addition]:
     """Return what would be shown instead of the substitutes."""
     return [
         Addition(kind="state", name=s.stands_for)
         if ": " in s.stands_for
         else Addition(kind="asset", name=s.stands_for, category=knowledge.category(s.stands_for))
-        for s in one.substitutes
+        for s in {s.stands_for: s for s in standing}.values()
     ]
 
 

@@ -30,7 +30,7 @@ _ROAD = re.compile(
     r"junction|intersection|roundabout|crossing|city|town|village)\b",
     re.IGNORECASE,
 )
-_LINK = r"(?:\s*[,:]\s*(?:and |when |while )?|\s+(?:and|when|while) |\s+|(?=\.?$))"
+_LINK = r"(?:\s*[,:;]\s*(?:and |when |while )?|\s+(?:and|when|while) |\s+|(?=\.?$))"
 _SENTENCES = re.compile(r"(?<=[.!?])\s+(?=[A-Z\d])")
 _SLACK = 3
 """Words by which a twin may be shorter than its text before something ordinary is added."""

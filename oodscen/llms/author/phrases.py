@@ -32,7 +32,7 @@ def _patterns(rows: str) -> tuple[Pattern, ...]:
 
 
 _EGO = r"(?:(?:the|an|your|its) )?(?:(?:user-controlled )?ego(?:[- ](?:vehicle|car|motorcycle|driver))?|hero vehicle|autonomous vehicle|automated vehicle|self-driving car|own vehicle)"
-_EGO_ITSELF = rf"{_EGO}(?!['’]s)"
+_EGO_ITSELF = rf"{_EGO}(?!['’]s|[- ](?:vehicle|car|motorcycle|driver)['’]s|(?: own| entry| driving)? (?:lane|path)\b)"
 _LANE = (
     rf"(?:{_EGO}['’]s(?: own| entry| driving| original| current| very| planned)? (?:lane|path|way|side)"
     rf"|(?:the )?ego(?: own| entry)? (?:lane|path)|(?:the |its )?(?:lane|path|way) of {_EGO}|the lane (?:in which|that|used by|where) {_EGO}"
@@ -219,7 +219,7 @@ CARRIED = re.compile(r"\bwith (?:an? |its |two |some )?(?:[\w-]+ ){0,2}$", re.IG
 """What, between two things, says that the second is part or load of the first."""
 
 QUANTITY = re.compile(
-    r"\b(?:(two|both|three|four|five|six|seven|eight|nine|ten|\d{1,3})|(a (?:pair|couple) of)|((?:a |an )?(?:\w+ )?(?:row|line|group|crowd|herd|flock|cluster|string|number|pack|swarm|handful) of|several|a few|some|many|multiple|dozens of|various))\s+(?:[\w'’-]+,?\s+){0,3}$",
+    r"\b(?:(two|both|three|four|five|six|seven|eight|nine|ten|\d{1,3}(?! ?m(?:et(?:re|er)s)?\b))|(a (?:pair|couple) of)|((?:a |an )?(?:\w+ )?(?:row|line|group|crowd|herd|flock|cluster|string|number|pack|swarm|handful) of|several|a few|some|many|multiple|dozens of|various))\s+(?:[\w'’-]+,?\s+){0,3}$",
     re.IGNORECASE,
 )
 

@@ -59,7 +59,10 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
 
 
 def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
-    """Prune to what the simulator's catalogue can show."""
+    """Prune to what the simulator's catalogue can show as the texts will say it.
+
+    Branches that only substitutes can show go as well: a scene must have what its text names.
+    """
     total = len(tree.leaves)
     leaves = {leaf.id for leaf in tree.leaves}
     judged = [item for item in run.study.decisions if item.id in leaves]
@@ -69,7 +72,11 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         return run.study.tree("simulatable")
     run.store.write_lines("pruned.jsonl", judged)
     pruner = Pruner(
-        run.llm, run.simulator.catalogue(), threads=run.threads, context=run.config.context
+        run.llm,
+        run.simulator.catalogue(),
+        substitutes=False,
+        threads=run.threads,
+        context=run.config.context,
     )
     for decision in pruner.decisions(tree, [item.id for item in judged]):
         run.store.append("pruned.jsonl", decision)
