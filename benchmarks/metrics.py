@@ -286,15 +286,19 @@ def controls() -> list[Row]:
 
 
 def guard() -> list[Row]:
-    """Flag the frozen off-topic texts, and none of the OOD sets."""
-    metrics = Metrics(MiniLM())
-    texts = load_off_topic("frozen")
+    """Flag the off-topic texts that took no part, and none of the OOD sets."""
+    metrics = Metrics()
+    texts = (*load_off_topic("frozen"), *load_off_topic("blind"))
     flagged = set(metrics.off_topic([text.text for text in texts]).flagged)
     rows = []
     for kind, least in (("off-topic", 0.98), ("near-miss", 0.90)):
         own = [place for place, text in enumerate(texts) if text.kind == kind]
         share = float(np.mean([place in flagged for place in own]))
-        rows.append(row(f"{kind} flagged", share, "", f">= {least}", share >= least))
+        rows.append(row(f"{kind} flagged", share, f"of {len(own)}", f">= {least}", share >= least))
+        for split in ("frozen", "blind"):
+            part = [place for place in own if texts[place].split == split]
+            share = float(np.mean([place in flagged for place in part]))
+            rows.append(row(f"  {split}", share, f"of {len(part)}", "(shown)", None))
     folder = os.environ.get("OODSCEN_CORPORA")
     if not folder:
         return [*rows, row("false alarms on OOD sets", "not run", "", "<= 0.01", False)]

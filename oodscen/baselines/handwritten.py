@@ -1,12 +1,14 @@
 """The hand-written part of the shipped baseline.
 
-A grammar repeats itself; these sentences do not. They are data, in three files. `handwritten.txt` tells of
+A grammar repeats itself; these sentences do not. They are data, in seven files. `handwritten.txt` tells of
 what is ordinary but easily missed (level crossings, car parks, ferries, learner drivers, signed road works, light
 fog, an ambulance that is let past), `counterparts.txt` of what each kind of OOD event looks like when all is as it
 should be, `sights.txt` of what is seen from a car and what it ordinarily does: in the registers in
 which driving is written about, captions and key words, questions and answers, a driver's own words, a log, the
-steps of a test. No text has a cosine of 0.7 or more to an ordinary control of the half *tune*; texts that had were
-taken out, since a baseline that paraphrases the controls would only seem to work. The half *frozen* was not looked at.
+steps of a test. Their authors had read the half *tune* of the controls, so texts with a cosine of about 0.7 or more to an
+ordinary control of that half were taken out. `people.txt`, `manoeuvres.txt` and `conditions.txt` were written by
+hands that had seen no control of either half, and nothing was taken out of them for likeness. `figures.txt` is in the
+register of specifications and problem texts, for the guard against off-topic texts.
 """
 
 from collections.abc import Mapping
@@ -16,7 +18,15 @@ from types import MappingProxyType
 
 from oodscen.baselines.baseline import Baseline
 
-_FILES = ("handwritten.txt", "counterparts.txt", "sights.txt")
+_FILES = (
+    "handwritten.txt",
+    "counterparts.txt",
+    "sights.txt",
+    "people.txt",
+    "manoeuvres.txt",
+    "conditions.txt",
+    "figures.txt",
+)
 
 
 @cache

@@ -3,7 +3,8 @@
 *Near misses* share words with driving (aircraft, trains, cycle races, motor sport, car finance, car
 repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small talk,
 code, gibberish), or are in a language other than English, which the default encoder does not read. All
-were written by hand and are split in halves as the controls are.
+were written by hand and are split in halves as the controls are; a third part, *blind*, was written by another hand that
+had seen neither these texts nor the guard.
 """
 
 import json
@@ -24,18 +25,19 @@ class OffTopic(Data):
 
     id: str
     kind: Literal["near-miss", "off-topic"]
-    split: Split
-    """`tune` for the half of its kind with the smaller SHA-256 of "oodscen off-topic <id>"."""
+    split: Split | Literal["blind"]
+    """`tune` for the half of its kind with the smaller SHA-256 of "oodscen off-topic <id>", or
+    `blind`."""
     topic: str
     """What it is about."""
     text: str = Field(min_length=1)
 
 
-def load_off_topic(split: Split) -> tuple[OffTopic, ...]:
-    """Return one half of the texts that are shipped, near misses first.
+def load_off_topic(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
+    """Return one part of the texts that are shipped, near misses first.
 
     Args:
-        split: `tune` to set a threshold by, `frozen` to report the share that is flagged.
+        split: `tune` to set a threshold by, `frozen` and `blind` to report the share that is flagged.
     """
     return tuple(text for text in _texts() if text.split == split)
 
