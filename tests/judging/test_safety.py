@@ -87,9 +87,7 @@ def test_a_scene_that_tells_actions_apart_is_left_and_variants_differ(simulator)
 def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
     scene = example_scene()
     box = scene.actors[0]
-    aside = box.model_copy(
-        update={"placement": box.placement.model_copy(update={"offset_m": 7.5})}
-    )
+    aside = box.model_copy(update={"placement": box.placement.model_copy(update={"offset_m": 7.5})})
     easy = scene.model_copy(update={"actors": (aside, *scene.actors[1:])})
     run = simulate(easy, simulator)
     assert not tells_apart(run.episode)
