@@ -147,6 +147,8 @@ class _Reading:
             return None
         if mention.thing.group == "object" and self._is_carried(mention):
             return None
+        if mention.word == "tree" and mention.is_plural and phrases.BACKGROUND.search(lead):
+            return None
         same = [s for s in self.subjects if s.mention.thing is mention.thing]
         is_new = word in ("a", "an", "another", "a second", "a third", "a further")
         is_counted = phrases.QUANTITY.search(lead) is not None

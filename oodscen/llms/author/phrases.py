@@ -228,6 +228,12 @@ DETERMINER = re.compile(
     re.IGNORECASE,
 )
 
+BACKGROUND = re.compile(
+    r"\b(?:among|amid|between|behind|beneath|past|through|under|with|lined by|shaded by) (?:the )?(?:(?!fallen|felled|uprooted)[\w-]+ )?$",
+    re.IGNORECASE,
+)
+"""What, before trees, says that they stand beside the road."""
+
 OBLIQUE = re.compile(
     r"\b(?:from|behind|between|beneath|under|near|beside|past|round|around|of|over|in front of|on|at|towards?|against|through|into|onto|off|among|amid|next to|to|in|up to|before|for|by|out of|along|across|than|as)"
     r"\s+(?:(?:an?|the|its|his|their|one|two|three|some|several|both|parked)\s+)?(?:(?!(?:an?|the|its|his|their|this|that|two|three|another)\s)[\w'’-]+\s+){0,2}$",
