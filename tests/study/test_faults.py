@@ -120,6 +120,20 @@ def test_items_without_an_answer_are_done_again_and_no_others(tmp_path, author, 
     assert results(tmp_path) == results(quiet)
 
 
+def test_a_scene_whose_claims_got_no_answer_is_made_when_they_are_read(tmp_path, author, quiet):
+    def faults(index, request):
+        return "http500" if request and request.prompt.purpose == "extract-claims" else None
+
+    with AnsweringServer(author, faults=faults) as server:
+        study = run(tmp_path, server, retries=0)
+    assert all(line["retryable"] for line in study.failures("scenes"))
+    assert study.info["failures"]["scenes"] == 2
+    with AnsweringServer(author) as server:
+        study = run(tmp_path, server)
+    assert study.info["status"] == "success"
+    assert results(tmp_path) == results(quiet)
+
+
 def test_a_study_can_be_replayed(tmp_path, quiet):
     config = CONFIG.model_copy(update={"llm": f"replay:{quiet / 'answers.jsonl'}"})
     study = run_study(tmp_path, config)

@@ -1,6 +1,6 @@
 """The stages that make scenes and episodes: augment, simulate."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from oodscen.augment import Augmenter
@@ -24,28 +24,24 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
 
     def work(scenario: Scenario) -> dict[str, Any]:
         claims = told[scenario.id]
-        if isinstance(claims, str):
-            error = f"what the text says could not be read: {claims}"
-            return failed(scenario.id, LLMError(error), scenario_id=scenario.id)
+        if isinstance(claims, LLMError):
+            return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
             return augmenter.run(scenario, claims).model_dump(mode="json")
         except LLMError as error:
             return failed(scenario.id, error, scenario_id=scenario.id)
 
-    items = {scenario.id: scenario for scenario in scenarios}
-    rows = run.each(
-        "augment",
-        "scenes.jsonl",
-        items,
-        lambda todo: (row for _, row in as_finished(work, todo.values(), threads=run.threads)),
-    )
+    rows = _asked(run, "augment", "scenes.jsonl", scenarios, work)
     return [Scene.parse(row) for row in rows if row.get("status") != "failed"]
 
 
 def _claims(
     run: Context, augmenter: Augmenter, scenarios: Sequence[Scenario]
-) -> dict[str, tuple[Claim, ...] | str]:
-    """Return what every text says, by its id; where nobody could read it, the error."""
+) -> dict[str, tuple[Claim, ...] | LLMError]:
+    """Return what every text says, by its id; where nobody could read it, the error.
+
+    A scene that lacks its claims can be made at another time exactly when they can be read then.
+    """
 
     def work(scenario: Scenario) -> dict[str, Any]:
         try:
@@ -54,19 +50,32 @@ def _claims(
             return failed(scenario.id, error)
         return {"id": scenario.id, "claims": [claim.model_dump(mode="json") for claim in claims]}
 
-    items = {scenario.id: scenario for scenario in scenarios}
-    rows = run.each(
-        "claims",
-        "claims.jsonl",
-        items,
-        lambda todo: (row for _, row in as_finished(work, todo.values(), threads=run.threads)),
-    )
+    rows = _asked(run, "claims", "claims.jsonl", scenarios, work)
     return {
-        row["id"]: row["error"]
+        row["id"]: LLMError(
+            f"what the text says could not be read: {row['error']}",
+            retryable=row.get("retryable", False),
+        )
         if row.get("status") == "failed"
         else tuple(Claim.parse(claim) for claim in row["claims"])
         for row in rows
     }
+
+
+def _asked(
+    run: Context,
+    stage: str,
+    file: str,
+    scenarios: Sequence[Scenario],
+    work: Callable[[Scenario], dict[str, Any]],
+) -> list[dict[str, Any]]:
+    """Ask a model about every scenario, as many at once as it may be asked; return the lines."""
+    return run.each(
+        stage,
+        file,
+        {scenario.id: scenario for scenario in scenarios},
+        lambda todo: (row for _, row in as_finished(work, todo.values(), threads=run.threads)),
+    )
 
 
 def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
