@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from oodscen.baselines.baseline import Baseline
 from oodscen.baselines.controls import load_controls
+from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.embedded import EmbeddedBaseline
 from oodscen.encoders.cached import CachedEncoder, cache_folder
 from oodscen.encoders.check import encode
@@ -22,6 +23,8 @@ from oodscen.metrics.similarity import Nearest, Rows, Vectors, nearest, smallest
 from oodscen.protocols import Encoder
 from oodscen.seeding import stream
 
+_SHIPPED = "shipped"
+"""Folder of the vectors of this library's own texts, its baseline included."""
 _PARTS = 4
 _ASKED = 300
 _MOST_GROUPED = 20_000
@@ -159,10 +162,12 @@ class Space:
         return self.detectors.score(measure, texts, vectors)
 
     def _kept(self, texts: Sequence[str]) -> Vectors:
-        return self._from("baselines/" + self.baseline.digest()[:16], texts)
+        digest = self.baseline.digest()
+        is_shipped = digest == ordinary_driving().digest()
+        return self._from(_SHIPPED if is_shipped else f"baselines/{digest[:16]}", texts)
 
     def _shipped(self, texts: Sequence[str]) -> Vectors:
-        return self._from("shipped", texts)
+        return self._from(_SHIPPED, texts)
 
     def _from(self, folder: str, texts: Sequence[str]) -> Vectors:
         encoder = self.encoder
