@@ -10,8 +10,10 @@ from click.testing import CliRunner
 from oodscen import ScenarioTree, __version__
 from oodscen.cli import main
 from oodscen.testing.scenes import example_scene
+from tests.study.quick import ORDINARY
 
 QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
+QUICK += ["--baseline", str(ORDINARY)]
 
 
 def call(*arguments):

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from oodscen.baselines.baseline import Baseline
 from oodscen.baselines.controls import load_controls
-from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.embedded import EmbeddedBaseline
+from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.encoders.cached import CachedEncoder, cache_folder
 from oodscen.encoders.check import encode
 from oodscen.errors import UsageError

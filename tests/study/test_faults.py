@@ -11,13 +11,12 @@ from oodscen import Study, make_llm
 from oodscen.cli import main
 from oodscen.errors import BudgetExceeded, EndpointDown
 from oodscen.llms.traffic import Caps, Price, Traffic
-from oodscen.study import StudyConfig, estimate, run_study
+from oodscen.study import estimate, run_study
 from oodscen.testing import AnsweringServer
+from tests.study.quick import QUICK
 
 KEY = "sk-test-planted-0123456789abcdef"
-CONFIG = StudyConfig.quick(
-    simulator="flat", encoder="hash", seed=3, llm="served", max_paths=2, iterations=6
-)
+CONFIG = QUICK.model_copy(update={"llm": "served", "max_paths": 2, "iterations": 6})
 FAULTS = (
     "http429 http500 http503 reset slow truncated wrong_schema malformed html empty huge packed cut"
 ).split()

@@ -12,10 +12,10 @@ import pytest
 
 from oodscen import Study
 from oodscen.errors import StudyError, StudyMismatch, UnknownComponent
-from oodscen.study import StudyConfig, run_study
+from oodscen.study import run_study
 from oodscen.testing import AnsweringServer, ScriptedLLM
+from tests.study.quick import QUICK
 
-CONFIG = StudyConfig.quick(simulator="flat", encoder="hash", seed=3)
 TIMED = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
 
 
@@ -37,7 +37,7 @@ def under(name, files, former):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("study") / "out"
-    run_study(out, CONFIG)
+    run_study(out, QUICK)
     return out
 
 
@@ -48,14 +48,14 @@ def study(folder):
 
 def test_a_study_is_complete(folder, study):
     assert study.info["status"] == "success"
-    assert study.info["config"] == CONFIG.model_dump(mode="json")
+    assert study.info["config"] == QUICK.model_dump(mode="json")
     assert "not a language model" in study.info["authors"]["llm"]
-    assert len(study.tree("initial")) == CONFIG.nodes
-    assert [item.round for item in study.rounds] == list(range(1, CONFIG.iterations + 1))
+    assert len(study.tree("initial")) == QUICK.nodes
+    assert [item.round for item in study.rounds] == list(range(1, QUICK.iterations + 1))
     scenarios, scenes, episodes = study.scenarios, study.scenes, study.episodes
     assert [s.id for s in scenarios] == [s.scenario_id for s in scenes]
     assert [e.id for e in episodes] == [n for s in scenes for n in (s.id, f"{s.id}~twin")]
-    assert len(scenes) == CONFIG.max_paths * CONFIG.per_path
+    assert len(scenes) == QUICK.max_paths * QUICK.per_path
     assert len(study.texts(10)) == 10
     assert {verdict.scene_id for verdict in study.verdicts} == {episode.id for episode in episodes}
     for episode in episodes:
@@ -76,14 +76,14 @@ def test_every_node_of_the_diverse_tree_has_a_decision_with_a_reason(study):
 
 
 def test_another_folder_and_more_workers_give_the_same_bytes(folder, tmp_path):
-    run_study(tmp_path / "again", CONFIG, workers=2)
+    run_study(tmp_path / "again", QUICK, workers=2)
     assert content(tmp_path / "again") == content(folder)
 
 
 def test_running_again_changes_nothing(folder):
     before = content(folder)
     calls = (folder / "calls.jsonl").read_bytes()
-    run_study(folder, CONFIG)
+    run_study(folder, QUICK)
     assert content(folder) == before
     assert (folder / "calls.jsonl").read_bytes() == calls
 
@@ -98,8 +98,7 @@ def progress(at, done, total):
     if at == stage and done >= number:
         os.kill(os.getpid(), signal.SIGKILL)
 
-config = StudyConfig.quick(simulator="flat", encoder="hash", seed=3)
-run_study(sys.argv[1], config, progress=progress)
+run_study(sys.argv[1], StudyConfig.model_validate_json(sys.argv[4]), progress=progress)
 """
 
 
@@ -107,28 +106,37 @@ def test_killed_at_five_moments_and_continued_it_ends_the_same(folder, tmp_path)
     out = tmp_path / "killed"
     moments = [("redteam", 4), ("prune", 3), ("describe sets", 5), ("augment", 2), ("simulate", 1)]
     for stage, number in moments:
-        process = subprocess.run([sys.executable, "-c", KILLED, str(out), stage, str(number)])
+        order = [
+            sys.executable,
+            "-c",
+            KILLED,
+            str(out),
+            stage,
+            str(number),
+            QUICK.model_dump_json(),
+        ]
+        process = subprocess.run(order)
         assert process.returncode == -signal.SIGKILL, stage
         assert json.loads((out / "study.json").read_text())["status"] == "running"
-    run_study(out, CONFIG)
+    run_study(out, QUICK)
     assert content(out) == content(folder)
 
 
 def test_a_torn_line_is_done_again(folder, tmp_path):
     out = tmp_path / "torn"
-    run_study(out, CONFIG)
+    run_study(out, QUICK)
     for name in ("scenes.jsonl", "episodes.jsonl", "redteam.jsonl", "scenarios.jsonl"):
         path = out / name
         path.write_bytes(path.read_bytes()[:-20])
     (out / "tree.diverse.json").unlink()
-    run_study(out, CONFIG)
+    run_study(out, QUICK)
     assert content(out) == content(folder)
 
 
 def test_a_folder_of_another_configuration_is_refused_with_the_difference(folder):
     before = content(folder)
     with pytest.raises(StudyMismatch) as caught:
-        run_study(folder, CONFIG.model_copy(update={"seed": 4, "per_path": 2}))
+        run_study(folder, QUICK.model_copy(update={"seed": 4, "per_path": 2}))
     assert caught.value.differences == {"seed": (3, 4), "per_path": (1, 2)}
     assert content(folder) == before
 
@@ -136,7 +144,7 @@ def test_a_folder_of_another_configuration_is_refused_with_the_difference(folder
 def test_unknown_components_are_refused_before_anything_is_written(tmp_path):
     for change in ({"simulator": "pybulet"}, {"encoder": "minilmm"}):
         with pytest.raises(UnknownComponent) as caught:
-            run_study(tmp_path / "out", CONFIG.model_copy(update=change))
+            run_study(tmp_path / "out", QUICK.model_copy(update=change))
         assert caught.value.matches
     assert not (tmp_path / "out").exists()
 
@@ -144,13 +152,13 @@ def test_unknown_components_are_refused_before_anything_is_written(tmp_path):
 def test_an_unwritable_folder_is_a_study_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError):
-        run_study(tmp_path / "file" / "out", CONFIG)
+        run_study(tmp_path / "file" / "out", QUICK)
 
 
 def test_a_band_leaves_only_texts_inside_it(folder, tmp_path, study):
     values = study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
     middle = sorted(values)[len(values) // 2]
-    config = CONFIG.model_copy(update={"band": (middle - 1e-6, 1.0)})
+    config = QUICK.model_copy(update={"band": (middle - 1e-6, 1.0)})
     banded = run_study(tmp_path / "band", config)
     kept = [s.id for s, v in zip(study.scenarios, values, strict=True) if v >= middle - 1e-6]
     assert [scene.id for scene in banded.scenes] == kept
@@ -161,12 +169,12 @@ def test_a_band_leaves_only_texts_inside_it(folder, tmp_path, study):
 def author():
     from oodscen import make_llm
 
-    return make_llm("builtin", seed=CONFIG.seed)
+    return make_llm("builtin", seed=QUICK.seed)
 
 
 def served(out, server, **changes):
-    config = CONFIG.model_copy(update={"llm": "served", **changes})
-    return run_study(out, config, models={"served": server.client(seed=CONFIG.seed)})
+    config = QUICK.model_copy(update={"llm": "served", **changes})
+    return run_study(out, config, models={"served": server.client(seed=QUICK.seed)})
 
 
 def test_through_litellm_and_http_the_study_is_the_same(folder, tmp_path, author):
@@ -207,7 +215,7 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
         "choose-action": {"action": "stop"},
     }
     with AnsweringServer(ScriptedLLM(answers)) as server:
-        config = CONFIG.model_copy(update={"vlms": ("served",)})
+        config = QUICK.model_copy(update={"vlms": ("served",)})
         study = run_study(tmp_path / "out", config, models={"served": server.client()})
     pictures = [image for request in server.received for image in request.images]
     assert pictures
@@ -222,7 +230,7 @@ def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
 def test_a_small_baseline_of_ones_own_is_enough(tmp_path):
     texts = tmp_path / "own.txt"
     texts.write_text("A car waits at a red light.\nA bus stops at its stop.\nEgo follows a van.\n")
-    config = CONFIG.model_copy(update={"baseline": str(texts), "max_paths": 1})
+    config = QUICK.model_copy(update={"baseline": str(texts), "max_paths": 1})
     study = run_study(tmp_path / "out", config)
     assert study.metrics["baseline"]["N"] == 3
     assert study.metrics["baseline_batch"]["size"] == 1

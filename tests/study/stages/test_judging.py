@@ -12,12 +12,11 @@ from oodscen.episode import ACTIONS
 from oodscen.errors import BudgetExceeded
 from oodscen.llms.reference import ConstantAnswerer
 from oodscen.llms.traffic import Caps, Traffic
-from oodscen.study import StudyConfig, run_study
+from oodscen.study import run_study
 from oodscen.testing import AnsweringServer
+from tests.study.quick import QUICK
 
-CONFIG = StudyConfig.quick(
-    simulator="flat", encoder="hash", seed=3, iterations=4, max_paths=3, sets=(10,)
-)
+CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
 
 
 @pytest.fixture(scope="module")
