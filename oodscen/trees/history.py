@@ -117,7 +117,7 @@ def _inverse(tree: ScenarioTree, index: int) -> list[TreeEdit]:
         ]
     if before is None or edit.op == "keep":
         return [TreeEdit(op="keep", node=edit.node, **why)]
-    if edit.op == "broaden":
+    if edit.op in ("broaden", "narrow"):
         return [
             TreeEdit(
                 op="broaden", node=edit.node, label=before.label, attested=before.attested, **why

@@ -12,6 +12,7 @@ from oodscen.trees.history import undone_edits
 _VERBS: Mapping[str, str] = {
     "add": "added",
     "broaden": "broadened",
+    "narrow": "narrowed",
     "keep": "kept",
     "move": "moved",
     "remove": "removed",
@@ -34,7 +35,7 @@ class Decision(Data):
     def __str__(self) -> str:
         edit = self.edit
         what = "undid edit " + str(edit.undoes) if edit.undoes is not None else _VERBS[edit.op]
-        if edit.op == "broaden":
+        if edit.op in ("broaden", "narrow"):
             what += f" from “{self.label_before}” to “{edit.label}”"
         elif edit.op == "move":
             what += f" below {edit.parent}"

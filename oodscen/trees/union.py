@@ -54,7 +54,9 @@ def _decisions(tree: ScenarioTree) -> dict[str, list[TreeEdit]]:
     for index, edit in enumerate(tree.edits):
         if edit.op == "add" and (edit.undoes is None or edit.node not in found):
             found[edit.node] = [edit]
-        elif edit.op in ("broaden", "keep") and edit.undoes is None and index not in undone:
+        elif (
+            edit.op in ("broaden", "narrow", "keep") and edit.undoes is None and index not in undone
+        ):
             found[edit.node].append(edit)
     return found
 

@@ -136,3 +136,13 @@ def test_depth_is_no_obstacle():
     gone = tree.undo(5_000)
     assert len(gone) == 5_000
     assert gone.undo(len(tree.edits)).nodes == tree.nodes
+
+
+def test_a_narrowed_label_has_a_history_and_can_be_taken_back():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="a", parent="environmental", label="Fog or hail", attested="paper"),
+        TreeEdit(op="narrow", node="a", label="Hail", stage="prune"),
+    )
+    assert "narrowed from “Fog or hail” to “Hail” by prune" in str(tree.provenance("a"))
+    before = tree.undo().by_id["a"]
+    assert (before.label, before.attested) == ("Fog or hail", "paper")

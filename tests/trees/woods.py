@@ -28,7 +28,9 @@ labels = st.one_of(
 ids = st.sampled_from([ROOT, "environmental", "interactional", "a", "b", "c", "d", "no id", ""])
 edits = st.builds(
     TreeEdit,
-    op=st.sampled_from(["add", "add", "add", "broaden", "keep", "move", "move", "remove"]),
+    op=st.sampled_from(
+        ["add", "add", "add", "broaden", "narrow", "keep", "move", "move", "remove"]
+    ),
     node=ids,
     parent=st.none() | ids,
     label=st.none() | labels,
