@@ -156,6 +156,10 @@ def run(
 )
 @click.option("--judge", help="Model that decides whether an open aspect is right.")
 @click.option(
+    "--api-base",
+    help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
+)
+@click.option(
     "--retry-failed", is_flag=True, help="Ask again where no usable answer came the last time."
 )
 @traffic_options
@@ -164,21 +168,28 @@ def evaluate(
     vlms: tuple[str, ...],
     protocol: str,
     judge: str | None,
+    api_base: str | None,
     retry_failed: bool,
     **choices: Any,
 ) -> None:
     """Judge further vision-language models on the study in the folder OUT."""
-    from oodscen.study import Study, run_study
+    from oodscen.study import Study, StudyConfig, run_study
 
     config = Study.open(out).config
     names = tuple(dict.fromkeys((*config.vlms, *vlms)))
     protocols = tuple(dict.fromkeys((*config.protocols, protocol)))
-    changes = {"vlms": names, "protocols": protocols, "judge": judge or config.judge}
+    here = dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {}
+    changes = {
+        "vlms": names,
+        "protocols": protocols,
+        "judge": judge or config.judge,
+        "servers": config.servers | here,
+    }
     traffic = traffic_from(choices)
     with bars() as progress:
         study = run_study(
             out,
-            config.model_copy(update=changes),
+            StudyConfig.parse(config.model_dump() | changes),
             progress=progress,
             traffic=traffic,
             workers=os.cpu_count() or 1,

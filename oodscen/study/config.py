@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from oodscen import paper
 from oodscen._data import Data
+from oodscen.llms.redaction import redact
 from oodscen.prompts import Style
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
@@ -33,6 +34,8 @@ class StudyConfig(Data):
     need, some 8,000."""
     api_base: str | None = None
     """Address of an OpenAI-compatible server for the models."""
+    servers: dict[str, str] = Field(default_factory=dict)
+    """Address by model, for those that are on another server than `api_base`."""
     simulator: str = DEFAULT_SIMULATOR
     encoder: str = DEFAULT_ENCODER
     baseline: str | None = None
@@ -80,6 +83,12 @@ class StudyConfig(Data):
             raise ValueError("band: the lower bound must be below the upper one")
         if any(size < 1 for size in self.sets):
             raise ValueError("sets: sizes are positive")
+        for address in filter(None, (self.api_base, *self.servers.values())):
+            if redact(address) != address:
+                raise ValueError(
+                    f"{redact(address)}: an address with a key or password in it would be kept in "
+                    "study.json; give the key in the environment, e.g. OPENAI_API_KEY"
+                )
         return self
 
     @classmethod
@@ -102,6 +111,9 @@ class StudyConfig(Data):
             if getattr(self, name) != getattr(other, name)
         }
 
+
+JUDGING = ("vlms", "protocols", "judge", "servers")
+"""Fields that a finished study may be given anew: who judges and who is judged."""
 
 Status = Literal["running", "stopped", "success", "incomplete"]
 """`stopped`: a cap was reached or an endpoint given up; `incomplete`: the run ended, but some items failed."""

@@ -91,7 +91,7 @@ class Models:
         made = make_llm(
             given or name,
             seed=self._config.seed,
-            api_base=self._config.api_base,
+            api_base=self._config.servers.get(name, self._config.api_base),
             traffic=self.traffic,
         )
         # A client of litellm counts its HTTP requests itself.

@@ -12,7 +12,7 @@ from oodscen.llms.accounting import accounts
 from oodscen.llms.redaction import redact
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
-from oodscen.study.config import Status, StudyConfig
+from oodscen.study.config import JUDGING, Status, StudyConfig
 from oodscen.study.context import Context
 from oodscen.study.record import record
 from oodscen.study.stages.judging import evaluate, outcomes
@@ -131,7 +131,7 @@ class Pipeline:
         """Write `study.json` first, or check that the one there belongs to this run."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
-            for name in ("vlms", "protocols", "judge"):
+            for name in JUDGING:
                 differences.pop(name, None)
             made_with = self.study.info.get("versions", {}).get("oodscen")
             if made_with != __version__:

@@ -3,7 +3,38 @@ import json
 import pytest
 from click.testing import CliRunner
 
+import oodscen.study.models as models
+from oodscen import Study
 from oodscen.cli import main
+from oodscen.llms.reference import ConstantAnswerer
+from oodscen.study import run_study
+from oodscen.testing import AnsweringServer
+from tests.study.quick import QUICK
+
+
+def test_models_on_other_servers_than_the_author_s_are_judged(tmp_path, monkeypatch) -> None:
+    run_study(tmp_path, QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
+    make, addresses = models.make_llm, {}
+
+    def announced(name, *, api_base=None, **more):
+        """Make the client that tells the server what it is about to ask; it goes where it was told to."""
+        if api_base is None:
+            return make(name, **more)
+        addresses[name] = api_base
+        return server.client(name, api_base=api_base)
+
+    monkeypatch.setattr(models, "make_llm", announced)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        order = ["evaluate", str(tmp_path), "--vlm", "one", "--api-base", server.api_base]
+        assert CliRunner().invoke(main, order).exit_code == 0
+        asked = len(server.received)
+        again = ["evaluate", str(tmp_path), "--vlm", "one"]
+        assert CliRunner().invoke(main, again).exit_code == 0
+        assert len(server.received) == asked
+        assert addresses == {"one": server.api_base}
+    judged = [verdict for verdict in Study.open(tmp_path).verdicts if verdict.model == "one"]
+    assert {verdict.outcome for verdict in judged} <= {"answered", "unavailable"}
+    assert len(judged) == 2 == asked / 6
 
 
 def test_power_says_how_many_scenes_it_takes() -> None:

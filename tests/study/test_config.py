@@ -36,3 +36,12 @@ def test_quick_is_a_small_study_that_can_be_changed():
     config = StudyConfig.quick(seed=3)
     assert config.seed == 3
     assert config.iterations < StudyConfig().iterations
+
+
+@pytest.mark.parametrize("field", ["api_base", "servers"])
+def test_no_key_gets_into_a_study_by_an_address(field):
+    address = "http://user:planted@localhost:8000/v1"
+    with pytest.raises(DataError) as caught:
+        StudyConfig.parse({field: address if field == "api_base" else {"model": address}})
+    assert "OPENAI_API_KEY" in str(caught.value)
+    assert "planted" not in str(caught.value)
