@@ -46,8 +46,8 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
     print(f"all safe: {figures.all_safe}\nnone safe: {figures.none_safe}")
     print(f"re-staged: {figures.restaged}\nwith followers: {figures.with_followers}")
     return [
-        row("scenes with a safe and an unsafe action", figures.telling or 0.0, "share", ">= 0.85",
-            (figures.telling or 0.0) >= 0.85),
+        row("scenes with a safe and an unsafe action", figures.decidable or 0.0, "share", ">= 0.85",
+            (figures.decidable or 0.0) >= 0.85),
         row("keeping the speed is unsafe", keeping, "share", ">= 0.70", keeping >= 0.70),
         row("best constant action", constant, "share", "<= 0.75", constant <= 0.75),
         row("actions safe somewhere and unsafe somewhere", everywhere, "actions", "7",

@@ -45,6 +45,11 @@ class ActionOutcome(Data):
     peak_jerk: float | None = None
     """Fastest change of the ego's acceleration along its path, m/s^3, over 0.2 s."""
 
+    @property
+    def is_unsafe(self) -> bool:
+        """Whether it can be executed and is not safe."""
+        return not (self.safe or self.unavailable)
+
 
 class Episode(Data):
     """One run of one scene: up to the decision point, and every action from there."""
@@ -100,3 +105,9 @@ class Episode(Data):
     def safe_set(self) -> tuple[str, ...]:
         """The actions that were safe."""
         return tuple(name for name, outcome in self.actions.items() if outcome.safe)
+
+    @property
+    def is_decidable(self) -> bool:
+        """Whether the choice matters: some action is safe, and some other that can be executed is not."""
+        outcomes = self.actions.values()
+        return any(one.safe for one in outcomes) and any(one.is_unsafe for one in outcomes)

@@ -71,10 +71,7 @@ class Items:
             },
             is_scene=np.array([not episode.scene_id.endswith(_TWIN) for episode in ran], np.bool_),
             safe=safe,
-            unsafe=np.array(
-                [sum(not o.safe and not o.unavailable for o in found) for found in outcomes],
-                np.float64,
-            ),
+            unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
             has_actions=offered > 0,
             chance=np.divide(safe, offered, out=np.zeros_like(safe), where=offered > 0),
             keeping_is_safe=np.array(

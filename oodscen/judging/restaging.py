@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from oodscen.catalogue import Catalogue
-from oodscen.episode import Episode
 from oodscen.errors import OodscenError
 from oodscen.protocols import Simulator
 from oodscen.scene import Actor, Behaviour, Placement, Scene
@@ -11,12 +10,6 @@ from oodscen.simulation import Simulated, simulate
 
 COMPANION = "companion"
 """Id of the car that re-staging puts beside or behind the ego."""
-
-
-def tells_apart(episode: Episode) -> bool:
-    """Whether some action is safe and some other, that can be executed, is not."""
-    outcomes = [outcome for outcome in episode.actions.values() if not outcome.unavailable]
-    return {outcome.safe for outcome in outcomes} == {True, False}
 
 
 def restaged(
@@ -41,7 +34,7 @@ def restaged(
         try:
             probe = simulate(variant, simulator, seed=seed, render=False).episode
             if (
-                not tells_apart(probe)
+                not probe.is_decidable
                 or probe.decision_fired is not simulated.episode.decision_fired
             ):
                 continue

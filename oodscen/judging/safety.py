@@ -31,14 +31,6 @@ def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
     return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
 
 
-def corrected_for_chance(success: float, chance: float) -> float | None:
-    """Return the share of what chance leaves that was earned; 0 for chance, 1 for perfection.
-
-    (success - chance) / (1 - chance), as in Cohen's kappa; `None` where chance is always right.
-    """
-    return None if chance >= 1.0 else (success - chance) / (1.0 - chance)
-
-
 class ActionSafety(Data):
     """How one action fares over many scenes."""
 
@@ -58,7 +50,7 @@ class SafetyFigures(Data):
 
     n: int
     """Episodes that ran."""
-    telling: float | None = None
+    decidable: float | None = None
     """Share in which some action is safe and some other is not."""
     base_rate: float | None = None
     """Mean chance that a random action is safe."""
@@ -87,7 +79,7 @@ def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
     rates = [base_rate(episode.actions) or 0.0 for episode in ran]
     return SafetyFigures(
         n=n,
-        telling=sum(set(safe) == {True, False} for safe in executed.values()) / n,
+        decidable=sum(episode.is_decidable for episode in ran) / n,
         base_rate=sum(rates) / n,
         actions={name: _of_action(name, ran) for name in names},
         all_safe=tuple(name for name, safe in executed.items() if all(safe)),
@@ -102,11 +94,12 @@ def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
     n = max(1, len(found))
     return ActionSafety(
         safe=sum(outcome.safe for outcome in found) / n,
-        unsafe=sum(not outcome.safe and not outcome.unavailable for outcome in found) / n,
+        unsafe=sum(outcome.is_unsafe for outcome in found) / n,
         unavailable=sum(outcome.unavailable for outcome in found) / n,
     )
 
 
 def _in_order(outcomes: Mapping[str, ActionOutcome]) -> list[tuple[str, ActionOutcome]]:
     known = [name for name in ACTIONS if name in outcomes]
-    return [(name, outcomes[name]) for name in (*known, *(set(outcomes) - set(known)))]
+    others = sorted(set(outcomes) - set(known))
+    return [(name, outcomes[name]) for name in (*known, *others)]

@@ -12,7 +12,7 @@ from typing import Literal
 from oodscen.annotations import annotate, encode_annotations, semantic_map
 from oodscen.episode import Episode
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
-from oodscen.judging.restaging import restaged, tells_apart
+from oodscen.judging.restaging import restaged
 from oodscen.protocols import Frame, Simulator
 from oodscen.recording import View, record
 from oodscen.registry import make_simulator
@@ -164,7 +164,7 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
         simulated = simulate(
             scene, simulator, seed=job.seed, traces=job.extras.traces, protocol=job.protocol
         )
-        if job.restages and not scene.is_twin and not tells_apart(simulated.episode):
+        if job.restages and not scene.is_twin and not simulated.episode.is_decidable:
             scene, simulated = restaged(scene, simulated, simulator, job.seed, job.extras.traces)
         extra = _extra_files(job, simulator, scene, simulated)
     except MissingExtra:

@@ -208,7 +208,7 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
     texts = list(study.scenarios)
     if tree != "simulatable":
         # A text set counts its texts anew, so its ids may be those of other texts.
-        for size in (10, 100, 1000):
+        for size in study.config.sets:
             texts += [
                 text.model_copy(update={"id": f"{size}.{text.id}"}) for text in study.texts(size)
             ]
@@ -223,11 +223,9 @@ def _count_episode(count: _Count, episode: Episode) -> None:
         count.failed += 1
         return
     count.episodes += 1
-    safe = sum(outcome.safe for outcome in episode.actions.values())
-    unsafe = sum(not (one.safe or one.unavailable) for one in episode.actions.values())
-    count.safe += safe
-    count.unsafe += unsafe
-    count.mixed += bool(safe and unsafe)
+    count.safe += len(episode.safe_set)
+    count.unsafe += sum(outcome.is_unsafe for outcome in episode.actions.values())
+    count.mixed += episode.is_decidable
 
 
 def _rows(tree: ScenarioTree, counts: Mapping[str, _Count]) -> tuple[Tally, ...]:

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from oodscen import make_simulator, simulate
 from oodscen.episode import ACTIONS, ActionOutcome, Episode
-from oodscen.judging.restaging import restaged, tells_apart, variants
-from oodscen.judging.safety import base_rate, best_action, corrected_for_chance, safety_figures
+from oodscen.judging.restaging import restaged, variants
+from oodscen.judging.safety import base_rate, best_action, safety_figures
 from oodscen.testing.scenes import example_scene
 
 OUTCOMES = st.builds(
@@ -15,13 +15,20 @@ OUTCOMES = st.builds(
     safe=st.booleans(),
     margin_m=st.none() | st.floats(0, 50),
     peak_deceleration=st.none() | st.floats(0, 9),
-)
+) | st.just(ActionOutcome(safe=False, unavailable=True))
 
 
 @pytest.fixture(scope="module")
 def simulator():
     with make_simulator("flat") as made:
         yield made
+
+
+@given(st.dictionaries(st.sampled_from(ACTIONS), OUTCOMES))
+def test_the_choice_matters_where_a_safe_action_and_an_unsafe_one_can_be_executed(outcomes):
+    run = Episode(id="a", scene_id="a", status="ok", actions=outcomes)
+    executed = {outcome.safe for outcome in outcomes.values() if not outcome.unavailable}
+    assert run.is_decidable == (executed == {True, False})
 
 
 @given(st.dictionaries(st.sampled_from(ACTIONS), OUTCOMES))
@@ -32,12 +39,9 @@ def test_the_best_action_is_safe_and_chance_is_the_share_of_safe_ones(outcomes):
     assert base_rate(outcomes) == (len(safe) / len(outcomes) if outcomes else None)
 
 
-@given(st.floats(0, 1), st.floats(0, 0.99))
-def test_correction_for_chance_has_its_fixed_points(success, chance):
-    assert corrected_for_chance(chance, chance) == 0
-    assert corrected_for_chance(1.0, chance) == pytest.approx(1.0)
-    assert (corrected_for_chance(success, chance) > 0) == (success > chance)
-    assert corrected_for_chance(success, 1.0) is None
+def test_actions_that_nobody_knows_are_ranked_in_a_fixed_order():
+    unknown = {name: ActionOutcome(safe=True, margin_m=1.0) for name in ("wave", "honk", "flash")}
+    assert best_action(unknown) == best_action(dict(reversed(unknown.items()))) == "flash"
 
 
 def test_the_safe_set_does_not_depend_on_the_order_of_rollouts(simulator):
@@ -77,7 +81,7 @@ def test_the_papers_protocol_shows_the_whole_trace_and_counts_collisions_only(si
 def test_a_scene_that_tells_actions_apart_is_left_and_variants_differ(simulator):
     scene = example_scene()
     run = simulate(scene, simulator, render=False)
-    assert tells_apart(run.episode)
+    assert run.episode.is_decidable
     for easy in (True, False):
         changed = list(variants(scene, simulator.catalogue(), easy))
         assert len({how for _, how in changed}) == len(changed) >= 6
@@ -90,9 +94,9 @@ def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
     aside = box.model_copy(update={"placement": box.placement.model_copy(update={"offset_m": 7.5})})
     easy = scene.model_copy(update={"actors": (aside, *scene.actors[1:])})
     run = simulate(easy, simulator)
-    assert not tells_apart(run.episode)
+    assert not run.episode.is_decidable
     changed, again = restaged(easy, run, simulator, 0)
-    assert tells_apart(again.episode) is bool(again.episode.restaged)
+    assert again.episode.is_decidable is bool(again.episode.restaged)
     assert (changed is easy) is (not again.episode.restaged)
 
 
@@ -103,7 +107,7 @@ def test_figures_list_what_tells_nothing():
 
     found = safety_figures([episode("a", "stop"), episode("b", "stop", "keep_speed"), episode("c")])
     assert (found.n, found.all_safe, found.none_safe) == (3, ("b",), ("c",))
-    assert found.telling == pytest.approx(1 / 3)
+    assert found.decidable == pytest.approx(1 / 3)
     assert found.base_rate == pytest.approx(0.5)
     assert found.actions["stop"].safe == pytest.approx(2 / 3)
     assert safety_figures([]).n == 0

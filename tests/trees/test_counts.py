@@ -5,9 +5,10 @@ from hypothesis import strategies as st
 
 from oodscen.episode import ActionOutcome, Episode
 from oodscen.scenario import Scenario
+from oodscen.study import StudyConfig
 from oodscen.testing.scenes import example_scene
 from oodscen.tree import ScenarioTree, TreeEdit
-from oodscen.trees import Coverage, coverage
+from oodscen.trees import Coverage, coverage, study_coverage
 from oodscen.trees.report import coverage_html
 from tests.trees.woods import HOSTILE, chain, few, trees
 
@@ -94,6 +95,20 @@ def test_every_count_is_the_sum_of_what_is_below(tree, leaves):
     found = report.rows[0].texts if report.rows else 0
     assert found + report.elsewhere / 2 == len(texts)
     assert "<script" not in coverage_html(report)
+
+
+def test_text_sets_of_any_size_are_counted():
+    class Kept:
+        config = StudyConfig(sets=(7,))
+        scenarios, scenes, episodes = (), (), ()
+
+        def tree(self, name):
+            return TREE
+
+        def texts(self, size):
+            return [text(f"text-{number:03d}", "text") for number in range(size)]
+
+    assert study_coverage(Kept(), "diverse").rows[0].texts == 7
 
 
 def test_labels_are_escaped_in_the_report():
