@@ -4,6 +4,7 @@ from typing import ClassVar, Literal
 
 from oodscen._data import Data
 from oodscen.sketch import Sketch
+from oodscen.twins import is_twin
 
 ACTIONS = (
     "keep_speed",
@@ -99,7 +100,7 @@ class Episode(Data):
     @property
     def is_twin(self) -> bool:
         """Whether the episode is that of an ordinary twin."""
-        return self.scene_id.endswith("~twin")
+        return is_twin(self.scene_id)
 
     @property
     def safe_set(self) -> tuple[str, ...]:

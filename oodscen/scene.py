@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from oodscen._data import Data, Faults
 from oodscen.errors import Issue
+from oodscen.twins import is_twin, twin_id
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
@@ -151,7 +152,7 @@ class Scene(Data):
     @property
     def is_twin(self) -> bool:
         """Whether this scene was derived by `twin`."""
-        return self.id.endswith("~twin")
+        return is_twin(self.id)
 
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.
@@ -171,7 +172,7 @@ class Scene(Data):
         return Scene.model_validate(
             {
                 **self.model_dump(),
-                "id": f"{self.id}~twin",
+                "id": twin_id(self.id),
                 "actors": [actor.model_dump() for actor in actors],
                 "weather": (self.hazard.weather or self.weather).model_dump(),
                 "hazard": {},

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from oodscen.episode import ACTIONS, Episode
 from oodscen.scenario import Scenario
+from oodscen.twins import scene_of
 from oodscen.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -17,8 +18,6 @@ Level = Literal["class", "family", "path"]
 
 CAUTIOUS = frozenset(("stop", "emergency_brake", "pull_over"))
 """Actions that nobody needs on a road on which keeping the speed is safe."""
-
-_TWIN = "~twin"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +47,10 @@ class Items:
         """Set up the items of a study; failed episodes are none."""
         ran = [episode for episode in episodes if episode.status == "ok"]
         known = {scenario.id: scenario for scenario in scenarios}
-        sources = [known.get(episode.scene_id.removesuffix(_TWIN)) for episode in ran]
+        sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
         paths = [source.path if source else () for source in sources]
         leaves = [
-            source.leaf
-            if source and source.leaf
-            else episode.scene_id.removesuffix(_TWIN).rpartition("-")[0]
+            source.leaf if source and source.leaf else scene_of(episode.scene_id).rpartition("-")[0]
             for source, episode in zip(sources, ran, strict=True)
         ]
         outcomes = [tuple(episode.actions.values()) for episode in ran]
@@ -69,7 +66,7 @@ class Items:
                 "family": [path[2] if len(path) > 3 else "" for path in paths],
                 "path": [path[-1] if len(path) > 2 else "" for path in paths],
             },
-            is_scene=np.array([not episode.scene_id.endswith(_TWIN) for episode in ran], np.bool_),
+            is_scene=np.array([not episode.is_twin for episode in ran], np.bool_),
             safe=safe,
             unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
             has_actions=offered > 0,
@@ -106,7 +103,7 @@ class Items:
     def leaf_of(self, scene: str) -> str:
         """Return the leaf that a scene realises; empty where it is not known."""
         row = self.index.get(scene)
-        return scene.removesuffix(_TWIN).rpartition("-")[0] if row is None else self.leaves[row]
+        return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
 
     def order(self, actions: Iterable[str]) -> list[str]:
         """Sort actions as they are offered; unknown ones come last."""

@@ -26,6 +26,7 @@ from oodscen.judging.statistics import (
     share_bounds,
 )
 from oodscen.scenario import Scenario
+from oodscen.twins import is_twin
 from oodscen.verdict import NOTHING, Verdict
 
 __all__ = [
@@ -375,11 +376,6 @@ def _standing(
     )
 
 
-def is_twin(name: str) -> bool:
-    """Whether an id belongs to the ordinary twin of a scene."""
-    return name.endswith("~twin")
-
-
 def _outcome(verdict: Verdict) -> str:
     """Return how judging ended; verdicts of the first version say only whether it failed."""
     if verdict.status == "failed" and verdict.outcome == "answered":
@@ -488,7 +484,7 @@ def _confusions(items: Items, verdicts: Sequence[Verdict]) -> tuple[Confusion, .
 def _tallies(items: Items) -> tuple[ActionTally, ...]:
     rows: dict[str, Counter[str]] = {}
     for episode in items.episodes:
-        if is_twin(episode.scene_id):
+        if episode.is_twin:
             continue
         for action, outcome in episode.actions.items():
             kind = "unavailable" if outcome.unavailable else "safe" if outcome.safe else "unsafe"

@@ -18,6 +18,7 @@ from oodscen.episode import ACTIONS, Episode
 from oodscen.errors import LLMError, MissingExtra
 from oodscen.judging.safety import best_action
 from oodscen.protocols import Completion, Request
+from oodscen.twins import is_twin, scene_of
 from oodscen.verdict import NOTHING
 
 Features = NDArray[np.float64]
@@ -121,7 +122,7 @@ class Blind(_Direct):
         for episode in episodes:
             if episode.status != "ok":
                 continue
-            leaf = leaves.get(episode.scene_id.removesuffix("~twin"), ("", ""))[0]
+            leaf = leaves.get(scene_of(episode.scene_id), ("", ""))[0]
             self._safe.update(episode.safe_set)
             self._safe_of.setdefault(leaf, Counter()).update(episode.safe_set)
             self._count[leaf] += not episode.is_twin
@@ -160,15 +161,15 @@ class Novelty(_Direct):
             return
         seen = np.array([features(pictures[name]) for name in names])
         where = np.array([maps[name] for name in names])
-        is_twin = np.array([name.endswith("~twin") for name in names])
+        twins = np.array([is_twin(name) for name in names])
         scores = np.zeros(len(names))
         for one in sorted(set(maps.values())):
-            here, ordinary = where == one, is_twin & (where != one)
+            here, ordinary = where == one, twins & (where != one)
             if not ordinary.any():
-                ordinary = is_twin
+                ordinary = twins
             if here.any() and ordinary.any():
                 scores[here] = _distances(seen[here], seen[ordinary])
-        usual = np.sort(scores[is_twin]) if is_twin.any() else np.sort(scores)
+        usual = np.sort(scores[twins]) if twins.any() else np.sort(scores)
         for name, score in zip(names, scores, strict=True):
             below = float(np.searchsorted(usual, score, side="left"))
             upto = float(np.searchsorted(usual, score, side="right"))

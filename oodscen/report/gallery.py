@@ -15,10 +15,10 @@ from oodscen.report.reading import Material, by_key, number
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene, Weather
 from oodscen.sketch import Sketch
+from oodscen.twins import is_twin, twin_id
 from oodscen.verdict import Verdict
 
 _STAGES = {"scenarios": "text", "scenes": "staging", "episodes": "simulation"}
-_TWIN = "~twin"
 _LONGEST = 4_000
 """Characters of one answer that the page shows; the whole is in the study's files."""
 
@@ -84,11 +84,6 @@ def payload(found: Material, folder: Path) -> Row:
     }
 
 
-def is_twin(name: str) -> bool:
-    """Whether an id belongs to the ordinary twin of a scene."""
-    return name.endswith(_TWIN)
-
-
 def choice(episode: Episode) -> str:
     """Say whether the choice of action matters: `mixed`, `all` safe, `none` safe, or empty."""
     available = [outcome.safe for outcome in episode.actions.values() if not outcome.unavailable]
@@ -150,7 +145,7 @@ def _twin(
     answers: Mapping[str, list[Row]],
 ) -> Row | None:
     """Return the ordinary twin of a scene, where it was simulated."""
-    twin = name + _TWIN
+    twin = twin_id(name)
     episode = episodes.get(twin)
     if episode is None and twin not in failed:
         return None

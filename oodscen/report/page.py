@@ -43,9 +43,7 @@ class CountRow:
 def context(study: Study, found: Material) -> dict[str, Any]:
     """Return the variables of the template."""
     episodes = [
-        episode
-        for episode in found.episodes
-        if episode.status == "ok" and not gallery.is_twin(episode.scene_id)
+        episode for episode in found.episodes if episode.status == "ok" and not episode.is_twin
     ]
     scenes = gallery.payload(found, study.folder)
     counts = _counts(found, [gallery.choice(episode) for episode in episodes])
@@ -123,7 +121,7 @@ def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
 def _counts(found: Material, choices: Sequence[str]) -> Counts:
     tally = Counter(choices)
     return Counts(
-        scenes=sum(not gallery.is_twin(scene.id) for scene in found.scenes),
+        scenes=sum(not scene.is_twin for scene in found.scenes),
         ran=len(choices),
         failed=len(found.failures),
         mixed=tally["mixed"],

@@ -20,6 +20,7 @@ from oodscen.study.config import StudyConfig
 from oodscen.study.pipeline import Pipeline
 from oodscen.study.record import is_builtin
 from oodscen.study.store import Store
+from oodscen.twins import twin_id
 
 CHARACTERS = 4
 """Per token of English text."""
@@ -63,7 +64,7 @@ def estimate(
             lines += [
                 {"stage": "evaluate", "model": name, **model.usage(request, 300).model_dump()}
                 for scene in scenes
-                for item in (scene.id, f"{scene.id}~twin")
+                for item in (scene.id, twin_id(scene.id))
                 if f"{item}@{name}" not in judged
                 for request in _judging()
             ]

@@ -20,6 +20,7 @@ from oodscen.scene import Scene
 from oodscen.simulation import Simulated, simulate
 from oodscen.study.store import Store
 from oodscen.trace import to_parquet
+from oodscen.twins import twin_id
 
 CHUNK = 16
 """Most scenes per job. Each job starts one simulator, and all its scenes are on one map."""
@@ -140,7 +141,7 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
 
 def _twin_of_none(episode: Episode) -> Episode:
     """Return the record of a twin whose scene could not be run."""
-    name = f"{episode.id}~twin"
+    name = twin_id(episode.id)
     error = f"its scene could not be run: {episode.error}"
     return episode.model_copy(update={"id": name, "scene_id": name, "error": error})
 

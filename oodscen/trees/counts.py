@@ -11,6 +11,7 @@ from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.tree import ScenarioTree
 from oodscen.trees.matching import same_words
+from oodscen.twins import scene_of
 
 if TYPE_CHECKING:
     from oodscen.study import Study
@@ -182,7 +183,7 @@ def coverage(
             elsewhere += 1
     seen: set[str] = set()
     for episode in episodes:
-        leaf = leaf_of_scene.get(episode.scene_id.removesuffix("~twin"), "")
+        leaf = leaf_of_scene.get(scene_of(episode.scene_id), "")
         if episode.id in seen:
             continue
         seen.add(episode.id)

@@ -18,9 +18,8 @@ from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.context import Context
 from oodscen.study.stages.scenes import simulate_whole
+from oodscen.twins import scene_of, twin_id
 from oodscen.verdict import Verdict
-
-TWIN = "~twin"
 
 
 class Item(NamedTuple):
@@ -97,7 +96,7 @@ def _models(
         if episode.status == "ok" and "last" in episode.frames
     }
     maps = {scene.id: scene.map for scene in scenes}
-    maps |= {f"{name}{TWIN}": place for name, place in maps.items()}
+    maps |= {twin_id(name): place for name, place in maps.items()}
     models: dict[str, tuple[LLM, int]] = {}
     for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
         models[name] = (run.models.get(name), 1)
@@ -126,7 +125,7 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
                 episode.error_type or "",
                 item.protocol,
             )
-        scenario = by_id.get(episode.scene_id.removesuffix(TWIN))
+        scenario = by_id.get(scene_of(episode.scene_id))
         frames: dict[str, Image] = {}
         if getattr(model, "kind", "model") != "reference":
             try:

@@ -12,6 +12,7 @@ from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.context import Context, failed
 from oodscen.study.sweep import Job, SweepResult, sweep
+from oodscen.twins import twin_id
 
 RESTAGED = "restaged.jsonl"
 """One line per scene that was re-staged: its id, how, and the scene that was run."""
@@ -90,7 +91,7 @@ def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     by_id = {scene.id: scene for scene in scenes}
     items: dict[str, Scene] = {}
     for scene in scenes:
-        items[scene.id] = items[f"{scene.id}~twin"] = scene
+        items[scene.id] = items[twin_id(scene.id)] = scene
     done = {line["id"]: line for line in run.store.lines("episodes.jsonl")}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
