@@ -27,8 +27,8 @@ from oodscen.concurrency import as_finished
 from oodscen.describe import spread_subset
 from oodscen.encoders import CachedEncoder
 from oodscen.errors import AnswerError
-from oodscen.llms.author.knowledge import load_knowledge
 from oodscen.llms.author.recognise import Recogniser
+from oodscen.llms.author.shelf import load_knowledge
 from oodscen.metrics import Interval, Metrics
 from oodscen.metrics.similarity import unit
 from oodscen.metrics.statistics import bootstrap_mean

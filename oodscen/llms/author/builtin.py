@@ -13,9 +13,10 @@ from oodscen.llms.author.claiming import read_claims
 from oodscen.llms.author.compose import Composer
 from oodscen.llms.author.feasibility import Judge
 from oodscen.llms.author.imagining import Imagination
-from oodscen.llms.author.knowledge import Hazard, load_knowledge, stamp_of
+from oodscen.llms.author.knowledge import Hazard
 from oodscen.llms.author.ordinary import OrdinaryAuthor
 from oodscen.llms.author.recognise import Recogniser
+from oodscen.llms.author.shelf import load_knowledge, stamp_of
 from oodscen.llms.author.staging import Stager
 from oodscen.llms.author.taxonomy import TreeAuthor
 from oodscen.prompts import (

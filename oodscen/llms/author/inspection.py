@@ -15,8 +15,9 @@ from oodscen.catalogue import Catalogue
 from oodscen.errors import AnswerError, Issue, LLMError
 from oodscen.llms.author.builtin import BuiltinAuthor
 from oodscen.llms.author.feasibility import NO_RECIPE, realise
-from oodscen.llms.author.knowledge import Hazard, Knowledge, gather, own_files
+from oodscen.llms.author.knowledge import Hazard, Knowledge
 from oodscen.llms.author.recognise import Recogniser, stems
+from oodscen.llms.author.shelf import gather, own_files
 from oodscen.llms.author.validation import validate_knowledge
 from oodscen.prompts import CatalogueDigest
 from oodscen.scenario import Scenario

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from oodscen.errors import DataError, Issue
 from oodscen.llms.author.anchors import LANDMARKS
-from oodscen.llms.author.knowledge import Hazard, Knowledge, Recipe, gather
+from oodscen.llms.author.knowledge import Hazard, Knowledge, Recipe
+from oodscen.llms.author.shelf import gather
 from oodscen.scene import Weather
 
 

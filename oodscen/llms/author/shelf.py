@@ -1,0 +1,173 @@
+"""Reading the knowledge base: the shipped TOML files and a user's own, with all that is wrong in them."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from oodscen._data import Data
+from oodscen.errors import DataError, Issue
+from oodscen.llms.author.knowledge import (
+    Company,
+    Condition,
+    Hazard,
+    Knowledge,
+    Paper,
+    Place,
+    Substitute,
+    Things,
+    Traffic,
+    Wording,
+)
+
+_TABLES: dict[str, type[Data]] = {
+    "hazard": Hazard,
+    "place": Place,
+    "condition": Condition,
+    "traffic": Traffic,
+    "company": Company,
+    "things": Things,
+    "substitute": Substitute,
+}
+_SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
+
+
+class Shelf:
+    """What the files read so far contain, and what is wrong with them."""
+
+    def __init__(self) -> None:
+        """Start with nothing."""
+        self.entries: dict[str, list[Any]] = {name: [] for name in _TABLES}
+        self.single: dict[str, Any] = {}
+        self.issues: list[Issue] = []
+
+    def read(self, name: str, text: str) -> None:
+        """Add the content of a file."""
+        try:
+            content = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            self.issues.append(Issue(name, str(error)))
+            return
+        for key, value in content.items():
+            if key in _TABLES and isinstance(value, list):
+                lines = _lines(text, key)
+                for index, item in enumerate(value):
+                    line = lines[index] if len(lines) == len(value) else None
+                    self._add(f"{name}:{line}" if line else name, key, index, item)
+            elif key in _SINGLE:
+                self._parse(f"{name}: {key}", _SINGLE[key], value, key)
+            else:
+                known = ", ".join((*_TABLES, *_SINGLE))
+                self.issues.append(Issue(f"{name}: {key}", f"unknown table; known are {known}"))
+
+    def _add(self, name: str, key: str, index: int, item: Any) -> None:
+        title = item.get("id") or item.get("key") if isinstance(item, Mapping) else None
+        where = f"{name}: {key}[{index}]" + (f" {title}" if title else "")
+        self._parse(where, _TABLES[key], item, key)
+
+    def _parse(self, where: str, kind: type[Data], item: Any, key: str) -> None:
+        try:
+            value = kind.parse(item)
+        except DataError as error:
+            self.issues += [
+                Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues
+            ]
+            return
+        if key in _TABLES:
+            self.entries[key].append((where, value))
+        else:
+            self.single[key] = value
+
+    def knowledge(self) -> Knowledge | None:
+        """Put everything together; a later hazard replaces an earlier one with the same id."""
+        if "wording" not in self.single:
+            self.issues.append(Issue("wording", "no file has this table"))
+            return None
+        hazards = {hazard.id: hazard for _, hazard in self.entries["hazard"]}
+        conditions = {condition.key: condition for _, condition in self.entries["condition"]}
+        return Knowledge(
+            hazards=tuple(hazards.values()),
+            places=tuple(place for _, place in self.entries["place"]),
+            conditions=tuple(conditions.values()),
+            traffic=tuple(traffic for _, traffic in self.entries["traffic"]),
+            company=tuple(company for _, company in self.entries["company"]),
+            things=tuple(things for _, things in self.entries["things"]),
+            substitute=tuple(one for _, one in self.entries["substitute"]),
+            wording=self.single["wording"],
+            paper=self.single.get("paper", Paper()),
+        )
+
+
+def _lines(text: str, key: str) -> list[int]:
+    """Return the numbers of the lines that open an entry of a list of tables."""
+    opens = re.compile(rf"\[\[\s*{key}\s*\]\]")
+    return [n for n, line in enumerate(text.splitlines(), start=1) if opens.match(line.strip())]
+
+
+def _shipped() -> list[tuple[str, str]]:
+    folder = resources.files("oodscen.llms") / "knowledge"
+    files = sorted((f for f in folder.iterdir() if f.name.endswith(".toml")), key=lambda f: f.name)
+    return [(file.name, file.read_text(encoding="utf-8")) for file in files]
+
+
+def own_files(path: Path) -> tuple[str, ...]:
+    """Return the names of the files that a user's path stands for."""
+    return tuple(f.name for f in sorted(path.glob("*.toml"))) if path.is_dir() else (path.name,)
+
+
+def _own(path: Path) -> list[tuple[str, str]]:
+    files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    if not files:
+        raise DataError("knowledge base", [Issue("", "no .toml file in it")], source=str(path))
+    try:
+        return [(file.name, file.read_text(encoding="utf-8")) for file in files]
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError("knowledge base", [Issue("", str(error))], source=str(path)) from None
+
+
+def gather(path: str | Path | None) -> tuple[Shelf, Knowledge | None]:
+    """Read the shipped files and a user's own, keeping note of every fault.
+
+    Raises:
+        DataError: When a file cannot be read at all.
+    """
+    shelf = Shelf()
+    for name, text in _shipped():
+        shelf.read(name, text)
+    if path is not None:
+        for name, text in _own(Path(path)):
+            shelf.read(name, text)
+    return shelf, shelf.knowledge()
+
+
+def load_knowledge(path: str | Path | None = None) -> Knowledge:
+    """Read the shipped knowledge base, and on top of it a user's own.
+
+    Args:
+        path: A TOML file, or a folder of them, that adds hazards, places, conditions or traffic;
+            a hazard with the id of a shipped one replaces it.
+
+    Raises:
+        DataError: With every entry that cannot be used, each with its file and path.
+    """
+    return _cached(None if path is None else str(Path(path)), stamp_of(path))
+
+
+def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
+    """Return what changes when a user's files change: path, time and size of each."""
+    if path is None:
+        return ()
+    files = sorted(Path(path).glob("*.toml")) if Path(path).is_dir() else [Path(path)]
+    return tuple((str(f), f.stat().st_mtime_ns, f.stat().st_size) for f in files if f.exists())
+
+
+@cache
+def _cached(path: str | None, stamp: tuple[Any, ...]) -> Knowledge:
+    del stamp
+    shelf, knowledge = gather(path)
+    if shelf.issues or knowledge is None:
+        raise DataError("knowledge base", shelf.issues, source=path or "shipped")
+    return knowledge
