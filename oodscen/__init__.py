@@ -3,9 +3,9 @@
 Importing the package loads nothing; each name below is imported when it is first used.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from oodscen._lazy import lazily
 from oodscen._version import __version__
 
 if TYPE_CHECKING:
@@ -26,28 +26,31 @@ if TYPE_CHECKING:
     from oodscen.study import Study
     from oodscen.tree import ScenarioTree
     from oodscen.verdict import Verdict
-
-_HOMES = {
-    "Augmenter": "augment",
-    "Catalogue": "catalogue",
-    "Describer": "describe",
-    "Episode": "episode",
-    "Metrics": "metrics",
-    "OodscenError": "errors",
-    "Pruner": "prune",
-    "RedTeamer": "redteam",
-    "Scenario": "scenario",
-    "ScenarioTree": "tree",
-    "Scene": "scene",
-    "Study": "study",
-    "TreeGrower": "grow",
-    "Verdict": "verdict",
-    "evaluate": "evaluation",
-    "make_encoder": "registry",
-    "make_llm": "registry",
-    "make_simulator": "registry",
-    "simulate": "simulation",
-}
+else:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "Augmenter": "augment",
+            "Catalogue": "catalogue",
+            "Describer": "describe",
+            "Episode": "episode",
+            "Metrics": "metrics",
+            "OodscenError": "errors",
+            "Pruner": "prune",
+            "RedTeamer": "redteam",
+            "Scenario": "scenario",
+            "ScenarioTree": "tree",
+            "Scene": "scene",
+            "Study": "study",
+            "TreeGrower": "grow",
+            "Verdict": "verdict",
+            "evaluate": "evaluation",
+            "make_encoder": "registry",
+            "make_llm": "registry",
+            "make_simulator": "registry",
+            "simulate": "simulation",
+        },
+    )
 
 __all__ = [
     "Augmenter",
@@ -71,15 +74,3 @@ __all__ = [
     "make_simulator",
     "simulate",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'oodscen' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"oodscen.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)

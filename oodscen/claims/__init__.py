@@ -4,25 +4,28 @@ Claims are light and read by prompts; comparing them with scenes needs roads and
 is loaded when it is asked for.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from oodscen._lazy import lazily
 from oodscen.claims.claim import NUMBERS, VALUES, Claim, Mismatch
 
 if TYPE_CHECKING:
     from oodscen.claims.checking import Finding, check_claims, judge_claims
     from oodscen.claims.faithful import Faithfulness, check_faithful, extract_claims
     from oodscen.claims.watching import watch
-
-_LATE = {
-    "Finding": "checking",
-    "check_claims": "checking",
-    "judge_claims": "checking",
-    "Faithfulness": "faithful",
-    "check_faithful": "faithful",
-    "extract_claims": "faithful",
-    "watch": "watching",
-}
+else:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "Finding": "checking",
+            "check_claims": "checking",
+            "judge_claims": "checking",
+            "Faithfulness": "faithful",
+            "check_faithful": "faithful",
+            "extract_claims": "faithful",
+            "watch": "watching",
+        },
+    )
 
 __all__ = [
     "NUMBERS",
@@ -37,9 +40,3 @@ __all__ = [
     "judge_claims",
     "watch",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _LATE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_LATE[name]}"), name)

@@ -3,8 +3,9 @@
 Importing the package loads nothing; each name below is imported when it is first used.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from oodscen._lazy import lazily
 
 if TYPE_CHECKING:
     from oodscen.trees.comparison import Broadened, Moved, Placed, TreeDiff, diff
@@ -15,32 +16,35 @@ if TYPE_CHECKING:
     from oodscen.trees.matching import Match, match
     from oodscen.trees.origins import Decision, Provenance, provenance
     from oodscen.trees.union import merge
-
-_HOMES = {
-    "Broadened": "comparison",
-    "Coverage": "counts",
-    "Decision": "origins",
-    "Match": "matching",
-    "Moved": "comparison",
-    "Placed": "comparison",
-    "Provenance": "origins",
-    "Remark": "html",
-    "Tally": "counts",
-    "TreeDiff": "comparison",
-    "coverage": "counts",
-    "diff": "comparison",
-    "match": "matching",
-    "merge": "union",
-    "notebook_html": "html",
-    "provenance": "origins",
-    "replay": "history",
-    "study_coverage": "counts",
-    "to_dot": "export",
-    "to_mermaid": "export",
-    "to_nested_json": "export",
-    "to_page": "html",
-    "tree_html": "html",
-}
+else:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "Broadened": "comparison",
+            "Coverage": "counts",
+            "Decision": "origins",
+            "Match": "matching",
+            "Moved": "comparison",
+            "Placed": "comparison",
+            "Provenance": "origins",
+            "Remark": "html",
+            "Tally": "counts",
+            "TreeDiff": "comparison",
+            "coverage": "counts",
+            "diff": "comparison",
+            "match": "matching",
+            "merge": "union",
+            "notebook_html": "html",
+            "provenance": "origins",
+            "replay": "history",
+            "study_coverage": "counts",
+            "to_dot": "export",
+            "to_mermaid": "export",
+            "to_nested_json": "export",
+            "to_page": "html",
+            "tree_html": "html",
+        },
+    )
 
 __all__ = [
     "Broadened",
@@ -67,11 +71,3 @@ __all__ = [
     "to_page",
     "tree_html",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'oodscen.trees' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"oodscen.trees.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
