@@ -6,7 +6,7 @@ from typing import TypeVar, cast
 from pydantic import BaseModel, ValidationError
 
 from oodscen._data import issues_of
-from oodscen.errors import AnswerError, Issue
+from oodscen.errors import AnswerError, Issue, LLMError, OodscenError
 from oodscen.extraction import find_objects, is_cut_off
 from oodscen.messages import Message
 from oodscen.prompts.base import Prompt
@@ -52,7 +52,7 @@ def ask(
 
     Raises:
         AnswerError: When the last answer is still invalid; it keeps the raw text and the faults.
-        LLMError: When the model cannot be reached.
+        LLMError: When the model cannot be reached, or its object raises something else.
     """
     checks: list[Check[Answer]] = [prompt.check, *([check] if check else [])]
     kind = cast(type[Answer], prompt.answer)
@@ -61,7 +61,7 @@ def ask(
     issues: list[Issue] = []
     raw = ""
     for attempt in range(1, max(attempts, 1) + 1):
-        raw = llm.complete(Request(prompt, messages, schema, sample, attempt)).text
+        raw = _said(llm, Request(prompt, messages, schema, sample, attempt))
         answer, issues = read_answer(raw, kind, checks)
         if answer is None and read is not None:
             answer = read(raw)
@@ -69,6 +69,20 @@ def ask(
             return answer
         messages = (*question, *_repair(raw, issues))
     raise AnswerError(llm.name, prompt.purpose, issues, raw, max(attempts, 1))
+
+
+def _said(llm: LLM, request: Request) -> str:
+    """Return the words of a model; whatever else its object raises is a model that failed."""
+    try:
+        return llm.complete(request).text
+    except OodscenError:
+        raise
+    except Exception as error:
+        raise LLMError(
+            f"{llm.name} broke down: {type(error).__name__}: {str(error)[:500]}",
+            model=llm.name,
+            retryable=isinstance(error, TimeoutError | ConnectionError),
+        ) from error
 
 
 def speaker(llm: LLM) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
+from oodscen._text import is_visible
 from oodscen.errors import Issue
 
 MAX_LABEL = 200
@@ -66,7 +67,7 @@ def slug(label: str) -> str:
 
 def label_fault(label: str) -> str:
     """Say why a text cannot be a label, or return an empty string."""
-    if not label.strip():
+    if not is_visible(label):
         return "the label is empty"
     if len(label) > MAX_LABEL:
         return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"

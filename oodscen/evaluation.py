@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from oodscen.ask import ask
 from oodscen.episode import ACTIONS, MOMENTS, Episode
-from oodscen.errors import AnswerError, LLMError, OodscenError
+from oodscen.errors import AnswerError, Issue, LLMError, OodscenError
 from oodscen.judging.answers import (
     Reading,
     contradiction,
@@ -63,6 +63,8 @@ OPTIONS = tuple(
 
 NOTHING_UNUSUAL = AspectOption(id=NOTHING, label="Nothing is out of the ordinary")
 NO_DESCRIPTION = "(no usable description)"
+KEPT_DESCRIPTION = 6_000
+"""So much of a description is kept, and shown to the model again, in characters."""
 KEPT_REASONING = 600
 """So much of a model's reasoning is kept, in characters."""
 
@@ -124,7 +126,8 @@ def evaluate(
                 DescribeFrame(frames=images[:count], descriptions=descriptions),
                 lambda raw: _as(read_description(raw), lambda d: FrameDescription(description=d)),
             )
-            descriptions = (*descriptions, seen.description if seen else NO_DESCRIPTION)
+            said = seen.description[:KEPT_DESCRIPTION] if seen else NO_DESCRIPTION
+            descriptions = (*descriptions, said)
             fields["descriptions"] = descriptions
         aspect = asked.put(NameAspect(frames=images, descriptions=descriptions), _read_aspect)
         if aspect:
@@ -196,7 +199,8 @@ class _Asked:
             if answer is not None:
                 self.notes.append(f"{prompt.purpose}: {note}")
             elif note == _REFUSED:
-                raise AnswerError(self.llm.name, prompt.purpose, [], raw, 1)
+                declined = [Issue("", "it declines to answer")]
+                raise AnswerError(self.llm.name, prompt.purpose, declined, raw, 1)
             return answer
 
         try:

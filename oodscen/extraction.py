@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import json_repair
 
+from oodscen._text import whole
+
 
 class Found(NamedTuple):
     """One JSON object in a text."""
@@ -24,8 +26,9 @@ def find_objects(text: str) -> Iterator[Found]:
     They may stand in a fence, in prose, after a chain of thought, inside one wrapping key or a JSON
     string, and may have small faults: trailing commas, single quotes, bare keys, comments, line breaks in
     strings. The closing brace may be missing, but nothing is yielded that is cut short in a text, a
-    number, a list or an inner object.
+    number, a list or an inner object. Halves of surrogate pairs are replaced.
     """
+    text = _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
     tail = text.rpartition("</think>")[2]
     for part in dict.fromkeys((tail, text)):
         closed, broken_off = _scan(part)
@@ -46,6 +49,12 @@ def is_cut_off(text: str) -> bool:
     """Whether an object begins in a text and does not end."""
     return _scan(text)[1] is not None
 
+
+_ESCAPE = re.compile(
+    r"\\(?:u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|u([dD][89a-fA-F][0-9a-fA-F]{2})|.)",
+    re.DOTALL,
+)
+"""An escape in a JSON string; its group is half of a surrogate pair that stands alone."""
 
 _DECODER = json.JSONDecoder(strict=False)
 

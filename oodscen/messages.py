@@ -8,6 +8,9 @@ from pydantic import Field
 
 from oodscen._data import Data
 
+_BEGINS = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n")
+_ENDS = (b"\xff\xd9", b"IEND\xaeB`\x82")
+
 
 class Image(Data):
     """A picture referred to by name; its bytes are loaded when a client sends it."""
@@ -27,6 +30,16 @@ class Image(Data):
         return cls(
             name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
         )
+
+    def fault(self) -> str:
+        """Say why a JPEG or PNG file cannot be shown as it lies on disk, or return an empty string."""
+        try:
+            data = self.read()
+        except OSError as error:
+            return f"{self.name}: {error.strerror or error}"
+        if not data.startswith(_BEGINS):
+            return f"{self.name} is no JPEG and no PNG"
+        return "" if data.endswith(_ENDS) else f"{self.name} is cut off before its end"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Image) and (self.name, self.sha256) == (other.name, other.sha256)

@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkab
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import field_validator
 
 from oodscen._data import Data
+from oodscen._text import whole
 from oodscen.catalogue import Catalogue
 from oodscen.errors import UsageError
 from oodscen.messages import Image, Message
@@ -79,10 +81,15 @@ class Completion(Data):
     noun: ClassVar[str] = "completion"
 
     text: str
-    """Raw, as it came."""
+    """Raw, as it came, but for halves of surrogate pairs: they are replaced."""
     usage: Usage = Usage()
     requests: int = 1
     """HTTP requests that were made for it, retries included; 0 for a model that needs none."""
+
+    @field_validator("text")
+    @classmethod
+    def _whole(cls, text: str) -> str:
+        return whole(text)
 
 
 @runtime_checkable

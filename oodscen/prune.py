@@ -176,7 +176,17 @@ def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[P
     An inner node is kept exactly when one of its children is. The root always stays. Leaves that
     are realised by the same means name each other in `same_as`.
     """
-    by_id = {decision.id: decision for decision in alike(tree, judged)}
+    judged = alike(tree, judged)
+    leaves = {decision.id for decision in judged}
+    return [
+        one if one.id in leaves else one.model_copy(update={"path": tree.path(one.id)})
+        for one in fates(tree, judged)
+    ]
+
+
+def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+    """Extend the decisions on leaves to every node, without the paths of inner ones."""
+    by_id = {decision.id: decision for decision in judged}
     for node, _ in reversed(list(tree.walk())):
         if node.id in by_id:
             continue
@@ -189,7 +199,7 @@ def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[P
             reason = "nothing lies below it"
         by_id[node.id] = PruneDecision(
             id=node.id,
-            path=tree.path(node.id),
+            path=(),
             keep=bool(kept) or node.parent is None,
             reason=reason,
             match=match,
@@ -221,8 +231,7 @@ def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
 
     A narrowed leaf stays attested only if its new label still names what the paper simulated.
     """
-    decisions = all_decisions(tree, judged)
-    return tree.apply(*(_edit(decision) for decision in reversed(decisions)))
+    return tree.apply(*(_edit(decision) for decision in reversed(fates(tree, judged))))
 
 
 def _edit(decision: PruneDecision) -> TreeEdit:

@@ -197,3 +197,17 @@ def test_failures_of_the_model_pass_through():
     with pytest.raises(LLMError) as caught:
         ask(ScriptedLLM([failure]), QUESTION)
     assert caught.value is failure
+
+
+@pytest.mark.parametrize(
+    ("raised", "is_retryable"),
+    [(TimeoutError("late"), True), (ConnectionError("gone"), True), (KeyError("choices"), False)],
+)
+def test_whatever_a_models_object_raises_is_a_model_that_failed(raised, is_retryable):
+    def answer(request):
+        raise raised
+
+    with pytest.raises(LLMError, match=type(raised).__name__) as caught:
+        ask(FunctionLLM(answer), QUESTION)
+    assert caught.value.__cause__ is raised
+    assert caught.value.retryable is is_retryable

@@ -1,6 +1,10 @@
 """Judging: both tasks, the executed action decides, failures are verdicts."""
 
+import json
+
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from oodscen import evaluate
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
@@ -9,6 +13,7 @@ from oodscen.evaluation import aspect_options, names_aspect
 from oodscen.llms.reference import ConstantAnswerer, RandomAnswerer
 from oodscen.messages import Image
 from oodscen.testing import FunctionLLM, ScriptedLLM
+from oodscen.verdict import Verdict
 
 PATH = ("OOD", "Environmental", "Overturned vehicles", "Overturned vehicle ahead")
 EPISODE = Episode(
@@ -170,3 +175,53 @@ def test_a_judge_model_is_recorded_with_its_prompt(frames):
     )
     assert verdict.aspect_is_right
     assert verdict.judge.startswith("scripted@")
+
+
+said = st.text(
+    st.sampled_from("\ud800\udfff\x00\x1b\u202e<>&\"'") | st.characters(), max_size=12
+) | st.sampled_from(["Ich halte an.", "I'm sorry, I can't help with that.", "fly", "1", "stop", ""])
+raised = st.sampled_from([TimeoutError(), KeyError("choices"), LLMError("gone"), RecursionError()])
+replies = raised | said | st.fixed_dictionaries(
+    {},
+    optional={
+        "reasoning": said,
+        "description": said,
+        "is_ood": st.booleans() | said,
+        "aspect": said,
+        "confidence": st.floats() | said,
+        "choice": st.integers(-1, 4) | said,
+        "action": st.sampled_from([*ACTIONS, "fly"]) | said,
+    },
+)  # fmt: skip
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(replies, min_size=6, max_size=6))
+def test_whatever_a_model_does_its_verdict_is_typed_and_can_be_written(frames, plan):
+    def answer(request):
+        reply = plan[(len(request.messages) + request.attempt) % len(plan)]
+        if isinstance(reply, Exception):
+            raise reply
+        return reply if isinstance(reply, str) else json.dumps(reply)
+
+    options = aspect_options({"wreck": "Overturned vehicle"}, seed=1, item="x-001")
+    verdict = evaluate(
+        EPISODE, frames, FunctionLLM(answer), path=PATH, leaf="wreck", options=options
+    )
+    assert Verdict.parse(verdict.to_json().encode()) == verdict
+    assert (verdict.status == "failed") == (verdict.outcome not in ("answered", "unavailable"))
+    assert (verdict.status == "failed") == bool(verdict.error)
+    assert verdict.action in (None, *ACTIONS)
+    assert len(verdict.to_json()) < 20_000
+
+
+def test_of_endless_words_a_beginning_is_kept(frames):
+    words = "a road " * 9_000
+    said = {**answers(), "describe-frame": {"description": words}}
+    said["name-aspect"] = {"reasoning": words, "is_ood": True, "aspect": words, "confidence": 0.5}
+    said["choose-action"] = {"reasoning": words, "action": "stop"}
+    llm = ScriptedLLM(said)
+    verdict = evaluate(EPISODE, frames, llm, path=PATH)
+    assert verdict.status == "ok"
+    assert len(verdict.to_json()) < 25_000
+    assert sum(len(message.text) for message in llm.requests[-1].messages) < 40_000

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from oodscen._text import whole
 from oodscen.ask import read_answer
-from oodscen.prompts import QUESTIONS, SceneDraft
+from oodscen.prompts import QUESTIONS, PlacedScenario, SceneDraft
 from oodscen.scene import Actor, Ego, Hazard, Placement, Trigger, Weather
 from tests import strategies  # noqa: F401  # says how claims are drawn
 
@@ -95,6 +96,20 @@ def test_every_valid_answer_hidden_in_noise_is_found(kind):
         assert read_answer(raw, kind) == (answer, [])
 
     law()
+
+
+broken = st.text(
+    st.sampled_from('\ud800\udfff\ud83d\ude00\\"u\x00\u202e') | st.characters(), max_size=8
+)
+
+
+@given(broken, broken, st.booleans())
+def test_halves_of_characters_never_get_into_an_answer(reasoning, label, is_escaped):
+    told = {"reasoning": reasoning, "decision": "add", "node": "a", "label": label}
+    found, issues = read_answer(json.dumps(told, ensure_ascii=is_escaped), PlacedScenario)
+    assert issues == []
+    assert found.label.encode("utf-8") == whole(label).encode("utf-8")
+    assert json.loads(found.model_dump_json())["reasoning"] == whole(reasoning)
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)

@@ -22,6 +22,7 @@ from oodscen.cli import (
     study,
     tree,
 )
+from oodscen.cli.output import say
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -38,7 +39,7 @@ class _Group(click.Group):
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise
-            click.echo(f"oodscen: {redact(str(error))}", err=True)
+            say(f"oodscen: {redact(str(error))}", err=True)
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )

@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 from oodscen._data import canonical_json
 from oodscen.cli.options import READABLE, json_option, llm_options, seed_option, simulator_option
-from oodscen.cli.output import read_lines
+from oodscen.cli.output import read_lines, say
 from oodscen.errors import DataError, Issue
 
 
@@ -59,14 +59,12 @@ def faithful(
         rows.append(told.model_dump(mode="json"))
         if not as_json:
             for one in told.mismatches:
-                click.echo(f"{scene.id}: the text says {one.claim}, but {one.found}")
+                say(f"{scene.id}: the text says {one.claim}, but {one.found}")
     if as_json:
-        click.echo(canonical_json({"scenes": rows, "claims": claims, "unfaithful": failures}))
+        say(canonical_json({"scenes": rows, "claims": claims, "unfaithful": failures}))
     else:
         for row in rows:
             for fault in row.get("faults", ()):
-                click.echo(f"{row['id']}: {fault}")
-        click.echo(
-            f"{len(items)} scenes, {claims} claims, {failures} scenes that do not hold to them"
-        )
+                say(f"{row['id']}: {fault}")
+        say(f"{len(items)} scenes, {claims} claims, {failures} scenes that do not hold to them")
     sys.exit(bool(failures))

@@ -8,7 +8,7 @@ import click
 from oodscen.cli.options import (
     json_option,
 )
-from oodscen.cli.output import bars
+from oodscen.cli.output import bars, say
 
 
 @click.command()
@@ -19,10 +19,10 @@ def plugins(as_json: bool) -> None:
 
     rows = survey()
     if as_json:
-        click.echo(json.dumps(rows, indent=2))
+        say(json.dumps(rows, indent=2))
         return
     for row in rows:
-        click.echo(f"{row['kind']:10} {row['name']:22} {row['source']:55} {row['state']}")
+        say(f"{row['kind']:10} {row['name']:22} {row['source']:55} {row['state']}")
 
 
 @click.command()
@@ -54,10 +54,8 @@ def doctor(
         with bars() as progress:
             findings = examine_simulator(what, is_quick=quick, progress=progress)
     if as_json:
-        click.echo(json.dumps([finding._asdict() for finding in findings], indent=2))
+        say(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:
         for finding in findings:
-            click.echo(
-                f"{'ok     ' if finding.is_ok else 'problem'} {finding.what}: {finding.detail}"
-            )
+            say(f"{'ok     ' if finding.is_ok else 'problem'} {finding.what}: {finding.detail}")
     sys.exit(not all(finding.is_ok for finding in findings))

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from oodscen.cli.options import json_option
+from oodscen.cli.output import say
 
 
 @click.command()
@@ -54,10 +55,10 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
         for found in [[r for r in rows if r.driver == name and r.is_twin is is_twin]]
     ]
     if as_json:
-        click.echo(json.dumps(summary))
+        say(json.dumps(summary))
         return
     for row in summary:
-        click.echo(
+        say(
             "{driver}, {items}: {passed} of {n} passed, {collisions} collisions, {off_road} off the "
             "road, {failed} failed".format(**row)
         )

@@ -9,6 +9,7 @@ import click
 from tqdm import tqdm
 
 from oodscen._data import Data
+from oodscen._text import plain
 from oodscen.errors import DataError, Issue
 
 if TYPE_CHECKING:
@@ -75,6 +76,11 @@ def rounds_in_words(found: "Saturation", stop: str | None) -> str:
         f"unseen kinds (Chao1) about {found.unseen:.0f} [{found.unseen_low:.0f}, {found.unseen_high:.0f}]",
     ]
     return "\n".join(lines)
+
+
+def say(text: str, *, err: bool = False) -> None:
+    """Print words, some of which a model may have written: nothing in them can steer a terminal."""
+    click.echo(plain(text), err=err)
 
 
 def write(out: Path | None, text: str) -> None:

@@ -14,7 +14,7 @@ from oodscen.cli.options import (
     seed_option,
     simulator_option,
 )
-from oodscen.cli.output import write, write_lines
+from oodscen.cli.output import say, write, write_lines
 from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -79,7 +79,8 @@ def prune(
             raise UsageError("--decisions and --restore are for one catalogue; use --json")
         judged = {name: _judged(model, one, grown, exact) for name, one in offered.items()}
         found = compare(grown, offered, judged)
-        write(out, found.model_dump_json(indent=2) if as_json else str(found))
+        words = found.model_dump_json(indent=2) if as_json else str(found)
+        say(words) if out is None else write(out, words)
         return
     (catalogue,) = offered.values()
     answers = _judged(model, catalogue, grown, exact)

@@ -19,7 +19,7 @@ from oodscen.cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen.cli.output import read_lines, rounds_in_words, write, write_lines
+from oodscen.cli.output import read_lines, rounds_in_words, say, write, write_lines
 from oodscen.errors import DataError, Issue
 
 
@@ -100,9 +100,9 @@ def redteam(
     if out is not None or not as_json:
         write(out, grown.to_json())
     if as_json:
-        click.echo(found.to_json())
+        say(found.to_json())
     else:
-        click.echo(rounds_in_words(found, teamer.stopped_by(played)), err=True)
+        say(rounds_in_words(found, teamer.stopped_by(played)), err=True)
 
 
 @click.command()
@@ -222,5 +222,5 @@ def simulate(
     store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
     failed = [episode for episode in episodes.values() if episode.status == "failed"]
     for episode in failed:
-        click.echo(f"{episode.id}: {episode.error}", err=True)
+        say(f"{episode.id}: {episode.error}", err=True)
     sys.exit(bool(failed))

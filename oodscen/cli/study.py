@@ -21,7 +21,7 @@ from oodscen.cli.options import (
     traffic_from,
     traffic_options,
 )
-from oodscen.cli.output import bars, estimated, summary
+from oodscen.cli.output import bars, estimated, say, summary
 from oodscen.registry import DEFAULT_ENCODER
 
 
@@ -136,7 +136,7 @@ def run(
     if as_json:
         click.echo(json.dumps(info, indent=2))
     else:
-        click.echo(summary(info))
+        say(summary(info))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     if info["status"] != "success":
         sys.exit(1)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen.cli.options import json_option, out_option
-from oodscen.cli.output import write
+from oodscen.cli.output import say, write
 from oodscen.errors import DataError, Issue
 from oodscen.tree import ScenarioTree
 
@@ -53,9 +53,9 @@ def show(place: Path, node_id: str | None, ids: bool, which: str, as_json: bool)
     found = _read(place, which)
     if node_id is not None:
         history = found.provenance(node_id)
-        click.echo(history.model_dump_json(indent=2) if as_json else str(history))
+        say(history.model_dump_json(indent=2) if as_json else str(history))
     else:
-        click.echo(found.to_json() if as_json else found.outline(ids=ids))
+        say(found.to_json() if as_json else found.outline(ids=ids))
 
 
 @tree.command()
@@ -80,7 +80,7 @@ def diff(
     from oodscen.trees import diff as compare
 
     found = compare(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
-    click.echo(
+    say(
         found.model_dump_json(indent=2)
         if as_json
         else found.to_mermaid()
@@ -125,7 +125,7 @@ def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
     from oodscen.trees import study_coverage
 
     found = study_coverage(Study.open(folder), which)
-    click.echo(found.model_dump_json(indent=2) if as_json else str(found))
+    say(found.model_dump_json(indent=2) if as_json else str(found))
     if exit_code and found.holes:
         click.get_current_context().exit(1)
 
@@ -192,14 +192,14 @@ def replay(
     for index, (step, after) in enumerate(played(found)):
         if as_json:
             row = {"index": index, "nodes": len(after), **step.model_dump(exclude_defaults=True)}
-            click.echo(json.dumps(row, ensure_ascii=False))
+            say(json.dumps(row, ensure_ascii=False))
         else:
             who = ", ".join(
                 filter(None, (step.stage, f"round {step.round}" if step.round is not None else ""))
             )
             label = f": {step.label}" if step.label else ""
             below = f" below {step.parent}" if step.parent else ""
-            click.echo(
+            say(
                 f"{index:6}  {len(after):6} nodes  {step.op:8}{step.node}{below}{label}"
                 f"{f'  ({who})' if who else ''}"
             )

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, get_args
 
 from oodscen._data import Data
 from oodscen.catalogue import Catalogue, Category
-from oodscen.prune import Match, PruneDecision, all_decisions
+from oodscen.prune import Match, PruneDecision, alike, fates
 from oodscen.pruning.restoring import Restoration, restoration
 from oodscen.tree import ScenarioTree
 
@@ -102,7 +102,9 @@ def compare(
     """
     if set(catalogues) != set(judged):
         raise ValueError("catalogues and decisions have different names")
-    decided = {name: {d.id: d for d in all_decisions(tree, judged[name])} for name in catalogues}
+    decided = {
+        name: {d.id: d for d in fates(tree, alike(tree, judged[name]))} for name in catalogues
+    }
     leaves = [leaf.id for leaf in tree.leaves]
     paths = tree.paths
     lines = tuple(

@@ -44,7 +44,7 @@ class Decision(Data):
         line += f" ({edit.prompt})" if edit.prompt else ""
         line += f": {edit.reason}" if edit.reason else ""
         line += f" [because of: {edit.source}]" if edit.source else ""
-        return line + (" (undone)" if self.is_undone else "")
+        return " ".join(line.split()) + (" (undone)" if self.is_undone else "")
 
 
 class Provenance(Data):

@@ -112,3 +112,62 @@ def test_what_cannot_be_is_one_line(place, arguments):
     assert "Traceback" not in result.stderr
     (place / "tree.diverse.json").unlink()
     assert call("show", place).exit_code == 2
+
+
+def test_words_of_a_model_steer_no_terminal(tmp_path):
+    hostile = "\x1b]0;owned\x07\n  9: added by nobody\u202e"
+    edit = TreeEdit(
+        op="broaden",
+        node="fog",
+        label="Fog \u202eegap",
+        stage=hostile,
+        reason=hostile,
+        model=hostile,
+    )
+    Store(tmp_path).write("tree.json", AFTER.apply(edit).to_json())
+    Store(tmp_path).write("other.json", BEFORE.to_json())
+    file, other = tmp_path / "tree.json", tmp_path / "other.json"
+    for arguments in (
+        ("show", file),
+        ("show", file, "--json"),
+        ("show", file, "--node", "fog"),
+        ("show", file, "--node", "fog", "--json"),
+        ("diff", file, other),
+        ("replay", file),
+        ("replay", file, "--json"),
+    ):
+        result = call(*arguments)
+        assert result.exit_code == 0
+        assert not {"\x1b", "\x07", "\u202e"} & set(result.output)
+    assert call("show", file, "--node", "fog").output.count("\n") == 4
+    assert json.loads(call("show", file, "--json").output)["edits"][-1]["reason"] == hostile
+
+
+@pytest.mark.parametrize(
+    ("nodes", "fault"),
+    [
+        ([("a", "root", "A"), ("a", "root", "B")], "the id 'a' is taken"),
+        ([("top", None, "Second")], "would be a second root"),
+        ([("a", "b", "A"), ("b", "a", "B")], "does not exist (before its child)"),
+        ([("a", "root", "\u200b")], "the label is empty"),
+        ([("a", "root", "x" * 10_000)], "the label has 10000 characters"),
+        ([("a", "nowhere", "A")], "the parent 'nowhere' does not exist"),
+    ],
+)
+def test_a_file_that_holds_no_tree_is_refused_by_every_command_that_reads_one(
+    tmp_path, nodes, fault
+):
+    listed = [("root", None, "OOD"), *nodes]
+    value = {"nodes": [{"id": i, "parent": p, "label": text} for i, p, text in listed]}
+    bad, good = tmp_path / "bad.json", tmp_path / "good.json"
+    bad.write_text(json.dumps(value))
+    good.write_text(BEFORE.to_json())
+    commands = [["tree", name, bad] for name in ("show", "export", "replay")]
+    commands += [
+        ["tree", name, *two] for name in ("diff", "merge") for two in ((good, bad), (bad, good))
+    ]
+    commands += [["redteam", bad], ["describe", bad], ["prune", bad, "--simulator", "flat"]]
+    for command in commands:
+        result = CliRunner().invoke(main, list(map(str, command)))
+        assert (result.exit_code, fault in result.output) == (2, True), command
+        assert len(result.output) < 500

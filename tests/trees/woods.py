@@ -19,7 +19,20 @@ HOSTILE = (
 )
 """Labels that are valid, and that nothing may take for anything but text."""
 
-REFUSED = ("", "  ", "a\nb", "a\u2028b", "a\0b", "x" * (MAX_LABEL + 1), "x" * 10_000)
+REFUSED = (
+    "",
+    "  ",
+    "\u200b",
+    "\ufeff",
+    "\u3164",
+    "\ud800",
+    "a\x1b[2J",
+    "a\nb",
+    "a\u2028b",
+    "a\0b",
+    "x" * (MAX_LABEL + 1),
+    "x" * 10_000,
+)
 """What no label may be."""
 
 labels = st.one_of(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from oodscen._data import canonical_json
 from oodscen.concurrency import as_finished
-from oodscen.episode import ACTIONS, Episode
+from oodscen.episode import ACTIONS, MOMENTS, Episode
 from oodscen.evaluation import Protocol, aspect_options, unjudged
 from oodscen.evaluation import evaluate as judge_episode
 from oodscen.judging.leaderboard import leaderboard
@@ -133,6 +133,9 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
                     frames[moment] = Image.from_file(run.store.path(file), file)
             except OSError as error:
                 return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
+            lacks = [f"there is no {moment} frame" for moment in MOMENTS if moment not in frames]
+            if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:
+                return unjudged(episode, model, "; ".join(faults), "DataError", item.protocol)
         return judge_episode(
             episode,
             frames,

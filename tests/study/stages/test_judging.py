@@ -6,6 +6,7 @@ import shutil
 import cv2
 import numpy as np
 import pytest
+from lxml import html
 
 from oodscen import Study
 from oodscen.episode import ACTIONS
@@ -13,7 +14,7 @@ from oodscen.errors import BudgetExceeded
 from oodscen.llms.reference import ConstantAnswerer
 from oodscen.llms.traffic import Caps, Traffic
 from oodscen.study import run_study
-from oodscen.testing import AnsweringServer
+from oodscen.testing import AnsweringServer, FunctionLLM
 from tests.study.quick import QUICK
 
 CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
@@ -123,3 +124,77 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
 
 def _version(rows):
     return next(row.prompts["name-aspect"] for row in rows.values() if row.prompts)
+
+
+HOSTILE = (
+    "<script>alert(1)</script></script><img src=x onerror=alert(1)> javascript:alert(1) "
+    "\ud800 \u202e \x00 \x1b[2J ]]> {{ 7*7 }} \ufffe"
+)
+
+
+def test_frames_that_are_missing_or_cut_off_cost_their_item_only(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    lines = [json.loads(line) for line in (out / "episodes.jsonl").read_text().splitlines()]
+    cut, empty, none, fewer = (line["id"] for line in lines[:4])
+    for name, kept in ((cut, 0.5), (empty, 0)):
+        picture = out / "frames" / name / "middle.jpg"
+        data = picture.read_bytes()
+        picture.write_bytes(data[: int(kept * len(data))])
+    (out / "frames" / none / "last.jpg").unlink()
+    del lines[3]["frames"]["middle"]
+    (out / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "mine", "model"
+    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    study = run_study(out, config, models={"mine": model})
+    rows = of(study, "mine")
+    bad = {name: rows[name].error for name in (cut, empty, none, fewer)}
+    assert "cut off before its end" in bad[cut]
+    assert "no JPEG and no PNG" in bad[empty]
+    assert "No such file" in bad[none]
+    assert "no middle frame" in bad[fewer]
+    assert {rows[name].outcome for name in bad} == {"error"}
+    assert all(rows[name].outcome == "answered" for name in rows if name not in bad)
+    counted = {"answered": len(rows) - 4, "error": 4}
+    assert study.info["counts"]["outcomes"]["mine"] == counted
+    shown = (out / "report.html").read_text()
+    assert "4 failed" in shown
+    assert "cut off before its end" in shown
+
+
+@pytest.mark.parametrize("form", ["json", "prose", "raised"])
+def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folder, tmp_path, form):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    valid = {
+        "describe-frame": {"description": HOSTILE},
+        "name-aspect": {"reasoning": HOSTILE, "is_ood": True, "aspect": HOSTILE, "confidence": 1},
+        "choose-aspect": {"reasoning": HOSTILE, "choice": 1},
+        "choose-action": {"reasoning": HOSTILE, "action": "stop"},
+    }
+
+    def answer(request):
+        if form == "raised":
+            raise RuntimeError(HOSTILE)
+        if form == "prose":
+            return f"I would stop. Option 1. Yes, it is unusual: {HOSTILE}"
+        return json.dumps(valid[request.prompt.purpose])
+
+    model = FunctionLLM(answer)
+    model.name = f"gpt/{HOSTILE[:60]}"
+    config = CONFIG.model_copy(update={"vlms": (model.name,)})
+    study = run_study(out, config, models={model.name: model})
+    rows = of(study, model.name)
+    assert len(rows) == len(study.episodes)
+    assert {row.outcome for row in rows.values()} == {"error" if form == "raised" else "answered"}
+    document = html.document_fromstring((out / "report.html").read_text(encoding="utf-8"))
+    assert len(document.xpath("//script")) == 2
+    assert not document.xpath("//@*[starts-with(name(), 'on')]")
+    assert not document.xpath("//a[starts-with(@href, 'javascript:')] | //img[@src='x']")
+    told = _payload(document)["scenes"]
+    assert "<script>alert" in json.dumps(told)
+
+
+def _payload(document):
+    return json.loads(document.get_element_by_id("data").text)

@@ -1,0 +1,35 @@
+"""Laws of text from outside: it can be written, and steers no terminal."""
+
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen._text import is_visible, plain, whole
+
+halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
+
+
+@given(halves | st.text())
+def test_whole_text_is_utf_8_and_what_was_whole_stays(text):
+    assert whole(text).encode().decode() == whole(text) == whole(whole(text))
+    if not any(unicodedata.category(char) == "Cs" for char in text):
+        assert whole(text) == text
+
+
+def test_halves_that_belong_together_are_joined():
+    assert whole("a\ud83d\ude00b\ud83d") == "a\U0001f600b\ufffd"
+
+
+@given(halves)
+def test_plain_text_holds_nothing_that_a_terminal_obeys(text):
+    for char in plain(text):
+        assert char in "\t\n" or unicodedata.category(char) not in ("Cc", "Cs")
+        assert unicodedata.bidirectional(char) not in "LRE RLE LRO RLO PDF LRI RLI FSI PDI".split()
+
+
+@pytest.mark.parametrize("text", ["", " ", "\t", "\u200b", "\ufeff", "\u3164\u2800", "\u202e"])
+def test_what_shows_nothing_is_not_visible(text):
+    assert not is_visible(text)
+    assert is_visible(f"{text}x")
