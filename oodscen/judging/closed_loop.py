@@ -14,6 +14,7 @@ from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, S
 from oodscen.scene import Scene
 from oodscen.simulation import MAX_APPROACH_S, peak_deceleration, peak_jerk
 from oodscen.trace import Course, Trace
+from oodscen.twins import is_twin, twin_id
 
 MakeDriver = Callable[[], Driver]
 
@@ -98,7 +99,7 @@ def drive(
         try:
             steps, decision_s, _ = _horizon(scene, simulator, seed)
         except OodscenError as error:
-            results.append(_failed(scene, label, error))
+            results.append(_failed(scene.id, label, error))
             continue
         one = _drive(scene, driver, simulator, label, seed, steps, camera)
         if not twins or scene.is_twin:
@@ -109,7 +110,7 @@ def drive(
             _, _, ordinary = _horizon(twin, simulator, seed, steps)
             other = _drive(twin, driver, simulator, label, seed, steps, camera)
         except OodscenError as error:
-            results += [one, _failed(scene, label, error)]
+            results += [one, _failed(twin_id(scene.id), label, error)]
             continue
         results += _paired(one, other, ordinary)
     return results
@@ -211,7 +212,7 @@ def _drive(
     try:
         states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
     except Exception as error:  # A driver may raise anything.
-        return _failed(scene, name, error)
+        return _failed(scene.id, name, error)
     trace = Trace.measured(states, Course.of(scene, simulator.catalogue()))
     met = trace.summary().values()
     ttc = trace["ttc_s"][:, 1:].min(axis=1, initial=np.inf)
@@ -277,13 +278,13 @@ def _paired(one: DriveResult, other: DriveResult, ordinary: Trace) -> list[Drive
     return [one, other.model_copy(update={"brakes_needlessly": needless})]
 
 
-def _failed(scene: Scene, name: str, error: Exception) -> DriveResult:
+def _failed(scene_id: str, name: str, error: Exception) -> DriveResult:
     return DriveResult(
-        id=f"{scene.id}@{name}",
-        scene_id=scene.id,
+        id=f"{scene_id}@{name}",
+        scene_id=scene_id,
         driver=name,
         status="failed",
         error=str(error)[:2_000],
         error_type=type(error).__name__,
-        is_twin=scene.is_twin,
+        is_twin=is_twin(scene_id),
     )

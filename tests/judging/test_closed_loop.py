@@ -6,8 +6,10 @@ import pytest
 
 from oodscen import make_simulator
 from oodscen.driving import Cruise
+from oodscen.errors import SimulatorError
 from oodscen.judging.closed_loop import RuleBasedDriver, drive
 from oodscen.protocols import Camera, Control
+from oodscen.testing import FlatSimulator
 from oodscen.testing.scenes import example_scene
 
 
@@ -53,6 +55,19 @@ def test_a_driver_that_fails_is_a_result(simulator, driver, error):
     results = drive([example_scene()], driver, simulator)
     assert [one.error_type for one in results] == [error, error]
     assert all(one.status == "failed" and not one.passed for one in results)
+
+
+def test_a_twin_that_cannot_be_run_leaves_the_result_of_its_scene():
+    class Picky(FlatSimulator):
+        def reset(self, scene, seed):
+            if scene.is_twin:
+                raise SimulatorError("no twins here")
+            return super().reset(scene, seed)
+
+    with Picky() as simulator:
+        whole, twin = drive([example_scene()], Cruise, simulator, name="blind")
+    assert (whole.id, whole.status, whole.is_twin) == ("example-001@blind", "ok", False)
+    assert (twin.id, twin.status, twin.is_twin) == ("example-001~twin@blind", "failed", True)
 
 
 def test_a_driver_may_ask_for_frames(simulator):
