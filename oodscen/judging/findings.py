@@ -8,6 +8,8 @@ from oodscen.judging.leaderboard import Comparison, Figure, Leaderboard, Rate, S
 
 ALPHA = 0.05
 _GAP = "\N{NO-BREAK SPACE}"
+_TO = "\N{WORD JOINER}–\N{WORD JOINER}"
+"""A dash at which no line is broken."""
 
 Grade = Literal["yes", "no", "unclear", "unknown"]
 
@@ -40,22 +42,25 @@ def answer(board: Leaderboard) -> list[str]:
     if not models:
         return _without_models(board)
     sentences = [_best(board, models, task) for task in ("detection", "open", "control")]
-    floor = board.floor("control")
-    if floor is not None and floor.control.safe.value is not None:
-        beaten = [
-            c.first
-            for c in board.comparisons
-            if c.task == "control"
-            and c.against == "floor"
-            and is_shown(c)
-            and c.test.difference > 0
-        ]
-        who = f"Only {_listed(beaten)} can" if beaten else "No model here can"
-        sentences.append(
-            f"{who} be said to choose actions better than {floor.model}, which looks at nothing and is "
-            f"safe in {percent(floor.control.safe.value)} of the scenes."
-        )
+    sentences += [_unfinished(board, row) for row in models]
+    sentences.append(
+        f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals. "
+        "What is “shown” would seldom come about by chance alone (p < 0.05 after correction for "
+        "several comparisons)."
+    )
     return [sentence for sentence in sentences if sentence]
+
+
+def called(reference: str) -> str:
+    """Say in words what a reference does that is known by a short name."""
+    name, _, action = reference.partition(":")
+    if name == "constant" and action:
+        return f"always answering the same (“{reference}”)"
+    return {
+        "random": "guessing at random",
+        "blind": "answering without the pictures (“blind”)",
+        "novelty": "measuring how unlike others a picture is (“novelty”)",
+    }.get(reference, reference)
 
 
 def is_shown(comparison: Comparison) -> bool:
@@ -72,10 +77,20 @@ def spread(value: Rate | Figure) -> str:
     """Write an interval of a share."""
     if value.interval is None:
         return ""
-    return f" [{100 * value.interval.low:.0f}–{100 * value.interval.high:.0f}{_GAP}%]"
+    low, high = 100 * value.interval.low, 100 * value.interval.high
+    return f" [{low:.0f}{_TO}{high:.0f}{_GAP}%]"
+
+
+_AIMS: dict[Task, str] = {
+    "detection": "To notice that something is unusual",
+    "open": "To say what is unusual",
+    "closed": "To pick what is unusual from a list",
+    "control": "To choose an action",
+}
 
 
 def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
+    """Say whether the best model in a task can be trusted with it, and whether it leads."""
     ranked = sorted(
         (row for row in models if score(row, task) is not None),
         key=lambda row: -(score(row, task) or 0.0),
@@ -83,31 +98,70 @@ def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
     if not ranked:
         return ""
     best = ranked[0]
-    what = {
-        "detection": "telling rare scenes from ordinary ones (balanced accuracy",
-        "open": "naming what is unusual (right in",
-        "closed": "picking what is unusual from a list (right in",
-        "control": "choosing an action (safe in",
-    }[task]
-    figures: dict[Task, Rate | Figure] = {
-        "detection": best.detection.balanced_accuracy,
-        "open": best.identification.open,
-        "closed": best.identification.closed,
-        "control": best.control.safe,
-    }
-    figure = figures[task]
-    text = f"Best at {what} {percent(figure.value)}{spread(figure)}): {best.model}"
+    balanced = best.detection.balanced_accuracy
+    grade = _against(balanced, 0.5) if task == "detection" else _floor_grade(board, best, task)
+    aim = _AIMS[task]
+    verdict = {
+        "yes": f"{aim}, trust {best.model}",
+        "unclear": f"{aim}, no model is shown to be better than not looking; the best is {best.model}",
+        "no": f"{aim}, trust none: even the best, {best.model}, is worse than not looking",
+        "unknown": f"{aim}, the best is {best.model}",
+    }[grade]
+    return f"{verdict}. {_score(board, best, task)}{_lead(board, best, task)}"
+
+
+def _score(board: Leaderboard, row: Standing, task: Task) -> str:
+    """Say what a model scored, and what is to be had without looking."""
+    if task == "detection":
+        balanced = row.detection.balanced_accuracy
+        return (
+            f"It tells rare scenes from ordinary ones rightly in {percent(balanced.value)}{spread(balanced)}; "
+            f"guessing would in {percent(0.5)}."
+        )
+    floor = board.floor(task)
+    beside = [] if floor is None else [f"{called(floor.model)} in {percent(score(floor, task))}"]
+    if task != "control":
+        named = row.identification.open if task == "open" else row.identification.closed
+        text = f"It is right in {percent(named.value)}{spread(named)} of the scenes"
+        return f"{text}; {beside[0]}." if beside else f"{text}."
+    if board.chance is not None:
+        beside.append(f"a random action in {percent(board.chance)}")
+    safe, needless = row.control.safe, row.control.needless
+    text = f"What it does is safe in {percent(safe.value)}{spread(safe)} of the scenes"
+    text += f"; {', '.join(beside)}." if beside else "."
+    if needless.n:
+        text += f" Its price: on ordinary roads it stops or brakes hard without need in {percent(needless.value)}."
+    return text
+
+
+def _lead(board: Leaderboard, best: Standing, task: Task) -> str:
     rivals = [
         c
         for c in board.comparisons
         if c.task == task and c.against == "model" and best.model in (c.first, c.second)
     ]
-    open_ = [c.second if c.first == best.model else c.first for c in rivals if not is_shown(c)]
     if not rivals:
-        return f"{text}."
+        return ""
+    open_ = [c.second if c.first == best.model else c.first for c in rivals if not is_shown(c)]
     if open_:
-        return f"{text}; that it beats {_listed(open_)} is not shown."
-    return f"{text}; its lead over every other model is significant."
+        return f" It is not shown to beat {_listed(open_)}."
+    return " It is shown to beat every other model."
+
+
+def _unfinished(board: Leaderboard, row: Standing) -> str:
+    """Say which of the items stayed without an answer."""
+    silent = sum(row.outcomes.values()) - sum(
+        row.outcomes.get(name, 0) for name in ("answered", "unavailable")
+    )
+    items = board.scenes + board.twins
+    parts = []
+    if row.asked < items and row.detection.specificity.n:
+        parts.append(f"was asked about {row.asked} of the {items} scenes and twins so far")
+    if silent:
+        parts.append(
+            f"left a question unanswered in {silent} of {row.asked} scenes and twins, which its figures leave out"
+        )
+    return f"{row.model} {' and '.join(parts)}." if parts else ""
 
 
 def _notices(row: Standing) -> Finding:
@@ -117,7 +171,7 @@ def _notices(row: Standing) -> Finding:
         row.detection.balanced_accuracy,
     )
     if not seen.n:
-        return Finding(model=row.model, task="notice", grade="unknown", text="Was not asked.")
+        return Finding(model=row.model, task="notice", grade="unknown", text=_unanswered(seen))
     text = f"Calls {percent(seen.value)}{spread(seen)} of the rare scenes unusual"
     if not quiet.n or balanced.value is None:
         return Finding(
@@ -136,7 +190,8 @@ def _notices(row: Standing) -> Finding:
 def _names(board: Leaderboard, row: Standing) -> Finding:
     named, chosen = row.identification.open, row.identification.closed
     if not named.n and not chosen.n:
-        return Finding(model=row.model, task="name", grade="unknown", text="Was not asked.")
+        asked = named if named.missing else chosen
+        return Finding(model=row.model, task="name", grade="unknown", text=_unanswered(asked))
     parts = []
     if named.n:
         parts.append(
@@ -148,7 +203,7 @@ def _names(board: Leaderboard, row: Standing) -> Finding:
     floor, grade = board.floor(task), _floor_grade(board, row, task)
     text = ", ".join(parts)
     if floor is not None:
-        text += f"; {floor.model}, which does not know, {percent(score(floor, task))}"
+        text += f"; {called(floor.model)} is right in {percent(score(floor, task))}"
     return Finding(
         model=row.model,
         task="name",
@@ -160,12 +215,12 @@ def _names(board: Leaderboard, row: Standing) -> Finding:
 def _acts(board: Leaderboard, row: Standing) -> Finding:
     safe, needless = row.control.safe, row.control.needless
     if not safe.n:
-        return Finding(model=row.model, task="act", grade="unknown", text="Was not asked.")
+        return Finding(model=row.model, task="act", grade="unknown", text=_unanswered(safe))
     text = f"Its action is safe in {percent(safe.value)}{spread(safe)} of the scenes"
     floor = board.floor("control")
     beside = [] if board.chance is None else [f"a random one in {percent(board.chance)}"]
     if floor is not None:
-        beside.append(f"{floor.model} in {percent(floor.control.safe.value)}")
+        beside.append(f"{called(floor.model)} in {percent(floor.control.safe.value)}")
     text += f" ({', '.join(beside)})." if beside else "."
     if needless.n:
         text += (
@@ -204,8 +259,17 @@ def _against(value: Figure, chance: float) -> Grade:
     return "no" if value.interval.high < chance else "unclear"
 
 
+def _unanswered(rate: Rate) -> str:
+    if not rate.missing:
+        return "Was not asked."
+    return f"Was asked {rate.missing} times and gave no usable answer."
+
+
 def _silent(rate: Rate) -> str:
-    return f" No usable answer for {rate.missing} more." if rate.missing else ""
+    if not rate.missing:
+        return ""
+    worst = rate.hits / (rate.n + rate.missing)
+    return f" No usable answer for {rate.missing} more; {percent(worst)} if these count as wrong."
 
 
 def _without_models(board: Leaderboard) -> list[str]:
@@ -214,11 +278,15 @@ def _without_models(board: Leaderboard) -> list[str]:
     ]
     floor = board.floor("control")
     if floor is not None and floor.control.safe.value is not None:
+        action = floor.model.removeprefix("constant:").replace("_", " ")
+        what = called(floor.model)
+        if floor.model.startswith("constant:"):
+            what = f"always choosing “{action}”, whatever is seen,"
         sentences.append(
-            f"What one must beat: {floor.model}, which looks at nothing, is safe in "
-            f"{percent(floor.control.safe.value)}{spread(floor.control.safe)} of the scenes"
+            f"What one must beat: {what} is safe in {percent(floor.control.safe.value)}"
+            f"{spread(floor.control.safe)} of the scenes"
             + ("" if board.chance is None else f", a random action in {percent(board.chance)}")
-            + "."
+            + f". Brackets hold a 95{_GAP}% interval."
         )
     return sentences
 

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from oodscen.report.drawing import px, svg
 
-_LEFT, _RIGHT = 8.0, 404.0
+_LEFT, _RIGHT = 0.0, 384.0
 _BAR, _GAP = 11.0, 3.0
 
 
@@ -42,7 +42,7 @@ def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Markup:
     for row in rows:
         parts.append(
             Markup('<text class="name" x="{}" y="{}">{}</text>').format(
-                px(_LEFT), px(y + 11), _short(row.label, 56)
+                px(_LEFT), px(y + 11), _short(row.label, 62)
             )
         )
         top = y + 17
@@ -108,8 +108,8 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
     for index, label in enumerate(labels):
         middle = top + size * (index + 0.5) + 3.5
         parts.append(
-            Markup('<text class="small end" x="{}" y="{}">{} {}</text>').format(
-                px(left - 6), px(middle), _short(label, 32), index + 1
+            Markup('<text class="small end" x="{}" y="{}">{} {}<title>{}</title></text>').format(
+                px(left - 6), px(middle), _short(label, 32), index + 1, label
             )
         )
         parts.append(

@@ -176,7 +176,8 @@ def _shown(name: str, scene: Scene | None, episode: Episode | None, folder: Path
         "frames": _frames(episode, folder),
         "actions": _outcomes(episode, names),
         "sketch": _sketch(episode.sketch, names) if episode and episode.sketch else None,
-        "facts": _facts(episode),
+        "followed": bool(episode and episode.followers),
+        "facts": _facts(episode, names),
     }
 
 
@@ -350,7 +351,7 @@ def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, 
     return f"The ego must choose {when}: at {episode.decision_s:.1f} s."
 
 
-def _facts(episode: Episode | None) -> list[list[str]]:
+def _facts(episode: Episode | None, names: Mapping[str, str]) -> list[list[str]]:
     if episode is None:
         return []
     facts = []
@@ -361,12 +362,22 @@ def _facts(episode: Episode | None) -> list[list[str]]:
     if episode.restaged:
         facts.append(["Re-staged", episode.restaged])
     if episode.followers:
-        facts.append(["Behind the ego", ", ".join(episode.followers)])
+        facts.append(
+            [
+                "Behind the ego",
+                ", ".join(names.get(name, words.plain(name)) for name in episode.followers),
+            ]
+        )
     last = episode.visible.get("last", {})
     if last:
         seen = sorted(last.items(), key=lambda item: (-item[1], item[0]))
         facts.append(
-            ["Seen in the last frame", ", ".join(f"{name} {pixels} px" for name, pixels in seen)]
+            [
+                "Seen in the last frame",
+                ", ".join(
+                    f"{names.get(name, words.plain(name))} {pixels} pixels" for name, pixels in seen
+                ),
+            ]
         )
     if episode.simulator:
         facts.append(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen import paper
+from oodscen.episode import Episode
 from oodscen.evaluation import OPTIONS
 from oodscen.llms.accounting import Account, account, accounts
 from oodscen.report import charts, gallery, measures, parts, trust, words
@@ -14,6 +15,16 @@ from oodscen.report.reading import Failure, Material, dig, mapping, number
 from oodscen.study import Study
 
 _SHOWN_FAILURES = 200
+_OPEN_FAILURES = 12
+"""With more of them the list is folded."""
+_STAGES = {
+    "redteam": "rounds of red teaming",
+    "pruned": "prunings",
+    "scenarios": "texts",
+    "scenes": "scenes",
+    "episodes": "episodes",
+    "verdicts": "judgements",
+}
 
 
 @dataclass(frozen=True)
@@ -24,11 +35,23 @@ class Counts:
     ran: int
     """Episodes that ended."""
     failed: int
-    """Items of any stage that failed."""
+    """Items of any stage that failed; a model without an answer is none."""
+    unanswered: int
+    """Items that a model left without a usable answer."""
     mixed: int
     """Scenes in which one available action is safe and another is not."""
     all_safe: int
     none_safe: int
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Scenes with, or without, somebody close behind the ego."""
+
+    is_followed: bool
+    n: int
+    safe: Mapping[str, int]
+    """In how many scenes each way of braking is safe."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +69,14 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         episode for episode in found.episodes if episode.status == "ok" and not episode.is_twin
     ]
     scenes = gallery.payload(found, study.folder)
+    anchors = {f"path-{leaf}" for leaf in scenes["leaves"]} | {
+        f"scene-{row['id']}" for row in scenes["scenes"]
+    }
     counts = _counts(found, [gallery.choice(episode) for episode in episodes])
     return {
         "title": "Out-of-distribution driving scenarios",
         "status": str(found.info.get("status") or "unknown"),
+        "stopped": str(found.info.get("stopped") or ""),
         "summary": _summary(found, counts),
         "authorship": _authorship(found),
         "key_figures": _key_figures(found, counts),
@@ -86,14 +113,14 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "parts": parts.drawn(study, found),
         "action_words": {option.id: option.description for option in OPTIONS},
         "counts": counts,
+        "followed": _followed(episodes),
         "payload": scenes,
         "paths": [
             {"anchor": f"path-{leaf}", "labels": one["path"], "scenes": tally}
             for leaf, one in scenes["leaves"].items()
             if (tally := sum(row["leaf"] == leaf for row in scenes["scenes"]))
         ],
-        "anchors": {f"path-{leaf}" for leaf in scenes["leaves"]}
-        | {f"scene-{row['id']}" for row in scenes["scenes"]},
+        "anchors": anchors,
         "cards": len(scenes["scenes"]),
         "twins": sum(row["twin"] is not None for row in scenes["scenes"]),
         "filters": _filters(scenes),
@@ -101,9 +128,29 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "facts": _facts(found.info),
         "call_rows": _call_rows(found.calls),
         "failures": found.failures[:_SHOWN_FAILURES],
+        "is_many": len(found.failures) > _OPEN_FAILURES,
         "unshown_failures": max(len(found.failures) - _SHOWN_FAILURES, 0),
         "failure_tally": _tally(found.failures),
+        "failure_links": {
+            failure.id: anchor
+            for failure in found.failures[:_SHOWN_FAILURES]
+            if (anchor := f"scene-{failure.id.partition('@')[0].removesuffix('~twin')}") in anchors
+        },
     }
+
+
+def _followed(episodes: Sequence[Episode]) -> list[Followed]:
+    """Return how braking ends with and without somebody close behind."""
+    rows = []
+    for is_followed in (True, False):
+        some = [one for one in episodes if bool(one.followers) is is_followed]
+        if some:
+            safe = {
+                action: sum(one.actions[action].safe for one in some if action in one.actions)
+                for action in ("slow_down", "stop", "emergency_brake")
+            }
+            rows.append(Followed(is_followed, len(some), safe))
+    return rows
 
 
 def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
@@ -123,7 +170,8 @@ def _counts(found: Material, choices: Sequence[str]) -> Counts:
     return Counts(
         scenes=sum(not scene.is_twin for scene in found.scenes),
         ran=len(choices),
-        failed=len(found.failures),
+        failed=sum(failure.stage != "verdicts" for failure in found.failures),
+        unanswered=sum(failure.stage == "verdicts" for failure in found.failures),
         mixed=tally["mixed"],
         all_safe=tally["all"],
         none_safe=tally["none"],
@@ -156,9 +204,8 @@ def _summary(found: Material, counts: Counts) -> list[str]:
             line += f" {'is' if len(found.scenarios) == 1 else 'are'} written"
         sentences.append(f"{line}; {_failed(counts.failed)}.")
     if counts.ran:
-        share = f"{100 * counts.mixed / counts.ran:.0f} %"
         sentences.append(
-            f"In {share} of the scenes the choice of action matters: at least one available action is safe and at least one is not."
+            f"In {counts.mixed} of {_plural(counts.ran, 'scene')} the choice of action matters: at least one available action is safe and at least one is not."
         )
     seconds = _seconds(found.info)
     seed = found.config.get("seed")
@@ -220,13 +267,15 @@ def _key_figures(found: Material, counts: Counts) -> list[tuple[str, str]]:
         ("texts", str(len(found.scenarios)) if found.scenarios else dash),
         ("scenes", str(counts.scenes) if counts.scenes else dash),
         ("episodes", str(counts.ran) if counts.ran else dash),
-        ("failures", str(counts.failed)),
+        ("failed items", str(counts.failed)),
         (
             "scenes in which the choice matters",
-            f"{100 * counts.mixed / counts.ran:.0f} %" if counts.ran else dash,
+            str(counts.mixed) if counts.ran else dash,
         ),
         ("time", words.duration(seconds) if seconds is not None else dash),
-        ("seed", str(found.config.get("seed", dash))),
+        ("judgements without a usable answer", str(counts.unanswered))
+        if counts.unanswered
+        else ("seed", str(found.config.get("seed", dash))),
     ]
 
 
@@ -320,7 +369,8 @@ def _seconds(info: Mapping[str, Any]) -> float | None:
 
 
 def _tally(failures: Sequence[Failure]) -> list[tuple[str, int]]:
-    return sorted(Counter(failure.stage for failure in failures).items())
+    tally = Counter(failure.stage for failure in failures)
+    return sorted((_STAGES.get(stage, stage), count) for stage, count in tally.items())
 
 
 def _failed(count: int) -> str:

@@ -3,13 +3,14 @@
 import base64
 import hashlib
 import json
+import re
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from oodscen.report import charts, page, reading, words
 from oodscen.study import Study
@@ -69,6 +70,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["breakable"] = _breakable
     environment.filters["percent"] = lambda share: f"{100 * share:.0f} %"
     environment.globals["shares"] = lambda row: charts.shares(
         [("safe", row.safe), ("unsafe", row.unsafe), ("unavailable", row.unavailable)]
@@ -76,6 +78,11 @@ def _environment() -> jinja2.Environment:
     environment.filters["duration"] = words.duration
     environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
     return environment
+
+
+def _breakable(name: str) -> Markup:
+    """Let a long name be broken after its own marks rather than anywhere."""
+    return Markup(re.sub(r"([:_/@])", r"\1<wbr>", str(escape(name))))
 
 
 def _source(name: str) -> str:

@@ -53,6 +53,7 @@
     if (want.map && scene.map !== want.map) return false;
     if (want.weather && !scene.weather.includes(want.weather)) return false;
     if (want.outcome === "failed" ? !scene.error : want.outcome && scene.choice !== want.outcome) return false;
+    if (want.behind && (!scene.actions.length || scene.followed !== (want.behind === "some"))) return false;
     if (want.safe && (!scene.actions.length || scene.actions.filter((action) => action.kind === "safe").length !== Number(want.safe))) return false;
     if (want.model || want.result) {
       const asked = want.model ? [Number(want.model)] : models.flatMap((one, index) => one.kind === "model" ? [index] : []);
@@ -84,7 +85,7 @@
       last ? el("div", { class: "thumb" }, photo(last, `Last frame of ${scene.id}`)) : null,
       el("header", {}, el("a", { class: "id", href: anchor(scene) }, scene.id),
         scene.error ? el("span", { class: "badge bad" }, "failed") : null,
-        scene.score ? el("span", { class: "score", title: "OOD-ness" }, `OOD-ness ${scene.score}`) : null),
+        scene.score ? el("span", { class: "score", title: "OOD-ness: −1 is worded like ordinary driving, 0 is unlike any of it" }, `OOD-ness ${scene.score}`) : null),
       scene.text ? el("p", { class: "text" }, said(scene.text)) : null,
       scene.error ? el("p", { class: "error" }, said(scene.error)) : null,
       scene.state ? el("p", { class: "gap" }, scene.state) : null,
@@ -217,7 +218,7 @@
   };
   const legend = () => el("p", { class: "aside legend" }, "Seen from above, driving to the right: ",
     [["ego", "ego"], ["hazard", "what is unusual"], ["other", "others"], ["hit", "what is hit"]].map(([kind, name]) => el("span", { class: "key" }, el("i", { class: `swatch body is-${kind}` }), name)),
-    "Faint: where they are when the ego must choose. Solid: where they are in the end.");
+    "Faint: where they are when the ego must choose. Solid: where they are in the end. Gap: the smallest distance to anything. TTC: the least time to a collision if nobody did anything else.");
   const page = get("page");
   let open = null;
   const show = (scene) => {
@@ -231,7 +232,7 @@
         place < 0 ? null : el("span", { class: "aside" }, `${place + 1} of ${fits.length}`)),
       el("p", { class: "crumbs" }, pathOf(known.path), known.attested ? [" ", el("span", { class: "badge paper" }, "paper")] : null),
       el("h2", { tabindex: "-1" }, scene.text ? said(scene.text) : scene.id),
-      el("p", { class: "aside" }, el("code", {}, scene.id), scene.score ? ` · OOD-ness ${scene.score}` : null, scene.nearest ? [" · nearest ordinary text: ", said(scene.nearest)] : null),
+      el("p", { class: "aside" }, el("code", {}, scene.id), scene.score ? [" · ", el("a", { href: "#metrics" }, "OOD-ness"), ` ${scene.score}`] : null, scene.nearest ? [" · nearest ordinary text: ", said(scene.nearest)] : null),
       scene.twin && scene.twin.text ? el("p", { class: "aside" }, "Its ordinary twin: ", said(scene.twin.text)) : null,
       scene.sketch ? legend() : null,
       el("div", { class: "sides" }, looks(scene, "Scene", scene.id, view), scene.twin ? looks(scene.twin, "Ordinary twin", `the twin of ${scene.id}`, view) : null),
@@ -257,14 +258,24 @@
   };
 
   // Addresses
+  const unknown = get("unknown");
+  const miss = (what) => {
+    if (!unknown) return;
+    unknown.textContent = what;
+    unknown.hidden = false;
+    unknown.scrollIntoView({ block: "center" });
+    unknown.focus({ preventScroll: true });
+  };
   const follow = () => {
     let name = location.hash.slice(1);
+    if (unknown) unknown.hidden = true;
     try { name = decodeURIComponent(name); } catch { return; }
     if (name.startsWith("scene-")) {
       const scene = scenes[number.get(name.slice(6).replace(/~twin$/, ""))];
       if (scene) { show(scene); return; }
     }
     const back = leave();
+    if (name.startsWith("scene-")) { miss(`There is no scene “${name.slice(6)}” in this study; all it has are listed below.`); return; }
     if (back && location.hash === listHash) {
       back.scrollIntoView({ block: "center" });
       back.focus({ preventScroll: true });
@@ -274,7 +285,8 @@
       for (const control of form.elements) if (control.name) control.value = "";
       leaf = name.slice(5) in data.leaves ? name.slice(5) : "";
       apply();
-      get("scenes").scrollIntoView();
+      if (leaf) get("scenes").scrollIntoView();
+      else miss(`There is no path “${name.slice(5)}” in this study; all its scenes are listed below.`);
       return;
     }
     if (form && name.startsWith("scenes?")) {

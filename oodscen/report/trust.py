@@ -7,6 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from oodscen.judging.board import PRIVILEGED
 from oodscen.judging.findings import Finding, answer, findings
 from oodscen.judging.leaderboard import (
     Comparison,
@@ -25,6 +26,17 @@ _MOST_TYPES = 20
 """With more paths than these the charts are drawn by family."""
 _MOST_SERIES = 5
 _TOP_CONFUSIONS = 8
+
+_ENDINGS = {
+    "refused": "refused",
+    "unparsed": "not understood",
+    "unavailable": "chose a lane that is not there",
+    "timeout": "not in time",
+    "error": "failed",
+}
+"""Outcomes of judging in words, with a count before them."""
+
+_CONSTANT = "constant:"
 
 GRADES = {
     "yes": "better than not looking",
@@ -52,6 +64,8 @@ class Line:
 
     model: str
     is_reference: bool
+    role: str
+    """`ceiling`, `floor` or empty."""
     note: str
     balanced: Cell
     sensitivity: Cell
@@ -92,7 +106,8 @@ def context(found: Material) -> dict[str, Any]:
         "answer": answer(board),
         "findings": _by_model(said),
         "grades": GRADES,
-        "lines": [_line(row) for row in board.standings],
+        "lines": [_line(row, board.floor("control")) for row in board.standings],
+        "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
         "has_collisions": any(row.control.collision_free.n for row in board.standings),
         "has_closed": any(row.identification.closed.n for row in board.standings),
@@ -113,16 +128,44 @@ def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
     return grouped
 
 
-def _line(row: Standing) -> Line:
+def _without_repeats(board: Leaderboard) -> list[Standing]:
+    """Return the rows of task 1: constants differ in their action only, and are one row there."""
+    rows: list[Standing] = []
+    alike: list[Standing] = []
+    for row in board.standings:
+        if row.model.startswith(_CONSTANT) and row.protocol == "ours":
+            alike.append(row)
+        else:
+            rows.append(row)
+    told = {(row.detection, row.identification) for row in alike}
+    if len(told) > 1:
+        return list(board.standings)
+    if alike:
+        name = alike[0].model if len(alike) == 1 else f"constant ({len(alike)} alike)"
+        floor = board.floor("closed")
+        first = alike[0] if floor not in alike else floor
+        rows.append((first or alike[0]).model_copy(update={"model": name}))
+    return rows
+
+
+def _line(row: Standing, floor: Standing | None) -> Line:
     detection, control = row.detection, row.control
     silent = [
-        f"{count} {name}" for name, count in row.outcomes.items() if name != "answered" and count
+        f"{count} {_ENDINGS.get(name, name)}"
+        for name, count in row.outcomes.items()
+        if name != "answered" and count
     ]
+    is_floor = floor is not None and (row.control, row.detection, row.identification) == (
+        floor.control,
+        floor.detection,
+        floor.identification,
+    )
     return Line(
         model=row.model,
         is_reference=row.kind == "reference",
+        role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
         note="paper’s protocol" if row.protocol == "paper" else "",
-        balanced=_figure(detection.balanced_accuracy, chance=0.5),
+        balanced=_figure(detection.balanced_accuracy),
         sensitivity=_rate(detection.sensitivity),
         specificity=_rate(detection.specificity),
         auroc=_plain(detection.auroc),
@@ -152,7 +195,7 @@ def _rate(rate: Rate) -> Cell:
     )
 
 
-def _figure(figure: Figure, chance: float) -> Cell:
+def _figure(figure: Figure) -> Cell:
     if figure.value is None:
         return Cell("")
     low, high = (
@@ -162,7 +205,6 @@ def _figure(figure: Figure, chance: float) -> Cell:
     )
     return Cell(
         value=f"{100 * figure.value:.0f} %",
-        count=f"chance {100 * chance:.0f} %",
         bounds=f"{100 * low:.0f} to {100 * high:.0f} %" if figure.interval else "",
         chart=charts.whisker(figure.value, low, high),
     )
@@ -191,13 +233,18 @@ def _compared(comparison: Comparison) -> dict[str, str]:
         "against": comparison.against,
         "first": comparison.first,
         "second": comparison.second,
-        "difference": f"{charts.signed(100 * test.difference, 0)} points",
+        "difference": _points(test.difference),
         "split": f"{test.first_only} : {test.second_only}",
         "n": str(test.n),
         "plain": _p(comparison.p_holm),
         "clustered": _p(comparison.p_clustered_holm),
         "shown": "yes" if comparison.p_clustered_holm < 0.05 else "",
     }
+
+
+def _points(difference: float) -> str:
+    written = charts.signed(100 * difference, 0)
+    return f"{written} point{'' if written.lstrip('−-') == '1' else 's'}"
 
 
 def _p(value: float) -> str:

@@ -185,8 +185,44 @@ def test_findings_say_who_can_be_trusted() -> None:
     assert grades["good", "act"] == "unclear"
     assert grades["careless", "act"] == "no"
     words = " ".join(answer(found))
-    assert "No model here can be said to choose actions better than constant:stop" in words
-    assert "Best at choosing an action" in words
+    assert "To say what is unusual, trust good." in words
+    assert "To choose an action, no model is shown to be better than not looking" in words
+    assert "always answering the same (“constant:stop”)" in words
+    assert f"{found.scenes} scenes of 12 kinds" in words
+
+
+def test_the_answer_says_what_was_not_answered_and_not_asked() -> None:
+    case = Case()
+    verdicts = case.verdicts("m", knows)
+    mute = [
+        v.model_copy(
+            update={
+                "status": "failed",
+                "outcome": "refused",
+                "action": None,
+                "action_is_safe": None,
+            }
+        )
+        for v in verdicts[:3]
+    ]
+    found = board(case, [*mute, *verdicts[3:-1]])
+    words = " ".join(answer(found))
+    assert f"m was asked about {len(verdicts) - 1} of the {len(verdicts)}" in words
+    assert f"left a question unanswered in 3 of {len(verdicts) - 1}" in words
+    act = next(f for f in findings(found) if f.task == "act")
+    missing = found.standings[0].control.safe.missing
+    assert missing > 0
+    assert f"No usable answer for {missing} more" in act.text
+    assert "if these count as wrong" in act.text
+
+
+def test_nobody_is_to_be_trusted_who_does_no_better_than_not_looking() -> None:
+    case = Case(paths=12)
+    bad = case.verdicts("careless", careless)
+    words = " ".join(
+        answer(board(case, bad, case.verdicts("constant:stop", stubborn, "reference")))
+    )
+    assert "To choose an action, trust none" in words
 
 
 def test_findings_without_twins_do_not_praise_noticing() -> None:

@@ -22,7 +22,7 @@ def test_bars_are_well_formed_and_as_long_as_their_share(rows: list[tuple[str, i
         for one in root.iter("{*}rect", "rect")
         if one.get("class") == "series-0"
     ]
-    assert widths == pytest.approx([396 * min(hits, n) / n for _, hits, n in rows], abs=0.06)
+    assert widths == pytest.approx([384 * min(hits, n) / n for _, hits, n in rows], abs=0.06)
     assert len(root.findall(".//path[@class='chance']")) == len(rows)
 
 

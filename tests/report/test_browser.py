@@ -134,7 +134,7 @@ def test_filters_and_the_links_they_make(tab: Callable[..., Tab], judged: Study)
     assert one.shown() == "9 scenes"
     for control, value, cards in (
         ("outcome", "mixed", 7), ("outcome", "failed", 2), ("outcome", "none", 0), ("safe", "3", 7),
-        ("class", "Interactional", 3), ("weather", "fog", 3), ("result", "contradiction", 0),
+        ("class", "Interactional", 3), ("weather", "fog", 3), ("behind", "none", 7), ("behind", "some", 0), ("result", "contradiction", 0),
     ):  # fmt: skip
         page.select_option(f"[name={control}]", value)
         one.has(cards)
@@ -188,7 +188,7 @@ def test_the_keyboard_is_enough(tab: Callable[..., Tab], judged: Study) -> None:
     assert one.complaints == []
 
 
-def test_a_link_to_a_scene_opens_it_and_an_unknown_one_does_no_harm(
+def test_a_link_to_a_scene_opens_it_and_an_unknown_one_is_told(
     tab: Callable[..., Tab], judged: Study
 ) -> None:
     one = tab()
@@ -201,6 +201,10 @@ def test_a_link_to_a_scene_opens_it_and_an_unknown_one_does_no_harm(
     for link in ("#scene-unknown", "#path-unknown", "#%E0%A4%A", "#scenes?outcome=x&nothing=1"):
         page.goto(f"{report(judged).as_uri()}{link}")
         assert page.locator("#models").is_visible()
+        is_missed = link.endswith("-unknown")
+        assert page.locator("#unknown").is_visible() == is_missed
+        if is_missed:
+            assert "“unknown” in this study" in page.locator("#unknown").inner_text()
     assert one.complaints == []
 
 

@@ -38,9 +38,10 @@ def edit(study: Study, name: str, change: Callable[[str], str]) -> None:
 
 def test_summary_says_what_happened_in_numbers(study: Study) -> None:
     top = section(page(study), "top")
-    for words in ("7 nodes", "9 nodes", "6 nodes on 3 paths", "6 texts", "4 items failed"):
+    for words in ("7 nodes", "9 nodes", "6 nodes on 3 paths", "6 texts", "3 items failed"):
         assert words in top
-    assert "100 % of the scenes the choice of action matters" in top
+    assert "In 4 of 4 scenes the choice of action matters" in top
+    assert "judgements without a usable answer 1" in top
     assert "2 min 11 s, with seed 0" in top
     assert "No language model wrote the tree" in top
 
@@ -73,12 +74,54 @@ def test_trees_tell_origin_fate_and_what_is_missing(study: Study) -> None:
 
 def test_leaderboard_marks_references_and_has_intervals(make_study: Callable[..., Study]) -> None:
     models = section(page(make_study(with_twins=True)), "models")
-    assert "constant:stop reference 100 % 4 of 4 51 to 100 %" in models
+    assert "constant: stop reference: floor to beat 100 % 4 of 4 51 to 100 %" in models
     assert "gpt-4o 67 % 2 of 3" in models
-    assert "1 timeout" in models
+    assert "1 not in time" in models
     assert "Notices that something is unusual better than not looking" not in models
     assert "86 66 % 58 % to 74 %" in models
     assert "always answering “out of the ordinary” is right in 100 %" in models
+
+
+def test_a_stopped_run_says_why(study: Study) -> None:
+    edit(
+        study,
+        "study.json",
+        lambda text: json.dumps({**json.loads(text), "status": "stopped", "stopped": "cap <b>"}),
+    )
+    top = section(page(study), "top")
+    assert "This run stopped: cap <b> . The page shows what there is so far." in top
+    assert "is not recorded" not in top
+
+
+def test_failures_of_models_lead_to_their_scene_and_are_no_failures_of_the_study(
+    make_study: Callable[..., Study],
+) -> None:
+    study = make_study(with_twins=True)
+    document = page(study)
+    links = document.xpath("//table//a[starts-with(@href, '#scene-')]/@href")
+    known = {f"#scene-{row['id']}" for row in scenes_of(document)}
+    judged = [v for v in study.verdicts if v.status == "failed"]
+    assert judged
+    assert {f"#scene-{v.scene_id.removesuffix('~twin')}" for v in judged} <= set(links) <= known
+    assert f"{len(judged)} judgement" in section(document, "provenance")
+
+
+def test_what_is_behind_the_ego_is_said(study: Study) -> None:
+    lines = list(study.store.lines("episodes.jsonl"))
+    first, *_ = [row["id"] for row in lines if row["status"] == "ok"]
+    rows = [{**row, "followers": ["x"] if row["id"] == first else []} for row in lines]
+    edit(study, "episodes.jsonl", lambda _: "".join(f"{json.dumps(row)}\n" for row in rows))
+    document = page(study)
+    models = section(document, "models")
+    assert "With somebody close behind the ego (1 scene):" in models
+    assert "Without somebody close behind the ego (3 scenes):" in models
+    assert [row["id"] for row in scenes_of(document) if row["followed"]] == [first]
+
+
+def test_constants_are_one_row_where_they_say_the_same(study: Study) -> None:
+    rows = page(study).xpath("//div[@aria-label='Leaderboard of noticing and naming']//tbody/tr")
+    names = [row.xpath("string(th)").split()[0] for row in rows]
+    assert len(names) == len(set(names))
 
 
 def test_without_a_model_it_says_what_one_must_beat(study: Study) -> None:
@@ -89,7 +132,7 @@ def test_without_a_model_it_says_what_one_must_beat(study: Study) -> None:
     )
     models = section(page(study), "top")
     assert "there is none to trust yet" in models
-    assert "What one must beat: constant:stop" in models
+    assert "What one must beat: always choosing “stop”, whatever is seen," in models
 
 
 def scenes_of(document: Any) -> list[dict[str, Any]]:
@@ -238,7 +281,9 @@ def test_links_stay_inside_the_page_and_the_folder(study: Study) -> None:
 
 
 def test_addresses_lose_their_credentials(make_study: Callable[..., Study]) -> None:
-    source = write_report(make_study(api_base="http://me:secret@host/v1")).read_text("utf-8")
+    study = make_study(api_base="http://host/v1")
+    edit(study, "study.json", lambda text: text.replace("http://host", "http://me:secret@host"))
+    source = write_report(study).read_text("utf-8")
     assert "secret" not in source
     assert "http://host/v1" in source
 
