@@ -19,7 +19,7 @@ from oodscen.judging.answers import (
     read_description,
 )
 from oodscen.judging.matching import names_aspect
-from oodscen.judging.references import AspectOption, Case, Reference
+from oodscen.judging.references import AspectOption, Case, Reference, is_reference
 from oodscen.messages import Image
 from oodscen.prompts import (
     ActionOption,
@@ -36,12 +36,11 @@ from oodscen.prompts import (
 )
 from oodscen.protocols import LLM
 from oodscen.seeding import stream
-from oodscen.verdict import NOTHING, Outcome, Verdict
+from oodscen.verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 
 __all__ = ["OPTIONS", "aspect_options", "evaluate", "names_aspect", "unjudged"]
 
 Answer = TypeVar("Answer", bound=BaseModel)
-Protocol = Literal["ours", "paper"]
 
 OPTIONS = tuple(
     ActionOption(id=name, description=text)
@@ -114,7 +113,7 @@ def evaluate(
     """
     if protocol == "paper":
         options = ()
-    if _kind(vlm) == "reference" and isinstance(vlm, Reference):
+    if is_reference(vlm) and isinstance(vlm, Reference):
         return _judged_directly(episode, vlm, path, leaf, options, protocol)
     asked = _Asked(vlm)
     images = tuple(frames[moment] for moment in MOMENTS)
@@ -163,7 +162,7 @@ def unjudged(
 ) -> Verdict:
     """Return the verdict on an item that could not be shown: no episode, or no frames."""
     return Verdict(
-        id=_name(episode, model, protocol),
+        id=verdict_id(episode.scene_id, model.name, protocol),
         scene_id=episode.scene_id,
         model=model.name,
         kind=_kind(model),
@@ -305,7 +304,7 @@ def _scored(
     if error is None and outcome is not None and outcome.unavailable:
         ended = "unavailable"
     return Verdict(
-        id=_name(episode, model, protocol),
+        id=verdict_id(episode.scene_id, model.name, protocol),
         scene_id=episode.scene_id,
         model=model.name,
         kind=_kind(model),
@@ -344,8 +343,4 @@ def _outcome(error: OodscenError | None) -> Outcome:
 
 
 def _kind(model: LLM) -> Literal["model", "reference"]:
-    return "reference" if getattr(model, "kind", "model") == "reference" else "model"
-
-
-def _name(episode: Episode, model: LLM, protocol: Protocol) -> str:
-    return f"{episode.scene_id}@{model.name}{'#paper' if protocol == 'paper' else ''}"
+    return "reference" if is_reference(model) else "model"

@@ -14,6 +14,14 @@ other failure of the model, the simulator or the files (`error`)."""
 NOTHING = "none"
 """The choice of the closed question that says that nothing is out of the ordinary."""
 
+Protocol = Literal["ours", "paper"]
+"""How a model is judged: `paper` asks no closed question, and counts collisions only."""
+
+
+def verdict_id(item_id: str, model: str, protocol: Protocol = "ours") -> str:
+    """Return the id of the verdict on one scene or twin: `<item>@<model>`, or `<item>@<model>#paper`."""
+    return f"{item_id}@{model}{'#paper' if protocol == 'paper' else ''}"
+
 
 class Verdict(Data):
     """Both of the paper's tasks for one model and one scene, or one twin."""
@@ -36,7 +44,7 @@ class Verdict(Data):
     """Name of the exception behind a failure, e.g. `AnswerError`."""
     retryable: bool = False
     """Whether a failed judgement may succeed at another time."""
-    protocol: Literal["ours", "paper"] = "ours"
+    protocol: Protocol = "ours"
     is_twin: bool = False
     """Whether the item was an ordinary twin: nothing is out of the ordinary there."""
     descriptions: tuple[str, ...] = ()

@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 
 from oodscen._data import Data
 from oodscen.judging.statistics import Bounds, PairedTest
+from oodscen.verdict import Protocol
 
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
@@ -128,7 +129,7 @@ class Standing(Data):
 
     model: str
     kind: Literal["model", "reference"] = "model"
-    protocol: Literal["ours", "paper"] = "ours"
+    protocol: Protocol = "ours"
     asked: int = 0
     outcomes: dict[str, int] = {}
     """How judging ended, by `oodscen.verdict.Outcome`."""

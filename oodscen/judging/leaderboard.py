@@ -41,7 +41,7 @@ from oodscen.judging.statistics import (
 )
 from oodscen.scenario import Scenario
 from oodscen.twins import is_twin
-from oodscen.verdict import NOTHING, Verdict
+from oodscen.verdict import NOTHING, Protocol, Verdict
 
 __all__ = [
     "ActionTally", "Comparison", "Confusion", "Control", "Detection", "Figure", "Group",
@@ -49,7 +49,7 @@ __all__ = [
     "score",
 ]  # fmt: skip
 
-Key = tuple[str, Literal["ours", "paper"]]
+Key = tuple[str, Protocol]
 """Model and protocol."""
 
 

@@ -17,7 +17,7 @@ from oodscen._data import Data
 from oodscen.episode import ACTIONS, Episode
 from oodscen.errors import LLMError, MissingExtra
 from oodscen.judging.safety import best_action
-from oodscen.protocols import Completion, Request
+from oodscen.protocols import LLM, Completion, Request
 from oodscen.twins import is_twin, scene_of
 from oodscen.verdict import NOTHING
 
@@ -69,6 +69,11 @@ class Reference(Protocol):
     def judge(self, case: Case) -> Answers:
         """Answer both tasks about one case."""
         ...
+
+
+def is_reference(model: LLM) -> bool:
+    """Whether a model is a reference answerer, shipped or registered, and not one to be judged."""
+    return getattr(model, "kind", "model") == "reference"
 
 
 class _Direct:

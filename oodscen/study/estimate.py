@@ -21,6 +21,7 @@ from oodscen.study.pipeline import Pipeline
 from oodscen.study.record import is_builtin
 from oodscen.study.store import Store
 from oodscen.twins import twin_id
+from oodscen.verdict import verdict_id
 
 CHARACTERS = 4
 """Per token of English text."""
@@ -65,7 +66,7 @@ def estimate(
                 {"stage": "evaluate", "model": name, **model.usage(request, 300).model_dump()}
                 for scene in scenes
                 for item in (scene.id, twin_id(scene.id))
-                if f"{item}@{name}" not in judged
+                if verdict_id(item, name) not in judged
                 for request in _judging()
             ]
     return accounts(lines)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from oodscen.judging.references import is_reference
 from oodscen.llms.accounting import Ledger
 from oodscen.llms.fallback import FallbackLLM
 from oodscen.llms.logged import Call, LoggedLLM
@@ -75,7 +76,7 @@ class Models:
 
     def _wrapped(self, name: str, fallback: str | None) -> LLM:
         made = self._make(name)
-        if getattr(made, "kind", "model") == "reference":
+        if is_reference(made):
             return made
         logged: LLM = LoggedLLM(made, self._log)
         if fallback is not None:
@@ -97,13 +98,9 @@ class Models:
         # A client of litellm counts its HTTP requests itself.
         is_free = is_builtin(name) and given is None
         is_free = is_free or isinstance(made, ReplayLLM) or hasattr(made, "traffic")
-        return made if is_free or _is_reference(made) else MeteredLLM(made, self.traffic)
+        return made if is_free or is_reference(made) else MeteredLLM(made, self.traffic)
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})
         self._ledger.add(call)
         self._store.append("calls.jsonl", call)
-
-
-def _is_reference(model: LLM) -> bool:
-    return getattr(model, "kind", "model") == "reference"

@@ -7,10 +7,10 @@ from typing import NamedTuple
 from oodscen._data import canonical_json
 from oodscen.concurrency import as_finished
 from oodscen.episode import ACTIONS, MOMENTS, Episode
-from oodscen.evaluation import Protocol, aspect_options, unjudged
+from oodscen.evaluation import aspect_options, unjudged
 from oodscen.evaluation import evaluate as judge_episode
 from oodscen.judging.leaderboard import leaderboard
-from oodscen.judging.references import Blind, Novelty, Oracle
+from oodscen.judging.references import Blind, Novelty, Oracle, is_reference
 from oodscen.messages import Image
 from oodscen.prompts import QUESTIONS
 from oodscen.protocols import LLM
@@ -19,7 +19,7 @@ from oodscen.scene import Scene
 from oodscen.study.context import Context
 from oodscen.study.stages.scenes import simulate_whole
 from oodscen.twins import scene_of, twin_id
-from oodscen.verdict import Verdict
+from oodscen.verdict import Protocol, Verdict, verdict_id
 
 
 class Item(NamedTuple):
@@ -46,12 +46,10 @@ def evaluate(
         shown["paper"] = simulate_whole(run, scenes)
     items: dict[str, Item] = {}
     for protocol, found in shown.items():
-        suffix = "#paper" if protocol == "paper" else ""
         for name, (model, _) in models.items():
-            is_reference = getattr(model, "kind", "model") == "reference"
             for episode in found:
-                if not is_reference or (episode.status == "ok" and episode.frames):
-                    key = f"{episode.scene_id}@{model.name}{suffix}"
+                if not is_reference(model) or (episode.status == "ok" and episode.frames):
+                    key = verdict_id(episode.scene_id, model.name, protocol)
                     items[key] = Item(episode, name, protocol)
     ask_about = _questions(run, scenarios)
 
@@ -104,8 +102,7 @@ def _models(
         models[reference.name] = (reference, 1)
     for name in run.config.vlms:
         model = run.models.get(name)
-        is_reference = getattr(model, "kind", "model") == "reference"
-        models[name] = (model, 1 if is_reference else run.models.traffic.concurrency)
+        models[name] = (model, 1 if is_reference(model) else run.models.traffic.concurrency)
     return models
 
 
@@ -127,7 +124,7 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
             )
         scenario = by_id.get(scene_of(episode.scene_id))
         frames: dict[str, Image] = {}
-        if getattr(model, "kind", "model") != "reference":
+        if not is_reference(model):
             try:
                 for moment, file in episode.frames.items():
                     frames[moment] = Image.from_file(run.store.path(file), file)
