@@ -109,7 +109,7 @@ def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], noth
         middle = top + size * (index + 0.5) + 3.5
         parts.append(
             Markup('<text class="small end" x="{}" y="{}">{} {}<title>{}</title></text>').format(
-                px(left - 6), px(middle), _short(label, 32), index + 1, label
+                px(left - 6), px(middle), _short(label, 27), index + 1, label
             )
         )
         parts.append(

@@ -104,13 +104,14 @@ def rows(metrics: Mapping[str, Any]) -> list[MeasureRow]:
 
 
 def margins(metrics: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return by how much the OOD-ness of every set exceeds that of ordinary driving itself."""
+    """Return how far the OOD-ness of every set lies above or below that of ordinary driving itself."""
     ordinary = number(metrics, "baseline_batch", "mean")
     found = []
     for name in set_names(metrics):
         mean = number(metrics, "sets", name, "oodness", "mean")
         if ordinary is not None and mean is not None:
-            found.append((label_of(name), charts.signed(mean - ordinary)))
+            side = "above" if mean >= ordinary else "below"
+            found.append((label_of(name), f"{abs(mean - ordinary):.3f} {side}"))
     return found
 
 

@@ -243,7 +243,7 @@ def _authorship(found: Material) -> list[str]:
         sentences.append("No vision-language model was judged.")
     if any(row.kind == "reference" for row in found.verdicts):
         sentences.append(
-            "Rows marked “reference” are answerers shipped with oodscen: constants, chance and others that know or see less, and an oracle that is told the truth. They show what a score is worth."
+            "The reference answerers are shipped with oodscen: constants, chance and others that know or see less, and an oracle that is told the truth. They show what a score is worth."
         )
     return sentences
 

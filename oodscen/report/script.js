@@ -334,6 +334,10 @@
     else if (open && !typing && event.key === "ArrowLeft") page.querySelector("a[rel=prev]")?.click();
     else if (open && !typing && event.key === "ArrowRight") page.querySelector("a[rel=next]")?.click();
   });
+  // What is folded about the models is printed too, and folded again.
+  let unfolded = [];
+  addEventListener("beforeprint", () => { unfolded = all("#models details:not([open])"); for (const fold of unfolded) fold.open = true; });
+  addEventListener("afterprint", () => { for (const fold of unfolded) fold.open = false; });
   addEventListener("hashchange", follow);
   follow();
 })();

@@ -301,6 +301,19 @@ def test_it_prints_one_scene_without_its_controls(tab: Callable[..., Tab], judge
     assert page.locator(".whole h2").is_visible()
 
 
+def test_on_paper_nothing_is_cut_off_and_what_is_folded_is_seen(
+    tab: Callable[..., Tab], judged: Study
+) -> None:
+    one = tab(viewport={"width": 720, "height": 1000})
+    page = one.open(report(judged))
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("#models details:not([open])").count() == 0
+    assert page.evaluate("document.documentElement.scrollWidth") <= 720
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator("#models details:not([open])").count() > 0
+
+
 def test_a_missing_picture_is_said(tab: Callable[..., Tab], judged: Study, tmp_path: Path) -> None:
     alone = tmp_path / "report.html"
     shutil.copy(report(judged), alone)

@@ -58,4 +58,6 @@ def test_nothing_measured_is_nothing_shown() -> None:
 def test_margins_are_measured_from_ordinary_driving(study: Study) -> None:
     metrics = read(study).metrics
     mean = metrics["sets"]["10"]["oodness"]["mean"]
-    assert measures.margins(metrics)[0] == ("Diverse tree, 10 texts", f"{mean + 0.93:.3f}")
+    assert measures.margins(metrics)[0] == ("Diverse tree, 10 texts", f"{mean + 0.93:.3f} above")
+    metrics["baseline_batch"]["mean"] = mean + 0.1
+    assert measures.margins(metrics)[0][1] == "0.100 below"

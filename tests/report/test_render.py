@@ -60,7 +60,7 @@ def test_counts_and_metrics_stand_beside_the_papers(study: Study) -> None:
     assert "−0.765" in metrics
     assert "−0.645 to −0.605" in metrics
     assert "come from another baseline" in metrics
-    assert "standard deviation. Above that of ordinary driving lie" in metrics
+    assert "standard deviation. Beside ordinary driving lie" in metrics
     assert document.xpath("//section[@id='metrics']//*[name()='svg']")
 
 
@@ -74,7 +74,7 @@ def test_trees_tell_origin_fate_and_what_is_missing(study: Study) -> None:
 
 def test_leaderboard_marks_references_and_has_intervals(make_study: Callable[..., Study]) -> None:
     models = section(page(make_study(with_twins=True)), "models")
-    assert "constant: stop reference: floor to beat 100 % 4 of 4 51 to 100 %" in models
+    assert "constant: stop floor to beat 100 % 4 of 4 51 to 100 %" in models
     assert "gpt-4o 67 % 2 of 3" in models
     assert "1 not in time" in models
     assert "Notices that something is unusual better than not looking" not in models
