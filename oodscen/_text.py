@@ -24,6 +24,11 @@ def plain(text: str) -> str:
     return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", whole(text))
 
 
+def one_line(text: str) -> str:
+    """Return a text with single spaces for line breaks and runs of spaces, and none around it."""
+    return " ".join(text.split())
+
+
 def is_visible(text: str) -> bool:
     """Whether a text has at least one character that shows."""
     return any(unicodedata.category(char)[0] in "LNPS" and char not in _BLANK for char in text)

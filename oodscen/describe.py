@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from oodscen._text import one_line
 from oodscen.ask import ask
 from oodscen.concurrency import as_finished
 from oodscen.errors import AnswerError, UsageError
@@ -154,7 +155,7 @@ class Describer:
             LLMError: When the model fails.
         """
         prompt = DescribeOrdinary(text=scenario.text, path=scenario.path)
-        return " ".join(ask(self.llm, prompt, sample=self.sample).text.split())
+        return one_line(ask(self.llm, prompt, sample=self.sample).text)
 
     def _scenario(self, name: str, text: str, leaf: str, path: tuple[str, ...]) -> Scenario:
         scenario = Scenario(id=name, text=text, leaf=leaf, path=path, style=self.style)
@@ -181,7 +182,7 @@ class Describer:
             prompt = DescribePath(path=path, count=wanted, avoid=earlier, style=self.style)
             for text in ask(self.llm, prompt, sample=self.sample).texts:
                 kept = refused if plain(text) in (taken or ()) else texts
-                kept.append(" ".join(text.split()))
+                kept.append(one_line(text))
         return texts
 
     def _off_topic(self, texts: list[str]) -> set[int]:

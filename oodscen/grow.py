@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from oodscen._text import one_line
 from oodscen.ask import ask, speaker
 from oodscen.paper import FEW_SHOTS, NODES, attestation
 from oodscen.prompts import ClassifyExamples, GiveExamples, ProposedTree, ProposeTree
@@ -54,7 +55,7 @@ class TreeGrower:
             ask(self.llm, propose, sample),
             given,
             model=speaker(self.llm),
-            prompt=f"{propose.purpose}@{propose.version()}",
+            prompt=propose.citation(),
         )
 
 
@@ -65,7 +66,7 @@ def _planted(
     tree = ScenarioTree()
     ids: dict[int, str] = {}
     for node in proposed.nodes:
-        label = " ".join(node.label.split())
+        label = one_line(node.label)
         parent = ids.get(node.parent)
         if parent is None:
             node_id = ROOT
@@ -82,7 +83,7 @@ def _planted(
             label=label,
             attested=attestation(label),
             stage="grow",
-            source=" ".join(given[node.example - 1].split()) if node.example is not None else "",
+            source=one_line(given[node.example - 1]) if node.example is not None else "",
             model=model,
             prompt=prompt,
         )

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
+from oodscen._text import one_line
 from oodscen.ask import ask, speaker
 from oodscen.catalogue import Catalogue
 from oodscen.concurrency import as_finished
@@ -123,7 +124,7 @@ class Pruner:
         asked = {
             "catalogue": self.name,
             "model": speaker(self.llm),
-            "prompt": f"{JudgeBranch.purpose}@{JudgeBranch.version()}",
+            "prompt": JudgeBranch.citation(),
         }
         try:
             question = JudgeBranch(path=path, catalogue=self.catalogue)
@@ -155,9 +156,9 @@ class Pruner:
             id=leaf.id,
             path=path,
             keep=keep,
-            reason=" ".join(answer.reasoning.split())[:_LONGEST_REASON] or _said(keep, lacks),
+            reason=one_line(answer.reasoning)[:_LONGEST_REASON] or _said(keep, lacks),
             match=match,
-            label=" ".join(answer.label.split()) if keep else "",
+            label=one_line(answer.label) if keep else "",
             assets=_unique(used.assets) if used else (),
             states=_unique(used.states) if used else (),
             behaviours=_unique(used.behaviours) if used else (),

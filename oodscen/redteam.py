@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import NamedTuple
 
+from oodscen._text import one_line
 from oodscen.ask import ask, speaker
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.paper import FEW_SHOTS, ITERATIONS
@@ -141,7 +142,7 @@ class RedTeamer:
             said = ask(counted, question, sample=number, attempts=attempts)
         except (LLMError, DataError) as error:
             return _Proposal("", counted.calls, error)
-        return _Proposal(" ".join(said.text.split()), counted.calls, None)
+        return _Proposal(one_line(said.text), counted.calls, None)
 
 
 class _Proposal(NamedTuple):
@@ -271,7 +272,7 @@ class _Game:
                 reason=placed.reasoning,
                 source=known.text,
                 model=speaker(teamer.llm),
-                prompt=f"{question.purpose}@{question.version()}",
+                prompt=question.citation(),
             )
             after = tree.apply(*edits)
         except (LLMError, DataError) as error:

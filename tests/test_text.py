@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import is_visible, plain, whole
+from oodscen._text import is_visible, one_line, plain, whole
 
 halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
 
@@ -33,3 +33,9 @@ def test_plain_text_holds_nothing_that_a_terminal_obeys(text):
 def test_what_shows_nothing_is_not_visible(text):
     assert not is_visible(text)
     assert is_visible(f"{text}x")
+
+
+@given(st.text(alphabet=st.sampled_from("ab \t\n\u00a0\u2028")))
+def test_a_line_has_the_words_and_nothing_else(text):
+    assert one_line(text).split(" ") == (text.split() or [""])
+    assert one_line(one_line(text)) == one_line(text)

@@ -77,6 +77,11 @@ class Prompt(Data, Generic[Answer]):
         """Return the hash of all templates involved, system text and schema, 12 hexadecimal digits."""
         return _version(cls)
 
+    @classmethod
+    def citation(cls) -> str:
+        """Return `purpose@version`, by which a record names the question that it answers."""
+        return f"{cls.purpose}@{cls.version()}"
+
 
 @cache
 def _version(kind: type[Prompt[Any]]) -> str:

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import BaseModel, Field
 
 from oodscen._data import Data
+from oodscen._text import one_line
 from oodscen.errors import Issue
 from oodscen.prompts.base import Prompt
 from oodscen.tree import MAX_INDENT, ROOT, Node, ScenarioTree, label_fault
@@ -126,7 +127,7 @@ def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
     wanted = [("label", answer.label)]
     if answer.decision == "split" or (answer.decision == "add" and answer.category is not None):
         wanted.append(("category", answer.category))
-    found = {name: " ".join((label or "").split()) for name, label in wanted}
+    found = {name: one_line(label or "") for name, label in wanted}
     taken = {node.label.casefold(): node.id for node in nodes}
     issues = []
     for name, label in found.items():

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._text import one_line
 from oodscen.errors import Issue
 from oodscen.messages import Message
 from oodscen.prompts.base import Prompt
@@ -78,7 +79,7 @@ class ProposeTree(Prompt[ProposedTree]):
                 )
             if index > 0 and node.parent not in known:
                 issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
-            if fault := label_fault(" ".join(node.label.split())):
+            if fault := label_fault(one_line(node.label)):
                 issues.append(Issue(f"{path}.label", fault))
             if node.example is not None and not 1 <= node.example <= len(self.asked.given):
                 issues.append(Issue(f"{path}.example", f"there is no example {node.example}"))

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from oodscen._text import one_line
 from oodscen.errors import Issue
 from oodscen.paper import attestation
 from oodscen.prompts import PlacedScenario
@@ -32,7 +33,7 @@ def edits_of(
         return (), None
     if placed.decision == "covered":
         return (TreeEdit(op="keep", node=placed.node, **why),), placed.node
-    label = _one_line(placed.label)
+    label = one_line(placed.label or "")
     if placed.decision == "broaden":
         edit = TreeEdit(
             op="broaden", node=placed.node, label=label, attested=attestation(label), **why
@@ -49,12 +50,14 @@ def edits_of(
     parent = placed.node
     if placed.decision == "split":
         old = tree.by_id[parent].label
-        edits.append(TreeEdit(op="broaden", node=parent, label=_one_line(placed.category), **why))
+        edits.append(
+            TreeEdit(op="broaden", node=parent, label=one_line(placed.category or ""), **why)
+        )
         add(parent, old)
         leaf = add(parent, label)
         return tuple(edits), leaf
     if placed.category:
-        parent = add(parent, _one_line(placed.category))
+        parent = add(parent, one_line(placed.category or ""))
     leaf = add(parent, label)
     if placed.category:
         edits += _moves(tree, placed, parent, why)
@@ -80,7 +83,7 @@ def runners_up(tree: ScenarioTree, placed: PlacedScenario) -> tuple[RunnerUp, ..
     found: dict[str, RunnerUp] = {}
     for also in placed.also:
         if also.node in leaves:
-            why = _one_line(also.why)[:300]
+            why = one_line(also.why)[:300]
             found.setdefault(also.node, RunnerUp(node=also.node, why=why))
     return tuple(found.values())[:MOST_ALSO]
 
@@ -108,7 +111,3 @@ def _class_of(tree: ScenarioTree, node_id: str) -> str:
     while (parent := tree.by_id[node_id].parent) not in (None, ROOT):
         node_id = str(parent)
     return node_id
-
-
-def _one_line(text: str | None) -> str:
-    return " ".join((text or "").split())

@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from oodscen._data import Data
+from oodscen._text import one_line
 from oodscen.edits import Node
 from oodscen.errors import UsageError
 from oodscen.metrics.similarity import Vectors, unit
@@ -88,7 +89,7 @@ def match(
 
 def same_words(label: str) -> str:
     """Return what two labels share that differ only in case, width and spaces."""
-    return " ".join(unicodedata.normalize("NFKC", label).casefold().split())
+    return one_line(unicodedata.normalize("NFKC", label).casefold())
 
 
 class _Pairs:
