@@ -52,9 +52,7 @@ def test_repairs_are_calls_of_their_own():
     assert [(call.attempt, call.status) for call in calls] == [(1, "ok"), (2, "ok"), (3, "ok")]
 
 
-@pytest.mark.parametrize(
-    "error", [LLMError("gone", model="m"), KeyError("bug"), KeyboardInterrupt()]
-)
+@pytest.mark.parametrize("error", [LLMError("gone", model="m"), KeyboardInterrupt()])
 def test_a_failure_is_logged_and_passes_through(error):
     calls = []
     llm = LoggedLLM(ScriptedLLM([error]), calls.append)
@@ -64,6 +62,13 @@ def test_a_failure_is_logged_and_passes_through(error):
     (call,) = calls
     assert call.status == "failed"
     assert call.error.startswith(type(error).__name__)
+
+
+def test_an_error_that_is_no_typed_one_is_logged_and_costs_the_question():
+    calls = []
+    with pytest.raises(LLMError, match="broke down: KeyError: 'bug'"):
+        ask(LoggedLLM(ScriptedLLM([KeyError("bug")]), calls.append), QUESTION)
+    assert [call.error for call in calls] == ["KeyError: 'bug'"]
 
 
 def test_what_the_model_is_shows_through():
