@@ -197,7 +197,10 @@ def _summary(found: Material, counts: Counts) -> list[str]:
             f"can be shown in {simulator}."
         )
     if found.scenarios:
-        line = f"{_plural(len(found.scenarios), 'text')} along those paths"
+        used = len({scenario.leaf for scenario in found.scenarios})
+        tree = found.trees.get("simulatable")
+        those = f"{used} of those paths" if tree and used < len(tree.leaves) else "those paths"
+        line = f"{_plural(len(found.scenarios), 'text')} along {those}"
         if counts.scenes:
             line += f" became {_plural(counts.scenes, 'scene')} and {_plural(counts.ran, 'simulated episode')}"
         else:

@@ -67,6 +67,7 @@ class Pipeline:
             counts = self._stages()
         except RunStopped as stop:
             self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
+            self._report()
             raise
         self._finish(counts, time.perf_counter() - began)
         return self.study
@@ -145,9 +146,12 @@ class Pipeline:
     def _save(self, status: Status, **more: Any) -> None:
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
-    def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
+    def _report(self) -> None:
         from oodscen.report import write_report
 
+        write_report(self.study)
+
+    def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
         failures = {
             name: len(self.study.failures(name))
             for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
@@ -160,4 +164,4 @@ class Pipeline:
             usage=self._usage(),
             seconds={**self.context.seconds, "total": round(seconds, 3)},
         )
-        write_report(self.study)
+        self._report()

@@ -84,6 +84,7 @@ def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, 
         if (status := Study.open(tmp_path).info["status"]) == "success":
             break
         assert (status, len(server.received)) == ("stopped", 15)
+        assert "This run stopped" in (tmp_path / "report.html").read_text("utf-8")
     assert results(tmp_path) == results(quiet)
     assert len(asked) == len(set(asked)) == len(Study.open(quiet).table("calls"))
 
