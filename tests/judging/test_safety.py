@@ -1,13 +1,15 @@
 """Safe sets: repeatable, whatever the order; best action; chance; re-staging."""
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from oodscen import make_simulator, simulate
+from oodscen.driving.placement import check_scene
 from oodscen.episode import ACTIONS, ActionOutcome, Episode
 from oodscen.judging.restaging import restaged, variants
 from oodscen.judging.safety import base_rate, best_action, safety_figures
+from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.testing.scenes import example_scene
 
 OUTCOMES = st.builds(
@@ -16,6 +18,17 @@ OUTCOMES = st.builds(
     margin_m=st.none() | st.floats(0, 50),
     peak_deceleration=st.none() | st.floats(0, 9),
 ) | st.just(ActionOutcome(safe=False, unavailable=True))
+
+few = settings(max_examples=12, suppress_health_check=list(HealthCheck))
+
+KINDS = (
+    ("cardboard_box", "stand"),
+    ("car", "stand"),
+    ("van", "reverse"),
+    ("adult", "cross_road"),
+    ("adult", "bolt"),
+)
+"""Assets with what they do: nothing that reacts to others, so that a hazard acts on them by touching only."""
 
 
 @pytest.fixture(scope="module")
@@ -54,16 +67,93 @@ def test_the_safe_set_does_not_depend_on_the_order_of_rollouts(simulator):
     assert first.actions["keep_speed"].peak_deceleration == 0
 
 
-def test_a_twin_starts_like_its_scene_but_for_the_hazard(simulator):
-    scene = example_scene()
-    run = simulate(scene, simulator, render=False)
-    twin = simulate(scene.twin(run.episode.decision_s), simulator, render=False)
-    for here, there in zip(run.states, twin.states, strict=True):
-        assert here.poses[0].tobytes() == there.poses[0].tobytes()
-        shared = [name for name in there.ids if name not in scene.hazard.actors]
-        for name in shared:
-            one, other = here.ids.index(name), there.ids.index(name)
-            assert here.poses[one].tobytes() == there.poses[other].tobytes()
+def actors(name, slot):
+    return st.builds(
+        lambda kind, begin, **placed: Actor(
+            id=name,
+            asset=kind[0],
+            placement=Placement(**placed),
+            behaviour=Behaviour(name=kind[1], trigger=Trigger(kind="time", value=begin)),
+        ),
+        kind=st.sampled_from(KINDS),
+        begin=st.sampled_from([0.0, 0.5, 2.0]),
+        ahead_m=st.integers(25 + 30 * slot, 45 + 30 * slot).map(float),
+        lane=st.sampled_from([0, 1]),
+        offset_m=st.sampled_from([-0.5, 0.0, 0.5]),
+        heading_deg=st.sampled_from([0.0, 15.0]),
+    )
+
+
+@st.composite
+def scenes(draw):
+    cast = [draw(actors(name, slot)) for slot, name in enumerate("abc")]
+    hazard = {"a": draw(st.none() | actors("a", 0))}
+    clear = draw(st.sampled_from([None, Weather()]))
+    return Scene(
+        id="drawn-001",
+        scenario_id="drawn-001",
+        map="residential_two_lane",
+        ego=Ego(speed=draw(st.sampled_from([4.0, 8.0, 12.0]))),
+        weather=Weather(friction=0.4, fog_visual_range_m=80.0) if clear else Weather(),
+        actors=tuple(draw(st.permutations(cast))),
+        hazard=Hazard(actors=hazard, weather=clear),
+        decision=Trigger(kind="time", value=draw(st.sampled_from([0.5, 1.0, 2.0]))),
+        horizon_s=2.0,
+    )
+
+
+def staged(scene, simulator):
+    both = (scene, scene.twin(1.0))
+    assume(not any(check_scene(one, simulator.catalogue()) for one in both))
+    return scene
+
+
+@few
+@given(scenes(), st.permutations(ACTIONS), st.integers(1, len(ACTIONS)))
+def test_rollouts_are_the_same_bytes_again_in_any_order_and_number(simulator, scene, order, count):
+    scene = staged(scene, simulator)
+    first = simulate(scene, simulator, render=False).episode
+    part = simulate(scene, simulator, render=False, actions=order[:count]).episode
+    whole = simulate(scene, simulator, render=False, actions=order).episode
+    assert first.is_deterministic
+    assert first.trace_sha256 == part.trace_sha256 == whole.trace_sha256
+    assert whole.actions == first.actions
+    assert set(whole.safe_set) == set(first.safe_set)
+    for name in order[:count]:
+        assert part.actions[name].to_json() == first.actions[name].to_json()
+
+
+@few
+@given(scenes())
+def test_a_twin_starts_alike_and_moves_alike_until_the_hazard_acts(simulator, scene):
+    scene = staged(scene, simulator)
+    run = simulate(scene, simulator, render=False, actions=())
+    twin = simulate(scene.twin(run.episode.decision_s), simulator, render=False, actions=())
+    shared = ["ego", "b", "c"]
+
+    def rows(state):
+        ids = [state.ids.index(name) for name in shared]
+        return state.poses[ids].tobytes(), state.speeds[ids].tobytes()
+
+    assert rows(run.states[0]) == rows(twin.states[0])
+    assert set(twin.states[0].ids) == {"ego", *(actor.id for actor in scene.twin(1.0).actors)}
+    if scene.hazard.weather is None:
+        for here, there in zip(run.states, twin.states, strict=False):
+            assert rows(here) == rows(there)
+        if not run.states[-1].contacts and not twin.states[-1].contacts:
+            assert run.episode.decision_s == twin.episode.decision_s
+
+
+@few
+@given(scenes())
+def test_a_hazard_that_is_its_own_counterpart_changes_nothing(simulator, scene):
+    actor = next(one for one in scene.actors if one.id == "a")
+    same = scene.model_copy(update={"hazard": Hazard(actors={"a": actor}), "weather": Weather()})
+    scene = staged(same, simulator)
+    run = simulate(scene, simulator, render=False).episode
+    twin = simulate(scene.twin(run.decision_s), simulator, render=False).episode
+    assert twin.trace_sha256 == run.trace_sha256
+    assert twin.actions == run.actions
 
 
 def test_the_papers_protocol_shows_the_whole_trace_and_counts_collisions_only(simulator):
