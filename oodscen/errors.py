@@ -5,7 +5,8 @@
     │   ├── UnknownComponent    no such simulator, model, encoder, asset ... (with close matches)
     │   ├── MissingExtra        an optional dependency is not installed (with the pip line)
     │   ├── DataError           malformed tree, scenario, scene or file (every issue with its path)
-    │   └── StudyMismatch       the folder belongs to a different configuration
+    │   ├── StudyMismatch       the folder belongs to a different configuration
+    │   └── StudyMissing        the folder holds no study; a StudyError as well
     ├── LLMError                a model could not be asked, or not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
     │   ├── ResponseError       the response was no answer: empty, a web page, too large (keeps its beginning)
@@ -213,6 +214,14 @@ class EncoderError(OodscenError):
 
 class StudyError(OodscenError):
     """A study's folder cannot be read or written; what was written before stays valid."""
+
+
+class StudyMissing(StudyError, UsageError):
+    """There is no study in the folder that was named."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        super().__init__(f"{folder} holds no study (there is no study.json)")
 
 
 class RunStopped(OodscenError):

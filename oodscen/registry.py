@@ -21,6 +21,7 @@ KINDS = {
     "encoder": "oodscen.encoders",
     "simulator": "oodscen.simulators",
     "catalogue": "oodscen.catalogues",
+    "driver": "oodscen.drivers",
 }
 """Entry-point group by kind of component."""
 

@@ -27,6 +27,7 @@ EXAMPLES = (
     errors.SimulatorCrash("pybullet", "its process died"),
     errors.EncoderError("message"),
     errors.StudyError("message"),
+    errors.StudyMissing("out"),
     errors.BudgetExceeded("requests", 10, 9),
     errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
     errors.ResponseError("message", model="m", status=200, raw="<html>", requests=6),
@@ -35,6 +36,7 @@ EXAMPLES = (
 )
 
 FACTS = {
+    "StudyMissing": {"folder": "out"},
     "UnknownComponent": {
         "kind": "simulator",
         "name": "pybulet",

@@ -1,11 +1,11 @@
 """The command line: each command is a thin call of one public function.
 
-Exit codes: 0 when all went well, 1 when something in the run failed, 2 when the request itself
-cannot be met (unknown name, malformed file, folder of another study), 3 when a cap was reached or an
-endpoint given up and the same command continues.
+`EXIT_CODES` is what every command ends with. Modules in the current folder can be named, as in
+`--driver my_stack:Driver`.
 """
 
 import os
+import sys
 from typing import Any
 
 import click
@@ -45,11 +45,26 @@ class _Group(click.Group):
             )
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+EXIT_CODES = {
+    0: "all went well",
+    1: "some items failed, or a check says no; what succeeded is written",
+    2: "the request cannot be met: unknown name, malformed or empty file, folder of another study",
+    3: "stopped by a cap or a server that is down; the same command continues",
+}
+
+_EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG)
 @click.version_option(__version__, prog_name="oodscen")
 @click.option("--debug", is_flag=True, help="Show tracebacks.")
-def main(debug: bool) -> None:
+@click.pass_context
+def main(context: click.Context, debug: bool) -> None:
     """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
+    here = os.getcwd()
+    if here not in sys.path:
+        sys.path.append(here)
+        context.call_on_close(lambda: sys.path.remove(here))
 
 
 for _command in (

@@ -42,8 +42,8 @@ def faithful(
     items = read_lines(Scene, scenes)
     missing = [scene.scenario_id for scene in items if scene.scenario_id not in texts]
     if missing:
-        issues = [Issue("scenario_id", f"there is no text {name!r}") for name in missing]
-        raise DataError("scenes", issues, source=str(scenarios))
+        issues = [Issue("scenario_id", f"{scenarios} has no text {name!r}") for name in missing]
+        raise DataError("scenes", issues, source=str(scenes))
     model = make_llm(llm, seed=seed, api_base=api_base)
     catalogue = make_simulator(simulator).catalogue()
     rows, failures, claims = [], 0, 0

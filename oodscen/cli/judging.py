@@ -77,4 +77,7 @@ def power(
     if as_json:
         click.echo(json.dumps({"scenes": scenes, "power": found}))
     else:
-        click.echo(f"{scenes} scenes show that difference with a chance of {found:.0%}")
+        effect = (
+            f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
+        )
+        click.echo(f"{scenes} scenes{effect} show that difference with a chance of {found:.0%}")

@@ -102,6 +102,16 @@ style_option = click.option(
     type=click.Choice(("natural", "paper", "terse", "verbose", "first-person")),
     help="Register of the texts.  [default: natural]",
 )
+judging_options = _options(
+    click.option(
+        "--protocol",
+        type=click.Choice(("ours", "paper")),
+        default="ours",
+        show_default=True,
+        help="`paper` adds the paper's exact protocol: whole traces, collisions only, no twins.",
+    ),
+    click.option("--judge", help="Model that decides whether an open aspect is right."),
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 traffic_options = _options(
     click.option(

@@ -13,6 +13,7 @@ from oodscen._text import plain
 from oodscen.errors import DataError, Issue
 
 if TYPE_CHECKING:
+    from oodscen.judging.board import Figure, Leaderboard, Rate
     from oodscen.llms.accounting import Account
     from oodscen.redteaming.saturation import Saturation
 
@@ -59,8 +60,48 @@ def estimated(rows: Sequence["Account"]) -> str:
     return "\n".join([*lines, f"together {total}; repairs and retries come on top"])
 
 
-def rounds_in_words(found: "Saturation", stop: str | None) -> str:
-    """Say in a few lines what a red team has come to, and how much it has left to find."""
+def standings(board: "Leaderboard") -> str:
+    """Say in a line per model and protocol how it was judged, with the floor and the ceiling below it."""
+    head = ("", "safe action", "balanced accuracy", "names it", "picks it", "incomplete")
+    rows = [head]
+    for one in board.standings:
+        if one.kind == "reference" and (one.protocol == "paper" or one.model not in _BESIDE):
+            continue
+        safe = one.control.safe if one.protocol == "ours" else one.control.collision_free
+        rows.append(
+            (
+                one.model + (" (paper)" if one.protocol == "paper" else ""),
+                _share(safe),
+                _share(one.detection.balanced_accuracy),
+                _share(one.identification.open),
+                _share(one.identification.closed),
+                f"{one.asked - one.outcomes.get('answered', 0) - one.outcomes.get('unavailable', 0)} of {one.asked}",
+            )
+        )
+    widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    chance = "" if board.chance is None else f"; a random action is safe in {board.chance:.0%}"
+    return "\n".join([f"{board.scenes} scenes of {board.paths} paths{chance}", *lines])
+
+
+_BESIDE = ("constant:stop", "random", "blind", "novelty", "oracle")
+
+
+def _share(found: "Rate | Figure") -> str:
+    if found.value is None:
+        return "-"
+    between = found.interval
+    return f"{found.value:.0%}" + (f" [{between.low:.0%}, {between.high:.0%}]" if between else "")
+
+
+def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = False) -> str:
+    """Say in a few lines what a red team has come to, and how much it has left to find.
+
+    Args:
+        found: The saturation of its rounds.
+        stop: The rule that ended it.
+        closed: Whether the loop was closed, in which case the estimates are biased.
+    """
     rule = {
         "rounds": "all rounds are played",
         "budget": "the budget is spent",
@@ -75,6 +116,11 @@ def rounds_in_words(found: "Saturation", stop: str | None) -> str:
         f"Good-Turing coverage {found.coverage:.2f} [{found.coverage_low:.2f}, {found.coverage_high:.2f}]; "
         f"unseen kinds (Chao1) about {found.unseen:.0f} [{found.unseen_low:.0f}, {found.unseen_high:.0f}]",
     ]
+    if closed:
+        lines.append(
+            "in a closed loop kinds are seldom met twice: that coverage is too low, the unseen too many; "
+            "go by the share of new kinds"
+        )
     return "\n".join(lines)
 
 
@@ -99,7 +145,11 @@ def write_lines(out: Path | None, items: Iterable[Data]) -> None:
 
 
 def read_lines(kind: type[Row], path: Path) -> list[Row]:
-    """Read one value per line; every malformed line is reported."""
+    """Read one value per line.
+
+    Raises:
+        DataError: With every malformed line, or when there is none at all.
+    """
     rows, issues = [], []
     try:
         text = path.read_text(encoding="utf-8")
@@ -114,6 +164,8 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
                 issues += [
                     Issue(f"line {number}: {i.path}".rstrip(": "), i.message) for i in error.issues
                 ]
+    if not rows and not issues:
+        issues.append(Issue("", f"holds no {kind.noun}"))
     if issues:
         raise DataError(kind.noun, issues, source=str(path))
     return rows

@@ -62,7 +62,8 @@ def prune(
 ) -> None:
     """Prune the tree in the file TREE to what a simulator can show.
 
-    Writes the simulatable tree. With several --catalogue it compares them instead and writes a table of
+    Writes the simulatable tree, and says on standard error what it came to. Branches that need substitute
+    assets stay unless --exact is given; a study drops them, as with --exact. With several --catalogue it compares them instead and writes a table of
     all branches, or with --json the comparison.
     """
     from oodscen import ScenarioTree, make_llm
@@ -89,6 +90,9 @@ def prune(
     if restore is not None:
         write(restore, restoration(answers).to_json())
     write(out, pruned(grown, answers).to_json())
+    (name,) = offered
+    (tally,) = compare(grown, offered, {name: answers}).tallies
+    say(str(tally), err=True)
 
 
 def _judged(

@@ -3,12 +3,13 @@
 import sys
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from tqdm import tqdm
 
 from oodscen import paper
+from oodscen._data import canonical_json
 from oodscen.cli.options import (
     READABLE,
     extras_options,
@@ -20,7 +21,11 @@ from oodscen.cli.options import (
     style_option,
 )
 from oodscen.cli.output import read_lines, rounds_in_words, say, write, write_lines
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, LLMError, OodscenError, UsageError
+
+if TYPE_CHECKING:
+    from oodscen.scenario import Scenario
+    from oodscen.scene import Scene
 
 
 @click.command()
@@ -100,9 +105,11 @@ def redteam(
     if out is not None or not as_json:
         write(out, grown.to_json())
     if as_json:
-        say(found.to_json())
+        said = {**found.model_dump(mode="json"), "stopped_by": teamer.stopped_by(played)}
+        say(canonical_json(said))
     else:
-        say(rounds_in_words(found, teamer.stopped_by(played)), err=True)
+        words = rounds_in_words(found, teamer.stopped_by(played), closed=not open_loop)
+        say(words, err=True)
 
 
 @click.command()
@@ -143,7 +150,11 @@ def describe(
     twins: bool,
     out: Path | None,
 ) -> None:
-    """Describe every path of the tree in the file TREE: one scenario per line."""
+    """Describe every path of the tree in the file TREE: one scenario per line.
+
+    A path of which too few texts lie inside --band, or about which the model gives no answer, is named on
+    standard error; the others are written, and the exit code is 1.
+    """
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
     from oodscen.baselines import load_baseline
     from oodscen.metrics import Metrics
@@ -162,7 +173,21 @@ def describe(
         metrics=Metrics(measure, ordinary, seed=seed) if is_chosen else None,
         twins=twins,
     )
-    write_lines(out, describer.run(ScenarioTree.load(tree)))
+    paths = ScenarioTree.load(tree).paths
+    scenarios: list[Scenario] = []
+    failures: list[OodscenError] = []
+    for leaf, path in tqdm(paths.items(), desc="describe", disable=None):
+        try:
+            scenarios += describer.path(leaf, path, per_path)
+        except (LLMError, UsageError) as error:
+            failures.append(error)
+            say(f"{leaf}: {error}", err=True)
+    if failures and not scenarios:
+        raise failures[-1]
+    again = {scenario.id: scenario for scenario in describer.reworded(scenarios)}
+    write_lines(out, [again.get(scenario.id, scenario) for scenario in scenarios])
+    say(f"{len(scenarios)} texts, {len(failures)} of {len(paths)} paths failed", err=True)
+    sys.exit(bool(failures))
 
 
 @click.command()
@@ -170,18 +195,41 @@ def describe(
 @llm_options
 @seed_option
 @simulator_option
+@click.option(
+    "--claims/--no-claims",
+    default=True,
+    show_default=True,
+    help="Compare every scene with what its text says.",
+)
 @out_option
 def augment(
-    scenarios: Path, llm: str, api_base: str | None, seed: int, simulator: str, out: Path | None
+    scenarios: Path,
+    llm: str,
+    api_base: str | None,
+    seed: int,
+    simulator: str,
+    claims: bool,
+    out: Path | None,
 ) -> None:
-    """Stage every scenario of the file SCENARIOS: one scene per line."""
-    from oodscen import Augmenter, Scenario, make_llm, make_simulator
+    """Stage every scenario of the file SCENARIOS: one scene per line.
 
-    augmenter = Augmenter(
-        make_llm(llm, seed=seed, api_base=api_base), make_simulator(simulator).catalogue()
-    )
-    items = tqdm(read_lines(Scenario, scenarios), desc="augment", disable=None)
-    write_lines(out, (augmenter.run(scenario) for scenario in items))
+    A text that cannot be staged is named on standard error; the others are written, and the exit code is 1.
+    """
+    from oodscen import Augmenter, make_llm, make_simulator
+    from oodscen.scenario import Scenario
+
+    model = make_llm(llm, seed=seed, api_base=api_base)
+    augmenter = Augmenter(model, make_simulator(simulator).catalogue(), claims=claims)
+    items = read_lines(Scenario, scenarios)
+    scenes: list[Scene] = []
+    for scenario in tqdm(items, desc="augment", disable=None):
+        try:
+            scenes.append(augmenter.run(scenario))
+        except LLMError as error:
+            say(f"{scenario.id}: {error}", err=True)
+    write_lines(out, scenes)
+    say(f"{len(scenes)} of {len(items)} texts staged", err=True)
+    sys.exit(len(scenes) < len(items))
 
 
 @click.command()
@@ -201,7 +249,10 @@ def simulate(
     video: Any,
     workers: int,
 ) -> None:
-    """Run every scene of the file SCENES; episodes and frames go into the folder OUT."""
+    """Run every scene of the file SCENES; episodes and frames go into the folder OUT.
+
+    A scene that cannot be run gives a failed episode, and the exit code is 1.
+    """
     from oodscen import Scene
     from oodscen.study import Store
     from oodscen.study.sweep import Extras, Job, sweep
@@ -223,4 +274,7 @@ def simulate(
     failed = [episode for episode in episodes.values() if episode.status == "failed"]
     for episode in failed:
         say(f"{episode.id}: {episode.error}", err=True)
+    say(
+        f"{len(items) - len(failed)} of {len(items)} scenes ran: {out / 'episodes.jsonl'}", err=True
+    )
     sys.exit(bool(failed))

@@ -13,6 +13,7 @@ from oodscen.cli.options import (
     READABLE,
     extras_options,
     json_option,
+    judging_options,
     llm_options,
     red_options,
     seed_option,
@@ -21,7 +22,7 @@ from oodscen.cli.options import (
     traffic_from,
     traffic_options,
 )
-from oodscen.cli.output import bars, estimated, say, summary
+from oodscen.cli.output import bars, estimated, say, standings, summary
 from oodscen.registry import DEFAULT_ENCODER
 
 
@@ -36,6 +37,7 @@ from oodscen.registry import DEFAULT_ENCODER
 )
 @click.option("--fallback", help="Model that is asked where the others give no answer.")
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
+@judging_options
 @traffic_options
 @simulator_option
 @click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Name, or module:attr.")
@@ -102,20 +104,29 @@ def run(
     video: Any,
     retry_failed: bool,
     dry_run: bool,
+    protocol: str,
     **choices: Any,
 ) -> None:
-    """Run the whole paper into the folder OUT, or continue a run that stopped."""
+    """Run the whole paper into the folder OUT, or continue a run that stopped.
+
+    Models that `oodscen evaluate` judged in OUT stay judged. The exit code is 1 if items failed, and 3 if the
+    run was stopped by a cap or a server that is down; the same command continues it.
+    """
     from oodscen.llms.accounting import Ledger
-    from oodscen.study import Extras, StudyConfig, estimate, run_study
+    from oodscen.study import Extras, Study, StudyConfig, estimate, run_study
 
     traffic = traffic_from(choices)
     given = {name: value for name, value in choices.items() if value not in (None, ())}
     if "baseline" in given:
         given["baseline"] = str(given["baseline"])
     given["closed_loop"] = not open_loop
+    given["protocols"] = ("ours", "paper") if protocol == "paper" else ("ours",)
     if quick:
         given = {**StudyConfig.quick().model_dump(), **given}
     config = StudyConfig.parse(given)
+    before = Study(out)
+    if before.store.has("study.json"):
+        config = config.judging_too(before.config)
     if dry_run:
         rows = estimate(out, config, prices=traffic.prices)
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
@@ -147,14 +158,7 @@ def run(
 @click.option(
     "--vlm", "vlms", multiple=True, required=True, help="Vision-language model; repeatable."
 )
-@click.option(
-    "--protocol",
-    type=click.Choice(("ours", "paper")),
-    default="ours",
-    show_default=True,
-    help="`paper` adds the paper's exact protocol: whole traces, collisions only, no twins.",
-)
-@click.option("--judge", help="Model that decides whether an open aspect is right.")
+@judging_options
 @click.option(
     "--api-base",
     help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
@@ -163,6 +167,7 @@ def run(
     "--retry-failed", is_flag=True, help="Ask again where no usable answer came the last time."
 )
 @traffic_options
+@json_option
 def evaluate(
     out: Path,
     vlms: tuple[str, ...],
@@ -170,32 +175,43 @@ def evaluate(
     judge: str | None,
     api_base: str | None,
     retry_failed: bool,
+    as_json: bool,
     **choices: Any,
 ) -> None:
-    """Judge further vision-language models on the study in the folder OUT."""
+    """Judge further vision-language models on the study in the folder OUT.
+
+    Prints the leaderboard, or with --json what leaderboard.json holds. The exit code is 1 if a model judged
+    here left an item without a usable answer.
+    """
+    from oodscen.judging.leaderboard import Leaderboard
     from oodscen.study import Study, StudyConfig, run_study
 
-    config = Study.open(out).config
-    names = tuple(dict.fromkeys((*config.vlms, *vlms)))
-    protocols = tuple(dict.fromkeys((*config.protocols, protocol)))
-    here = dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {}
+    before = Study.open(out)
+    config, known = before.config, {verdict.model for verdict in before.verdicts}
     changes = {
-        "vlms": names,
-        "protocols": protocols,
-        "judge": judge or config.judge,
-        "servers": config.servers | here,
+        "vlms": vlms,
+        "protocols": (protocol,),
+        "judge": judge,
+        "servers": dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {},
     }
     traffic = traffic_from(choices)
     with bars() as progress:
         study = run_study(
             out,
-            StudyConfig.parse(config.model_dump() | changes),
+            StudyConfig.parse(config.model_dump() | changes).judging_too(config),
             progress=progress,
             traffic=traffic,
             workers=os.cpu_count() or 1,
             retry=retry_failed,
         )
-    click.echo(f"report: {(study.folder / 'report.html').resolve()}")
+    board = Leaderboard.parse((study.folder / "leaderboard.json").read_bytes())
+    if as_json:
+        click.echo(board.model_dump_json(indent=2))
+    else:
+        say(standings(board))
+        click.echo(f"report: {(study.folder / 'report.html').resolve()}")
+    here = {verdict.model for verdict in study.verdicts} - (known - set(vlms))
+    sys.exit(any(one.status == "failed" and one.model in here for one in study.verdicts))
 
 
 @click.command()

@@ -21,7 +21,8 @@ class SampleSize(Data):
     is_paired: bool
     """Both models judge the same scenes."""
     agreement: float
-    """Paired only: correlation of their answers that was assumed."""
+    """Paired only: correlation of their answers that was assumed; the nearest to the one asked for that
+    the rates allow."""
     discordant: float
     """Paired only: share of scenes on which just one of them is right."""
     alpha: float
@@ -42,7 +43,7 @@ class SampleSize(Data):
 
     def __str__(self) -> str:
         how = (
-            f"both models on the same scenes (their answers correlate by {self.agreement:g})"
+            f"both models on the same scenes (their answers correlate by {self.agreement:.2g})"
             if self.is_paired
             else "each model on scenes of its own"
         )
@@ -109,7 +110,7 @@ def scenes_needed(
         first=first,
         second=second,
         is_paired=paired,
-        agreement=agreement if paired else 0.0,
+        agreement=round(_possible(first, second, agreement), 6) if paired else 0.0,
         discordant=round(discordant, 6) if paired else 0.0,
         alpha=alpha,
         power=power,
@@ -173,11 +174,21 @@ def _spreads(first: float, second: float, paired: bool, discordant: float) -> tu
 
 
 def _discordant(first: float, second: float, agreement: float) -> float:
-    """Return how often just one of two models is right."""
-    spread = math.sqrt(first * (1 - first) * second * (1 - second))
-    both = first * second + agreement * spread
+    """Return how often just one of two models is right, where they agree as much as the rates allow."""
+    both = first * second + agreement * _spread(first, second)
     both = min(max(both, first + second - 1, 0.0), first, second)
     return first + second - 2 * both
+
+
+def _possible(first: float, second: float, agreement: float) -> float:
+    """Return the correlation nearest to the one asked for that two rates allow."""
+    ends = (max(first + second - 1, 0.0), min(first, second))
+    low, high = ((both - first * second) / _spread(first, second) for both in ends)
+    return min(max(agreement, low), high)
+
+
+def _spread(first: float, second: float) -> float:
+    return math.sqrt(first * (1 - first) * second * (1 - second))
 
 
 def _check(

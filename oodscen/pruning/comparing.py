@@ -45,6 +45,22 @@ class Tally(Data):
     """Whole kinds that the catalogue has nothing of: `animal`, `snow` ..."""
     restoration: Restoration
 
+    def __str__(self) -> str:
+        """Return the figures and what would bring most back, for a terminal."""
+        text = (
+            f"{self.catalogue}: {self.kept} of {self.kept + self.dropped} branches ({self.full} as they "
+            f"are, {self.substitute} with substitutes, {self.part} in part)"
+        )
+        if self.failed:
+            text += f"; {self.failed} could not be judged"
+        if self.absent:
+            text += f"; nothing at all of: {', '.join(self.absent)}"
+        best = [one for one in self.restoration.single if one.paths][:3]
+        if best:
+            listed = ", ".join(f"{one.words} ({len(one.paths)})" for one in best)
+            text += f"\n  would restore most: {listed}"
+        return text
+
 
 class Comparison(Data):
     """One tree in several simulators."""
@@ -75,7 +91,12 @@ class Comparison(Data):
 
     def __str__(self) -> str:
         """Return figures, then one line per leaf, for a terminal."""
-        parts = [_figures(tally) for tally in self.tallies]
+        parts = [
+            f"{tally}\n  {tally.alone} branches that no other shows"
+            if len(self.tallies) > 1
+            else str(tally)
+            for tally in self.tallies
+        ]
         for line in self.lines:
             parts.append(f"\n{' > '.join(line.path[1:])}")
             parts += [
@@ -170,18 +191,3 @@ def _said(side: Side) -> str:
     if side.match == "full":
         return "yes"
     return f"{words[side.match]}: {side.reason}"
-
-
-def _figures(tally: Tally) -> str:
-    text = (
-        f"{tally.catalogue}: {tally.kept} of {tally.kept + tally.dropped} branches "
-        f"({tally.full} as they are, {tally.substitute} with substitutes, {tally.part} in part), "
-        f"{tally.alone} of them nowhere else"
-    )
-    if tally.absent:
-        text += f"; nothing at all of: {', '.join(tally.absent)}"
-    best = [one for one in tally.restoration.single if one.paths][:3]
-    if best:
-        listed = ", ".join(f"{one.words} ({len(one.paths)})" for one in best)
-        text += f"\n  would restore most: {listed}"
-    return text

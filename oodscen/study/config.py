@@ -103,6 +103,17 @@ class StudyConfig(Data):
         }
         return cls(**{**small, **changes})
 
+    def judging_too(self, other: Self) -> Self:
+        """Return this configuration with whom and how another one judges as well; its own judge wins."""
+        return self.model_copy(
+            update={
+                "vlms": tuple(dict.fromkeys((*other.vlms, *self.vlms))),
+                "protocols": tuple(dict.fromkeys((*other.protocols, *self.protocols))),
+                "judge": self.judge or other.judge,
+                "servers": other.servers | self.servers,
+            }
+        )
+
     def differences(self, other: Self) -> dict[str, tuple[object, object]]:
         """Return the fields in which two configurations differ: this one's value, the other's."""
         return {

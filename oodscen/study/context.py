@@ -85,6 +85,8 @@ class Context:
         self.llm = self.models.author(self.config.llm)
         self.red_llm = self.models.author(self.config.red_llm or self.config.llm)
         self.threads = self.models.threads(self.config.llm)
+        for name in filter(None, (*self.config.vlms, self.config.judge)):
+            self.models.get(name)
 
     def each(
         self,

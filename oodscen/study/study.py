@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from oodscen._data import Data
 from oodscen.episode import Episode
-from oodscen.errors import DataError, MissingExtra, StudyError, UnknownComponent
+from oodscen.errors import DataError, MissingExtra, StudyError, StudyMissing, UnknownComponent
 from oodscen.prune import PruneDecision
 from oodscen.pruning.restoring import Restoration
 from oodscen.redteam import Round
@@ -52,11 +52,11 @@ class Study:
         """Open an existing study.
 
         Raises:
-            StudyError: When the folder holds none.
+            StudyMissing: When the folder holds none.
         """
         study = cls(folder)
         if not study.store.has("study.json"):
-            raise StudyError(f"{folder} holds no study (there is no study.json)")
+            raise StudyMissing(str(folder))
         return study
 
     @property

@@ -68,3 +68,13 @@ def test_what_cannot_be_is_refused(wrong: dict[str, Any]) -> None:
 def test_no_scene_has_no_power() -> None:
     with pytest.raises(UsageError):
         power_of(0.7, 0.5, 0)
+
+
+@given(st.floats(0.05, 0.5), st.floats(0.55, 0.95), st.floats(-1, 1))
+def test_answers_agree_no_more_than_their_rates_allow(first, second, agreement):
+    least, asked, most = (
+        scenes_needed(first, second, agreement=value) for value in (-1.0, agreement, 1.0)
+    )
+    between = np.clip(agreement, least.agreement, most.agreement)
+    assert asked.agreement == pytest.approx(between, abs=1e-5)
+    assert most.discordant == pytest.approx(second - first, abs=1e-5)

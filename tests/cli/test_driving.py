@@ -1,0 +1,38 @@
+import json
+import sys
+
+from click.testing import CliRunner
+
+from oodscen.cli import main
+from oodscen.study import run_study
+from tests.study.quick import QUICK
+
+STACK = """
+from oodscen.driving import Cruise
+
+def make():
+    return Cruise()
+
+class Broken:
+    def act(self, observation):
+        raise RuntimeError("no")
+"""
+
+
+def test_a_stack_in_the_current_folder_drives(tmp_path, monkeypatch) -> None:
+    run_study(tmp_path / "out", QUICK.model_copy(update={"max_paths": 1, "iterations": 2}))
+    (tmp_path / "stack_beside.py").write_text(STACK)
+    monkeypatch.chdir(tmp_path)
+    paths = list(sys.path)
+    run = CliRunner().invoke
+    found = run(main, ["drive", "out", "--driver", "stack_beside:make", "--json"])
+    assert found.exit_code == 0
+    assert [(row["n"], row["failed"]) for row in json.loads(found.output)] == [(1, 0), (1, 0)]
+    assert run(main, ["drive", "out", "--driver", "stack_beside:Broken"]).exit_code == 1
+    for unknown in ("stack", "stack_beside:Nobody", "no_such_stack:Driver"):
+        refused = run(main, ["drive", "out", "--driver", unknown])
+        assert refused.exit_code == 2
+        assert "driver" in refused.output
+        assert "simulator" not in refused.output
+    assert sys.path == paths
+    sys.modules.pop("stack_beside")

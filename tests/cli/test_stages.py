@@ -1,0 +1,78 @@
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen.cli import main
+from oodscen.testing.scenes import example_scene
+
+BOX = "On a two-lane residential street, a large cardboard box lies in ego's lane ahead."
+
+
+def invoke(*order):
+    return CliRunner().invoke(main, [str(word) for word in order])
+
+
+def test_a_text_that_cannot_be_staged_costs_its_own_scene_only(tmp_path) -> None:
+    texts, out = tmp_path / "texts.jsonl", tmp_path / "scenes.jsonl"
+    rows = [{"id": "sum", "text": "The sum is seven."}, {"id": "box", "text": BOX}]
+    texts.write_text("\n".join(map(json.dumps, rows)))
+    found = invoke("augment", texts, "--simulator", "flat", "--no-claims", "-o", out)
+    assert found.exit_code == 1
+    assert "sum: the built-in author does not recognise" in found.output
+    assert "1 of 2 texts staged" in found.output
+    assert [json.loads(line)["id"] for line in out.read_text().splitlines()] == ["box"]
+
+
+@pytest.mark.parametrize("content", ["", "\n \n"])
+def test_a_file_that_holds_nothing_is_refused(tmp_path, content) -> None:
+    nothing = tmp_path / "nothing.jsonl"
+    nothing.write_text(content)
+    for order in (
+        ("augment", nothing),
+        ("simulate", nothing, tmp_path / "out"),
+        ("faithful", nothing, "--scenarios", nothing),
+    ):
+        found = invoke(*order)
+        assert found.exit_code == 2
+        assert "holds no scen" in found.output
+
+
+def test_simulating_says_how_many_scenes_ran(tmp_path) -> None:
+    scene = example_scene()
+    other = scene.model_copy(update={"id": "elsewhere", "map": "nowhere"})
+    (tmp_path / "scenes.jsonl").write_text(f"{scene.to_json()}\n{other.to_json()}\n")
+    order = ("simulate", tmp_path / "scenes.jsonl", tmp_path / "out", "--simulator", "flat")
+    found = invoke(*order)
+    assert found.exit_code == 1
+    assert "1 of 2 scenes ran" in found.output
+
+
+def test_a_path_without_texts_inside_the_band_costs_its_own_texts_only(tmp_path) -> None:
+    tree, plain = tmp_path / "tree.json", tmp_path / "plain.txt"
+    plain.write_text("A car waits at a red light.\nTwo cars drive along a street.\n")
+    assert invoke("grow", "--nodes", "14", "-o", tree).exit_code == 0
+    order = (
+        "describe",
+        tree,
+        "--encoder",
+        "hash",
+        "--per-path",
+        "1",
+        "--baseline",
+        plain,
+        "--band",
+    )
+    whole = invoke(*order, "-1", "0")
+    assert whole.exit_code == 0
+    count = len(whole.stdout.splitlines())
+    found = next(
+        run
+        for low in range(95, 0, -5)
+        if 0 < len((run := invoke(*order, str(-low / 100), "0")).stdout.splitlines()) < count
+    )
+    assert found.exit_code == 1
+    assert f"of {count} paths failed" in found.stderr
+    none = invoke(*order, "0.9", "0.99")
+    assert none.exit_code == 2
+    assert none.stdout == ""
