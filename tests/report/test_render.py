@@ -280,6 +280,14 @@ def test_links_stay_inside_the_page_and_the_folder(study: Study) -> None:
     assert not re.search(r"url\(|@import|<link|<iframe|xlink", source)
 
 
+def test_addresses_lose_their_credentials(make_study: Callable[..., Study]) -> None:
+    study = make_study(api_base="http://host/v1")
+    edit(study, "study.json", lambda text: text.replace("http://host", "http://me:secret@host"))
+    source = write_report(study).read_text("utf-8")
+    assert "secret" not in source
+    assert "http://host/v1" in source
+
+
 def test_same_study_same_bytes(study: Study) -> None:
     first = write_report(study).read_bytes()
     assert write_report(Study(study.folder)).read_bytes() == first
