@@ -10,6 +10,7 @@ from oodscen.ask import ask
 from oodscen.episode import ACTIONS, MOMENTS, Episode
 from oodscen.errors import AnswerError, Issue, LLMError, OodscenError
 from oodscen.judging.answers import (
+    TWO_ANSWERS,
     Reading,
     contradiction,
     is_refusal,
@@ -202,8 +203,12 @@ class _Asked:
                 raise AnswerError(self.llm.name, prompt.purpose, declined, raw, 1)
             return answer
 
+        def doubt(raw: str, answer: Answer) -> Sequence[Issue]:
+            other, note = read(raw)
+            return [] if _is_same(answer, other, note) else [Issue("", f"unclear: {note}")]
+
         try:
-            return ask(self.llm, prompt, read=fallback)
+            return ask(self.llm, prompt, read=fallback, doubt=doubt)
         except AnswerError as error:
             self.failures.append(error)
             return None
@@ -231,6 +236,14 @@ class _Asked:
 
 
 _REFUSED = "a refusal"
+
+
+def _is_same(answer: BaseModel, other: BaseModel | None, note: str) -> bool:
+    """Whether a valid object is what a reader of the whole text takes for the answer."""
+    if other is None:
+        return not note.startswith(TWO_ANSWERS)
+    decisive = ("action", "choice", "is_ood")
+    return all(getattr(answer, name, 0) == getattr(other, name, 0) for name in decisive)
 
 
 def _as(reading: Reading[Any], make: Callable[[Any], Answer]) -> tuple[Answer | None, str]:

@@ -117,7 +117,8 @@ def test_an_aspect_must_share_a_telling_word_with_the_label(aspect, label, right
     [
         ("I would not stop, but slow down.", "answered", "slow_down"),
         ("I'm sorry, but I can't help with that.", "refused", None),
-        ("Ich würde langsam anhalten.", "unparsed", None),
+        ("Ich würde langsam anhalten.", "answered", "stop"),
+        ("Pysäyttäisin auton varovasti.", "unparsed", None),
         ("stop or pull_over", "unparsed", None),
         ("x" * 1_000_000, "unparsed", None),
         ('{"action": "fly"}', "unparsed", None),
@@ -128,7 +129,7 @@ def test_what_a_model_says_in_its_own_way_has_a_typed_outcome(frames, said, outc
     verdict = evaluate(EPISODE, frames, llm, path=PATH)
     assert (verdict.outcome, verdict.action) == (outcome, action)
     assert verdict.aspect_is_right
-    assert verdict.action_is_safe is (None if action is None else False)
+    assert verdict.action_is_safe is (None if action is None else EPISODE.actions[action].safe)
     if action:
         assert verdict.notes
 

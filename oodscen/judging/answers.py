@@ -6,16 +6,26 @@ raises, and it never guesses: two different answers, or none, are `unparsed` and
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any
 
-from oodscen.judging.detection import Detected, read_aspect, read_description
-from oodscen.judging.matching import telling_words
-from oodscen.judging.reading import LONGEST, Reading, is_refusal, member, objects, tail, too_long
+from oodscen.judging.detection import Detected, read_aspect, read_description, read_usual
+from oodscen.judging.echoes import without_echo
+from oodscen.judging.marks import NOT_OFFERED, Finder, find_marks, own_list
+from oodscen.judging.matching import affirmed_words, telling_words
+from oodscen.judging.reading import (
+    LONGEST,
+    TWO_ANSWERS,
+    Reading,
+    is_refusal,
+    member,
+    tail,
+    told,
+    too_long,
+)
+from oodscen.judging.settling import settled
 from oodscen.judging.wording import (
-    CORRECTIONS,
-    FINAL,
-    Meant,
     Mention,
     find_actions,
     longest,
@@ -25,6 +35,7 @@ from oodscen.judging.wording import (
 from oodscen.verdict import NOTHING
 
 __all__ = [
+    "TWO_ANSWERS",
     "Detected",
     "Reading",
     "contradiction",
@@ -35,8 +46,6 @@ __all__ = [
     "read_description",
 ]
 
-Finder = Callable[[str], list[Mention]]
-
 
 def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
     """Read which of the offered actions was chosen.
@@ -45,7 +54,7 @@ def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
         text: A model's words.
         offered: Action ids in the order in which they were offered, so that "3" and "C" count.
     """
-    return _read(text, offered, lambda part: find_actions(part, offered), _ACTION_KEYS)
+    return _Question(offered, lambda plain: find_actions(plain, offered), _ACTION_KEYS).read(text)
 
 
 def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
@@ -55,22 +64,27 @@ def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
         text: A model's words.
         labels: Text of every option by id, in the order in which they were offered.
     """
-    named = {name: normalise(label) for name, label in labels.items()}
+    named = {
+        name: re.compile(
+            "|".join(_as_words(text) for text in {label, _unless_nothing(name)} if text)
+        )
+        for name, label in labels.items()
+    }
 
     def find(part: str) -> list[Mention]:
         found = []
-        for name, label in named.items():
-            for words in dict.fromkeys((label, normalise(name))):
-                pattern = rf"(?<!\w){re.escape(words)}(?!\w)" if words else r"(?!)"
-                found += [Mention(m.start(), m.end(), name) for m in re.finditer(pattern, part)]
+        for name, pattern in named.items():
+            found += [Mention(m.start(), m.end(), name) for m in pattern.finditer(part)]
         return longest(found)
 
-    reading = _read(text, list(labels), find, _CHOICE_KEYS)
-    if reading.outcome != "unparsed" or "two answers" in reading.note:
-        return reading
-    if NOTHING in labels and (seen := read_aspect(text)).value and not seen.value.is_ood:
-        return Reading(NOTHING, "answered", "prose: nothing is unusual")
-    return _resembling(tail(text), named) or reading
+    def resembling(part: str) -> Reading[str] | None:
+        if _NO_OPTION.search(part):
+            return None
+        if NOTHING in labels and read_usual(part):
+            return Reading(NOTHING, "answered", "prose: nothing is unusual")
+        return _resembling(part, labels)
+
+    return _Question(list(labels), find, _CHOICE_KEYS, resembling, is_numbered=True).read(text)
 
 
 def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
@@ -80,9 +94,9 @@ def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
     plain = normalise(reasoning)
     meant = [meaning(plain, mention) for mention in find_actions(plain, offered)]
     rejected = {one.mention.option for one in meant if one.level == -2}
-    settled = _settled(plain, meant, least=1)
-    if settled and settled != action:
-        return f"the reasoning settles on {settled}, the answer is {action}"
+    settled_on = settled(plain, meant, least=1)
+    if settled_on and settled_on != action:
+        return f"the reasoning settles on {settled_on}, the answer is {action}"
     affirmed = {one.mention.option for one in meant if one.level >= 0}
     if action in rejected and action not in affirmed:
         return f"the reasoning rejects {action}, which is the answer"
@@ -122,158 +136,116 @@ _CHOICE_KEYS = (
     *_ACTION_KEYS[:6],
     *_ACTION_KEYS[9:],
 )
-_LETTER = re.compile(
-    r"(?:(?:the\s+)?(?:final\s+)?(?:answer|option|choice|action|number|no\.?|i\s+(?:choose|pick|select)|go\s+with|my\s+(?:answer|choice)\s+is)\s*(?:is|:|=)?\s*)*[(\[{]?\s*(?:option\s+|number\s+|no\.?\s*|nr\.?\s*)?([a-z]|\d{1,3})\s*[)\]}.:!]*\s*"
-)
-_LABELLED = re.compile(
-    r"(?:\b(?:answer|ans|option|choice|number|action|choose|pick|select|go\s+with|boxed|final)\b\s*(?:is|was|would\s+be|:|=|\{|\()*\s*(?:option|number|no\.?|action)?\s*[(\[{]?\s*|^\s*[(\[])(\d{1,3}|[b-z]|a(?=\s*(?:[)\].:!]|$)))(?=\s*(?:[)\]}.:,;!\n]|$|because|since|as\b))",
-    re.MULTILINE,
-)
-_ORDINALS = (
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-)
-_NUMERALS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-_ORDINAL = re.compile(
-    rf"\b({'|'.join(_ORDINALS)}|last)\s+(?:option|action|choice|one|answer)\b|\b(?:option|number|choice|action)\s+({'|'.join(_NUMERALS)})\b"
+_NO_OPTION = re.compile(
+    r"\bnone\s+of\s+(?:the|these|those|them)(?:\s+(?:above|options?))?\W*$|\bnone\s+fits?\b"
 )
 
 
-def _read(text: str, offered: Sequence[str], find: Finder, keys: Sequence[str]) -> Reading[str]:
-    if len(text) > LONGEST:
-        return too_long(text)
-    for value in objects(text):
-        found = _from_object(value, offered, find, keys)
-        if found:
-            return Reading(found, "answered", "JSON")
-    said = tail(text)
-    plain = _without_echo(normalise(said), find, len(offered))
-    if not plain.strip():
-        return Reading(
-            None, "unparsed", "nothing but the question" if said.strip() else "no answer"
-        )
-    reading = _from_prose(plain, offered, find)
-    if reading.outcome == "unparsed" and is_refusal(text):
-        return Reading(None, "refused", "a refusal")
-    return reading
+@dataclass(frozen=True)
+class _Question:
+    """What is asked for: one of several options."""
+
+    offered: Sequence[str]
+    """Ids, in the order in which they were offered."""
+    find: Finder
+    """Finds where a normalised text names them."""
+    keys: Sequence[str]
+    """Members of an object that may hold the answer."""
+    resort: Callable[[str], Reading[str] | None] = lambda plain: None
+    """Looks at a text that names none of them."""
+    is_numbered: bool = False
+    """Whether they were offered with numbers, so that a number can contradict a name."""
+
+    def read(self, text: str) -> Reading[str]:
+        """Read what a model said."""
+        if len(text) > LONGEST:
+            return too_long(text)
+        given = told(text, self._in_object, self.keys)
+        if given.is_disputed:
+            return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
+        if given.value:
+            later = self._in_prose(given.corrected) if given.corrected else None
+            return later if later and later.value else Reading(given.value, "answered", "JSON")
+        reading = _none_of_them() if given.is_void else self._in_words(tail(text))
+        is_open = reading.outcome == "unparsed" and not reading.note.startswith(TWO_ANSWERS)
+        if is_open and is_refusal(text):
+            return Reading(None, "refused", "a refusal")
+        return reading
+
+    def _in_words(self, said: str) -> Reading[str]:
+        plain = normalise(said)
+        answer = without_echo(plain, self.find, len(self.offered))
+        if not answer.strip():
+            return Reading(None, "unparsed", "nothing but the question" if plain else "no answer")
+        return self._in_prose(answer, own_list(plain, self.find))
+
+    def _in_object(self, value: Mapping[str, Any], further: Sequence[str] = ()) -> str | None:
+        for key in (*self.keys, *further):
+            found = member(value, (key,))
+            if isinstance(found, (list, tuple)) and len(found) == 1:
+                found = found[0]
+            if isinstance(found, dict):
+                inner = None if further else self._in_object(found, ("name", "value"))
+                if inner:
+                    return inner
+            if isinstance(found, (int, float)) and not isinstance(found, bool):
+                count = len(self.offered)
+                return self.offered[int(found) - 1] if found in range(1, count + 1) else None
+            if isinstance(found, str):
+                reading = self._in_prose(normalise(found))
+                if reading.value:
+                    return reading.value
+        return self._heaviest(value)
+
+    def _heaviest(self, value: Mapping[str, Any]) -> str | None:
+        """Return the option of most weight, in an object that gives each a weight."""
+        weights = {
+            name: float(weight)
+            for name in self.offered
+            if isinstance(weight := member(value, (name,)), (int, float))
+        }
+        best = [name for name, weight in weights.items() if weight == max(weights.values())]
+        return best[0] if len(weights) > 1 and len(best) == 1 else None
+
+    def _in_prose(self, plain: str, own: Mapping[str, str] | None = None) -> Reading[str]:
+        """Read normalised words; `own` says what the marks in a list of their own stand for."""
+        named = self.find(plain)
+        marks = find_marks(plain, self.offered, self.find, own or {})
+        if not self.is_numbered:
+            marks = [mark for mark in marks if not _marks_a_name(plain, mark, named)]
+        mentions = longest([*named, *marks])
+        if not mentions:
+            whole = plain.strip(" .,;:!?()[]{}'\n")
+            near = _misspelt(whole, self.offered) if len(whole) <= 30 else None
+            if near:
+                return Reading(near, "answered", "misspelt")
+            return self.resort(plain) or Reading(None, "unparsed", "no option is named")
+        meant = [meaning(plain, mention) for mention in mentions]
+        settled_on = settled(plain, meant)
+        if settled_on == NOT_OFFERED:
+            return _none_of_them()
+        if settled_on:
+            return Reading(settled_on, "answered", f"prose: {_LEVELS[max(m.level for m in meant)]}")
+        left = {one.mention.option for one in meant if one.level > -2}
+        if not left:
+            rejected = Reading[str](None, "unparsed", "every option it names is rejected")
+            return self.resort(plain) or rejected
+        return Reading(None, "unparsed", f"{TWO_ANSWERS}: {', '.join(sorted(left))}")
 
 
-def _from_object(
-    value: Mapping[str, Any], offered: Sequence[str], find: Finder, keys: Sequence[str]
-) -> str | None:
-    for key in keys:
-        found = member(value, (key,))
-        if found is None:
-            continue
-        if isinstance(found, (list, tuple)) and len(found) == 1:
-            found = found[0]
-        if isinstance(found, dict):
-            inner = _from_object(found, offered, find, (*keys, "name", "value"))
-            if inner:
-                return inner
-        if isinstance(found, (str, int, float)) and not isinstance(found, bool):
-            reading = _from_prose(normalise(str(found)), offered, find)
-            if reading.value:
-                return reading.value
-    weights = {
-        name: float(weight)
-        for name in offered
-        if isinstance(weight := member(value, (name,)), (int, float))
-    }
-    best = [name for name, weight in weights.items() if weight == max(weights.values())]
-    return best[0] if len(weights) > 1 and len(best) == 1 else None
+def _marks_a_name(plain: str, mark: Mention, named: Sequence[Mention]) -> bool:
+    """Whether a mark only begins a line or a phrase that goes on with a name: "2. stop"."""
+    return any(
+        mark.end <= one.start <= mark.end + 4 and not re.search(r"\w", plain[mark.end : one.start])
+        for one in named
+    )
 
 
-def _from_prose(plain: str, offered: Sequence[str], find: Finder) -> Reading[str]:
-    mentions = find(plain)
-    whole = plain.strip(" .,;:!?()[]{}'\n")
-    letter = _LETTER.fullmatch(plain.strip())
-    if letter and not mentions:
-        chosen = _numbered(letter[1], offered)
-        return _one(chosen, "a bare number or letter")
-    if not mentions:
-        labelled = {_numbered(m[1], offered) for m in _LABELLED.finditer(plain)}
-        labelled |= {_counted(m, offered) for m in _ORDINAL.finditer(plain)}
-        labelled.discard(None)
-        if len(labelled) == 1:
-            return _one(labelled.pop(), "prose: a number or letter")
-        if labelled:
-            return Reading(None, "unparsed", "two answers by number")
-        return _one(_misspelt(whole, offered), "misspelt") if len(whole) <= 30 else _one(None, "")
-    meant = [meaning(plain, mention) for mention in mentions]
-    settled = _settled(plain, meant)
-    if settled:
-        return Reading(settled, "answered", f"prose: {_LEVELS[max(m.level for m in meant)]}")
-    left = {one.mention.option for one in meant if one.level > -2}
-    if not left:
-        return Reading(None, "unparsed", "every action it names is rejected")
-    return Reading(None, "unparsed", f"two answers: {', '.join(sorted(left))}")
+def _none_of_them() -> Reading[str]:
+    return Reading(None, "unparsed", "it is none of the options")
 
 
 _LEVELS = {3: "given", 2: "chosen", 1: "concluded", 0: "named", -1: "considered", -2: "rejected"}
-
-
-def _settled(plain: str, meant: Sequence[Meant], least: int = -1) -> str | None:
-    """Return the one option that the strongest words are about, after the last correction."""
-    meant = [one for one in meant if one.level > -2]
-    alone = [one for one in meant if _is_alone_on_its_line(plain, one.mention)]
-    if len({one.mention.option for one in alone}) == 1 and not plain[alone[-1].mention.end :].strip(
-        " .!)"
-    ):
-        return alone[-1].mention.option
-    corrections = [m.end() for m in CORRECTIONS.finditer(plain)]
-    for place in reversed(corrections):
-        later = [one for one in meant if one.mention.start >= place]
-        if later:
-            meant = later
-            break
-    top = max((one.level for one in meant), default=-2)
-    if top < least:
-        return None
-    strongest = [one for one in meant if one.level == top]
-    options = {one.mention.option for one in strongest}
-    if len(options) == 1:
-        return options.pop()
-    if top == 3:
-        marks = [m.start() for m in FINAL.finditer(plain)]
-        last = max((mark for mark in marks if mark < strongest[-1].mention.start), default=0)
-        options = {one.mention.option for one in strongest if one.mention.start > last}
-        return options.pop() if len(options) == 1 else None
-    return None
-
-
-def _is_alone_on_its_line(plain: str, mention: Mention) -> bool:
-    """Whether a mention fills its line, as answers after the reasons do."""
-    start = plain.rfind("\n", 0, mention.start) + 1
-    end = plain.find("\n", mention.end)
-    rest = plain[start : mention.start] + plain[mention.end : end if end >= 0 else len(plain)]
-    return not re.search(r"[^\W\d]", rest)
-
-
-def _one(chosen: str | None, note: str) -> Reading[str]:
-    if chosen is None:
-        return Reading(None, "unparsed", "no option is named")
-    return Reading(chosen, "answered", note)
-
-
-def _numbered(mark: str, offered: Sequence[str]) -> str | None:
-    index = int(mark) - 1 if mark.isdigit() else ord(mark) - ord("a")
-    return offered[index] if 0 <= index < len(offered) else None
-
-
-def _counted(match: re.Match[str], offered: Sequence[str]) -> str | None:
-    if match[1] == "last":
-        return offered[-1]
-    index = _ORDINALS.index(match[1]) if match[1] else _NUMERALS.index(match[2])
-    return offered[index] if index < len(offered) else None
 
 
 def _misspelt(whole: str, offered: Sequence[str]) -> str | None:
@@ -285,66 +257,32 @@ def _misspelt(whole: str, offered: Sequence[str]) -> str | None:
     return scores[0][1] if scores and scores[0][0] >= 0.8 and is_clear else None
 
 
-def _without_echo(plain: str, find: Finder, count: int) -> str:
-    """Drop the list of options and the question, where a model repeats them before it answers."""
-    lines = plain.split("\n")
-    listed = [
-        index
-        for index, line in enumerate(lines)
-        if re.match(r"\s*(?:[-\u2022\u2014+]|\(?(?:\d{1,2}|[a-z])[.):])?\s*", line)
-        and _begins(line, find)
-    ]
-    options = {found.option for index in listed for found in find(lines[index])[:1]}
-    is_list = len(options) >= min(4, count) or (len(options) == count and count > 1)
-    if is_list:
-        run = _longest_run(listed, lines)
-        rest = [line for index, line in enumerate(lines) if index not in run]
-        lines = [
-            line
-            for line in rest
-            if not re.match(
-                r"\s*(?:answer with json|choose the one|choose one|options?:|available actions)",
-                line,
-            )
-        ]
-    text = "\n".join(lines)
-    text = re.sub(
-        r"(?:choose|select|pick)\s+(?:the\s+)?one\s+(?:action|of)[^\n]*?(?::|\n|\.\s|$)", " ", text
+def _as_words(text: str) -> str:
+    return rf"(?<!\w){re.escape(normalise(text))}(?!\w)"
+
+
+def _unless_nothing(name: str) -> str:
+    """The id of an option is as good as its label, but "none" also says that none is right."""
+    return "" if name == NOTHING else name
+
+
+def _begins_one(word: str, words: set[str]) -> bool:
+    return word in words or any(len(word) > 3 and one.startswith(word) for one in words)
+
+
+def _resembling(text: str, labels: Mapping[str, str]) -> Reading[str] | None:
+    """Return the one option whose telling words a short answer has, all or most of them."""
+    words = affirmed_words(text)
+    if not words:
+        return None
+    own = {name: telling_words(label) for name, label in labels.items()}
+    holding = [name for name, label in own.items() if all(_begins_one(w, label) for w in words)]
+    if len(holding) == 1:
+        return Reading(holding[0], "answered", "prose: words of the label")
+    scores = sorted(
+        ((len(label & words) / len(label | words), name) for name, label in own.items() if label),
+        reverse=True,
     )
-    return re.sub(
-        r"(?:options?|actions?|choices|available actions?|possible actions?)(?:\s+(?:are|were|available))?\s*:\s*[^\n]*?(?=\n|[.;]\s|$)",
-        lambda m: " " if len({f.option for f in find(m.group())}) >= 3 else m.group(),
-        text,
-    )
-
-
-def _begins(line: str, find: Finder) -> bool:
-    mark = re.match(r"\s*(?:[-\u2022\u2014+]|\(?(?:\d{1,2}|[a-z])[.):])?\s*", line)
-    start = mark.end() if mark else 0
-    return any(found.start <= start + 1 for found in find(line)[:1])
-
-
-def _longest_run(listed: Sequence[int], lines: Sequence[str]) -> set[int]:
-    """Return the longest stretch of neighbouring lines that list options; blank lines may part them."""
-    runs: list[list[int]] = []
-    for index in listed:
-        if runs and not any(lines[i].strip() for i in range(runs[-1][-1] + 1, index)):
-            runs[-1].append(index)
-        else:
-            runs.append([index])
-    longest_run: list[int] = max(runs, key=len, default=[])
-    return set(longest_run)
-
-
-def _resembling(text: str, named: Mapping[str, str]) -> Reading[str] | None:
-    """Return the option that shares most of its telling words with a short answer."""
-    words = telling_words(text)
-    scores = []
-    for name, label in named.items():
-        own = telling_words(label)
-        if own and words:
-            scores.append((len(own & words) / len(own | words), name))
-    scores.sort(reverse=True)
     if scores and scores[0][0] >= 0.6 and (len(scores) < 2 or scores[1][0] < scores[0][0]):
         return Reading(scores[0][1], "answered", "prose: most words of the label")
     return None

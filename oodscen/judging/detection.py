@@ -1,9 +1,22 @@
 """Read whether a model called a scene out of the ordinary, what, and how surely."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from oodscen.judging.reading import LONGEST, Reading, is_refusal, member, objects, tail, too_long
+from oodscen.judging.languages import ANSWER, IS, NO_WORD, UNUSUAL, USUAL, YES_WORD
+from oodscen.judging.reading import (
+    LONGEST,
+    TWO_ANSWERS,
+    Reading,
+    is_refusal,
+    member,
+    objects,
+    tail,
+    told,
+    too_long,
+)
 from oodscen.judging.wording import CORRECTIONS, normalise
 
 
@@ -21,24 +34,26 @@ def read_aspect(text: str) -> Reading[Detected]:
     """Read whether something was called out of the ordinary, what, and how surely."""
     if len(text) > LONGEST:
         return too_long(text)
-    for value in objects(text):
-        found = member(value, _OOD_KEYS)
-        is_ood = _truth(found)
-        if is_ood is not None:
-            aspect = member(value, _ASPECT_KEYS)
-            sure = _share(member(value, ("confidence", "certainty", "probability", "score")))
-            words = aspect if isinstance(aspect, str) else ""
-            return Reading(
-                Detected(is_ood, words.strip() if is_ood else "", sure), "answered", "JSON"
-            )
+    given = told(text, _from_object, _OOD_KEYS)
+    if given.is_disputed:
+        return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
+    if given.value:
+        later = _detected_in(given.corrected)[0] if given.corrected else None
+        if later in (None, given.value.is_ood):
+            return Reading(given.value, "answered", "JSON")
+        return Reading(_in_words(given.corrected, later), "answered", "prose: corrected")
     plain = normalise(tail(text))
-    verdict, how = _detected(plain)
+    verdict, how = (None, "neither yes nor no") if given.is_void else _detected(plain)
     if verdict is None:
         if is_refusal(text):
             return Reading(None, "refused", "a refusal")
         return Reading(None, "unparsed", how)
-    aspect = _aspect_in(plain) if verdict else ""
-    return Reading(Detected(verdict, aspect, _stated(plain)), "answered", f"prose: {how}")
+    return Reading(_in_words(plain, verdict), "answered", f"prose: {how}")
+
+
+def read_usual(plain: str) -> bool:
+    """Whether a normalised text says that nothing is out of the ordinary."""
+    return _detected(plain)[0] is False
 
 
 def read_description(text: str) -> Reading[str]:
@@ -46,15 +61,58 @@ def read_description(text: str) -> Reading[str]:
     if len(text) > LONGEST:
         return too_long(text)
     for value in objects(text):
-        found = member(value, ("description", "answer", "text", "summary", "caption"))
-        if isinstance(found, str) and found.strip():
-            return Reading(found.strip(), "answered", "JSON")
+        found = _joined(member(value, _DESCRIPTION_KEYS) or value)
+        if sum(char.isalpha() for char in found) >= LEAST_LETTERS:
+            return Reading(found, "answered", "JSON")
     said = tail(text).strip()
-    if is_refusal(said):
+    begun = _BEGUN.match(said)
+    said = said[begun.end() :] if begun else said
+    if is_refusal(said) and len(said) < LONGEST_REFUSAL:
         return Reading(None, "refused", "a refusal")
-    if sum(char.isalpha() for char in said) < 8 or said.startswith("{"):
+    if sum(char.isalpha() for char in said) < LEAST_LETTERS or said.startswith("{"):
         return Reading(None, "unparsed", "no description")
     return Reading(said, "answered", "prose")
+
+
+LEAST_LETTERS = 4
+"""A description has at least so many letters."""
+
+LONGEST_REFUSAL = 600
+"""Whoever writes more than so many characters about a frame has seen it."""
+
+_DESCRIPTION_KEYS = ("description", "answer", "text", "summary", "caption")
+_BEGUN = re.compile(r"""\{\s*["']?description["']?\s*:\s*["']?""", re.IGNORECASE)
+"""An object that breaks off in its description."""
+
+
+def _joined(value: object, depth: int = 3) -> str:
+    """Return the words in a value, whatever they are arranged in."""
+    if isinstance(value, str):
+        return value.strip()
+    inner = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(inner, (list, tuple)) or not depth:
+        return ""
+    return "; ".join(filter(None, (_joined(one, depth - 1) for one in inner)))
+
+
+def _from_object(value: Mapping[str, Any]) -> Detected | None:
+    found = member(value, _OOD_KEYS)
+    if isinstance(found, list) and len(found) == 1:
+        found = found[0]
+    if isinstance(found, dict):
+        return _from_object(found)
+    is_ood = _truth(found)
+    if is_ood is None:
+        return None
+    words = _joined(member(value, _ASPECT_KEYS)) if is_ood else ""
+    if is_ood and words and not re.search(r"\w", words):
+        return None
+    sure = _share(member(value, ("confidence", "certainty", "probability", "score")))
+    return Detected(is_ood, words, sure)
+
+
+def _in_words(plain: str, verdict: bool) -> Detected:
+    return Detected(verdict, _aspect_in(plain) if verdict else "", _stated(plain))
 
 
 _OOD_KEYS = (
@@ -72,15 +130,38 @@ _OOD_KEYS = (
 )
 _ASPECT_KEYS = ("aspect", "ood_aspect", "unusual_aspect", "what", "reason", "description", "label")
 
-_YES_MARK = re.compile(
-    r"(?:\bis ?ood|\bood|\bout of distribution|\bunusual|\banomal(?:y|ous)|\banswer|\bverdict)\s*\??\s*(?::|=|\u2014|is)\s*(yes|no|true|false|ja|nein|s\u00ed|si|oui|non|none|nothing)\b"
+_ALONE = (
+    r"(?=\s*(?:$|[^\w\s])|\s+(?:nothing|it|this|that|there|the|these|i|we|everything|all|not|no)\b)"
 )
-_NO = re.compile(
-    r"\b(?:nothing\s+(?:\w+\s+){0,4}?(?:out\s+of|unusual|abnormal|wrong|strange|remarkable|ood|unexpected|odd|anomal\w+|special|noteworthy|notable)|(?:(?:no|not|without)|\w+n't)\s+(?:\w+\s+){0,4}?(?:unusual|anomal\w+|abnormal\w*|ood|out\s+of\s+(?:the\s+ordinary|distribution)|unexpected|odd|hazards?|strange)"
-    r"|(?<!not )(?<!n't )(?:completely|entirely|perfectly|quite|all|looks?|seems?|appears?|is|are|an?|just)\s+(?!not\b)(?:\w+\s+)?(?:normal|ordinary|typical|routine|usual|in\s+distribution|unremarkable)(?!\s*(?:for|,?\s*but|,?\s*except|hazard))|everything\s+(?:\w+\s+){0,2}(?:fine|normal|ordinary|in\s+order)|in\s+distribution|business\s+as\s+usual)\b"
+"""Follows a "no" that is not said of a noun, as it is in "no markings are visible"."""
+_WORD = rf"yes|true|false|none|nothing|{YES_WORD}|(?:no|{NO_WORD}){_ALONE}"
+_YES_MARK = re.compile(
+    rf"(?:\bis ?ood|\bood|\bout of distribution|\bunusual|\banomal(?:y|ous)|\banswer|\bverdict|\bboxed|\bfinal|(?<![a-z])(?:{ANSWER}))"
+    rf"\s*\??\s*(?::|=|\u2014|\{{|\bis\b|\s{IS}\b)\s*({_WORD})\b(?!\s*(?:or\b|/|\||and\s+no\b|(?:vehicles?|cars?|traffic|lanes?|pedestrians?|idea|way)\b))"
+)
+_FIRST = re.compile(
+    rf"\W*({_WORD}|nope|yeah|yep|\u662f\u7684)(?:\b|(?=\W|$))(?!\s+(?:matter|wonder|doubt|idea|way|vehicles?|cars?|traffic|one|pedestrians?|lanes?|and\s+no|or\s+no)\b)"
+)
+_USUAL = r"(?:normal|ordinary|typical|routine|usual|in\s+distribution|unremarkable)"
+_ODD = r"(?:unusual|anomal\w+|abnormal\w*|ood|out\s+of\s+(?:the\s+ordinary|distribution)|unexpected|odd|strange)"
+_NOT_YES = re.compile(
+    rf"\b(?:nothing|none)\s+(?:(?!whether\b|but\b|{_USUAL})\w+\s+){{0,5}}?(?:out\s+of\s+(?:the\s+ordinary|distribution|place)|wrong|remarkable|special|noteworthy|notable|{_ODD})"
+    rf"|(?:\b(?:no|not|without|cannot|never|neither)|\w+n't)\s+(?:(?!whether\b|if\b|only\b|just\b|tell\b|say\b|sure\b|certain\b|because\b)\w+\s+){{0,5}}?(?:{_ODD}|hazards?)"
+    rf"|(?<!not )(?<!n't )(?:completely|entirely|perfectly|quite|all|looks?|seems?|appears?|is|are|be|an?|just)\s+(?!not\b)(?:\w+\s+)?{_USUAL}(?!\s*(?:for|,?\s*but|,?\s*except|hazard))"
+    rf"|\beverything\s+(?:\w+\s+){{0,2}}(?:fine|normal|ordinary|in\s+order)|\bin\s+distribution|\bbusiness\s+as\s+usual|{USUAL}"
+)
+_NOT_NO = re.compile(
+    rf"\b(?:not|n't|nothing|never|hardly|far\s+from|anything\s+but|isn't|aren't|doesn't|don't)\s+(?:(?!only\b|of\b)\w+\s+){{0,3}}?{_USUAL}\b"
 )
 _YES = re.compile(
-    r"\b(?:unusual|anomal\w+|abnormal|out\s+of\s+(?:the\s+ordinary|distribution)|ood|unexpected(?:ly)?|strange|odd|rare|hazardous|not\s+(?:normal|ordinary|typical|usual))\b"
+    rf"\b(?:{_ODD}|unexpectedly|rare|hazardous|something\s+(?:is|looks|seems)\s+(?:off|wrong|amiss))\b|{UNUSUAL}"
+)
+_UNSAID = re.compile(
+    r"\b(?:whether|if)\s+[^.;,\n]*|\b(?:probability|confidence|likelihood|chance)\s+(?:that|of)\b[^.;,\n]*|\babout\s+half\s+of\s+such[^.\n]*|[^.!?\n]*\?|\bexactly\s+one\s+is\s+right"
+)
+"""What says neither yes nor no: questions, what hangs on a condition, sentences of the question."""
+_OPEN = re.compile(
+    r"\b(?:might|may|could|maybe|perhaps|not\s+sure|unsure|unclear|uncertain|hard\s+to\s+(?:say|tell)|yes\s+and\s+no|either)\b"
 )
 _STATED = re.compile(
     r"(?:confiden(?:ce|t)|certain(?:ty)?|sure|probability|likel(?:y|ihood))\W{0,3}(?:is|of|level|at|:|=|\s)*\s*(\d+(?:[.,]\d+)?)\s*(%|percent|/\s*100?)?"
@@ -100,26 +181,39 @@ def _detected_in(plain: str) -> tuple[bool | None, str]:
     marks = [m[1] for m in _YES_MARK.finditer(plain)]
     if marks:
         return _truth(marks[-1]), "given"
-    first = re.match(
-        r"\W*(yes|no|nope|yeah|yep|true|false|none|nothing)\b(?!\s+(?:matter|wonder|doubt|vehicles?|cars?|traffic|one|pedestrians?|lanes?)\b)",
-        plain,
-    )
-    if first:
+    asked = _UNSAID.sub(" ", plain)
+    first = _FIRST.match(asked)
+    if first and not (first[1] in ("nothing", "none") and re.match(r"\s*\w", asked[first.end() :])):
         return _truth(first[1]), "yes or no"
-    last = re.search(r"(?:^|\n)\W*(yes|no)\W*$", plain)
+    last = re.search(r"(?:^|\n)\W*(yes|no|true|false)\W*$", asked)
     if last:
         return _truth(last[1]), "yes or no"
-    rest = _NO.sub(" ", plain)
-    says_no, says_yes = rest != plain, bool(_YES.search(rest))
-    if says_no and says_yes:
-        return (
-            (True, "but")
-            if re.search(r"\b(?:but|however|except|although|yet|though)\b", plain)
-            else (None, "both yes and no")
-        )
-    if says_no or says_yes:
-        return says_yes, "worded"
-    return None, "neither yes nor no"
+    if _UNDECIDED.search(asked):
+        return None, "undecided"
+    clauses = _BUT.split(asked)
+    worded = [_worded(clause) for clause in clauses]
+    said = [one for one in worded if one is not None]
+    if len(set(said)) > 1 or any(one == "both" for one in said):
+        if _OPEN.search(asked) or said[-1] is not True:
+            return None, "both yes and no"
+        return True, "but"
+    return (bool(said[0]), "worded") if said else (None, "neither yes nor no")
+
+
+_UNDECIDED = re.compile(
+    r"\b(?:not\s+sure\s+(?:if|whether)|unsure|unclear|uncertain|undecided|hard\s+to\s+(?:say|tell)|or\s+not|yes\s+and\s+no)\b"
+)
+_BUT = re.compile(r"\b(?:but|however|except|although|yet|though|while|apart\s+from|aber)\b")
+
+
+def _worded(plain: str) -> bool | str | None:
+    """Say whether a clause calls something out of the ordinary, or says both."""
+    rest, odd = _NOT_NO.subn(" ", plain)
+    rest, usual = _NOT_YES.subn(" ", rest)
+    says_yes = bool(odd or _YES.search(rest))
+    if usual and says_yes:
+        return "both"
+    return says_yes if usual or says_yes else None
 
 
 def _aspect_in(plain: str) -> str:
@@ -129,12 +223,11 @@ def _aspect_in(plain: str) -> str:
     )
     if named:
         return named[1].strip(" ,:'{}")
-    text = re.sub(r"^\W*(?:yes|yeah|yep|true)\b\W*", "", plain)
-    text = _STATED.sub("", text)
-    for sentence in re.split(r"(?<=[.!?])\s+|\n", text):
-        if re.search(r"[a-z]{3}", sentence):
-            return sentence.strip(" .,:;!")[:300]
-    return ""
+    text = _STATED.sub("", _UNSAID.sub(" ", plain)).strip()
+    text = _FIRST.sub("", text, count=1) if _FIRST.match(text) else text
+    sentences = [s for s in re.split(r"(?<=[.!?])\s+|\n", text) if re.search(r"[^\W\d]{2}", s)]
+    telling = [s for s in sentences if _worded(s) in (True, "both")]
+    return (telling or sentences or [""])[0].strip(" .,:;!")[:300]
 
 
 def _stated(plain: str) -> float | None:
@@ -152,36 +245,40 @@ def _stated(plain: str) -> float | None:
 
 
 def _share(value: object) -> float | None:
-    """Return a stated probability: 0.8, "80 %", 80 and "high" are all understood."""
+    """Return a stated probability: 0.8, "80 %", 80, "8/10" and "high" are all understood."""
     if isinstance(value, bool) or value is None:
         return None
     if isinstance(value, str):
         word = value.strip().casefold()
-        if word in _WORDED:
-            return _WORDED[word]
-        number = re.search(r"\d+(?:[.,]\d+)?", word)
+        number = re.search(r"(-?\d+(?:[.,]\d+)?)\s*(?:(%|percent)|(?:/|out\s+of)\s*(\d+))?", word)
         if not number:
-            return None
-        share = float(number.group().replace(",", "."))
-        value = share / 100.0 if "%" in word or "percent" in word else share
-        if "/10" in word.replace(" ", "") and "/100" not in word.replace(" ", ""):
-            value = share / 10.0
-    if not isinstance(value, (int, float)) or value != value or value < 0:
+            return next((share for words, share in _WORDED if re.search(words, word)), None)
+        value = float(number[1].replace(",", "."))
+        if number[2] or number[3]:
+            value /= float(number[3] or 100.0) or 1.0
+            return value if 0.0 <= value <= 1.0 else None
+    if not isinstance(value, (int, float)) or not 0.0 <= value <= 100.0:
         return None
-    if 1.0 < value <= 100.0:
-        value = value / 100.0
-    return float(value) if value <= 1.0 else None
+    if 1.0 < value <= 10.0:
+        return None
+    return float(value) if value <= 1.0 else value / 100.0
 
 
-_WORDED = {
-    "very high": 0.95,
-    "high": 0.9,
-    "medium": 0.7,
-    "moderate": 0.7,
-    "low": 0.55,
-    "very low": 0.5,
-    "certain": 1.0,
-}
+_WORDED = (
+    (
+        r"\b(?:not\s+(?:very\s+|so\s+|at\s+all\s+)?(?:sure|certain|confident)|unsure|uncertain|low|guess)\b",
+        0.55,
+    ),
+    (r"\b(?:absolutely|completely|100|fully)\s+(?:sure|certain|confident)\b|^certain$", 1.0),
+    (r"\b(?:very|extremely|highly)\s+(?:high|sure|certain|confident|likely)\b", 0.95),
+    (
+        r"\b(?:fairly|quite|reasonably|pretty|rather)\s+(?:high|sure|certain|confident|likely)\b",
+        0.8,
+    ),
+    (r"\b(?:medium|moderate\w*|somewhat|probabl[ey])\b", 0.7),
+    (r"\b(?:high|sure|certain|confident)\b", 0.9),
+)
+"""Words for how sure somebody is, and the probability that they are taken for."""
 
 
 def _truth(value: object) -> bool | None:
@@ -190,8 +287,8 @@ def _truth(value: object) -> bool | None:
     if isinstance(value, (int, float)):
         return bool(value) if value in (0, 1) else None
     word = value.strip(" .!'\"").casefold() if isinstance(value, str) else ""
-    if word in ("yes", "true", "yeah", "yep", "ja", "oui", "si", "s\u00ed", "1", "ood", "unusual"):
+    if re.fullmatch(rf"yes|true|yeah|yep|si|1|ood|unusual|{YES_WORD}", word):
         return True
-    if word in ("no", "false", "nope", "none", "nothing", "nein", "non", "0", "normal", "ordinary"):
+    if re.fullmatch(rf"no|false|nope|none|nothing|0|normal|ordinary|{NO_WORD}", word):
         return False
     return None

@@ -65,16 +65,24 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
         return False
     if _worded(aspect) == _worded(path[-1]):
         return True
-    parts = [
-        part for part in re.split(r"[,;.]|\b(?:and|but|or)\b", aspect.casefold()) if part.strip()
-    ]
-    if len(parts) > MOST_THINGS:
+    if len(_parts(aspect)) > MOST_THINGS:
         return False
+    said = affirmed_words(aspect)
+    return bool(_widened(said) & _widened(telling_words(path[-1])))
+
+
+def affirmed_words(text: str) -> set[str]:
+    """Return the telling words of those parts of a text that deny nothing ("no deer")."""
     said: set[str] = set()
-    for part in parts:
+    for part in _parts(text):
         if not _OPPOSITE.search(part):
             said |= telling_words(part)
-    return bool(_widened(said) & _widened(telling_words(path[-1])))
+    return said
+
+
+def _parts(text: str) -> list[str]:
+    parts = re.split(r"[,;.]|\b(?:and|but|or)\b", text.casefold())
+    return [part for part in parts if part.strip()]
 
 
 def _worded(text: str) -> list[str]:
@@ -87,7 +95,7 @@ MOST_THINGS = 6
 
 def telling_words(text: str) -> set[str]:
     """Return the stems of a text's words that are not common in driving texts."""
-    words = re.findall(r"[a-z]+", text.casefold().replace("'s", ""))
+    words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("bour", "bor"))
     return {stem(word) for word in words if word not in COMMON and len(word) > 2}
 
 

@@ -1,12 +1,13 @@
 """What every reader of a model's words shares: the part that counts, objects in it, refusals."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
-from oodscen.extraction import find_objects
-from oodscen.judging.wording import normalise
+from oodscen.extraction import find_objects, is_cut_off
+from oodscen.judging.languages import REFUSAL
+from oodscen.judging.wording import CORRECTIONS, normalise
 
 Value = TypeVar("Value")
 
@@ -15,6 +16,10 @@ LONGEST = 200_000
 
 PROSE = 16_000
 """Of longer prose its beginning and its end are read, in characters."""
+
+
+TWO_ANSWERS = "two answers"
+"""How the note begins where a text gives more than one."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +34,9 @@ class Reading(Generic[Value]):
 
 
 def is_refusal(text: str) -> bool:
-    """Whether a model declines to answer."""
-    return bool(_REFUSAL.search(normalise(tail(text[:20_000]))))
+    """Whether a model declines to answer, or cannot see what it is asked about."""
+    plain = normalise(tail(text[:20_000]))
+    return bool(_REFUSAL.search(plain) or re.search(REFUSAL, plain))
 
 
 _TAGS = r"(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)"
@@ -75,11 +81,76 @@ def objects(text: str) -> Iterator[Mapping[str, Any]]:
 
 def member(value: Mapping[str, Any], names: Sequence[str]) -> Any:
     """Return the first member of one of these names, however they are spelt."""
-    spelt = {re.sub(r"[\W_]+", "", str(key)).casefold(): member for key, member in value.items()}
-    for name in names:
-        if (key := re.sub(r"[\W_]+", "", name).casefold()) in spelt:
-            return spelt[key]
-    return None
+    spelt = _spelt(value)
+    return next((spelt[key] for name in names if (key := _spelling(name)) in spelt), None)
+
+
+def _spelling(name: str) -> str:
+    return re.sub(r"[\W_]+", "", name).casefold()
+
+
+def _spelt(value: Mapping[str, Any]) -> dict[str, Any]:
+    return {_spelling(str(key)): one for key, one in value.items()}
+
+
+@dataclass(frozen=True)
+class Told(Generic[Value]):
+    """What the objects in an answer tell."""
+
+    value: Value | None = None
+    """Of the last object that tells one."""
+    is_disputed: bool = False
+    """Whether another object before it tells something else, and no word in between takes it back."""
+    is_void: bool = False
+    """Whether what was asked for has its place there, and nothing usable in it."""
+    corrected: str = ""
+    """What is said after the last object, where it takes something back; normalised."""
+
+
+def told(
+    text: str, pick: Callable[[Mapping[str, Any]], Value | None], keys: Sequence[str]
+) -> Told[Value]:
+    """Read the objects in an answer.
+
+    Args:
+        text: A model's words.
+        pick: Says what one object tells, if anything.
+        keys: Where what was asked for has its place.
+    """
+    said = spoken(text)
+    values = []
+    is_void = False
+    for value in objects(text):
+        picked = pick(value)
+        if picked is not None:
+            values.append(picked)
+        else:
+            is_void = is_void or _is_void(value, keys)
+    if not values:
+        return Told(is_void=is_void or _is_cut_before(said, keys))
+    gap = (_GAP.findall(said) or [""])[-1]
+    is_disputed = any(value != values[0] for value in values) and bool(_NO_WORDS.fullmatch(gap))
+    after = normalise(said.rpartition("}")[2][:PROSE])
+    return Told(values[0], is_disputed, corrected=after if CORRECTIONS.search(after) else "")
+
+
+_GAP = re.compile(r"\}([^{}]*)\{")
+_NO_WORDS = re.compile(r"(?:[\W_]|\b(?:json|or|and|oder|ou)\b)*", re.IGNORECASE)
+
+
+def _is_void(value: Mapping[str, Any], keys: Sequence[str]) -> bool:
+    """Whether an object has a place for what was asked for, and not just the dots of the question there."""
+    told = [one for key, one in _spelt(value).items() if key in {_spelling(name) for name in keys}]
+    return bool(told) and not (isinstance(told[0], str) and re.fullmatch(r"\W+", told[0]))
+
+
+def _is_cut_before(said: str, keys: Sequence[str]) -> bool:
+    """Whether an answer that should be an object ends before what was asked for."""
+    start = re.search(r"\{\s*[\"']", said)
+    if not start or not is_cut_off(said):
+        return False
+    names = "|".join(re.escape(key) for key in keys)
+    return not re.search(rf"\b(?:{names})[\"']?\s*[:=]", said[start.start() :], re.IGNORECASE)
 
 
 def too_long(text: str) -> Reading[Any]:
@@ -87,8 +158,14 @@ def too_long(text: str) -> Reading[Any]:
     return Reading(None, "unparsed", f"{len(text):,} characters; {LONGEST:,} at most are read")
 
 
+_CANNOT = r"(?:can\s*not|can't|could\s*n[o']t|won't|will\s+not|unable\s+to|not\s+able\s+to|do\s+not|don't|not\s+(?:allowed|permitted)\s+to|decline\s+to|refuse\s+to)"
+_PICTURES = r"(?:image|picture|frame|photo|visual|video|attachment|attached)"
 _REFUSAL = re.compile(
-    r"\b(?:i\s*(?:'m|am)\s+(?:sorry|unable|not\s+able|afraid)|i\s+(?:can\s*not|can't|cannot|won't|will\s+not|must\s+decline|decline|refuse|do\s+not\s+feel|don't\s+feel|am\s+not\s+(?:allowed|permitted))"
-    r"|as\s+an?\s+(?:ai|language\s+model|large\s+language)|(?:unable|not\s+able)\s+to\s+(?:assist|help|comply|provide|answer|process|view|see|analy[sz]e|determine)"
-    r"|against\s+(?:my|our|the)\s+(?:policy|policies|guidelines)|cannot\s+(?:assist|help|comply|fulfil+|provide|process)|can't\s+(?:assist|help|comply|provide)|no\s+(?:image|picture|frame)s?\s+(?:was|were|is|are)\s+(?:provided|attached|visible))\b"
+    rf"\b(?:i\s*(?:'m|am)\s+(?:\w+\s+)?(?:sorry|afraid)\b|i\s+(?:must\s+(?:\w+\s+)?|have\s+to\s+)?(?:decline|refuse)\b"
+    rf"|as\s+an?\s+(?:ai|(?:large\s+)?language|text\s+based)"
+    rf"|{_CANNOT}\s+(?:\w+\s+){{0,2}}?(?:assist|help|comply|provide|answer|process|analy[sz]e|fulfil+|engage|participate|support|respond|offer|feel\s+comfortable|give\s+(?:driving\s+)?advice|make\s+(?:\w+\s+)?(?:decision|choice)s?|choose|select|pick|determine|identify|tell|say|interpret|recommend)\b"
+    rf"|{_CANNOT}\s+(?:(?:actually|directly|currently|really)\s+)?(?:view|see|access|open|display|look\s+at|receive|have\s+access)\b(?:\s+\w+){{0,3}}?\s+{_PICTURES}"
+    rf"|no\s+access\s+to\s+(?:\w+\s+)?{_PICTURES}|(?:no|any)\s+{_PICTURES}s?\s+(?:\w+\s+){{0,2}}?(?:provided|attached|visible|uploaded|received|shown|included)"
+    rf"|(?:provide|upload|attach|share)\s+(?:the|an?|your|some)\s+{_PICTURES}"
+    rf"|(?:unable|not\s+able)\s+to\s+(?:view|see)\b|against\s+(?:my|our|the)\s+(?:policy|policies|guidelines)|content\s+policy)"
 )

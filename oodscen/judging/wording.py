@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from oodscen.judging.languages import ANSWER, CONDITION, DENIAL, FOREIGN_ACTIONS, IS
+
 
 class Mention(NamedTuple):
     """Where a text names an option."""
@@ -27,6 +29,7 @@ _MOVE = (
 
 
 def _sideways(side: str) -> str:
+    other = "right" if side == "left" else "left"
     way = rf"(?:on|in|over|on ?to|in ?to|to|towards?|for)?\s*{_OWN}"
     beside = rf"(?:next|adjacent|neighbou?ring|free|empty|open|outer|inner|oncoming)?\s*{_LANES}?\s*(?:on\s+|to\s+)?{_OWN}"
     edge = r"(?!\s*(?:hand\s+)?(?:edge|shoulder|kerb|curb|side of the road|roadside|verge|away|now|behind|in front|ahead)\b)"
@@ -40,6 +43,7 @@ def _sideways(side: str) -> str:
             rf"lane\s*chang(?:e|ing),?\s+(?:(?:on\s*to|in\s*to|to|towards?)\s+)?{_OWN}{side}",
             rf"(?:overtak(?:e|ing)|pass(?:ing)?|go(?:ing)? (?:a)?round)(?:\s+\w+){{0,3}}\s+(?:on|to|via)\s+the\s+{side}(?:\s+side|\s+lane)?",
             rf"(?:lane|action)\s+{side}\b",
+            rf"(?<={other} )(?:lane\s+)?(?:or|and|/)\s+(?:to\s+)?(?:the\s+)?{side}\b|(?<={other})/{side}\b",
         )
     )
 
@@ -99,7 +103,7 @@ ACTION_WORDS: Mapping[str, str] = {
     ),
     "stop": "|".join(
         (
-            r"(?:brak(?:e|ing)\s+(?:(?:comfortably|normally|smoothly|steadily|moderately|calmly)\s+)?(?:to\s+(?:a\s+)?(?:(?:complete|full|smooth|controlled|comfortable|safe)\s+)?(?:stop|halt|standstill)))",
+            r"(?:brak(?:e|ing)\s+(?:(?:comfortably|normally|smoothly|steadily|moderately|calmly|gently|softly|gradually|slowly)\s+)?(?:to\s+(?:a\s+)?(?:(?:complete|full|smooth|controlled|comfortable|safe)\s+)?(?:stop|halt|standstill)))",
             r"brak(?:e|ing)\s+(?:comfortably|normally|smoothly|steadily|moderately|calmly)|(?:comfortabl[ey]|normal(?:ly)?|smooth(?:ly)?|moderate(?:ly)?|controlled)\s+(?:brak(?:e|ing)|stop)",
             r"(?:slow(?:ing)?(?:\s+down)?|decelerat\w+|com(?:e|ing)|bring(?:ing)?\s+(?:the\s+)?(?:car|vehicle|ego(?:\s+vehicle)?|it))\s+(?:\w+\s+)?to\s+an?\s+(?:(?:complete|full|smooth|controlled|comfortable|safe|gentle)\s+)*(?:stop|halt|standstill)",
             r"(?:a\s+)?(?:complete|full|dead|safe)\s+stop",
@@ -112,7 +116,9 @@ ACTION_WORDS: Mapping[str, str] = {
 """By action id: a regular expression over normalised text (see `normalise`)."""
 
 _NOT_STOP = re.compile(r"\b(?:bus|tram|truck|pit|rest|taxi|coach|non|short)\s*-?\s*$")
-_FINDERS = {name: re.compile(words) for name, words in ACTION_WORDS.items()}
+_FINDERS = {
+    name: re.compile(f"{words}|{FOREIGN_ACTIONS[name]}") for name, words in ACTION_WORDS.items()
+}
 
 
 def normalise(text: str) -> str:
@@ -122,7 +128,12 @@ def normalise(text: str) -> str:
     """
     text = unicodedata.normalize("NFKC", text)
     text = _squeezed(text)
-    text = re.sub(r"[\u200b-\u200f\u2060\ufeff\u00ad]", "", text)
+    text = re.sub(
+        r"[\u200b-\u200f\u2060\ufeff\u00ad\ufe0f\u20e3\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]",
+        "",
+        text,
+    )
+    text = re.sub(r"[\u3002\u3001]", lambda mark: ". " if mark.group() == "\u3002" else ", ", text)
     text = re.sub(r"[\u2018\u2019\u02bc]", "'", text)
     text = re.sub(r"\b(?:[a-z]+)(?:[A-Z][a-z]+)+\b|\b(?:[A-Z][a-z]+){2,}\b", _apart, text)
     text = text.casefold()
@@ -168,7 +179,7 @@ def longest(found: Sequence[Mention]) -> list[Mention]:
 # ------------------------------------------------------------------ how a mention is meant
 
 _NEGATIONS = re.compile(
-    r"\b(?:not|n't|dont|cannot|cant|wont|never|neither|nor|no|isnt|doesnt|shouldnt|nicht|kein\w*|statt|pas"
+    r"\b(?:not|n't|dont|cannot|cant|wont|never|neither|nor|no|isnt|doesnt|shouldnt|nicht|kein\w*|statt|anstatt|ohne|sans|sin|pas|au\s+lieu\s+de|en\s+lugar\s+de"
     r"|instead\s+of|rather\s+than|(?:as\s+)?opposed\s+to|rul(?:e|es|ed|ing)\s+out|reject(?:s|ed|ing)?|exclud(?:e|ed|ing)"
     r"|discard(?:ed|ing)?|dismiss(?:ed|ing)?|unsafe\s+to|dangerous\s+to|risky\s+to|too\s+(?:late|dangerous|risky|close|fast)\s+to|impossible\s+to"
     r"|(?:unnecessary|unwise|mistake|wrong|reckless|foolish|fatal)\s+to|(?:worst|bad)\s+(?:choice|option|idea|action)\s+(?:is|would\s+be)|hardly|less\s+\w+\s+than|better\s+than|safer\s+than|over\s+just)\b"
@@ -196,6 +207,13 @@ _HEDGES = re.compile(
 _HEDGED_AFTER = re.compile(
     r"^\s*(?:could|might|may|is\s+(?:an|one|another)\s+option|(?:is|would\s+be|seems)\s+(?:also\s+)?(?:possible|feasible|tempting|acceptable|an\s+option))\b"
 )
+_CONDITIONED = re.compile(
+    r"\b(?:if|unless|in\s+case)\b[^,]*,[^,]*$|\b(?:otherwise|else|if\s+not)\b[^.;!?\n]*$"
+)
+_LATER_CHOICE = re.compile(
+    r"\b(?:second|2nd|third|3rd|alternative|alternatively|backup|back\s+up|fallback|runner\s+up|next\s+best)\b[^.;!?\n]*$"
+)
+_CLAUSE = re.compile(r"[.;!?,:\n\u2014]")
 _FALLBACK = re.compile(r"\bor\s+(?:\w+\s+)?$")
 _CONDITION = re.compile(r"^\s*(?:if|when|in\s+case|should|as\s+needed|only\s+if)\b")
 _MARKED_WRONG = re.compile(r"^\s*(?:[(:\u2014-]\s*)?(?:no\b|\u274c|\u2717|\u2718|\u00d7)")
@@ -204,8 +222,12 @@ CORRECTIONS = re.compile(
     r"|i\s+take\s+(?:that|it)\s+back|i\s+(?:was\s+wrong|misspoke|meant|mean)\b|sorry,|oops|hmm,?\s+no|strike\s+that|revis(?:ed|ing|ion)\b|changed?\s+my\s+mind|edit:|my\s+mistake)"
 )
 FINAL = re.compile(
-    r"(?:final(?:ly)?\s+(?:answer|choice|decision|action|verdict|selection|output|recommendation)|\banswer|\bans|\bverdict|\bfinal|\baction|\bchoice|\bdecision|\bchosen(?:\s+action)?|\bselected(?:\s+action)?|\bselection|\brecommendation|\bconclusion|\boutput|\bresult|\bboxed|<\s*(?:answer|action|choice|final)\b[^a-z]*)"
-    r"\s*(?:is|was|would\s+be|=+|:+|\u2014|->|\u2192|\{|\(|\)|\]|\s)+\s*(?:to\s+|option\s+|action\s+)?"
+    r"(?:final(?:ly)?\s+(?:answer|choice|decision|action|verdict|selection|output|recommendation)|\banswer|\bans|\bverdict|\bfinal|\baction|\bchoice|\bdecision|\bchosen(?:\s+action)?|\bselected(?:\s+action)?|\bselection|\brecommendation|\bconclusion|\boutput|\bresult|\bboxed|(?<![a-z])(?:"
+    + ANSWER
+    + r")|<\s*(?:answer|action|choice|final)\b[^a-z]*)"
+    r"\s*(?:is|"
+    + IS
+    + r"|was|would\s+be|=+|:+|\u2014|->|\u2192|\{|\(|\)|\]|\s)+\s*(?:to\s+|option\s+|action\s+)?"
 )
 CHOICE = re.compile(
     r"\b(?:i\s+(?:\w+\s+)?(?:choose|pick|select|vote|opt|go|recommend|suggest|advise|decide|will|would|shall|should|must|need|want|take|prefer|say)"
@@ -245,13 +267,17 @@ def meaning(text: str, mention: Mention) -> Meant:
     stop = re.search(r"[.;!\n]|\?", rest)
     after = rest[: stop.start()] if stop else rest
     is_question = bool(stop and stop.group() == "?")
-    if _is_rejected(before, after):
+    if _is_rejected(before, after) or _is_denied(before, after):
         return Meant(mention, -2)
     scope = before[_last_end(_SCOPE_ENDS, before, but=r"because|since|:") :]
     if is_question or (_FALLBACK.search(before) and _CONDITION.search(after)):
         return Meant(mention, -1)
+    if _LATER_CHOICE.search(before):
+        return Meant(mention, -1)
     if FINAL.search(before) and _reaches(FINAL, before):
         return Meant(mention, 3)
+    if _CONDITIONED.search(scope) or CONDITION.search(before):
+        return Meant(mention, -1)
     if _reaches(CHOICE, before):
         return Meant(mention, 2)
     if _HEDGES.search(scope) or _HEDGED_AFTER.search(after):
@@ -277,6 +303,12 @@ def _is_rejected(before: str, after: str) -> bool:
         return True
     clause = re.split(r"[,;\u2014]|\b(?:because|since|but|so|and|as|which|while)\b", after)[0]
     return bool(_AFTERWARDS.search(clause))
+
+
+def _is_denied(before: str, after: str) -> bool:
+    """Whether another language denies a name anywhere in its clause, as it often does after it."""
+    clause = before[_last_end(_CLAUSE, before) :] + " \n " + _CLAUSE.split(after, maxsplit=1)[0]
+    return bool(DENIAL.search(clause))
 
 
 def _last_end(pattern: re.Pattern[str], text: str, but: str = "") -> int:

@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen.errors import Issue
 from oodscen.messages import Image, Message
 from oodscen.prompts.base import Prompt
 
@@ -33,6 +34,12 @@ class DescribeFrame(Prompt[FrameDescription]):
     def images(self) -> tuple[Image, ...]:
         """Return the frame to be described."""
         return self.frames[-1:]
+
+    def check(self, answer: FrameDescription) -> list[Issue]:
+        """It holds words, not the dots of the question."""
+        if not any(char.isalnum() for char in answer.description):
+            return [Issue("description", "there is none")]
+        return []
 
 
 def frame_turns(frames: tuple[Image, ...], descriptions: tuple[str, ...]) -> tuple[Message, ...]:

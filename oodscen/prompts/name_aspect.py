@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen.errors import Issue
 from oodscen.messages import Image, Message
 from oodscen.prompts.base import Prompt
 from oodscen.prompts.describe_frame import DescribeFrame, frame_turns
@@ -35,3 +36,9 @@ class NameAspect(Prompt[OodAspect]):
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
         return frame_turns(self.frames, self.descriptions)
+
+    def check(self, answer: OodAspect) -> list[Issue]:
+        """The aspect is not the dots of the question."""
+        if answer.is_ood and answer.aspect and not any(char.isalnum() for char in answer.aspect):
+            return [Issue("aspect", "name it, or leave it empty")]
+        return []
