@@ -165,7 +165,7 @@ class BuiltinAuthor:
         rng = self._stream(request)
         hazard = self._imagination.hazard(prompt, rng)
         return ImaginedScenario(
-            reasoning=f"Rarely met in ordinary traffic, where {hazard.ordinary}.",
+            reasoning=f"Rarely met in ordinary traffic, where {hazard.ordinary[0]}.",
             text=self._composer.text(hazard, rng),
         )
 

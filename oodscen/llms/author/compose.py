@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from oodscen.llms.author.agreement import Agreement, Setting
 from oodscen.llms.author.approach import approach
 from oodscen.llms.author.constructions import (
     CONSTRUCTIONS,
@@ -68,6 +69,7 @@ class Composer:
     def __init__(self, knowledge: Knowledge) -> None:
         """Write with the words of a knowledge base."""
         self.knowledge = knowledge
+        self._agreement = Agreement(knowledge)
 
     def text(self, hazard: Hazard, rng: np.random.Generator, style: Style = "natural") -> str:
         """Write one text."""
@@ -119,19 +121,22 @@ class Composer:
             condition = self.knowledge.condition_keys.get(key)
         phrases = condition.phrases if condition else ()
         statements = condition.statements if condition else ()
-        events = list(hazard.events)
+        setting = Setting(place=place.key, conditions=(condition.key,) if condition else ())
         wheres = list(place.phrases)
+        events = list(hazard.events)
         if style == "terse":
             wheres = [phrase for phrase in wheres if nominal(phrase)] or wheres
-            short = [event for event in events if len(event.split()) <= _TERSE_EVENT]
-            events = short or [min(events, key=len)]
+            events = self._short(hazard, setting)
+        fit = [self._agreement.suits(event, setting) for event in events]
+        event = turns.first(f"event {len(events)}", events, fit) or events[0]
+        details = self._agreement.suiting(hazard.details, setting)
         opening = turns.next("opening", self.knowledge.wording.openings)
         named_place = f"place {place.key} {len(wheres)}"
         where = turns.next(named_place, wheres)
         if where.startswith(("on ", "in ", "inside ")) and rng.random() < _BRIEF_SHARE[style]:
             opening = _BRIEF_OPENING
         return Plot(
-            event=turns.next("event", events),
+            event=event,
             place=place,
             where=where,
             condition=condition,
@@ -140,18 +145,30 @@ class Composer:
             if condition and statements
             else "",
             is_act=hazard.class_name == "interactional",
-            traffic=self._traffic(hazard, place, rng, _TRAFFIC_SHARE[style]),
+            traffic=self._traffic(hazard, event, place, rng, _TRAFFIC_SHARE[style]),
             opening=opening,
-            detail=_pick(rng, hazard.details)
-            if hazard.details and rng.random() < _DETAIL_SHARE[style]
-            else "",
+            detail=_pick(rng, details) if details and rng.random() < _DETAIL_SHARE[style] else "",
             has_pronoun=style != "first-person",
         )
 
-    def _traffic(self, hazard: Hazard, place: Place, rng: np.random.Generator, share: float) -> str:
+    def _short(self, hazard: Hazard, setting: Setting) -> list[str]:
+        """Return the events for a terse text: the short ones, else the shortest that suits."""
+        short = [event for event in hazard.events if len(event.split()) <= _TERSE_EVENT]
+        if not self._agreement.suiting(short, setting):
+            suiting = self._agreement.suiting(hazard.events, setting) or hazard.events
+            return [min(suiting, key=len)]
+        return short
+
+    def _traffic(
+        self, hazard: Hazard, event: str, place: Place, rng: np.random.Generator, share: float
+    ) -> str:
         if not hazard.traffic or rng.random() > share:
             return ""
-        fitting = [t for t in self.knowledge.traffic if _met_on(t, place)]
+        fitting = [
+            t
+            for t in self.knowledge.traffic
+            if _met_on(t, place) and self._agreement.suits(event, Setting(traffic=t.key))
+        ]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 
     def _located(

@@ -10,6 +10,9 @@ from oodscen.prompts.describe_path import Style
 _LONG_EVENT = 17
 """Words from which on an event has a sentence of its own."""
 
+KEEPS_ON = "keeps to its lane at the usual speed"
+"""What a full account says of the ego before anything happens."""
+
 
 @dataclass(frozen=True)
 class Plot:
@@ -68,6 +71,11 @@ def nominal(where: str) -> str:
     return found[1] if found else ""
 
 
+def standing(where: str) -> str:
+    """Return the place where something is that does not move: `on a coast road` of `along a coast road`."""
+    return re.sub(r"^along (?=an? )", "on ", where)
+
+
 def starts_plainly(plot: Plot) -> bool:
     """Tell whether the event begins with its subject."""
     if _PLAIN.match(plot.event) is not None:
@@ -114,7 +122,7 @@ def _introduces(plot: Plot) -> bool:
 
 def _fits_weather(plot: Plot) -> bool:
     """Tell whether place and weather can follow one another without two equal prepositions."""
-    return bool(plot.weather) and plot.weather.split()[0] != plot.where.split()[0]
+    return bool(plot.weather) and plot.weather.split()[0] != standing(plot.where).split()[0]
 
 
 # ------------------------------------------------------------------ parts of sentences
@@ -126,13 +134,18 @@ def _sentence(*parts: str) -> str:
 
 
 def _it(plot: Plot) -> str:
-    if not plot.has_pronoun:
+    if not plot.has_pronoun or plot.traffic:
         return plot.event
     return re.sub(r"^(The ego vehicle|Ego)(?= )", "It", plot.event)
 
 
 def _clause(event: str) -> str:
     return event if event.startswith("Ego") else event[0].lower() + event[1:]
+
+
+def _at(plot: Plot) -> str:
+    """Return the place of something that need not move along it."""
+    return standing(plot.where)
 
 
 def _opening(plot: Plot) -> str:
@@ -177,23 +190,23 @@ def _occurring(plot: Plot) -> str:
 
 
 def _place_first(plot: Plot) -> str:
-    return _after(plot, _sentence(plot.where, plot.weather, ",", _clause(plot.event)))
+    return _after(plot, _sentence(_at(plot), plot.weather, ",", _clause(plot.event)))
 
 
 def _place_alone(plot: Plot) -> str:
-    return _after(plot, _sentence(plot.where, ",", _clause(plot.event)))
+    return _after(plot, _sentence(_at(plot), ",", _clause(plot.event)))
 
 
 def _weather_and_place(plot: Plot) -> str:
-    return _after(plot, _sentence(plot.weather, plot.where, ",", _clause(plot.event)))
+    return _after(plot, _sentence(plot.weather, _at(plot), ",", _clause(plot.event)))
 
 
 def _stated_place(plot: Plot) -> str:
-    return f"{_sentence(plot.statement)} {_sentence(plot.where, ',', _clause(plot.event))}"
+    return f"{_sentence(plot.statement)} {_sentence(_at(plot), ',', _clause(plot.event))}"
 
 
 def _stated_last(plot: Plot) -> str:
-    return f"{_sentence(plot.where, ',', _clause(plot.event))} {_sentence(plot.statement)}"
+    return f"{_sentence(_at(plot), ',', _clause(plot.event))} {_sentence(plot.statement)}"
 
 
 def _meanwhile(plot: Plot) -> str:
@@ -224,13 +237,15 @@ def _doing(plot: Plot) -> str:
 
 def _line(plot: Plot) -> str:
     noun = re.sub(r"^(?:an?|the) ", "", nominal(plot.where)) or plot.where
-    event = plot.event.replace(" metres ", " m ")
+    event = re.sub(r"(?<=\d) metres\b", " m", plot.event)
     return _sentence(noun, plot.weather, ":", _clause(event))
 
 
 def _account(plot: Plot) -> str:
     first = _sentence(plot.opening, plot.where, _aside(plot))
-    first += " It keeps to its lane at the usual speed." if plot.has_pronoun else ""
+    if plot.has_pronoun:
+        subject = "The ego vehicle" if plot.traffic else "It"
+        first += f" {subject} {KEEPS_ON}."
     second = _sentence(plot.statement) if plot.statement else ""
     last = _sentence(plot.detail) if plot.detail else ""
     return " ".join(part for part in (first, second, _sentence(_it(plot)), last) if part)
@@ -266,12 +281,7 @@ _PLACE_FIRST = Construction(
 _PLACE_ALONE = Construction(_place_alone, _leads, names_ego=False)
 _WEATHER_AND_PLACE = Construction(
     _weather_and_place,
-    lambda plot: (
-        _leads(plot)
-        and _fits_weather(plot)
-        and "," not in plot.weather
-        and not plot.where.startswith("along")
-    ),
+    lambda plot: _leads(plot) and _fits_weather(plot) and "," not in plot.weather,
     names_ego=False,
 )
 _STATED_PLACE = Construction(

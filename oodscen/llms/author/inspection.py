@@ -140,7 +140,7 @@ def _wording(hazard: Hazard, recogniser: Recogniser) -> Iterator[Issue]:
         if word.casefold() in seen:
             yield Issue(f"words[{i}]", f"{word!r} occurs twice")
         seen.add(word.casefold())
-    if len(hazard.ordinary.split()) < 3:
+    if any(len(clause.split()) < 3 for clause in hazard.ordinary):
         yield Issue("ordinary", "say in a clause what the ordinary counterpart is")
 
 

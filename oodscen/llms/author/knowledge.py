@@ -1,5 +1,6 @@
 """The knowledge base: what the built-in author knows of hazards. `shelf` reads it from files."""
 
+import re
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -191,8 +192,8 @@ class Hazard(Data):
     """Sentences about the consequence, added now and then."""
     traffic: bool = False
     """Whether ordinary traffic may be mentioned beside it."""
-    ordinary: str
-    """The ordinary counterpart as a clause."""
+    ordinary: Names = Field(min_length=1)
+    """The ordinary counterpart as a clause; of several the first is told that suits where it is."""
     needs: Needs = Needs()
     source: str = ""
     stage: Recipe | None = None
@@ -243,6 +244,36 @@ class Traffic(Data):
     """Of the maps on which it can be met."""
     phrases: tuple[str, ...] = Field(min_length=1)
     actor: TrafficActor | None = None
+
+
+class Clash(Data):
+    """Words that do not go with some places, weather or traffic."""
+
+    words: Names = Field(min_length=1)
+    """Whole words; a star stands for any ending."""
+    places: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    traffic: tuple[str, ...] = ()
+    why: str = ""
+
+    @cached_property
+    def pattern(self) -> re.Pattern[str]:
+        """What finds the words in a text."""
+        words = "|".join(re.escape(word).replace(r"\*", r"\w*") for word in self.words)
+        return re.compile(rf"(?<![\w-])(?:{words})(?![\w-])", re.IGNORECASE)
+
+
+class Driving(Data):
+    """What else is ordinary while the ego of an ordinary twin drives on."""
+
+    phrases: tuple[str, ...] = Field(min_length=1)
+    """Clauses that call the ego `the ego vehicle`."""
+    places: tuple[str, ...] = ()
+    """Where it can be said; empty for any road."""
+    conditions: tuple[str, ...] = ()
+    """When; empty for any."""
+    others: Literal["none", "ahead", "around"] = "none"
+    """Where it puts other road users: in front of the ego, or elsewhere around it."""
 
 
 class Company(Data):
@@ -302,6 +333,8 @@ class Knowledge(Data):
     places: tuple[Place, ...]
     conditions: tuple[Condition, ...]
     traffic: tuple[Traffic, ...] = ()
+    clash: tuple[Clash, ...] = ()
+    driving: tuple[Driving, ...] = ()
     company: tuple[Company, ...] = ()
     things: tuple[Things, ...] = ()
     substitute: tuple[Substitute, ...] = ()

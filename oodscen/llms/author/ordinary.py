@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.llms.author.constructions import nominal
+from oodscen.llms.author.agreement import Agreement, Setting
+from oodscen.llms.author.constructions import KEEPS_ON, nominal, standing
 from oodscen.llms.author.knowledge import Hazard, Knowledge
 from oodscen.llms.author.naming import Name, named
 from oodscen.llms.author.recognise import Recogniser
@@ -31,23 +32,28 @@ _ROAD = re.compile(
     re.IGNORECASE,
 )
 _LINK = r"(?:\s*[,:;]\s*(?:and |when |while )?|\s+(?:and|when|while) |\s+|(?=\.?$))"
+_NOWHERE = re.compile(rf"(?:(?<=^)|(?<=, )|(?<=\. )){_DRIVES}\s*$", re.IGNORECASE)
+"""Somebody drives, and where is part of the event."""
+_HAPPENS = "It happens "
 _SENTENCES = re.compile(r"(?<=[.!?])\s+(?=[A-Z\d])")
 _SLACK = 3
 """Words by which a twin may be shorter than its text before something ordinary is added."""
-_ANY_ROAD = "the lane ahead is clear and traffic moves along as usual"
-_TAILS = (
-    "and traffic flows freely",
-    "and the ego vehicle drives on",
-    "and traffic moves at a steady speed",
-    "and the ego vehicle continues in its lane",
-    "and the ego vehicle keeps its lane and its speed",
-    "and the ego vehicle follows the car in front at a steady speed",
-    "and the ego vehicle drives straight on with the traffic at an even speed",
-    "and the ego vehicle goes straight on behind a white car that moves at the same speed",
-    "and the ego vehicle continues in its lane behind a car while others pass on the other side of the road",
-    "and the ego vehicle drives straight on behind a grey car and a bus, all of them at an even speed in their own lanes",
+_NEAREST = 8
+"""Clauses about ordinary driving, of those whose length fits best, among which is drawn."""
+_REPEATED = 1.0
+"""Words of wrong length that one word said before counts for."""
+_ANY_ROAD = (
+    "the lane ahead is clear and traffic moves along as usual",
+    "the lane ahead is clear and nothing moves in it",
 )
-"""What ordinary traffic does, to give a twin its text's length; by number of words."""
+_CLEAR = re.compile(r"\b(?:clear|open|free|intact|even|clean|nothing)\b")
+_AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|waits?|comes the other way)\b")
+_EMPTY = "quiet"
+"""Key of the traffic that is none."""
+_LITTLE = frozenset(
+    "a an and as at by i in is it its me my of on the to with ego vehicle car up one that".split()
+)
+"""Words that may come twice."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +71,12 @@ class OrdinaryAuthor:
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
         """Know the phrases for road, weather and traffic, and what is ordinary instead of what."""
         self._recogniser = recogniser
+        self._agreement = Agreement(knowledge)
+        self._driving = knowledge.driving
         self._details = {plain(detail) for hazard in knowledge.hazards for detail in hazard.details}
         frame = _alternatives(_frames(knowledge))
+        weather = (p for c in knowledge.conditions for p in (*c.phrases, *c.statements))
+        self._weather = re.compile(_alternatives(weather), re.IGNORECASE)
         self._lead = re.compile(rf"(?:(?:{frame}|{_DRIVES}){_LINK})+", re.IGNORECASE)
         self._trail = re.compile(
             rf"(?:,? while (?:{_DRIVES}|{_EGO})(?: (?:{frame}))*)\.?$", re.IGNORECASE
@@ -89,12 +99,22 @@ class OrdinaryAuthor:
             place = len(parts) - 1
             parts[place] = _Part("", _whole(parts[place]), "")
         length = len(plain(text).split())
+        event = parts[place]
         kept = [part for n, part in enumerate(parts) if n == place or not part.event]
-        room = length - sum(len(plain(part.lead + part.trail).split()) for part in kept)
-        if parts[place].trail:
-            room = 0
-        clause = named(self._ordinary(hazard, room, rng), _name(text))
-        return " ".join(_worded(part, clause) if part.event else _whole(part) for part in kept)
+        if not event.lead and not event.trail and kept[-1] is not event:
+            event, kept = _placed_first(event, kept)
+        frame = " ".join(part.lead + part.trail for part in kept)
+        room = 0 if event.trail else length - len(plain(frame).split())
+        setting = self._setting(frame, text, hazard)
+        clause = self._counterpart(hazard, setting)
+        name = _name(text)
+        last = _worded(event, named(clause, name))
+        missing = room - len(clause.split())
+        if missing > _SLACK:
+            told = f"{frame} {clause}"
+            more = _told_by(self._more(clause, told, missing, setting, rng), name)
+            last = _lengthened(last, more, is_joined=_is_joined(event.lead, clause))
+        return " ".join(last if part is event else _whole(part) for part in kept)
 
     def _is_event(self, part: _Part) -> bool:
         return bool(part.event) and plain(part.event) not in self._details
@@ -104,7 +124,8 @@ class OrdinaryAuthor:
         is_placed = False
         for sentence in _SENTENCES.split(text.strip()):
             part = self._apart(sentence, is_placed)
-            is_placed = is_placed or _ROAD.search(part.lead) is not None
+            lead = self._weather.sub("", part.lead)
+            is_placed = is_placed or _ROAD.search(lead) is not None
             yield part
 
     def _apart(self, sentence: str, is_placed: bool) -> _Part:
@@ -130,22 +151,98 @@ class OrdinaryAuthor:
         end = trail.start() if trail is not None else len(sentence.rstrip("."))
         return _Part(sentence[:cut], sentence[cut:end], sentence[end:].rstrip("."))
 
-    def _ordinary(self, hazard: Hazard | None, room: int, rng: np.random.Generator) -> str:
-        """Return an ordinary clause of about so many words."""
-        clause = hazard.ordinary if hazard is not None else _ANY_ROAD
-        missing = room - len(clause.split())
-        if missing <= _SLACK:
-            return clause
-        fitting = [tail for tail in _TAILS if "traffic" not in tail or "traffic" not in clause]
-        fitting.sort(key=lambda tail: abs(len(tail.split()) - missing))
-        tail = fitting[int(rng.integers(3))]
-        return f"{clause}, {tail}"
+    def _setting(self, frame: str, text: str, hazard: Hazard | None) -> Setting:
+        """Return where and when what is kept of a text happens, as far as it says."""
+        known = self._recogniser
+        place = known.place(frame) or known.place(text, hazard.places if hazard else ())
+        traffic = known.traffic(frame)
+        return Setting(
+            place=place.key if place else "",
+            conditions=tuple(one.key for one in known.conditions(frame)),
+            traffic=traffic.key if traffic else "",
+        )
+
+    def _counterpart(self, hazard: Hazard | None, setting: Setting) -> str:
+        """Return the first ordinary counterpart that suits, without others where nobody is there."""
+        options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
+        suiting = self._agreement.suiting(options, setting)
+        return suiting[0] if suiting else _ANY_ROAD[0]
+
+    def _more(
+        self, clause: str, told: str, missing: int, setting: Setting, rng: np.random.Generator
+    ) -> str:
+        """Return something ordinary of about so many words that adds to what is told already."""
+        allowed = {"none", "ahead", "around"}
+        if setting.traffic == _EMPTY:
+            allowed = {"none"}
+        elif _CLEAR.search(clause) or _AHEAD.search(clause) or setting.traffic:
+            allowed = {"none", "around"}
+        fitting = [
+            phrase
+            for driving in self._driving
+            if driving.others in allowed
+            and (not driving.places or setting.place in driving.places)
+            and (not driving.conditions or set(setting.conditions) & set(driving.conditions))
+            for phrase in driving.phrases
+            if self._agreement.suits(phrase, setting)
+        ]
+        if "traffic" in clause:
+            fitting = [phrase for phrase in fitting if "traffic" not in phrase]
+        said = set(plain(told).split()) - _LITTLE
+        fitting.sort(key=lambda phrase: _misfit(phrase, missing, said))
+        return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
+
+
+def _misfit(phrase: str, missing: int, said: set[str]) -> float:
+    words = plain(phrase).split()
+    return abs(len(words) - missing) + _REPEATED * len(said & set(words))
+
+
+def _placed_first(event: "_Part", kept: "list[_Part]") -> "tuple[_Part, list[_Part]]":
+    """Let the event come after what says where the ego is."""
+    rest = [part for part in kept if part is not event]
+    where = rest[-1].lead
+    if where.startswith(_HAPPENS):
+        bare = where.removeprefix(_HAPPENS).rstrip(".")
+        event = _Part(f"{bare[0].upper()}{bare[1:]}, ", event.event, "")
+        rest = rest[:-1]
+    return event, [*rest, event]
+
+
+def _is_joined(lead: str, clause: str) -> bool:
+    """Tell whether so much is joined already that a further clause needs its own sentence."""
+    return (
+        " and " in clause
+        or ", " in clause
+        or re.search(r"\b(?:and|while|when) $", lead) is not None
+    )
+
+
+def _lengthened(text: str, more: str, *, is_joined: bool) -> str:
+    if not more:
+        return text
+    if is_joined:
+        return f"{text} {more[0].upper()}{more[1:]}."
+    return f"{text.rstrip('.')}, and {more}."
+
+
+def _told_by(clause: str, name: Name) -> str:
+    """Return a clause about the ego vehicle as a text that gives it a name would tell it."""
+    subject = "the ego vehicle "
+    if name != "I" or not clause.startswith(subject):
+        return named(clause, name)
+    verb, _, rest = clause.removeprefix(subject).partition(" ")
+    verb = {"has": "have", "is": "am"}.get(verb, re.sub(r"(?<=ss|go)es$|s$", "", verb))
+    return re.sub(r"\bits\b", "my", f"I {verb} {rest}".rstrip())
 
 
 def _worded(part: _Part, clause: str) -> str:
     lead = re.sub(r"\bwhen $", "while ", part.lead)
+    lead = _NOWHERE.sub("", lead)
+    if " and " in clause:
+        lead = re.sub(r",? and $", ". ", lead)
     lead = re.sub(r"^Driving (\w)", lambda m: m[1].upper(), lead)
-    is_start = not lead or lead.rstrip().endswith(".")
+    is_start = not lead or lead.endswith((".", ". "))
     first = clause[0].upper() if is_start else clause[0]
     return f"{lead}{first}{clause[1:]}{part.trail}."
 
@@ -168,6 +265,7 @@ def _frames(knowledge: Knowledge) -> Iterator[str]:
     for place in knowledge.places:
         for phrase in place.phrases:
             yield phrase
+            yield standing(phrase)
             noun = nominal(phrase)
             if noun:
                 yield noun
@@ -180,6 +278,8 @@ def _frames(knowledge: Knowledge) -> Iterator[str]:
             yield phrase
             yield phrase.removeprefix("while ")
     yield from ("the scene is", "it happens", "driving")
+    for subject in ("it", "ego", "the ego vehicle"):
+        yield f"{subject} {KEEPS_ON}"
 
 
 def _alternatives(phrases: Iterable[str]) -> str:

@@ -68,7 +68,7 @@ SETTINGS = _patterns(
     weather clear       (?:clear|fine|sunny|bright|good)(?:,? (?:and )?(?:clear|sunny|dry|bright|warm))* (?:weather|day|sky|skies|conditions|night|sunset|sunrise|morning|afternoon|evening)(?: conditions)?
     weather clear       weather is (?:fine|clear|good)|sunny|cloudless|(?:bright|brilliant) sunshine|dry,? clear conditions|clear,? dry day
     weather cloudy      overcast|cloudy|(?:heavy|low|thick|dense) clouds?|(?:grey|gray|leaden) (?:sky|day)|dull (?:day|daylight|weather|light|morning)
-    weather heavy_rain  torrential(?: rain)?|(?:heavy|hard|pouring|driving|lashing|intense) rain(?:fall|y)?|(?:hard|heavily) rain(?:y|ing)|rain(?:ing|s)? heavily|downpour|cloudburst|rainstorm|pouring
+    weather heavy_rain  torrential(?: rain)?|(?:heavy|hard|pouring|driving|lashing|intense) rain(?:fall|y)?|(?:hard|heavily) rain(?:y|ing)|rain(?:ing|s)? heavily|downpour|cloudburst|rainstorm|pouring(?! (?:an?|the|out|into|from|over)\b)
     weather light_rain  (?:light|gentle|soft|slight) rain|drizzl(?:e|es|ing|y)|rain(?:ing|s)? lightly
     weather rain        rain(?:s|ing|y|fall)?|(?:light|steady|freezing|gentle|mid-)rainy?
     weather heavy_snow  heavy snow(?:fall)?|(?:unusually |very )?heavy snowfall|blizzard|snowstorm|snow(?:s|ing) heavily|whiteout

@@ -11,8 +11,10 @@ from typing import Any
 from oodscen._data import Data
 from oodscen.errors import DataError, Issue
 from oodscen.llms.author.knowledge import (
+    Clash,
     Company,
     Condition,
+    Driving,
     Hazard,
     Knowledge,
     Paper,
@@ -28,6 +30,8 @@ _TABLES: dict[str, type[Data]] = {
     "place": Place,
     "condition": Condition,
     "traffic": Traffic,
+    "clash": Clash,
+    "driving": Driving,
     "company": Company,
     "things": Things,
     "substitute": Substitute,
@@ -93,6 +97,8 @@ class Shelf:
             places=tuple(place for _, place in self.entries["place"]),
             conditions=tuple(conditions.values()),
             traffic=tuple(traffic for _, traffic in self.entries["traffic"]),
+            clash=tuple(clash for _, clash in self.entries["clash"]),
+            driving=tuple(driving for _, driving in self.entries["driving"]),
             company=tuple(company for _, company in self.entries["company"]),
             things=tuple(things for _, things in self.entries["things"]),
             substitute=tuple(one for _, one in self.entries["substitute"]),

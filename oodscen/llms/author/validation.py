@@ -5,8 +5,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from oodscen.errors import DataError, Issue
+from oodscen.llms.author.agreement import Agreement, Setting
 from oodscen.llms.author.anchors import LANDMARKS
-from oodscen.llms.author.knowledge import Hazard, Knowledge, Recipe
+from oodscen.llms.author.knowledge import Clash, Driving, Hazard, Knowledge, Recipe
 from oodscen.llms.author.shelf import gather
 from oodscen.scene import Weather
 
@@ -32,8 +33,15 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
         return issues
     entries: list[tuple[str, Hazard]] = shelf.entries["hazard"]
     issues += _repetitions(entries)
+    for table in ("clash", "driving"):
+        for where, one in shelf.entries[table]:
+            issues += [
+                Issue(f"{where}: {i.path}", i.message) for i in _unknown_keys(one, knowledge)
+            ]
+    agreement = Agreement(knowledge)
     for where, hazard in entries:
-        issues += [Issue(f"{where}: {i.path}", i.message) for i in _faults(hazard, knowledge)]
+        found = (*_faults(hazard, knowledge), *_misplaced(hazard, agreement))
+        issues += [Issue(f"{where}: {i.path}", i.message) for i in found]
     return issues
 
 
@@ -82,6 +90,38 @@ def _faults(hazard: Hazard, knowledge: Knowledge) -> Iterable[Issue]:
         yield Issue("events", "a phrasing occurs twice")
     if hazard.stage is not None:
         yield from _recipe_faults(hazard.stage)
+
+
+def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]:
+    """Find references to places, conditions or traffic that there are not."""
+    known = {
+        "places": set(knowledge.place_keys),
+        "conditions": set(knowledge.condition_keys),
+        "traffic": {traffic.key for traffic in knowledge.traffic},
+    }
+    for field, keys in known.items():
+        for index, key in enumerate(getattr(one, field, ())):
+            if key not in keys:
+                yield Issue(f"{field}[{index}]", f"there is no {key!r}")
+
+
+def _misplaced(hazard: Hazard, agreement: Agreement) -> Iterable[Issue]:
+    """Find what cannot be told where or when its hazard happens."""
+    settings = [
+        Setting(place=place, conditions=(key,) if key else ())
+        for place in hazard.places
+        for key in hazard.conditions or ("",)
+    ]
+    for index, event in enumerate(hazard.events):
+        if not any(agreement.suits(event, setting) for setting in settings):
+            why = agreement.clashes(event, settings[0])[0]
+            yield Issue(f"events[{index}]", f"suits none of its places and conditions: {why}")
+    for setting in settings:
+        where = " ".join((setting.place, *setting.conditions))
+        for field, clauses in (("events", hazard.events), ("ordinary", hazard.ordinary)):
+            if not agreement.suiting(clauses, setting):
+                why = agreement.clashes(clauses[0], setting)[0]
+                yield Issue(field, f"none suits {where}: {why}")
 
 
 def _phrasing(event: str) -> Iterable[str]:
