@@ -91,7 +91,7 @@ def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
     """Say where a chain of thought settles on another action than the answer; empty where not."""
     if not reasoning.strip() or len(reasoning) > LONGEST:
         return ""
-    plain = normalise(reasoning)
+    plain = normalise(tail(reasoning))
     meant = [meaning(plain, mention) for mention in find_actions(plain, offered)]
     rejected = {one.mention.option for one in meant if one.level == -2}
     settled_on = settled(plain, meant, least=1)

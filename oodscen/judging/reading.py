@@ -14,7 +14,7 @@ Value = TypeVar("Value")
 LONGEST = 200_000
 """Longer answers are not read, in characters."""
 
-PROSE = 16_000
+PROSE = 8_000
 """Of longer prose its beginning and its end are read, in characters."""
 
 

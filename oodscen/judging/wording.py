@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from bisect import bisect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -171,9 +172,12 @@ def longest(found: Sequence[Mention]) -> list[Mention]:
     """Keep the longest of mentions that overlap; return them in order."""
     kept: list[Mention] = []
     for one in sorted(found, key=lambda m: (m.start - m.end, m.start)):
-        if all(one.end <= other.start or one.start >= other.end for other in kept):
-            kept.append(one)
-    return sorted(kept)
+        place = bisect(kept, one)
+        before = kept[place - 1].end if place else 0
+        after = kept[place].start if place < len(kept) else one.end
+        if before <= one.start and one.end <= after:
+            kept.insert(place, one)
+    return kept
 
 
 # ------------------------------------------------------------------ how a mention is meant
