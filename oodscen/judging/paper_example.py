@@ -5,7 +5,8 @@ from typing import ClassVar, Literal
 from oodscen import paper
 from oodscen._data import Data
 from oodscen.judging.power import SampleSize, scenes_needed
-from oodscen.judging.statistics import d_prime, holm, mcnemar, two_proportions, wilson
+from oodscen.judging.statistics import d_prime, holm, mcnemar, two_proportions
+from oodscen.metrics.statistics import wilson
 
 N = paper.PATHS * paper.PER_PATH
 """Scenes of the paper, ten on each of 13 paths."""

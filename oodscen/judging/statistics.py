@@ -16,7 +16,7 @@ from pydantic import Field
 
 from oodscen._data import Data
 from oodscen.errors import UsageError
-from oodscen.metrics.statistics import members
+from oodscen.metrics.statistics import members, wilson
 from oodscen.seeding import stream
 
 Floats = NDArray[np.float64]
@@ -61,27 +61,6 @@ class PairedTest(Data):
     """Of McNemar's exact test: never smaller than mid-p."""
     p_clustered: float
     """Of the permutation test that flips whole paths; the one to trust where paths have several scenes."""
-
-
-def wilson(hits: float, n: float, *, level: float = 0.95) -> tuple[float, float]:
-    """Return the Wilson score interval of a share; (0, 1) where nothing was counted.
-
-    Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference,
-    JASA 22 (1927).
-
-    Args:
-        hits: How many of n; fractional after a correction for clustering.
-        n: Of how many.
-        level: Of confidence.
-    """
-    if n <= 0:
-        return 0.0, 1.0
-    z = _NORMAL.inv_cdf(0.5 + level / 2)
-    share, z2 = hits / n, z * z
-    middle = (share + z2 / (2 * n)) / (1 + z2 / n)
-    half = z / (1 + z2 / n) * math.sqrt(share * (1 - share) / n + z2 / (4 * n * n))
-    low = 0.0 if hits <= 0 else max(middle - half, 0.0)
-    return low, 1.0 if hits >= n else min(middle + half, 1.0)
 
 
 class Resampler:

@@ -1,6 +1,8 @@
-"""Bootstrap intervals, over texts or over the paths that texts share."""
+"""Intervals: bootstrap, over texts or over the paths that texts share, and Wilson's for shares."""
 
+import math
 from collections.abc import Iterator, Sequence
+from statistics import NormalDist
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +14,7 @@ from oodscen.metrics.similarity import Vectors
 from oodscen.seeding import stream
 
 _CELLS = 4_000_000
+_NORMAL = NormalDist()
 
 
 class Interval(Data):
@@ -31,6 +34,27 @@ class Interval(Data):
     """How many texts, or clusters of texts, were resampled."""
     is_clustered: bool = False
     """Whole clusters (the texts of one path) were resampled, since they resemble one another."""
+
+
+def wilson(hits: float, n: float, *, level: float = 0.95) -> tuple[float, float]:
+    """Return the Wilson score interval of a share; (0, 1) where nothing was counted.
+
+    Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference,
+    JASA 22 (1927).
+
+    Args:
+        hits: How many of n; fractional after a correction for clustering.
+        n: Of how many.
+        level: Of confidence.
+    """
+    if n <= 0:
+        return 0.0, 1.0
+    z = _NORMAL.inv_cdf(0.5 + level / 2)
+    share, z2 = hits / n, z * z
+    middle = (share + z2 / (2 * n)) / (1 + z2 / n)
+    half = z / (1 + z2 / n) * math.sqrt(share * (1 - share) / n + z2 / (4 * n * n))
+    low = 0.0 if hits <= 0 else max(middle - half, 0.0)
+    return low, 1.0 if hits >= n else min(middle + half, 1.0)
 
 
 def bootstrap_mean(

@@ -39,6 +39,12 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
 )
 """Every question, in the order of the pipeline."""
 
+
+def prompt_versions() -> dict[str, str]:
+    """Return the version of every question by its purpose."""
+    return {question.purpose: question.version() for question in QUESTIONS}
+
+
 __all__ = [
     "QUESTIONS",
     "STYLES",
@@ -78,4 +84,5 @@ __all__ = [
     "SceneDraft",
     "StageScene",
     "Style",
+    "prompt_versions",
 ]

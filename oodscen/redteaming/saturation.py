@@ -7,10 +7,11 @@ once and twice.
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import ClassVar
 
 from oodscen._data import Data
+from oodscen.metrics.statistics import wilson
 from oodscen.redteaming.rounds import NEW, Round
 
 Z = 1.959964
@@ -116,7 +117,8 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
     spread = Z * math.sqrt(max(once + 2 * twice - once * once / n, 0.0)) / n if n else 0.0
     unseen, low, high = chao1(n, tally.kinds, once, twice)
     recent = played[-patience:]
-    share, least, most = wilson(sum(item.decision in NEW for item in recent), len(recent))
+    news = sum(item.decision in NEW for item in recent)
+    least, most = wilson(news, len(recent))
     return Saturation(
         rounds=len(played),
         calls=calls,
@@ -130,7 +132,7 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         unseen=round(unseen, 6),
         unseen_low=round(low, 6),
         unseen_high=round(high, 6),
-        recent=round(share, 6),
+        recent=round(news / len(recent), 6) if recent else 0.0,
         recent_low=round(least, 6),
         recent_high=round(most, 6),
         recent_rounds=len(recent),
@@ -203,23 +205,3 @@ def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float
         return 0.0, 0.0, 0.0
     factor = math.exp(Z * math.sqrt(math.log1p(max(variance, 0.0) / unseen**2)))
     return unseen, unseen / factor, unseen * factor
-
-
-def wilson(hits: int, n: int) -> tuple[float, float, float]:
-    """Return a share with Wilson's 95 % interval; all of [0, 1] where there is nothing."""
-    if n == 0:
-        return 0.0, 0.0, 1.0
-    share, square = hits / n, Z * Z
-    middle = (share + square / (2 * n)) / (1 + square / n)
-    reach = Z * math.sqrt(share * (1 - share) / n + square / (4 * n * n)) / (1 + square / n)
-    return share, max(middle - reach, 0.0), min(middle + reach, 1.0)
-
-
-def dry_spell(rounds: Sequence[Round]) -> int:
-    """Return how many rounds at the end brought no new kind; rounds without an answer do not count."""
-    spell = 0
-    for item in reversed(rounds):
-        if item.decision in NEW:
-            break
-        spell += item.decision is not None
-    return spell

@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from oodscen._version import __version__
-from oodscen.prompts import QUESTIONS
+from oodscen.prompts import prompt_versions
 from oodscen.registry import DEFAULT_LLM
 from oodscen.study.config import Status, StudyConfig
 
@@ -30,7 +30,7 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
         "config": config.model_dump(mode="json"),
         "authors": authors(config),
         "versions": versions(),
-        "prompts": {question.purpose: question.version() for question in QUESTIONS},
+        "prompts": prompt_versions(),
         **more,
     }
 

@@ -20,25 +20,10 @@ from oodscen.judging.statistics import (
     share_bounds,
     sign_flip,
     two_proportions,
-    wilson,
 )
+from oodscen.metrics.statistics import wilson
 
 COUNTS = st.integers(0, 60)
-
-
-@given(st.integers(0, 500), st.integers(1, 500))
-def test_wilson_holds_the_share_mirrors_and_narrows(hits: int, more: int) -> None:
-    n = hits + more
-    low, high = wilson(hits, n)
-    assert 0 <= low <= hits / n <= high <= 1
-    assert (1 - high, 1 - low) == pytest.approx(wilson(n - hits, n))
-    assert wilson(4 * hits, 4 * n)[1] - wilson(4 * hits, 4 * n)[0] < high - low
-    assert wilson(hits, n, level=0.99)[0] <= low
-
-
-def test_wilson_without_anything_knows_nothing() -> None:
-    assert wilson(0, 0) == (0, 1)
-    assert wilson(110, 130) == pytest.approx((0.7746, 0.8981), abs=5e-4)
 
 
 @given(COUNTS, COUNTS)
@@ -57,13 +42,6 @@ def test_mcnemar_agrees_with_the_binomial_test() -> None:
         assert mcnemar(a, b)[0] == pytest.approx(expected, rel=1e-9)
         mid = expected - stats.binom.pmf(min(a, b), a + b, 0.5)
         assert mcnemar(a, b)[1] == pytest.approx(mid, rel=1e-9)
-
-
-def test_wilson_agrees_with_scipy() -> None:
-    stats = pytest.importorskip("scipy.stats")
-    for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
-        found = stats.binomtest(hits, n).proportion_ci(method="wilson")
-        assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)
 
 
 @given(st.lists(st.floats(0, 1), max_size=12))

@@ -1,9 +1,10 @@
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.metrics.similarity import unit
-from oodscen.metrics.statistics import bootstrap_mean, bootstrap_pairwise
+from oodscen.metrics.statistics import bootstrap_mean, bootstrap_pairwise, wilson
 
 
 @settings(deadline=None, max_examples=30)
@@ -64,3 +65,25 @@ def test_an_interval_of_pairs_surrounds_the_figure():
     for clusters in (None, [str(i % 12) for i in range(60)]):
         found = bootstrap_pairwise(rows, clusters)
         assert found.low < cosines.mean() < found.high
+
+
+@given(st.integers(0, 500), st.integers(1, 500))
+def test_wilson_holds_the_share_mirrors_and_narrows(hits: int, more: int) -> None:
+    n = hits + more
+    low, high = wilson(hits, n)
+    assert 0 <= low <= hits / n <= high <= 1
+    assert (1 - high, 1 - low) == pytest.approx(wilson(n - hits, n))
+    assert wilson(4 * hits, 4 * n)[1] - wilson(4 * hits, 4 * n)[0] < high - low
+    assert wilson(hits, n, level=0.99)[0] <= low
+
+
+def test_wilson_without_anything_knows_nothing() -> None:
+    assert wilson(0, 0) == (0, 1)
+    assert wilson(110, 130) == pytest.approx((0.7746, 0.8981), abs=5e-4)
+
+
+def test_wilson_agrees_with_scipy() -> None:
+    stats = pytest.importorskip("scipy.stats")
+    for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
+        found = stats.binomtest(hits, n).proportion_ci(method="wilson")
+        assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)

@@ -1,13 +1,11 @@
 """The estimates agree with published examples and with their definitions."""
 
-import math
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.redteaming.rounds import Round
-from oodscen.redteaming.saturation import chao1, saturation, wilson
+from oodscen.redteaming.saturation import chao1, saturation
 from oodscen.tree import TreeEdit
 
 
@@ -91,12 +89,3 @@ def test_estimates_lie_where_they_can(kinds):
 def test_the_curve_of_a_prefix_is_a_prefix_of_the_curve(kinds, cut):
     rounds = log(*kinds)
     assert saturation(rounds[:cut]).curve == saturation(rounds).curve[:cut]
-
-
-@given(st.integers(0, 60), st.integers(1, 60))
-def test_wilson_holds_the_share(hits, more):
-    n = hits + more
-    share, low, high = wilson(hits, n)
-    assert low <= share <= high
-    middle, z2 = (low + high) / 2, 1.959964**2
-    assert math.isclose(middle, (share + z2 / (2 * n)) / (1 + z2 / n), abs_tol=1e-9)

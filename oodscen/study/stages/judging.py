@@ -12,7 +12,7 @@ from oodscen.evaluation import evaluate as judge_episode
 from oodscen.judging.leaderboard import leaderboard
 from oodscen.judging.references import Blind, Novelty, Oracle, is_reference
 from oodscen.messages import Image
-from oodscen.prompts import QUESTIONS
+from oodscen.prompts import prompt_versions
 from oodscen.protocols import LLM
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
@@ -149,7 +149,7 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
 
 def _dated(run: Context, verdicts: list[Verdict]) -> list[Verdict]:
     """Mark the answers to other versions of the prompts than this run's."""
-    current = {question.purpose: question.version() for question in QUESTIONS}
+    current = prompt_versions()
     dated = [
         verdict
         if verdict.is_outdated is (is_outdated := not verdict.prompts.items() <= current.items())
