@@ -279,6 +279,9 @@ def _resembling(text: str, labels: Mapping[str, str]) -> Reading[str] | None:
     holding = [name for name, label in own.items() if all(_begins_one(w, label) for w in words)]
     if len(holding) == 1:
         return Reading(holding[0], "answered", "prose: words of the label")
+    shared = [name for name, label in own.items() if 2 * len(label & words) >= len(label) > 0]
+    if len(shared) == 1:
+        return Reading(shared[0], "answered", "prose: words of the label")
     scores = sorted(
         ((len(label & words) / len(label | words), name) for name, label in own.items() if label),
         reverse=True,

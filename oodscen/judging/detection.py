@@ -97,6 +97,8 @@ def _joined(value: object, depth: int = 3) -> str:
 
 def _from_object(value: Mapping[str, Any]) -> Detected | None:
     found = member(value, _OOD_KEYS)
+    if found is None:
+        found = _by_meaning(value)
     if isinstance(found, list) and len(found) == 1:
         found = found[0]
     if isinstance(found, dict):
@@ -109,6 +111,19 @@ def _from_object(value: Mapping[str, Any]) -> Detected | None:
         return None
     sure = _share(member(value, ("confidence", "certainty", "probability", "score")))
     return Detected(is_ood, words, sure)
+
+
+def _by_meaning(value: Mapping[str, Any]) -> object:
+    """Return what an object says under a name of its own, e.g. `something_unusual` or `is_normal`."""
+    for name, said in value.items():
+        truth = _truth(said)
+        if truth is None:
+            continue
+        if re.search(r"ood|unusual|anomal|abnormal|out.?of|extraordinary", name, re.IGNORECASE):
+            return truth
+        if re.search(r"normal|ordinary|usual", name, re.IGNORECASE):
+            return not truth
+    return None
 
 
 def _in_words(plain: str, verdict: bool) -> Detected:
@@ -134,10 +149,11 @@ _ALONE = (
     r"(?=\s*(?:$|[^\w\s])|\s+(?:nothing|it|this|that|there|the|these|i|we|everything|all|not|no)\b)"
 )
 """Follows a "no" that is not said of a noun, as it is in "no markings are visible"."""
+_CALLED = r"(?:(?:an?|perfectly|quite|completely)\s+)?(?:ordinary|normal|usual|unusual|abnormal|anomalous|ood)(?![^.\n]*\b(?:but|except|apart|although)\b)"
 _WORD = rf"yes|true|false|none|nothing|{YES_WORD}|(?:no|{NO_WORD}){_ALONE}"
 _YES_MARK = re.compile(
     rf"(?:\bis ?ood|\bood|\bout of distribution|\bunusual|\banomal(?:y|ous)|\banswer|\bverdict|\bboxed|\bfinal|(?<![a-z])(?:{ANSWER}))"
-    rf"\s*\??\s*(?::|=|\u2014|\{{|\bis\b|\s{IS}\b)\s*({_WORD})\b(?!\s*(?:or\b|/|\||and\s+no\b|(?:vehicles?|cars?|traffic|lanes?|pedestrians?|idea|way)\b))"
+    rf"\s*\??\s*(?::|=|\u2014|\{{|\bis\b|\s{IS}\b)\s*({_WORD}|{_CALLED})\b(?!\s*(?:or\b|/|\||and\s+no\b|(?:vehicles?|cars?|traffic|lanes?|pedestrians?|idea|way)\b))"
 )
 _FIRST = re.compile(
     rf"\W*({_WORD}|nope|yeah|yep|\u662f\u7684)(?:\b|(?=\W|$))(?!\s+(?:matter|wonder|doubt|idea|way|vehicles?|cars?|traffic|one|pedestrians?|lanes?|and\s+no|or\s+no)\b)"
@@ -145,7 +161,9 @@ _FIRST = re.compile(
 _USUAL = r"(?:normal|ordinary|typical|routine|usual|in\s+distribution|unremarkable)"
 _ODD = r"(?:unusual|anomal\w+|abnormal\w*|ood|out\s+of\s+(?:the\s+ordinary|distribution)|unexpected|odd|strange)"
 _NOT_YES = re.compile(
-    rf"\b(?:nothing|none)\s+(?:(?!whether\b|but\b|{_USUAL})\w+\s+){{0,5}}?(?:out\s+of\s+(?:the\s+ordinary|distribution|place)|wrong|remarkable|special|noteworthy|notable|{_ODD})"
+    rf"(?:^|[.!\n])[^\w\n]*(?:an?\s+)?(?:\w+\s+)?{_USUAL}(?:\s+(?:drive|driving|scene|scenario|traffic|situation|day|road|conditions))*\s*(?:[.!,(\n]|$)"
+    rf"|(?:\b(?:no|not|nothing|without)\b|\w+n't)[^.\n]{{0,40}}\b(?:surpris\w+|stands?\s+out|standing\s+out|of\s+concern)\b"
+    rf"|\b(?:nothing|none)\s+(?:(?!whether\b|but\b|{_USUAL})\w+\s+){{0,5}}?(?:out\s+of\s+(?:the\s+ordinary|distribution|place)|wrong|remarkable|special|noteworthy|notable|{_ODD})"
     rf"|(?:\b(?:no|not|without|cannot|never|neither)|\w+n't)\s+(?:(?!whether\b|if\b|only\b|just\b|tell\b|say\b|sure\b|certain\b|because\b)\w+\s+){{0,5}}?(?:{_ODD}|hazards?)"
     rf"|(?<!not )(?<!n't )(?:completely|entirely|perfectly|quite|all|looks?|seems?|appears?|is|are|be|an?|just)\s+(?!not\b)(?:\w+\s+)?{_USUAL}(?!\s*(?:for|,?\s*but|,?\s*except|hazard))"
     rf"|\beverything\s+(?:\w+\s+){{0,2}}(?:fine|normal|ordinary|in\s+order)|\bin\s+distribution|\bbusiness\s+as\s+usual|{USUAL}"
@@ -201,7 +219,7 @@ def _detected_in(plain: str) -> tuple[bool | None, str]:
 
 
 _UNDECIDED = re.compile(
-    r"\b(?:not\s+sure\s+(?:if|whether)|unsure|unclear|uncertain|undecided|hard\s+to\s+(?:say|tell)|or\s+not|yes\s+and\s+no)\b"
+    r"\b(?:not\s+sure\s+(?:if|whether)|unsure|unclear|uncertain|undecided|hard\s+to\s+(?:say|tell)|or\s+not|yes\s+and\s+no|(?:can't|cannot|can\s+not)\s+(?:tell|say|judge)(?=\s+(?:if|whether|from)\b|\s*(?:[.!,]|$)))\b"
 )
 _BUT = re.compile(r"\b(?:but|however|except|although|yet|though|while|apart\s+from|aber)\b")
 
@@ -218,7 +236,7 @@ def _worded(plain: str) -> bool | str | None:
 
 def _aspect_in(plain: str) -> str:
     named = re.search(
-        r"\b(?:aspect|anomaly|unusual\s+(?:thing|element|aspect))\s*(?:is|:|=|\u2014)\s*([^\n.;]+)",
+        r"\b(?:aspect|anomaly|unusual\s+(?:thing|element|aspect))(?:\s+(?:that|which)\s+(?:\w+\s+){1,4}?)?\s*(?:is\b|:|=|\u2014)\s*([^\n.;]+)",
         plain,
     )
     if named:
@@ -226,14 +244,29 @@ def _aspect_in(plain: str) -> str:
     text = _STATED.sub("", _UNSAID.sub(" ", plain)).strip()
     text = _FIRST.sub("", text, count=1) if _FIRST.match(text) else text
     sentences = [s for s in re.split(r"(?<=[.!?])\s+|\n", text) if re.search(r"[^\W\d]{2}", s)]
-    telling = [s for s in sentences if _worded(s) in (True, "both")]
-    return (telling or sentences or [""])[0].strip(" .,:;!")[:300]
+    telling = [n for n, s in enumerate(sentences) if _worded(s) in (True, "both")]
+    first = telling[0] if telling else 0
+    nearest = sorted(range(len(sentences)), key=lambda n: (n != first, n < first, abs(n - first)))
+    named = [sentences[n] for n in nearest if _names_something(sentences[n])]
+    return (named or sentences or [""])[0].strip(" .,:;!")[:300]
+
+
+def _names_something(sentence: str) -> bool:
+    """Whether a sentence says more than that something is out of the ordinary, or how surely."""
+    rest = _VERDICT_WORDS.sub(" ", sentence)
+    return bool(re.search(r"[^\W\d]{3}", rest))
+
+
+_VERDICT_WORDS = re.compile(
+    rf"{_ODD}|{_USUAL}|\b(?:yes|no|true|i|i'm|i'd|am|is|are|was|be|it|its|it's|this|that|that's|there|there's|something|thing|scene|situation|not|very|quite|highly|fairly|definitely|certainly|clearly|really|absolutely|confidence|confident|sure|certain|high|medium|low|say|so|here|the|an?|of|in|call|would|for|me|to)\b"
+)
 
 
 def _stated(plain: str) -> float | None:
     stated = list(_STATED.finditer(plain))
     if not stated:
-        return None
+        worded = _SURE.search(plain)
+        return _share(worded[1]) if worded else None
     found = stated[-1]
     number = float((found[1] or found[3]).replace(",", "."))
     unit = (found[2] or found[4] or "").replace(" ", "")
@@ -242,6 +275,13 @@ def _stated(plain: str) -> float | None:
     elif unit:
         number /= 100.0
     return _share(number)
+
+
+_SURE = re.compile(
+    r"(?:\bconfidence\s*(?:level\s*)?(?:is|:|=|\u2014)\s*|\bi(?:'m|\s+am)\s+)"
+    r"((?:(?:not|very|so|extremely|highly|fairly|quite|reasonably|pretty|rather|absolutely|completely|fully)\s+)*(?:sure|certain|confident|unsure|uncertain|high|medium|moderate|low)\b)"
+)
+"""How sure somebody says to be in words."""
 
 
 def _share(value: object) -> float | None:

@@ -1,7 +1,7 @@
 """Questions and lists of options that a model repeats before it answers."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from oodscen.judging.marks import Finder
 
@@ -9,16 +9,11 @@ from oodscen.judging.marks import Finder
 def without_echo(plain: str, find: Finder, count: int) -> str:
     """Drop the list of options and the question, where a model repeats them before it answers."""
     lines = plain.split("\n")
-    listed = [
-        index
-        for index, line in enumerate(lines)
-        if re.match(r"\s*(?:[-\u2022\u2014+]|\(?(?:\d{1,2}|[a-z])[.):])?\s*", line)
-        and _begins(line, find)
-    ]
-    options = {found.option for index in listed for found in find(lines[index])[:1]}
+    listed = {index: option for index, line in enumerate(lines) if (option := _listed(line, find))}
+    options = set(listed.values())
     is_list = len(options) >= min(4, count) or (len(options) == count and count > 1)
     if is_list:
-        run = _longest_run(listed, lines)
+        run = _longest_run(listed)
         rest = [line for index, line in enumerate(lines) if index not in run]
         lines = [
             line
@@ -39,19 +34,21 @@ def without_echo(plain: str, find: Finder, count: int) -> str:
     )
 
 
-def _begins(line: str, find: Finder) -> bool:
+def _listed(line: str, find: Finder) -> str:
+    """Return the option that a line begins with, after a mark or none."""
     mark = re.match(r"\s*(?:[-\u2022\u2014+]|\(?(?:\d{1,2}|[a-z])[.):])?\s*", line)
     start = mark.end() if mark else 0
-    return any(found.start <= start + 1 for found in find(line)[:1])
+    named = find(line)[:1]
+    return named[0].option if named and named[0].start <= start + 1 else ""
 
 
-def _longest_run(listed: Sequence[int], lines: Sequence[str]) -> set[int]:
-    """Return the longest stretch of neighbouring lines that list options; blank lines may part them."""
+def _longest_run(listed: Mapping[int, str]) -> set[int]:
+    """Return the longest stretch of neighbouring lines that list options, each once."""
     runs: list[list[int]] = []
-    for index in listed:
-        if runs and not any(lines[i].strip() for i in range(runs[-1][-1] + 1, index)):
-            runs[-1].append(index)
+    for index, option in listed.items():
+        before = runs[-1] if runs else []
+        if index - 1 in before and option not in {listed[one] for one in before}:
+            before.append(index)
         else:
             runs.append([index])
-    longest_run: list[int] = max(runs, key=len, default=[])
-    return set(longest_run)
+    return set(max(runs, key=len, default=[]))

@@ -60,18 +60,19 @@ _NOUN = (
     rf"(?:option|answer|ans|choice|number|action|no\.|nr\.?|n\u00ba|item|choose|pick|select|go(?:ing)?\s+with|nummer|num\u00e9ro|n\u00famero|boxed|{ANSWER}"
     r"|\u9009\u9879|\u9078\u629e\u80a2|\u9078\u9805|\u7b2c)"
 )
-_LINK = r"(?:\s*(?:is|was|would\s+be|must\s+be|should\s+be|ist|est|es|\u662f|\u4e3a|\u306f|\u756a|:|=|\{|\(|\[|\u2014|>|option|number|no\.))*"
+_LINK = r"(?:\s*(?:is|the|la|le|die|correcta?|correcte|richtige|was|would\s+be|must\s+be|should\s+be|ist|est|es|\u662f|\u4e3a|\u306f|\u756a|:|=|\{|\(|\[|\u2014|>|option|number|no\.))*"
 _LEADING = re.compile(
     rf"\A[^\w\n]{{0,3}}(?P<mark>\d{{1,3}}|[b-h](?=\s*[)\].:])){_NO_MEASURE}(?=\s*(?:[.):,(\]\u2014\n]|$|because\b|since\b|as\b))"
 )
 _PATTERNS = (
     re.compile(rf"(?<!\w){_NOUN}s?{_LINK}\s*{_MARK}{_ENDS}"),
     re.compile(
-        rf"\b(?:(?:it|that|this|one|which|answer|choice)(?:'s|\s+(?:is|was|would\s+be|must\s+be|should\s+be|has\s+to\s+be))"
-        rf"|not|but|so|hence|thus|therefore|no|actually|wait|than|rather|choose|pick|select|go(?:ing)?\s+with|thought|think|guess|say|i'd)"
+        rf"\b(?:(?:it|that|this|one|which|answer|choice|description|match|fit|category|label)(?:'s|\s+(?:is|was|would\s+be|must\s+be|should\s+be|has\s+to\s+be))"
+        rf"|not|but|so|hence|thus|therefore|no|actually|wait|than|rather|choose|pick|select|go(?:ing)?\s+with|thought|think|guess|say|left\s+with|leaves|i'd)"
         rf"\W{{1,5}}{_NUMBER}{_ENDS}(?!\s*(?:and|with|for|to|can|do|could|may)\b)"
     ),
     re.compile(rf"^[^\w\n]*{_NUMBER}[^\w\n]*$", re.MULTILINE),
+    re.compile(rf"\b(?:id|index)\s*[=:]\s*{_NUMBER}\b"),
     re.compile(rf"^\s*[(\[]{_MARK}[)\]]", re.MULTILINE),
     re.compile(rf"<\s*/?\s*\w+\s*>\s*{_NUMBER}\s*<"),
     _LEADING,
@@ -97,7 +98,7 @@ _ORDINALS = (
 _NUMERALS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 _ORDINAL = re.compile(
     rf"\b({'|'.join(_ORDINALS)}|last)\s+(?:option|action|one|answer)\b"
-    rf"|\b(?:option|number|choice|action|answer)\s+(?:number\s+)?({'|'.join(_NUMERALS)})\b"
+    rf"|\b(?:option|number|choice|action|answer)\s*(?:is\b|[:=])?\s*(?:number\s+)?({'|'.join(_NUMERALS)})\b"
 )
 
 

@@ -73,10 +73,19 @@ def tail(text: str) -> str:
 
 
 def objects(text: str) -> Iterator[Mapping[str, Any]]:
-    """Yield the whole JSON objects in what follows the thinking, the likeliest answer first."""
-    for found in find_objects(spoken(text)):
+    """Yield what follows the thinking as objects: whole ones of JSON, the likeliest answer first, or XML."""
+    said = spoken(text)
+    is_found = False
+    for found in find_objects(said):
+        is_found = True
         if found.is_complete:
             yield found.value
+    if not is_found and (tags := dict(_ELEMENT.findall(said))):
+        yield tags
+
+
+_ELEMENT = re.compile(r"<(\w+)>\s*([^<]+?)\s*</\1>")
+"""An XML element without elements in it."""
 
 
 def member(value: Mapping[str, Any], names: Sequence[str]) -> Any:
@@ -163,9 +172,9 @@ _PICTURES = r"(?:image|picture|frame|photo|visual|video|attachment|attached)"
 _REFUSAL = re.compile(
     rf"\b(?:i\s*(?:'m|am)\s+(?:\w+\s+)?(?:sorry|afraid)\b|i\s+(?:must\s+(?:\w+\s+)?|have\s+to\s+)?(?:decline|refuse)\b"
     rf"|as\s+an?\s+(?:ai|(?:large\s+)?language|text\s+based)"
-    rf"|{_CANNOT}\s+(?:\w+\s+){{0,2}}?(?:assist|help|comply|provide|answer|process|analy[sz]e|fulfil+|engage|participate|support|respond|offer|feel\s+comfortable|give\s+(?:driving\s+)?advice|make\s+(?:\w+\s+)?(?:decision|choice)s?|choose|select|pick|determine|identify|tell|say|interpret|recommend)\b"
+    rf"|{_CANNOT}\s+(?:\w+\s+){{0,2}}?(?:assist|help|comply|provide|answer|process|analy[sz]e|fulfil+|engage|participate|support|respond|offer|feel\s+comfortable|give\s+(?:driving\s+)?advice|make\s+(?:\w+\s+)?(?:decision|choice)s?|choose|select|pick|determine|identify|tell|say|interpret|recommend)\b(?!\s+which\b)"
     rf"|{_CANNOT}\s+(?:(?:actually|directly|currently|really)\s+)?(?:view|see|access|open|display|look\s+at|receive|have\s+access)\b(?:\s+\w+){{0,3}}?\s+{_PICTURES}"
     rf"|no\s+access\s+to\s+(?:\w+\s+)?{_PICTURES}|(?:no|any)\s+{_PICTURES}s?\s+(?:\w+\s+){{0,2}}?(?:provided|attached|visible|uploaded|received|shown|included)"
     rf"|(?:provide|upload|attach|share)\s+(?:the|an?|your|some)\s+{_PICTURES}"
-    rf"|(?:unable|not\s+able)\s+to\s+(?:view|see)\b|against\s+(?:my|our|the)\s+(?:policy|policies|guidelines)|content\s+policy)"
+    rf"|(?:unable|not\s+able)\s+to\s+(?:view|see)\b|not\s+comfortable\s+(?:\w+ing|with)\b|against\s+(?:my|our|the)\s+(?:policy|policies|guidelines)|content\s+policy)"
 )

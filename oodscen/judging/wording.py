@@ -137,10 +137,11 @@ def normalise(text: str) -> str:
     text = re.sub(r"[\u3002\u3001]", lambda mark: ". " if mark.group() == "\u3002" else ", ", text)
     text = re.sub(r"[\u2018\u2019\u02bc]", "'", text)
     text = re.sub(r"\b(?:[a-z]+)(?:[A-Z][a-z]+)+\b|\b(?:[A-Z][a-z]+){2,}\b", _apart, text)
+    text = re.sub(r"\\(?:text(?:bf|tt|rm)?|math(?:rm|bf|tt))\s*\{([^{}\n]*)\}", r"\1", text)
     text = text.casefold()
     text = re.sub(r"[*`\"_~#>\u201c\u201d\u00ab\u00bb]|\\(?=[_*])", " ", text)
     text = re.sub(r"(?<=[a-z])[-\u2010\u2011](?=[a-z])", " ", text)
-    text = re.sub(r"\s*[\u2013\u2014]\s*|\s+--?\s+", " \u2014 ", text)
+    text = re.sub(r"[^\S\n]*[\u2013\u2014][^\S\n]*|(?<=\S)[^\S\n]+--?\s+", " \u2014 ", text)
     return _squeezed(text).strip()
 
 
@@ -197,7 +198,7 @@ _SCOPE_ENDS = re.compile(
 )
 _AFTERWARDS = re.compile(
     r"^\s*(?:\w+\s+){0,3}?(?:(?:is|are|would\s+be|will\s+be|seems|looks|was|'s)\s+(?:\w+\s+){0,2}?"
-    r"(?:not|unsafe|dangerous|risky|riskier|impossible|unavailable|blocked|unnecessary|insufficient|inadequate|worse|wrong|out\s+of|excessive|overkill"
+    r"(?:not\s+(?:safe|possible|available|advisable|needed|necessary|enough|ideal|good|recommended|an?\b)|unsafe|dangerous|risky|riskier|impossible|unavailable|blocked|unnecessary|insufficient|inadequate|worse|wrong|out\s+of|excessive|overkill"
     r"|a\s+bad|the\s+worst|a\s+mistake|ruled|rejected|no\s+(?:good|option|longer)|too\b)"
     r"|(?:is|are|would|wo|ca|do|does|could|should|can)\s*(?:n't|not\b)|cannot|can't|won't|isn't|doesn't|wouldn't|never\s+works"
     r"|would\s+(?:\w+\s+)?(?:hit|collide|cause|risk|fail|lead|end|result|put|be\s+(?:too|un|dangerous|risky|hit))"
@@ -214,13 +215,19 @@ _HEDGED_AFTER = re.compile(
 _CONDITIONED = re.compile(
     r"\b(?:if|unless|in\s+case)\b[^,]*,[^,]*$|\b(?:otherwise|else|if\s+not)\b[^.;!?\n]*$"
 )
+_CROSS = r"[\u274c\u274e\u2716\u2717\u2718\u00d7\U0001f6ab]"
+_TICK = r"[\u2705\u2611\u2713\u2714]"
+_TICKED = re.compile(rf"^\W*{_TICK}\W*$")
 _LATER_CHOICE = re.compile(
     r"\b(?:second|2nd|third|3rd|alternative|alternatively|backup|back\s+up|fallback|runner\s+up|next\s+best)\b[^.;!?\n]*$"
 )
 _CLAUSE = re.compile(r"[.;!?,:\n\u2014]")
 _FALLBACK = re.compile(r"\bor\s+(?:\w+\s+)?$")
 _CONDITION = re.compile(r"^\s*(?:if|when|in\s+case|should|as\s+needed|only\s+if)\b")
-_MARKED_WRONG = re.compile(r"^\s*(?:[(:\u2014-]\s*)?(?:no\b|\u274c|\u2717|\u2718|\u00d7)")
+_MARKED_WRONG = re.compile(
+    rf"^\s*(?:[(:\u2014-]\s*)?(?:no\b|{_CROSS})"
+    r"|^\s*[(:\u2014-]\s*(?:\w+ly\s+)?(?:not\s+(?:safe|possible|available|advisable|needed|necessary|enough|ideal|good|recommended|an?\b)|unsafe|dangerous|too|impossible|unnecessar\w+|risky|insufficient|excessive|wrong|overkill)\b"
+)
 CORRECTIONS = re.compile(
     r"(?:^|[\s.,;!?\u2014(])(?:wait\b|actually\b|no,|no\.\.+|nope\b|correction\b|scratch\s+that|on\s+second\s+thou?ghts?|let\s+me\s+(?:reconsider|rethink|correct)|hold\s+on"
     r"|i\s+take\s+(?:that|it)\s+back|i\s+(?:was\s+wrong|misspoke|meant|mean)\b|sorry,|oops|hmm,?\s+no|strike\s+that|revis(?:ed|ing|ion)\b|changed?\s+my\s+mind|edit:|my\s+mistake)"
@@ -243,7 +250,7 @@ CONCLUSION = re.compile(
     r"\b(?:therefore|thus|hence|so|consequently|overall|in\s+(?:conclusion|summary|short|sum|the\s+end)|ultimately|accordingly|in\s+total|that\s+leaves|leaving|only\s+\w+\s+remains|=>)\b"
 )
 PRAISE = re.compile(
-    r"^\s*(?:\w+\s+){0,2}?(?:is|are|would\s+be|seems|looks|remains|it\s+is)\s+(?:\w+\s+){0,2}?(?:best|safest|safer|better|right|correct|answer|choice|wisest|preferable|appropriate|advisable|my\s+\w+|required|needed|necessary|the\s+(?:only|way))\b"
+    r"^\s*(?:\w+\s+){0,6}?(?:is|are|would\s+be|seems|looks|remains|it\s+is)\s+(?:\w+\s+){0,2}?(?:best|safest|safer|better|right|correct|answer|choice|wisest|preferable|appropriate|advisable|my\s+\w+|required|needed|necessary|the\s+(?:only|way))\b"
     r"|^\s*[.,!]?\s*(?:it\s+is|that'?s\s+(?:my|the)\s+(?:answer|choice|final))"
 )
 
@@ -278,7 +285,7 @@ def meaning(text: str, mention: Mention) -> Meant:
         return Meant(mention, -1)
     if _LATER_CHOICE.search(before):
         return Meant(mention, -1)
-    if FINAL.search(before) and _reaches(FINAL, before):
+    if _TICKED.search(before) or (FINAL.search(before) and _reaches(FINAL, before)):
         return Meant(mention, 3)
     if _CONDITIONED.search(scope) or CONDITION.search(before):
         return Meant(mention, -1)
@@ -303,7 +310,7 @@ def _is_rejected(before: str, after: str) -> bool:
             return True
     if _NEAR_NEGATIONS.search(scope) or re.search(r"\bno:\s*$", before):
         return True
-    if _MARKED_WRONG.search(after):
+    if _MARKED_WRONG.search(after) or re.search(rf"^\W*{_CROSS}\W*$", before):
         return True
     clause = re.split(r"[,;\u2014]|\b(?:because|since|but|so|and|as|which|while)\b", after)[0]
     return bool(_AFTERWARDS.search(clause))
