@@ -26,6 +26,8 @@ from oodscen.judging.reading import (
 )
 from oodscen.judging.settling import settled
 from oodscen.judging.wording import (
+    CROSS,
+    TICK,
     Mention,
     find_actions,
     longest,
@@ -136,6 +138,7 @@ _CHOICE_KEYS = (
     *_ACTION_KEYS[:6],
     *_ACTION_KEYS[9:],
 )
+_SOME_KEY = re.compile(r"option|choice|answer|action|decision", re.IGNORECASE)
 _NO_OPTION = re.compile(
     r"\bnone\s+of\s+(?:the|these|those|them)(?:\s+(?:above|options?))?\W*$|\bnone\s+fits?\b"
 )
@@ -177,6 +180,10 @@ class _Question:
         answer = without_echo(plain, self.find, len(self.offered))
         if not answer.strip():
             return Reading(None, "unparsed", "nothing but the question" if plain else "no answer")
+        lines = plain.split("\n")
+        ticked = [line for line in lines if re.search(TICK, line)]
+        if len(ticked) == 1 and any(re.search(CROSS, line) for line in lines if line != ticked[0]):
+            answer = " ".join(re.split(rf"{TICK}|\W{{2,}}", ticked[0]))
         return self._in_prose(answer, own_list(plain, self.find))
 
     def _in_object(self, value: Mapping[str, Any], further: Sequence[str] = ()) -> str | None:
@@ -195,7 +202,16 @@ class _Question:
                 reading = self._in_prose(normalise(found))
                 if reading.value:
                     return reading.value
-        return self._heaviest(value)
+        return self._by_key(value) or self._heaviest(value)
+
+    def _by_key(self, value: Mapping[str, Any]) -> str | None:
+        """Return what an object says under a key of its own, e.g. `option_number`."""
+        for key, said in value.items():
+            if _SOME_KEY.search(key) and isinstance(said, (str, int)):
+                found = self._in_prose(normalise(str(said))).value
+                if found:
+                    return found
+        return None
 
     def _heaviest(self, value: Mapping[str, Any]) -> str | None:
         """Return the option of most weight, in an object that gives each a weight."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from oodscen.judging.languages import ANSWER, IS, NO_WORD, UNUSUAL, USUAL, YES_WORD
+from oodscen.judging.languages import ANSWER, IS, NO_WORD, SURENESS, UNUSUAL, USUAL, YES_WORD
 from oodscen.judging.reading import (
     LONGEST,
     TWO_ANSWERS,
@@ -17,7 +17,7 @@ from oodscen.judging.reading import (
     told,
     too_long,
 )
-from oodscen.judging.wording import CORRECTIONS, normalise
+from oodscen.judging.wording import CONCLUSION, CORRECTIONS, normalise
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,10 @@ def _from_object(value: Mapping[str, Any]) -> Detected | None:
     is_ood = _truth(found)
     if is_ood is None:
         return None
-    words = _joined(member(value, _ASPECT_KEYS)) if is_ood else ""
+    said = member(value, _ASPECT_KEYS) or next(
+        (value[key] for key in value if "aspect" in key.casefold()), None
+    )
+    words = _joined(said) if is_ood else ""
     if is_ood and words and not re.search(r"\w", words):
         return None
     sure = _share(member(value, ("confidence", "certainty", "probability", "score")))
@@ -170,6 +173,7 @@ _NOT_YES = re.compile(
 )
 _NOT_NO = re.compile(
     rf"\b(?:not|n't|nothing|never|hardly|far\s+from|anything\s+but|isn't|aren't|doesn't|don't)\s+(?:(?!only\b|of\b)\w+\s+){{0,3}}?{_USUAL}\b"
+    rf"|\b(?:n't|nothing|not)\s+(?:anything\s+)?(?:that\s+)?(?:i|one|you)\s+(?:\w+\s+){{0,3}}?{_USUAL}\b|n't\s+anything\s+that\s+(?:\w+\s+){{0,4}}?{_USUAL}\b"
 )
 _YES = re.compile(
     rf"\b(?:{_ODD}|unexpectedly|rare|hazardous|something\s+(?:is|looks|seems)\s+(?:off|wrong|amiss))\b|{UNUSUAL}"
@@ -182,9 +186,12 @@ _OPEN = re.compile(
     r"\b(?:might|may|could|maybe|perhaps|not\s+sure|unsure|unclear|uncertain|hard\s+to\s+(?:say|tell)|yes\s+and\s+no|either)\b"
 )
 _STATED = re.compile(
-    r"(?:confiden(?:ce|t)|certain(?:ty)?|sure|probability|likel(?:y|ihood))\W{0,3}(?:is|of|level|at|:|=|\s)*\s*(\d+(?:[.,]\d+)?)\s*(%|percent|/\s*100?)?"
-    r"|(\d+(?:[.,]\d+)?)\s*(%|percent)\s*(?:confident|certain|sure|confidence|certainty|likely|probability)"
+    rf"(?:(?<![a-z])(?:{SURENESS})\w*)\W{{0,4}}(?:(?:is|of|level|at|as|around|about|roughly|approximately|ist|est|es)\W{{1,2}})*[:=(~]*\s*(?P<after>\d+(?:[.,]\d+)?)\s*(?P<unit>%|percent|/\s*\d+|out\s+of\s+\d+)?"
+    rf"|(?P<before>\d+(?:[.,]\d+)?)\s*(?P<share>%|percent)\s*(?:{SURENESS})"
+    r"|\(\s*(?:around|about|~)?\s*(?P<alone>[01][.,]\d+|\d{1,3}(?=\s*%))\s*(?P<percent>%)?\s*\)"
+    r"|\A\W*(?:yes|no|true|false)\W{1,4}(?P<listed>[01][.,]\d+|\d{1,3}(?=\s*%))\s*(?P<of>%)?"
 )
+"""A probability that is stated as a number."""
 
 
 def _detected(plain: str) -> tuple[bool | None, str]:
@@ -208,6 +215,9 @@ def _detected_in(plain: str) -> tuple[bool | None, str]:
         return _truth(last[1]), "yes or no"
     if _UNDECIDED.search(asked):
         return None, "undecided"
+    concluded = [m.end() for m in CONCLUSION.finditer(asked)]
+    if concluded and (closing := _worded(asked[concluded[-1] :])) in (True, False):
+        return bool(closing), "concluded"
     clauses = _BUT.split(asked)
     worded = [_worded(clause) for clause in clauses]
     said = [one for one in worded if one is not None]
@@ -247,8 +257,8 @@ def _aspect_in(plain: str) -> str:
     telling = [n for n, s in enumerate(sentences) if _worded(s) in (True, "both")]
     first = telling[0] if telling else 0
     nearest = sorted(range(len(sentences)), key=lambda n: (n != first, n < first, abs(n - first)))
-    named = [sentences[n] for n in nearest if _names_something(sentences[n])]
-    return (named or sentences or [""])[0].strip(" .,:;!")[:300]
+    naming = [sentences[n] for n in nearest if _names_something(sentences[n])]
+    return (naming or sentences or [""])[0].strip(" .,:;!")[:300]
 
 
 def _names_something(sentence: str) -> bool:
@@ -267,14 +277,9 @@ def _stated(plain: str) -> float | None:
     if not stated:
         worded = _SURE.search(plain)
         return _share(worded[1]) if worded else None
-    found = stated[-1]
-    number = float((found[1] or found[3]).replace(",", "."))
-    unit = (found[2] or found[4] or "").replace(" ", "")
-    if unit == "/10":
-        number /= 10.0
-    elif unit:
-        number /= 100.0
-    return _share(number)
+    found = {key: said for key, said in stated[-1].groupdict().items() if said}
+    number, *unit = found.values()
+    return _share(" ".join([number.replace(",", "."), *unit]))
 
 
 _SURE = re.compile(

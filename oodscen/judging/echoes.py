@@ -51,4 +51,5 @@ def _longest_run(listed: Mapping[int, str]) -> set[int]:
             before.append(index)
         else:
             runs.append([index])
-    return set(max(runs, key=len, default=[]))
+    longest_run: list[int] = max(runs, key=len, default=[])
+    return set(longest_run)

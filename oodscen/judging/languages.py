@@ -103,9 +103,15 @@ REFUSAL = _either(
 )
 """Declines to answer; looked for only where no answer is found."""
 
+SURENESS = (
+    r"confid[ea]n[cs]e|confident|certain|sure|probability|likel|score|sicher|konfidenz|confiance|s\u00fbr|confianza|seguridad|segur|certeza"
+    r"|\u7f6e\u4fe1\u5ea6|\u786e\u4fe1\u5ea6|\u4fe1\u5fc3|\u628a\u63e1|\u78ba\u4fe1\u5ea6|\u4fe1\u983c\u5ea6|\u78ba\u7387"
+)
+"""Words for how sure somebody is, or how they begin."""
+
 ANSWER = (
     r"antwort|aktion|entscheidung|wahl|r\u00e9ponse|respuesta|acci\u00f3n|opci\u00f3n|d\u00e9cision"
-    r"|\u7b54\u6848|\u9009\u62e9|\u9078\u64c7|\u56de\u7b54|\u6b63\u89e3|\u89e3\u7b54|\u9078\u629e"
+    r"|\u7b54\u6848|\u7b54\u3048|\u9009\u62e9|\u9078\u64c7|\u56de\u7b54|\u6b63\u89e3|\u89e3\u7b54|\u9078\u629e"
 )
 """Words for what is asked for."""
 

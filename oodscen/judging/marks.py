@@ -65,9 +65,9 @@ _LEADING = re.compile(
     rf"\A[^\w\n]{{0,3}}(?P<mark>\d{{1,3}}|[b-h](?=\s*[)\].:])){_NO_MEASURE}(?=\s*(?:[.):,(\]\u2014\n]|$|because\b|since\b|as\b))"
 )
 _PATTERNS = (
-    re.compile(rf"(?<!\w){_NOUN}s?{_LINK}\s*{_MARK}{_ENDS}"),
+    re.compile(rf"(?<![a-z]){_NOUN}s?{_LINK}\s*{_MARK}{_ENDS}"),
     re.compile(
-        rf"\b(?:(?:it|that|this|one|which|answer|choice|description|match|fit|category|label)(?:'s|\s+(?:is|was|would\s+be|must\s+be|should\s+be|has\s+to\s+be))"
+        rf"\b(?:(?:it|that|this|one|which|answer|choice|(?:description|match|fit|category|label)(?:\s+(?:of|for)\s+(?:\w+\s+){{0,2}}\w+)?)(?:'s|\s+(?:is|was|would\s+be|must\s+be|should\s+be|has\s+to\s+be))"
         rf"|not|but|so|hence|thus|therefore|no|actually|wait|than|rather|choose|pick|select|go(?:ing)?\s+with|thought|think|guess|say|left\s+with|leaves|i'd)"
         rf"\W{{1,5}}{_NUMBER}{_ENDS}(?!\s*(?:and|with|for|to|can|do|could|may)\b)"
     ),

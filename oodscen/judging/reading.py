@@ -172,7 +172,7 @@ _PICTURES = r"(?:image|picture|frame|photo|visual|video|attachment|attached)"
 _REFUSAL = re.compile(
     rf"\b(?:i\s*(?:'m|am)\s+(?:\w+\s+)?(?:sorry|afraid)\b|i\s+(?:must\s+(?:\w+\s+)?|have\s+to\s+)?(?:decline|refuse)\b"
     rf"|as\s+an?\s+(?:ai|(?:large\s+)?language|text\s+based)"
-    rf"|{_CANNOT}\s+(?:\w+\s+){{0,2}}?(?:assist|help|comply|provide|answer|process|analy[sz]e|fulfil+|engage|participate|support|respond|offer|feel\s+comfortable|give\s+(?:driving\s+)?advice|make\s+(?:\w+\s+)?(?:decision|choice)s?|choose|select|pick|determine|identify|tell|say|interpret|recommend)\b(?!\s+which\b)"
+    rf"|{_CANNOT}\s+(?:\w+\s+){{0,2}}?(?:assist|help|comply|provide|answer|process|analy[sz]e|fulfil+|engage|participate|support|respond|offer|feel\s+comfortable|give\s+(?:driving\s+)?advice|make\s+(?:\w+\s+)?(?:decision|choice)s?|choose|select|pick|determine|identify|tell|say|interpret|recommend)\b(?!\s+(?:which|whether|if|from)\b)"
     rf"|{_CANNOT}\s+(?:(?:actually|directly|currently|really)\s+)?(?:view|see|access|open|display|look\s+at|receive|have\s+access)\b(?:\s+\w+){{0,3}}?\s+{_PICTURES}"
     rf"|no\s+access\s+to\s+(?:\w+\s+)?{_PICTURES}|(?:no|any)\s+{_PICTURES}s?\s+(?:\w+\s+){{0,2}}?(?:provided|attached|visible|uploaded|received|shown|included)"
     rf"|(?:provide|upload|attach|share)\s+(?:the|an?|your|some)\s+{_PICTURES}"

@@ -215,17 +215,23 @@ _HEDGED_AFTER = re.compile(
 _CONDITIONED = re.compile(
     r"\b(?:if|unless|in\s+case)\b[^,]*,[^,]*$|\b(?:otherwise|else|if\s+not)\b[^.;!?\n]*$"
 )
-_CROSS = r"[\u274c\u274e\u2716\u2717\u2718\u00d7\U0001f6ab]"
-_TICK = r"[\u2705\u2611\u2713\u2714]"
-_TICKED = re.compile(rf"^\W*{_TICK}\W*$")
+CROSS = r"[\u274c\u274e\u2716\u2717\u2718\u00d7\U0001f6ab]"
+TICK = r"[\u2705\u2611\u2713\u2714]"
+_CRASHES = re.compile(
+    r"\s*,?\s*(?:we|i|it|the\s+\w+)\s+(?:may|might|could|would|will|'d|'ll)\s+(?:\w+\s+)?(?:collide|hit|crash)"
+)
+_TICKED = re.compile(rf"^\W*{TICK}\W*$")
+_EARLIER = re.compile(
+    r"\b(?:initially|at\s+first|originally|(?:would|'d)\s+have\s+(?:said|chosen|picked))\b[^.;!?\n]*$"
+)
 _LATER_CHOICE = re.compile(
-    r"\b(?:second|2nd|third|3rd|alternative|alternatively|backup|back\s+up|fallback|runner\s+up|next\s+best)\b[^.;!?\n]*$"
+    r"\b(?:(?:second|2nd|third|3rd)(?!\s+(?:frame|image|picture|photo|lane|vehicle|car))|alternative|alternatively|backup|back\s+up|fallback|runner\s+up|next\s+best)\b[^.;!?\n]*$"
 )
 _CLAUSE = re.compile(r"[.;!?,:\n\u2014]")
 _FALLBACK = re.compile(r"\bor\s+(?:\w+\s+)?$")
 _CONDITION = re.compile(r"^\s*(?:if|when|in\s+case|should|as\s+needed|only\s+if)\b")
 _MARKED_WRONG = re.compile(
-    rf"^\s*(?:[(:\u2014-]\s*)?(?:no\b|{_CROSS})"
+    rf"^\s*(?:[(:\u2014-]\s*)?(?:no\b|{CROSS})"
     r"|^\s*[(:\u2014-]\s*(?:\w+ly\s+)?(?:not\s+(?:safe|possible|available|advisable|needed|necessary|enough|ideal|good|recommended|an?\b)|unsafe|dangerous|too|impossible|unnecessar\w+|risky|insufficient|excessive|wrong|overkill)\b"
 )
 CORRECTIONS = re.compile(
@@ -283,7 +289,7 @@ def meaning(text: str, mention: Mention) -> Meant:
     scope = before[_last_end(_SCOPE_ENDS, before, but=r"because|since|:") :]
     if is_question or (_FALLBACK.search(before) and _CONDITION.search(after)):
         return Meant(mention, -1)
-    if _LATER_CHOICE.search(before):
+    if _LATER_CHOICE.search(before) or _EARLIER.search(scope):
         return Meant(mention, -1)
     if _TICKED.search(before) or (FINAL.search(before) and _reaches(FINAL, before)):
         return Meant(mention, 3)
@@ -310,7 +316,9 @@ def _is_rejected(before: str, after: str) -> bool:
             return True
     if _NEAR_NEGATIONS.search(scope) or re.search(r"\bno:\s*$", before):
         return True
-    if _MARKED_WRONG.search(after) or re.search(rf"^\W*{_CROSS}\W*$", before):
+    if _CRASHES.match(after) and re.search(r"\bif\b", scope):
+        return True
+    if _MARKED_WRONG.search(after) or re.search(rf"^\W*{CROSS}\W*$", before):
         return True
     clause = re.split(r"[,;\u2014]|\b(?:because|since|but|so|and|as|which|while)\b", after)[0]
     return bool(_AFTERWARDS.search(clause))

@@ -1,6 +1,7 @@
 """Answers are read as a person would read them, whatever their shape; none raises."""
 
 import json
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
@@ -15,6 +16,7 @@ from oodscen.judging.answers import (
     read_choice,
     read_description,
 )
+from oodscen.judging.wording import Mention, longest
 from tests.judging.shapes import (
     ACTIONS_SAID,
     CHOICES_SAID,
@@ -123,3 +125,24 @@ def test_a_megabyte_is_no_answer_and_costs_nothing():
     for text in ("stop " * 250_000, "{" * 1_000_000, '{"action": "' + "a" * 1_000_000):
         assert read_action(text, ACTIONS).outcome == "unparsed"
     assert read_action("not " * 40_000 + "stop", ACTIONS).outcome in ("answered", "unparsed")
+
+
+SPANS = st.lists(
+    st.builds(
+        lambda start, width, option: Mention(start, start + width, option),
+        st.integers(0, 40),
+        st.integers(1, 9),
+        st.sampled_from("abc"),
+    ),
+    max_size=12,
+)
+
+
+@given(SPANS)
+def test_of_mentions_that_overlap_the_longest_stays(found):
+    kept = longest(found)
+    assert kept == sorted(kept)
+    assert all(one.end <= other.start for one, other in pairwise(kept))
+    for one in found:
+        over = [o for o in kept if o.start < one.end and one.start < o.end]
+        assert any(o.end - o.start >= one.end - one.start for o in over)
