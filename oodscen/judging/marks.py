@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
 from oodscen.judging.languages import ANSWER
+from oodscen.judging.patterns import compiled, either
 from oodscen.judging.wording import Mention
 
 NOT_OFFERED = ""
@@ -19,8 +20,8 @@ def find_marks(
 ) -> list[Mention]:
     """Find where a normalised text chooses, weighs or rejects an option by its mark.
 
-    Numbers that count or measure something are none: "4 cars", "8 m/s", "frame 2", "90 %", and so are
-    those that number the steps of a chain of thought.
+    Numbers that count or measure something are none: "4 cars", "8 m/s", "frame 2", "90 %", and so
+    are those that number the steps of a chain of thought.
 
     Args:
         plain: The text.
@@ -36,75 +37,131 @@ def find_marks(
     if bare and not find(plain):
         start = plain.index(bare[1])
         return [Mention(start, start + len(bare[1]), by_mark(bare[1]))]
+    patterns = _MARKED if _numbers_its_steps(plain) else (*_MARKED, _LEADING)
     spans: dict[int, tuple[int, str]] = {}
-    steps = _is_numbered(plain)
-    for pattern in _PATTERNS:
+    for pattern in patterns:
         for match in pattern.finditer(plain):
-            if pattern is _LEADING and (steps or match["mark"] in ("0", "1", "a")):
-                continue
-            spans[match.start("mark")] = (match.end("mark"), by_mark(match["mark"]))
-            end = match.end("mark")
-            while more := _MORE.match(plain, end):
-                end = more.end("mark")
-                spans[more.start("mark")] = (end, by_mark(more["mark"]))
-    for match in _ORDINAL.finditer(plain):
+            marked: re.Match[str] | None = match
+            while marked:
+                end = marked.end("mark")
+                spans[marked.start("mark")] = (end, by_mark(marked["mark"]))
+                marked = _MORE.match(plain, end)
+    for match in _COUNTED.finditer(plain):
         spans[match.start()] = (match.end(), _counted(match, offered))
     return [Mention(start, end, option) for start, (end, option) in sorted(spans.items())]
-
-
-_MARK = r"(?P<mark>(?<![-\d.])\d{1,3}|[b-h]|a(?=\s*(?:[)\].:!]|$)))"
-_NUMBER = r"(?P<mark>(?<![-\d.])\d{1,3})"
-_NO_MEASURE = r"(?![a-z\u00e0-\u024f\d_%])(?!\s*(?:[.,]\d|%|percent\b|/\s*\d|\w+/\w|m\b|km|met(?:er|re)|second|s\b))"
-_ENDS = rf"{_NO_MEASURE}(?=\s*(?:[)\]}}.:,;!?\n\u2014(/<|]|$|\b(?:because|since|as|is|isn't|was|would|does|doesn't|do|seems?|fits?|applies|appl|describes?|looks?|might|may|could|can|and|or|but|not|rather|instead|than|best|which|also|matches|with|for|to)\b|[\u3000-\u9fff]))"
-_NOUN = (
-    rf"(?:option|answer|ans|choice|number|action|no\.|nr\.?|n\u00ba|item|choose|pick|select|go(?:ing)?\s+with|nummer|num\u00e9ro|n\u00famero|boxed|{ANSWER}"
-    r"|\u9009\u9879|\u9078\u629e\u80a2|\u9078\u9805|\u7b2c)"
-)
-_LINK = r"(?:\s*(?:is|the|la|le|die|correcta?|correcte|richtige|was|would\s+be|must\s+be|should\s+be|ist|est|es|\u662f|\u4e3a|\u306f|\u756a|:|=|\{|\(|\[|\u2014|>|option|number|no\.))*"
-_LEADING = re.compile(
-    rf"\A[^\w\n]{{0,3}}(?P<mark>\d{{1,3}}|[b-h](?=\s*[)\].:])){_NO_MEASURE}(?=\s*(?:[.):,(\]\u2014\n]|$|because\b|since\b|as\b))"
-)
-_PATTERNS = (
-    re.compile(rf"(?<![a-z]){_NOUN}s?{_LINK}\s*{_MARK}{_ENDS}"),
-    re.compile(
-        rf"\b(?:(?:it|that|this|one|which|answer|choice|(?:description|match|fit|category|label)(?:\s+(?:of|for)\s+(?:\w+\s+){{0,2}}\w+)?)(?:'s|\s+(?:is|was|would\s+be|must\s+be|should\s+be|has\s+to\s+be))"
-        rf"|not|but|so|hence|thus|therefore|no|actually|wait|than|rather|choose|pick|select|go(?:ing)?\s+with|thought|think|guess|say|left\s+with|leaves|i'd)"
-        rf"\W{{1,5}}{_NUMBER}{_ENDS}(?!\s*(?:and|with|for|to|can|do|could|may)\b)"
-    ),
-    re.compile(rf"^[^\w\n]*{_NUMBER}[^\w\n]*$", re.MULTILINE),
-    re.compile(rf"\b(?:id|index)\s*[=:]\s*{_NUMBER}\b"),
-    re.compile(rf"^\s*[(\[]{_MARK}[)\]]", re.MULTILINE),
-    re.compile(rf"<\s*/?\s*\w+\s*>\s*{_NUMBER}\s*<"),
-    _LEADING,
-)
-_MORE = re.compile(
-    rf"\s*(?:,|\bor\b|\band\b|/|&)\s*(?:option\s+|number\s+)?(?P<mark>\d{{1,3}}|[b-h](?=\s*(?:[)\].,]|$))){_NO_MEASURE}"
-)
-_BARE = re.compile(
-    r"(?:the\s+)?(?:my\s+)?(?:final\s+)?(?:(?:option|answer|choice|number|no|nr)\s*[.:=]?\s*)?[^\w\s]*\s*((?<!-)(?:[a-z]|\d{1,3}))\s*[^\w\s]*"
-)
-_ORDINALS = (
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-)
-_NUMERALS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-_ORDINAL = re.compile(
-    rf"\b({'|'.join(_ORDINALS)}|last)\s+(?:option|action|one|answer)\b"
-    rf"|\b(?:option|number|choice|action|answer)\s*(?:is\b|[:=])?\s*(?:number\s+)?({'|'.join(_NUMERALS)})\b"
-)
 
 
 def _at(mark: str, offered: Sequence[str]) -> str:
     index = int(mark) - 1 if mark.isdecimal() else ord(mark) - ord("a")
     return offered[index] if 0 <= index < len(offered) else NOT_OFFERED
+
+
+def _numbers_its_steps(plain: str) -> bool:
+    """Whether a text numbers its steps or parts: a "1." and later a "2."."""
+    numbers = [int(m[1]) for m in re.finditer(r"(?:^|\s)[(]?(\d{1,2})[.):]\s", plain)]
+    return any(later == number + 1 for number, later in pairwise(numbers))
+
+
+# ------------------------------------------------------------------ a mark alone
+
+_BARE = compiled(
+    r"(?:the )?(?:my )?(?:final )?(?:(?:option|answer|choice|number|no|nr) *[.:=]? *)?"
+    r"[^\w\s]* *((?<!-)(?:[a-z]|\d{1,3})) *[^\w\s]*"
+)
+"""All of a text: "3", "(c)", "The final answer: 3."."""
+
+# ------------------------------------------------------------------ a mark in a text
+
+_NUMBER = r"(?P<mark>(?<![-\d.])\d{1,3})"
+_NUMBER_OR_LETTER = r"(?P<mark>(?<![-\d.])\d{1,3}|[b-h]|a(?= *(?:[)\].:!]|$)))"
+"""An "a" is a letter only where a mark follows; else it is an article."""
+
+_NO_MEASURE = (
+    r"(?![a-zà-ɏ\d_%])"
+    r"(?! *(?:[.,]\d|%|percent\b|/ *\d|\w+/\w|m\b|km|met(?:er|re)|second|s\b))"
+)
+_NO_COUNT = (
+    r"(?= *"
+    + either(
+        r"[)\]}.:,;!?\n\u2014(/<|]|$",
+        r"\b"
+        + either(
+            r"because|since|as|and|or|but|not|rather|instead|than|with|for|to|which|best|also",
+            r"is|isn't|was|would|does|doesn't|do|seems?|looks?|might|may|could|can",
+            r"fits?|applies|matches|describes?",
+        )
+        + r"\b",
+        r"[\u3000-\u9fff]",
+    )
+    + ")"
+)
+_ENDS = _NO_MEASURE + _NO_COUNT
+"""Follows a mark, and no number that measures or counts: "8 m/s", "4 cars"."""
+
+_CALLED = either(
+    r"option|answer|ans|choice|number|action|no\.|nr\.?|nº|item|boxed",
+    r"choose|pick|select|go(?:ing)? with",
+    r"nummer|numéro|número",
+    ANSWER,
+    r"选项|選択肢|選項|第",
+)
+_LINK = (
+    r"(?: *"
+    + either(
+        r"is|was|would be|must be|should be|the|option|number|no\.",
+        r"ist|est|es|la|le|die|correcta?|correcte|richtige",
+        r"是|为|は|番",
+        r":|=|\{|\(|\[|\u2014",
+    )
+    + r")*"
+)
+_IT_IS = (
+    either(
+        r"it|that|this|one|which|answer|choice",
+        r"(?:description|match|fit|category|label)(?: (?:of|for) (?:\w+ ){0,2}\w+)?",
+    )
+    + r"(?:'s| (?:is|was|would be|must be|should be|has to be))"
+)
+_MARKED = (
+    # "option 3", "answer: (c)"
+    compiled(rf"(?<![a-z]){_CALLED}s?{_LINK} *{_NUMBER_OR_LETTER}{_ENDS}"),
+    # "it is 3", "not 3 but 4", "I'd say 3"
+    compiled(
+        r"\b"
+        + either(
+            _IT_IS,
+            r"not|but|so|hence|thus|therefore|no|actually|wait|than|rather",
+            r"choose|pick|select|go(?:ing)? with|thought|think|guess|say|left with|leaves|i'd",
+        )
+        + rf"\W{{1,5}}{_NUMBER}{_ENDS}(?! *(?:and|with|for|to|can|do|could|may)\b)"
+    ),
+    # a line of its own
+    compiled(rf"^[^\w\n]*{_NUMBER}[^\w\n]*$", flags=re.MULTILINE),
+    compiled(rf"\b(?:id|index) *[=:] *{_NUMBER}\b"),
+    # "(c) ..."
+    compiled(rf"^ *[(\[]{_NUMBER_OR_LETTER}[)\]]", flags=re.MULTILINE),
+)
+_LEADING = compiled(
+    r"\A[^\w\n]{0,3}(?P<mark>(?![01]\b)\d{1,3}|[b-h](?= *[)\].:]))"
+    rf"{_NO_MEASURE}(?= *(?:[.):,(\]\u2014\n]|$|(?:because|since|as)\b))"
+)
+"""What a text begins with: "3. The lane is blocked"; a "1." may number a step."""
+
+_MORE = compiled(
+    r" *(?:,|\bor\b|\band\b|/|&) *(?:(?:option|number) )?"
+    rf"(?P<mark>\d{{1,3}}|[b-h](?= *(?:[)\].,]|$))){_NO_MEASURE}"
+)
+"""Goes on after a mark: "option 3 or 4"."""
+
+# ------------------------------------------------------------------ numbers in words
+
+_ORDINALS = "first second third fourth fifth sixth seventh eighth ninth tenth".split()
+_NUMERALS = "one two three four five six seven eight nine ten".split()
+_COUNTED = compiled(
+    rf"\b({'|'.join(_ORDINALS)}|last) (?:option|action|one|answer)\b",
+    r"\b(?:option|number|choice|action|answer) *(?:is\b|[:=])? *(?:number )?"
+    rf"({'|'.join(_NUMERALS)})\b",
+)
 
 
 def _counted(match: re.Match[str], offered: Sequence[str]) -> str:
@@ -114,16 +171,13 @@ def _counted(match: re.Match[str], offered: Sequence[str]) -> str:
     return offered[index] if index < len(offered) else NOT_OFFERED
 
 
-def _is_numbered(plain: str) -> bool:
-    """Whether a text numbers its steps or parts: a "1." and later a "2."."""
-    numbers = [int(m[1]) for m in re.finditer(r"(?:^|\s)[(]?(\d{1,2})[.):]\s", plain)]
-    return any(later == number + 1 for number, later in pairwise(numbers))
+# ------------------------------------------------------------------ a list of the text's own
 
 
 def own_list(plain: str, find: Finder) -> Mapping[str, str]:
     """Return what the marks stand for in a text that lists options by marks of its own."""
     own: dict[str, str] = {}
-    for match in re.finditer(r"^\W*?[(\[]?(\d{1,2}|[a-z])[.):\]]+\s*(?=\S)", plain, re.MULTILINE):
+    for match in _LISTED.finditer(plain):
         end = plain.find("\n", match.end())
         line = plain[match.end() : end if end >= 0 else len(plain)]
         named = find(line)
@@ -132,3 +186,6 @@ def own_list(plain: str, find: Finder) -> Mapping[str, str]:
                 return {}
             own[match[1]] = named[0].option
     return own if len(own) > 1 else {}
+
+
+_LISTED = re.compile(r"^\W*?[(\[]?(\d{1,2}|[a-z])[.):\]]+\s*(?=\S)", re.MULTILINE)

@@ -7,7 +7,9 @@ from typing import Any, Generic, Literal, TypeVar
 
 from oodscen.extraction import find_objects, is_cut_off
 from oodscen.judging.languages import REFUSAL
-from oodscen.judging.wording import CORRECTIONS, normalise
+from oodscen.judging.meaning import CORRECTIONS
+from oodscen.judging.patterns import compiled, either, few
+from oodscen.judging.wording import normalise
 
 Value = TypeVar("Value")
 
@@ -16,7 +18,6 @@ LONGEST = 200_000
 
 PROSE = 8_000
 """Of longer prose its beginning and its end are read, in characters."""
-
 
 TWO_ANSWERS = "two answers"
 """How the note begins where a text gives more than one."""
@@ -30,38 +31,41 @@ class Reading(Generic[Value]):
     """`None` unless the outcome is `answered`."""
     outcome: Literal["answered", "refused", "unparsed"]
     note: str
-    """How the answer was found, or why there is none: `JSON`, `prose: chosen`, `two answers: ...`."""
+    """How it was found, or why there is none: `JSON`, `prose: chosen`, `two answers: ...`."""
 
 
-def is_refusal(text: str) -> bool:
-    """Whether a model declines to answer, or cannot see what it is asked about."""
-    plain = normalise(tail(text[:20_000]))
-    return bool(_REFUSAL.search(plain) or re.search(REFUSAL, plain))
+def too_long(text: str) -> Reading[Any]:
+    """Return what becomes of an answer that is too long to be read."""
+    return Reading(None, "unparsed", f"{len(text):,} characters; {LONGEST:,} at most are read")
 
 
-_TAGS = r"(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)"
-_OPEN = re.compile(rf"<\s?{_TAGS}\s?>|\[THINK\]|\u25c1think\u25b7", re.IGNORECASE)
-_CLOSED = re.compile(
-    rf"<\s?/\s?{_TAGS}\s?>|\[/THINK\]|\u25c1/think\u25b7|<\|channel\|>\s?final\s?<\|message\|>",
-    re.IGNORECASE,
-)
-_GIVEN = re.compile(r"(?:final\s)?answer\s?(?:is|:)", re.IGNORECASE)
+# ------------------------------------------------------------------ what counts as said
 
 
 def spoken(text: str) -> str:
     """Return what follows the thinking; thinking that never ends counts only where it concludes."""
-    closed = [match.end() for match in _CLOSED.finditer(text)]
-    opened = _OPEN.search(text)
+    closed = [match.end() for match in _THOUGHT_ENDS.finditer(text)]
+    opened = _THOUGHT_BEGINS.search(text)
     if closed and text[closed[-1] :].strip():
         text = text[closed[-1] :]
     elif closed and opened and opened.start() < closed[-1]:
         return text[: opened.start()]
-    opened = _OPEN.search(text)
+    opened = _THOUGHT_BEGINS.search(text)
     if opened:
         thought = text[opened.end() :]
-        given = _GIVEN.search(thought)
+        given = _ANSWER_IS.search(thought)
         text = text[: opened.start()] + (thought[given.start() :] if given else "")
     return text
+
+
+_THINKING = r"(?:think|thinking|thought|reasoning|reflection|scratchpad|analysis)"
+_THOUGHT_BEGINS = re.compile(rf"<\s?{_THINKING}\s?>|\[THINK\]|\u25c1think\u25b7", re.IGNORECASE)
+_THOUGHT_ENDS = re.compile(
+    rf"<\s?/\s?{_THINKING}\s?>|\[/THINK\]|\u25c1/think\u25b7"
+    r"|<\|channel\|>\s?final\s?<\|message\|>",
+    re.IGNORECASE,
+)
+_ANSWER_IS = re.compile(r"(?:final\s)?answer\s?(?:is|:)", re.IGNORECASE)
 
 
 def tail(text: str) -> str:
@@ -69,11 +73,16 @@ def tail(text: str) -> str:
     text = spoken(text)
     if len(text) > PROSE:
         text = f"{text[:2_000]}\n{text[2_000 - PROSE :]}"
-    return re.sub(r"<\|[a-z_]+\|>|</?s>|\[/?INST\]", " ", text)
+    return _CONTROL_TOKENS.sub(" ", text)
+
+
+_CONTROL_TOKENS = re.compile(r"<\|[a-z_]+\|>|</?s>|\[/?INST\]")
+
+# ------------------------------------------------------------------ objects
 
 
 def objects(text: str) -> Iterator[Mapping[str, Any]]:
-    """Yield what follows the thinking as objects: whole ones of JSON, the likeliest answer first, or XML."""
+    """Yield the whole objects of JSON after the thinking, the likeliest answer first, or of XML."""
     said = spoken(text)
     is_found = False
     for found in find_objects(said):
@@ -109,7 +118,7 @@ class Told(Generic[Value]):
     value: Value | None = None
     """Of the last object that tells one."""
     is_disputed: bool = False
-    """Whether another object before it tells something else, and no word in between takes it back."""
+    """Whether an object before it tells something else, and no word in between takes it back."""
     is_void: bool = False
     """Whether what was asked for has its place there, and nothing usable in it."""
     corrected: str = ""
@@ -137,20 +146,25 @@ def told(
             is_void = is_void or _is_void(value, keys)
     if not values:
         return Told(is_void=is_void or _is_cut_before(said, keys))
-    gap = (_GAP.findall(said) or [""])[-1]
-    is_disputed = any(value != values[0] for value in values) and bool(_NO_WORDS.fullmatch(gap))
+    gap = (_BETWEEN_OBJECTS.findall(said) or [""])[-1]
+    differ = any(value != values[0] for value in values)
     after = normalise(said.rpartition("}")[2][:PROSE])
-    return Told(values[0], is_disputed, corrected=after if CORRECTIONS.search(after) else "")
+    return Told(
+        values[0],
+        is_disputed=differ and bool(_NO_WORDS.fullmatch(gap)),
+        corrected=after if CORRECTIONS.search(after) else "",
+    )
 
 
-_GAP = re.compile(r"\}([^{}]*)\{")
+_BETWEEN_OBJECTS = re.compile(r"\}([^{}]*)\{")
 _NO_WORDS = re.compile(r"(?:[\W_]|\b(?:json|or|and|oder|ou)\b)*", re.IGNORECASE)
 
 
 def _is_void(value: Mapping[str, Any], keys: Sequence[str]) -> bool:
-    """Whether an object has a place for what was asked for, and not just the dots of the question there."""
-    told = [one for key, one in _spelt(value).items() if key in {_spelling(name) for name in keys}]
-    return bool(told) and not (isinstance(told[0], str) and re.fullmatch(r"\W+", told[0]))
+    """Whether an object has a place for what was asked for, with more than dots in it."""
+    places = {_spelling(name) for name in keys}
+    held = [one for key, one in _spelt(value).items() if key in places]
+    return bool(held) and not (isinstance(held[0], str) and re.fullmatch(r"\W+", held[0]))
 
 
 def _is_cut_before(said: str, keys: Sequence[str]) -> bool:
@@ -158,23 +172,48 @@ def _is_cut_before(said: str, keys: Sequence[str]) -> bool:
     start = re.search(r"\{\s*[\"']", said)
     if not start or not is_cut_off(said):
         return False
-    names = "|".join(re.escape(key) for key in keys)
+    names = "|".join(re.escape(key).replace("_", "_?") for key in keys)
     return not re.search(rf"\b(?:{names})[\"']?\s*[:=]", said[start.start() :], re.IGNORECASE)
 
 
-def too_long(text: str) -> Reading[Any]:
-    """Return what becomes of an answer that is too long to be read."""
-    return Reading(None, "unparsed", f"{len(text):,} characters; {LONGEST:,} at most are read")
+# ------------------------------------------------------------------ refusals
 
 
-_CANNOT = r"(?:can\s*not|can't|could\s*n[o']t|won't|will\s+not|unable\s+to|not\s+able\s+to|do\s+not|don't|not\s+(?:allowed|permitted)\s+to|decline\s+to|refuse\s+to)"
+def is_refusal(text: str) -> bool:
+    """Whether a model declines to answer, or cannot see what it is asked about."""
+    plain = normalise(tail(text[:20_000]))
+    return bool(_REFUSAL.search(plain) or REFUSAL.search(plain))
+
+
+_CANNOT = either(
+    r"can *not|can't|could *n[o']t|won't|will not|do not|don't",
+    r"unable to|not able to|not (?:allowed|permitted) to|decline to|refuse to",
+)
 _PICTURES = r"(?:image|picture|frame|photo|visual|video|attachment|attached)"
-_REFUSAL = re.compile(
-    rf"\b(?:i\s*(?:'m|am)\s+(?:\w+\s+)?(?:sorry|afraid)\b|i\s+(?:must\s+(?:\w+\s+)?|have\s+to\s+)?(?:decline|refuse)\b"
-    rf"|as\s+an?\s+(?:ai|(?:large\s+)?language|text\s+based)"
-    rf"|{_CANNOT}\s+(?:\w+\s+){{0,2}}?(?:assist|help|comply|provide|answer|process|analy[sz]e|fulfil+|engage|participate|support|respond|offer|feel\s+comfortable|give\s+(?:driving\s+)?advice|make\s+(?:\w+\s+)?(?:decision|choice)s?|choose|select|pick|determine|identify|tell|say|interpret|recommend)\b(?!\s+(?:which|whether|if|from)\b)"
-    rf"|{_CANNOT}\s+(?:(?:actually|directly|currently|really)\s+)?(?:view|see|access|open|display|look\s+at|receive|have\s+access)\b(?:\s+\w+){{0,3}}?\s+{_PICTURES}"
-    rf"|no\s+access\s+to\s+(?:\w+\s+)?{_PICTURES}|(?:no|any)\s+{_PICTURES}s?\s+(?:\w+\s+){{0,2}}?(?:provided|attached|visible|uploaded|received|shown|included)"
-    rf"|(?:provide|upload|attach|share)\s+(?:the|an?|your|some)\s+{_PICTURES}"
-    rf"|(?:unable|not\s+able)\s+to\s+(?:view|see)\b|not\s+comfortable\s+(?:\w+ing|with)\b|against\s+(?:my|our|the)\s+(?:policy|policies|guidelines)|content\s+policy)"
+_REFUSAL = compiled(
+    r"\b"
+    + either(
+        r"i *(?:'m|am) (?:\w+ )?(?:sorry|afraid)\b",
+        r"i (?:must (?:\w+ )?|have to )?(?:decline|refuse)\b",
+        r"as an? (?:ai|(?:large )?language|text based)",
+        rf"{_CANNOT} {few(2)}"
+        + either(
+            r"assist|help|comply|provide|answer|fulfil+|engage|participate|support|respond|offer",
+            r"process|analy[sz]e|interpret|determine|identify|recommend|tell|say",
+            r"choose|select|pick|make (?:\w+ )?(?:decision|choice)s?",
+            r"feel comfortable|give (?:driving )?advice",
+        )
+        # an answer that hesitates: "I cannot tell whether it is a deer"
+        + r"\b(?! (?:which|whether|if|from)\b)",
+        rf"{_CANNOT} (?:(?:actually|directly|currently|really) )?"
+        r"(?:view|see|access|open|display|look at|receive|have access)\b"
+        rf"(?: \w+){{0,3}}? {_PICTURES}",
+        rf"no access to (?:\w+ )?{_PICTURES}",
+        rf"(?:no|any) {_PICTURES}s? {few(2)}"
+        r"(?:provided|attached|visible|uploaded|received|shown|included)",
+        rf"(?:provide|upload|attach|share) (?:the|an?|your|some) {_PICTURES}",
+        r"(?:unable|not able) to (?:view|see)\b",
+        r"not comfortable (?:\w+ing|with)\b",
+        r"against (?:my|our|the) (?:policy|policies|guidelines)|content policy",
+    )
 )

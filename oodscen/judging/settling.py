@@ -3,57 +3,72 @@
 import re
 from collections.abc import Sequence
 
-from oodscen.judging.wording import CORRECTIONS, FINAL, Meant, Mention
+from oodscen.judging.meaning import CORRECTIONS, FINAL, Meant
+from oodscen.judging.patterns import compiled
+from oodscen.judging.wording import Mention
 
 
 def settled(plain: str, meant: Sequence[Meant], least: int = -1) -> str | None:
-    """Return the one option that the strongest words are about, after the last correction."""
+    """Return the one option that the strongest words are about, after the last correction.
+
+    Args:
+        plain: A normalised text.
+        meant: What it names, and how.
+        least: The level of words that settle something.
+    """
     meant = [one for one in meant if one.level > -2]
-    alone = [one for one in meant if _is_alone_on_its_line(plain, one.mention, meant)]
-    if len({one.mention.option for one in alone}) == 1 and not plain[alone[-1].mention.end :].strip(
-        " .!)"
-    ):
-        return alone[-1].mention.option
-    corrections = [m.end() for m in CORRECTIONS.finditer(plain)]
-    for place in reversed(corrections):
-        later = [one for one in meant if one.mention.start >= place]
-        if later:
-            meant = later
-            break
-    else:
-        if first := _leading(plain, meant):
-            return first
+    if last_line := _last_line(plain, meant):
+        return last_line
+    corrected = _after_the_last_correction(plain, meant)
+    if not corrected and (first := _first_sentence(plain, meant)):
+        return first
+    meant = corrected or meant
     top = max((one.level for one in meant), default=-2)
     if top < least:
         return None
     strongest = [one for one in meant if one.level == top]
-    options = {one.mention.option for one in strongest}
-    if len(options) == 1:
-        return options.pop()
-    if top == 3:
-        marks = [m.start() for m in FINAL.finditer(plain)]
-        last = max((mark for mark in marks if mark < strongest[-1].mention.start), default=0)
-        options = {one.mention.option for one in strongest if one.mention.start > last}
-        return options.pop() if len(options) == 1 else None
-    return None
+    if top == 3 and len(_options(strongest)) > 1:
+        strongest = _given_last(plain, strongest)
+    options = _options(strongest)
+    return options.pop() if len(options) == 1 else None
 
 
-def _leading(plain: str, meant: Sequence[Meant]) -> str | None:
-    """Return the option that is a text's first sentence, where the rest only gives reasons for it."""
+def _options(meant: Sequence[Meant]) -> set[str]:
+    return {one.mention.option for one in meant}
+
+
+def _after_the_last_correction(plain: str, meant: Sequence[Meant]) -> list[Meant]:
+    """Return what follows the last "wait" or "no" after which anything is named."""
+    for correction in reversed(list(CORRECTIONS.finditer(plain))):
+        if later := [one for one in meant if one.mention.start >= correction.end()]:
+            return later
+    return []
+
+
+def _given_last(plain: str, given: Sequence[Meant]) -> list[Meant]:
+    """Return what follows the last "the answer is" of a text that says so repeatedly."""
+    marks = [m.start() for m in FINAL.finditer(plain)]
+    last = max((mark for mark in marks if mark < given[-1].mention.start), default=0)
+    return [one for one in given if one.mention.start > last]
+
+
+# ------------------------------------------------------------------ an answer, then its reasons
+
+
+def _first_sentence(plain: str, meant: Sequence[Meant]) -> str | None:
+    """Return the option that a text begins with, where all after it only gives reasons for it."""
     if len(meant) < 2 or re.search(r"\w", plain[: meant[0].mention.start]):
         return None
     first, *others = meant
-    if not _GIVEN_FIRST.match(plain, first.mention.end):
+    if not _SENTENCE_ENDS.match(plain, first.mention.end):
         return None
-    for one in others:
-        if one.mention.option != first.mention.option and (
-            one.level >= 1 or _is_a_sentence(plain, one.mention)
-        ):
-            return None
+    rivals = [one for one in others if one.mention.option != first.mention.option]
+    if any(one.level >= 1 or _is_a_sentence(plain, one.mention) for one in rivals):
+        return None
     return first.mention.option
 
 
-_GIVEN_FIRST = re.compile(r"[)\]]?\s*(?:[.!](?=\s)|\n|\u2014|,?\s*\(?(?:because|since|as)\b)")
+_SENTENCE_ENDS = compiled(r"[)\]]? *(?:[.!](?=\s)|\n|\u2014|,? *\(?(?:because|since|as)\b)")
 
 
 def _is_a_sentence(plain: str, mention: Mention) -> bool:
@@ -63,8 +78,18 @@ def _is_a_sentence(plain: str, mention: Mention) -> bool:
     return len(re.findall(r"\w+", before + " " + after)) <= 1
 
 
+# ------------------------------------------------------------------ reasons, then an answer
+
+
+def _last_line(plain: str, meant: Sequence[Meant]) -> str | None:
+    """Return the option that fills the last line, where no other fills a line."""
+    alone = [one for one in meant if _is_alone_on_its_line(plain, one.mention, meant)]
+    if len(_options(alone)) != 1 or plain[alone[-1].mention.end :].strip(" .!)"):
+        return None
+    return alone[-1].mention.option
+
+
 def _is_alone_on_its_line(plain: str, mention: Mention, meant: Sequence[Meant]) -> bool:
-    """Whether a mention fills its line, as answers after the reasons do."""
     start = plain.rfind("\n", 0, mention.start) + 1
     end = plain.find("\n", mention.end)
     end = end if end >= 0 else len(plain)
