@@ -114,7 +114,7 @@ class Question:
             return _none_of_them()
         if settled_on:
             return Reading(settled_on, "answered", f"prose: {_LEVELS[max(m.level for m in meant)]}")
-        left = {one.mention.option for one in meant if one.level > -2}
+        left = {one.mention.option or "another" for one in meant if one.level > -2}
         if left:
             return Reading(None, "unparsed", f"{TWO_ANSWERS}: {', '.join(sorted(left))}")
         rejected = Reading[str](None, "unparsed", "every option it names is rejected")

@@ -17,7 +17,7 @@ def settled(plain: str, meant: Sequence[Meant], least: int = -1) -> str | None:
         least: The level of words that settle something.
     """
     meant = [one for one in meant if one.level > -2]
-    if last_line := _last_line(plain, meant):
+    if (last_line := _last_line(plain, meant)) is not None:
         return last_line
     corrected = _after_the_last_correction(plain, meant)
     if not corrected and (first := _first_sentence(plain, meant)):

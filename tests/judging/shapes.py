@@ -389,6 +389,9 @@ ACTIONS_SAID = [
     ("I'm sorry, I cannot tell you whether to stop or to slow down.", REFUSED),
     ("As an AI I cannot drive, but I would stop.", S),
     ("I'm sorry for the confusion. stop", S),
+    ("\u7dca\u6025\u715e\u8eca", E),
+    ("Action: keep_speed\n\n65.", None),
+    ('{"reasoning": "The lane is blocked.", "chosenAction": stop', S),
     # further, as they come
     (
         "Based on my analysis of the three frames, the safest course of action would be to **slow_down**, as this allows time to react.",
