@@ -172,10 +172,21 @@ def _weighed(plain: str) -> tuple[bool | None, str]:
     if not said:
         return None, _NEITHER
     if len(set(said)) == 1 and said[0] != "both":
+        if said[0] is False and _excepts_something(plain):
+            return True, "but"
         return said[0] is True, "worded"
     if _OPEN.search(plain) or said[-1] is not True:
         return None, "both yes and no"
     return True, "but"
+
+
+def _excepts_something(plain: str) -> bool:
+    """Whether a sentence that calls a scene ordinary goes on with what is not."""
+    for sentence in re.split(r"[.!?\n]", plain):
+        ordinary, *excepted = _EXCEPT.split(sentence, maxsplit=1)
+        if excepted and _worded(ordinary) is False and _names_something(excepted[0]):
+            return True
+    return False
 
 
 def _worded(plain: str) -> bool | Literal["both"] | None:
@@ -251,9 +262,11 @@ _OPEN = compiled(
 )
 _BUT = compiled(r"\b(?:but|however|except|although|yet|though|while|apart from|aber)\b")
 
+_EXCEPT = compiled(r"\b(?:except|apart from|aside from|but for(?! now| the moment))\b")
+
 _ORDINARY = r"(?:normal|ordinary|typical|routine|usual|in distribution|unremarkable)"
 _ODD = either(
-    r"unusual|unexpected|odd|strange",
+    r"unusual|unexpected|odd|strange|weird|bizarre|peculiar",
     r"anomal\w+|abnormal\w*",
     r"ood|out of (?:the ordinary|distribution)",
 )

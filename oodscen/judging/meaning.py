@@ -105,7 +105,7 @@ _NEGATIONS = compiled(
         r"nicht|kein\w*|statt|anstatt|ohne",
         r"sans|pas|au lieu de",
         r"sin|en lugar de",
-        r"instead of|rather than|(?:as )?opposed to",
+        r"instead of|rather than|(?:as )?opposed to|anything but",
         r"rul(?:e|es|ed|ing) out",
         r"reject(?:s|ed|ing)?",
         r"exclud(?:e|ed|ing)",
@@ -130,7 +130,8 @@ _NEGATED_CLOSELY = compiled(
 
 _SCOPE_ENDS = compiled(
     r"[.;!?\n\u2014]",
-    r"\b(?:but|however|so|therefore|thus|hence|then|because|since|sondern)\b",
+    r"\b(?<!anything\s)but\b",
+    r"\b(?:however|so|therefore|thus|hence|then|because|since|sondern)\b",
     r"\binstead\b(?! of)",
     r"\brather\b(?! than)",
     r"\b(?:and|i) (?:(?:will|would) )?(?:choose|pick|select|go|take|opt)\b",

@@ -391,6 +391,8 @@ ACTIONS_SAID = [
     ("I'm sorry for the confusion. stop", S),
     ("\u7dca\u6025\u715e\u8eca", E),
     ("Action: keep_speed\n\n65.", None),
+    ("Anything but stop: slow_down.", D),
+    ("Nothing but stop will do.", S),
     ('{"reasoning": "The lane is blocked.", "chosenAction": stop', S),
     # further, as they come
     (
@@ -529,6 +531,10 @@ ACTIONS_SAID = [
 ]
 
 DETECTIONS_SAID = [
+    ("Normal, except for a deer.", True, "deer", None),
+    ("An ordinary scene apart from the overturned truck.", True, "overturned truck", None),
+    ("Nothing unusual. Everyone except us has parked.", False, "", None),
+    ("It's weird: a bathtub on the road.", True, "bathtub", None),
     ('{"is_ood": true, "aspect": "a fallen tree"}', True, "tree", None),
     ('{"is_ood": false, "aspect": ""}', False, "", None),
     ('{"is_ood": "yes", "aspect": "fog", "confidence": "80%"}', True, "fog", 0.8),
