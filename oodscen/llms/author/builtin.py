@@ -127,6 +127,7 @@ class BuiltinAuthor:
             for name in ("environmental", "interactional")
         ]
         decks = [[deck[i] for i in rng.permutation(len(deck))] for deck in decks if deck]
+        decks = [sorted(deck, key=lambda hazard: not hazard.first) for deck in decks]
         taken = {plain(text) for text in prompt.shown}
         texts = []
         for number in range(prompt.count):

@@ -25,12 +25,16 @@ class Habits:
     What it is told is covered it leaves out in five rounds out of six, and then takes what comes to mind
     next; in the sixth it draws as if it had not been told. Where groups are named as thin, it chooses
     among theirs in a third of the rounds in which it listens.
+
+    Hazards that are marked as first are drawn from in half of the rounds until the question names them
+    as covered or refused.
     """
 
     repertoire: float = 46.0
     softness: float = 5.0
     listens: float = 5.0 / 6.0
     follows: float = 1.0 / 3.0
+    favours: float = 0.5
 
 
 class Imagination:
@@ -44,12 +48,18 @@ class Imagination:
         self.recogniser = recogniser
         self.habits = habits or Habits()
         self._order = stream(seed, "repertoire").permutation(len(knowledge.hazards))
+        self._first = [h for h in knowledge.hazards if h.first]
         self._known = lru_cache(maxsize=8)(self._named)
 
     def hazard(self, prompt: ImagineScenario, rng: np.random.Generator) -> Hazard:
         """Draw a hazard; what is covered, thin or was refused counts only if the question says so."""
         ranks = self._order
         listens, follows, place = rng.random(), rng.random(), rng.random()
+        if self._first and rng.random() < self.habits.favours:
+            known = self._known(prompt.covered, prompt.refused)
+            own = [hazard for hazard in self._first if hazard.id not in known]
+            if own:
+                return own[int(place * len(own))]
         is_told = bool(prompt.covered or prompt.refused)
         if is_told and listens < self.habits.listens:
             known = self._known(prompt.covered, prompt.refused)

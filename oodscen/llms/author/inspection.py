@@ -13,13 +13,14 @@ from pathlib import Path
 from oodscen.augment import Augmenter
 from oodscen.catalogue import Catalogue
 from oodscen.errors import AnswerError, Issue, LLMError
-from oodscen.llms.author.builtin import BuiltinAuthor
 from oodscen.llms.author.feasibility import NO_RECIPE, realise
 from oodscen.llms.author.knowledge import Hazard, Knowledge
 from oodscen.llms.author.recognise import Recogniser, stems
 from oodscen.llms.author.shelf import gather, own_files
+from oodscen.llms.author.staging import Stager
 from oodscen.llms.author.validation import validate_knowledge
-from oodscen.prompts import CatalogueDigest
+from oodscen.prompts import CatalogueDigest, StageScene
+from oodscen.protocols import Completion, Request
 from oodscen.scenario import Scenario
 
 _NEAR = 0.7
@@ -38,7 +39,7 @@ class Inspection:
     notes: tuple[Issue, ...]
     """What may be meant, and is good to know."""
     hazards: int
-    """Inspected: of the file, or all that ship."""
+    """Inspected, and readable as a whole: of the file, or all that ship."""
     families: int
     recipes: int
     shown: Mapping[str, int]
@@ -57,13 +58,15 @@ def inspect_knowledge(
             that a hazard needs and the files of its maps.
     """
     faults = validate_knowledge(path)
-    shelf, knowledge = gather(path) if not _is_unreadable(faults) else (None, None)
-    if shelf is None or knowledge is None or shelf.issues:
+    if _is_unreadable(faults):
+        return Inspection(tuple(faults), (), 0, 0, 0, {})
+    shelf, knowledge = gather(path, salvaged=True)
+    if knowledge is None:
         return Inspection(tuple(faults), (), 0, 0, 0, {})
     names = None if path is None else own_files(Path(path))
     chosen = {
         hazard.id: where
-        for where, hazard in shelf.entries["hazard"]
+        for where, hazard in shelf.hazards
         if names is None or where.split(":", 1)[0] in names
     }
     hazards = [hazard for hazard in knowledge.hazards if hazard.id in chosen]
@@ -72,7 +75,8 @@ def inspect_knowledge(
 
     def at(hazard: Hazard, issues: Iterable[Issue]) -> list[Issue]:
         where = chosen[hazard.id]
-        return [Issue(f"{where}: {issue.path}", issue.message) for issue in issues]
+        found = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
+        return [issue for issue in found if not shelf.is_broken(issue)]
 
     recogniser = Recogniser(knowledge)
     shared = _shared_words(knowledge)
@@ -92,28 +96,50 @@ def inspect_knowledge(
         Issue(name, "has no category: add it to [[things]]")
         for name in _uncategorised(hazards, knowledge)
     ]
-    author = BuiltinAuthor(knowledge=path)
+    author = _Hand(Stager(knowledge, recogniser))
     shown = dict.fromkeys(offered, 0)
+    fitted: set[str] = set()
     tried: set[str] = set()
     for name, digest in offered.items():
         stage = Augmenter(author, (catalogues or {})[name], claims=False)
         has_files = any(road.file for road in stage.catalogue.maps)
         for hazard in hazards:
-            if hazard.stage is None or realise(hazard, digest, knowledge).missing:
+            if hazard.stage is None:
+                continue
+            if has_files and hazard.id not in fitted:
+                fitted.add(hazard.id)
+                faults += at(hazard, _unfit(hazard, stage.catalogue))
+            if realise(hazard, digest, knowledge).missing:
                 continue
             shown[name] += 1
             if has_files and hazard.id not in tried:
                 tried.add(hazard.id)
-                faults += at(hazard, _unfit(hazard, stage.catalogue))
                 faults += at(hazard, _unstaged(hazard, stage, name))
+    whole = [hazard for hazard in hazards if chosen[hazard.id] not in shelf.salvaged]
     return Inspection(
         faults=tuple(faults),
         notes=tuple(notes),
-        hazards=len(hazards),
-        families=len({hazard.family for hazard in hazards}),
-        recipes=sum(hazard.stage is not None for hazard in hazards),
+        hazards=len(whole),
+        families=len({hazard.family for hazard in whole}),
+        recipes=sum(hazard.stage is not None for hazard in whole),
         shown=shown,
     )
+
+
+class _Hand:
+    """Stages and does nothing else, for a knowledge base that no author would take."""
+
+    name = "builtin"
+
+    def __init__(self, stager: Stager) -> None:
+        self._stager = stager
+
+    def complete(self, request: Request) -> Completion:
+        prompt = request.prompt
+        if not isinstance(prompt, StageScene):
+            raise LLMError(f"nothing but scenes, no {prompt.purpose!r}", model=self.name)
+        draft = self._stager.stage(prompt, 0, request.attempt - 1)
+        return Completion(text=draft.model_dump_json())
 
 
 def _is_unreadable(faults: Iterable[Issue]) -> bool:

@@ -195,6 +195,8 @@ class Hazard(Data):
     ordinary: Names = Field(min_length=1)
     """The ordinary counterpart as a clause; of several the first is told that suits where it is."""
     needs: Needs = Needs()
+    first: bool = False
+    """Whether it is imagined before others, as long as a question does not name it as covered."""
     source: str = ""
     stage: Recipe | None = None
 
@@ -296,6 +298,10 @@ class Things(Data):
 
     category: Category
     names: tuple[str, ...] = Field(min_length=1)
+    kinds: tuple[str, ...] = ()
+    """Words for the category as a whole: `animal`, `wildlife`."""
+    others: tuple[str, ...] = ()
+    """Members of it that no hazard needs, in plain words."""
 
 
 class Substitute(Data):

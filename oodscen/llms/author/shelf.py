@@ -2,7 +2,8 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -47,6 +48,10 @@ class Shelf:
         self.entries: dict[str, list[Any]] = {name: [] for name in _TABLES}
         self.single: dict[str, Any] = {}
         self.issues: list[Issue] = []
+        self.salvaged: dict[str, Any] = {}
+        """What could be read of entries with faults, by where they stand; none of it is used to write."""
+        self.broken: dict[str, set[str]] = {}
+        """The paths in these that were left aside."""
 
     def read(self, name: str, text: str) -> None:
         """Add the content of a file."""
@@ -79,18 +84,54 @@ class Shelf:
             self.issues += [
                 Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues
             ]
+            if kind is Hazard and isinstance(item, Mapping):
+                self._salvage(where, item, error.issues)
             return
         if key in _TABLES:
             self.entries[key].append((where, value))
         else:
             self.single[key] = value
 
-    def knowledge(self) -> Knowledge | None:
-        """Put everything together; a later hazard replaces an earlier one with the same id."""
+    def _salvage(self, where: str, item: Mapping[str, Any], issues: Iterable[Issue]) -> None:
+        """Keep what can be read of a hazard, so that its other faults are found as well."""
+        broken = {issue.path for issue in issues}
+        found = deepcopy(dict(item))
+        for path in broken:
+            _set_aside(found, path)
+        try:
+            hazard = Hazard.parse({**_STAND_IN, **found})
+        except DataError as error:
+            fields = {_field(path) for path in (*broken, *(i.path for i in error.issues))}
+            broken |= fields
+            left = {name: value for name, value in found.items() if name not in fields}
+            hazard = Hazard.parse({**_STAND_IN, **left})
+        self.salvaged[where] = hazard
+        self.broken[where] = broken
+
+    @property
+    def hazards(self) -> list[tuple[str, Hazard]]:
+        """Every hazard with where it stands, what could be salvaged included."""
+        return [*self.entries["hazard"], *self.salvaged.items()]
+
+    def is_broken(self, issue: Issue) -> bool:
+        """Tell whether an issue is about something that was left aside."""
+        return any(
+            re.match(rf"{re.escape(f'{where}: {path}')}(?![\w-])", issue.path)
+            for where, paths in self.broken.items()
+            for path in paths
+        )
+
+    def knowledge(self, *, salvaged: bool = False) -> Knowledge | None:
+        """Put everything together; a later hazard replaces an earlier one with the same id.
+
+        Args:
+            salvaged: Whether to add what could be read of hazards with faults, to inspect it.
+        """
         if "wording" not in self.single:
             self.issues.append(Issue("wording", "no file has this table"))
             return None
-        hazards = {hazard.id: hazard for _, hazard in self.entries["hazard"]}
+        chosen = self.hazards if salvaged else self.entries["hazard"]
+        hazards = {hazard.id: hazard for _, hazard in chosen}
         conditions = {condition.key: condition for _, condition in self.entries["condition"]}
         return Knowledge(
             hazards=tuple(hazards.values()),
@@ -105,6 +146,41 @@ class Shelf:
             wording=self.single["wording"],
             paper=self.single.get("paper", Paper()),
         )
+
+
+_STAND_IN: dict[str, Any] = {
+    "id": "unnamed",
+    "class": "environmental",
+    "family": "a family without a name",
+    "label": "a hazard without a name",
+    "places": ["urban"],
+    "events": ["The ego vehicle meets something without a name"],
+    "ordinary": "the lane ahead is clear",
+}
+"""Instead of fields that cannot be read; what is found wrong with them is not reported."""
+
+
+def _field(path: str) -> str:
+    """Return the field of an entry to which a path leads."""
+    return re.split(r"[.\[]", path, maxsplit=1)[0]
+
+
+def _set_aside(entry: dict[str, Any], path: str) -> None:
+    """Take out what a path leads to; in a list of names something else comes in its place."""
+    steps: list[str | int] = [
+        int(step[1:-1]) if step.startswith("[") else step
+        for step in re.findall(r"\[\d+\]|[^.\[\]]+", path)
+    ]
+    inner: Any = entry
+    for step in steps[:-1]:
+        try:
+            inner = inner[step]
+        except (KeyError, IndexError, TypeError):
+            return
+    if steps and isinstance(inner, dict):
+        inner.pop(steps[-1], None)
+    elif steps and isinstance(inner, list) and isinstance(steps[-1], int):
+        inner[steps[-1]] = f"Without a name {steps[-1]}"
 
 
 def _lines(text: str, key: str) -> list[int]:
@@ -134,8 +210,12 @@ def _own(path: Path) -> list[tuple[str, str]]:
         raise DataError("knowledge base", [Issue("", str(error))], source=str(path)) from None
 
 
-def gather(path: str | Path | None) -> tuple[Shelf, Knowledge | None]:
+def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, Knowledge | None]:
     """Read the shipped files and a user's own, keeping note of every fault.
+
+    Args:
+        path: As for `load_knowledge`.
+        salvaged: Whether to add what could be read of hazards with faults, to inspect it.
 
     Raises:
         DataError: When a file cannot be read at all.
@@ -146,7 +226,7 @@ def gather(path: str | Path | None) -> tuple[Shelf, Knowledge | None]:
     if path is not None:
         for name, text in _own(Path(path)):
             shelf.read(name, text)
-    return shelf, shelf.knowledge()
+    return shelf, shelf.knowledge(salvaged=salvaged)
 
 
 def load_knowledge(path: str | Path | None = None) -> Knowledge:

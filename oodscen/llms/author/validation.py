@@ -25,24 +25,22 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
         One issue per fault, with file and path; empty where all is well.
     """
     try:
-        shelf, knowledge = gather(path)
+        shelf, knowledge = gather(path, salvaged=True)
     except DataError as error:
         return list(error.issues)
     issues = list(shelf.issues)
     if knowledge is None:
         return issues
-    entries: list[tuple[str, Hazard]] = shelf.entries["hazard"]
-    issues += _repetitions(entries)
+    entries = shelf.hazards
+    found = list(_repetitions(entries))
     for table in ("clash", "driving"):
         for where, one in shelf.entries[table]:
-            issues += [
-                Issue(f"{where}: {i.path}", i.message) for i in _unknown_keys(one, knowledge)
-            ]
+            found += [Issue(f"{where}: {i.path}", i.message) for i in _unknown_keys(one, knowledge)]
     agreement = Agreement(knowledge)
     for where, hazard in entries:
-        found = (*_faults(hazard, knowledge), *_misplaced(hazard, agreement))
-        issues += [Issue(f"{where}: {i.path}", i.message) for i in found]
-    return issues
+        faults = (*_faults(hazard, knowledge), *_misplaced(hazard, agreement))
+        found += [Issue(f"{where}: {i.path}", i.message) for i in faults]
+    return [*issues, *(issue for issue in found if not shelf.is_broken(issue))]
 
 
 def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:

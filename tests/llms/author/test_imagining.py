@@ -4,6 +4,7 @@ import pytest
 
 from oodscen.llms.author import Knowledge
 from oodscen.llms.author.imagining import Habits, Imagination
+from oodscen.llms.author.knowledge import Hazard
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.prompts import ImagineScenario
 from oodscen.seeding import stream
@@ -59,3 +60,23 @@ def test_a_refused_text_is_left_out_like_what_is_covered(draw) -> None:
 def test_an_author_that_has_told_all_begins_again(draw, knowledge: Knowledge) -> None:
     everything = tuple(hazard.label for hazard in knowledge.hazards)
     assert len(draw(10, covered=everything)) == 10
+
+
+def test_what_is_marked_as_first_comes_in_every_second_round_until_it_is_covered(
+    knowledge: Knowledge,
+) -> None:
+    own = knowledge.hazards[7].model_copy(
+        update={"id": "own", "label": "Harp on the road", "first": True}
+    )
+    mind = Imagination(0, extended := _with(knowledge, own), Recogniser(extended))
+
+    def drawn(**told) -> list[str]:
+        question = ImagineScenario(shown=("x",), **told)
+        return [mind.hazard(question, stream(0, "first", n)).id for n in range(100)]
+
+    assert 35 <= drawn().count("own") <= 65
+    assert drawn(covered=("Harp on the road",)).count("own") <= 3
+
+
+def _with(knowledge: Knowledge, hazard: Hazard) -> Knowledge:
+    return knowledge.model_copy(update={"hazards": (*knowledge.hazards, hazard)})

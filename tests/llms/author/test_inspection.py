@@ -95,6 +95,45 @@ def test_a_fault_is_named_with_its_line_and_hazard(
     assert all(fault.startswith("own.toml:2: hazard[0] grand-piano: ") for fault in faults)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "broken"),
+    [
+        ('class = "environmental"', 'class = "odd"', "class"),
+        ('ordinary = "the lane ahead is free"\n', "", "ordinary"),
+        ('conditions = ["clear"]', "conditions = [3]", "conditions[0]"),
+        ("  \"The ego's lane is taken", "  3, \"The ego's lane is taken", "events[3]"),
+        ('["rock"] }', '["cardbord_box"], x = 1 }', "needs.x"),
+        ("lane = 0, ", 'lane = 0, colour = "red", ', "stage.actors[0].colour"),
+        (
+            PIANO.splitlines()[1],
+            '[surprise]\nx = 1\n[[harp]]\n[[hazard]]\nid = "x"\n[[hazard]]',
+            "",
+        ),
+    ],
+)
+def test_a_fault_of_form_hides_no_other_fault(
+    tmp_path: Path, old: str, new: str, broken: str
+) -> None:
+    text = (
+        PIANO.replace('"urban"]', '"nowhere"]')
+        .replace("A black concert piano blocks the way of", "A grand piano stands in")
+        .replace("[hazard.stage]", "[hazard.stage]\nhorizon = 8.0")
+        .replace('state = "open"', "")
+        .replace("parameters = {}", 'state = "open"')
+    )
+    if '["rock"]' not in old:
+        text = text.replace('["rock"]', '["cardbord_box"]')
+    assert old in text
+    faults = "\n".join(inspected(tmp_path, text.replace(old, new, 1)))
+    assert f"grand-piano: {broken}: " in faults or not broken
+    for known in (
+        "places[1]: there is no place 'nowhere'",
+        "did you mean cardboard_box?",
+        "cardboard_box has no 'open'",
+    ):
+        assert known in faults, known
+
+
 def test_what_no_catalogue_has_is_a_note(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text(PIANO.replace('["rock"]', '["harpsichord"]'))
