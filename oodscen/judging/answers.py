@@ -9,13 +9,14 @@ from collections.abc import Mapping, Sequence
 
 from oodscen.judging.choosing import Question
 from oodscen.judging.descriptions import read_description
-from oodscen.judging.detection import Detected, read_aspect, read_usual
+from oodscen.judging.detection import Detected, read_aspect
 from oodscen.judging.meaning import meaning
 from oodscen.judging.patterns import compiled
 from oodscen.judging.reading import LONGEST, TWO_ANSWERS, Reading, is_refusal, tail
 from oodscen.judging.resembling import resembled
 from oodscen.judging.settling import settled
 from oodscen.judging.wording import Mention, find_actions, longest, normalise
+from oodscen.judging.yes_or_no import says_usual
 from oodscen.verdict import NOTHING
 
 __all__ = [
@@ -104,7 +105,7 @@ def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
     def resembling(part: str) -> Reading[str] | None:
         if _NO_OPTION.search(part):
             return None
-        if NOTHING in labels and read_usual(part):
+        if NOTHING in labels and says_usual(part):
             return Reading(NOTHING, "answered", "prose: nothing is unusual")
         found = resembled(part, labels)
         return Reading(found[0], "answered", f"prose: {found[1]}") if found else None

@@ -3,13 +3,11 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from oodscen.judging.confidence import STATED, probability, stated_confidence
 from oodscen.judging.descriptions import joined
-from oodscen.judging.languages import ANSWER, IS, NO_WORD, UNUSUAL, USUAL, YES_WORD
-from oodscen.judging.meaning import CONCLUSION, CORRECTIONS
-from oodscen.judging.patterns import compiled, either, few
+from oodscen.judging.patterns import compiled
 from oodscen.judging.reading import (
     LONGEST,
     TWO_ANSWERS,
@@ -21,6 +19,16 @@ from oodscen.judging.reading import (
     too_long,
 )
 from oodscen.judging.wording import normalise
+from oodscen.judging.yes_or_no import (
+    FIRST_WORD,
+    NEITHER,
+    UNASSERTED,
+    names_something,
+    truth,
+    uncorrected_verdict,
+    verdict_in,
+    worded,
+)
 
 
 @dataclass(frozen=True)
@@ -41,22 +49,17 @@ def read_aspect(text: str) -> Reading[Detected]:
     if given.is_disputed:
         return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
     if given.value:
-        later = _uncorrected_verdict(given.corrected)[0] if given.corrected else None
+        later = uncorrected_verdict(given.corrected)[0] if given.corrected else None
         if later in (None, given.value.is_ood):
             return Reading(given.value, "answered", "JSON")
         return Reading(_in_words(given.corrected, later), "answered", "prose: corrected")
     plain = normalise(tail(text))
-    verdict, how = (None, _NEITHER) if given.is_void else _verdict(plain)
+    verdict, how = (None, NEITHER) if given.is_void else verdict_in(plain)
     if verdict is None:
         if is_refusal(text):
             return Reading(None, "refused", "a refusal")
         return Reading(None, "unparsed", how)
     return Reading(_in_words(plain, verdict), "answered", f"prose: {how}")
-
-
-def read_usual(plain: str) -> bool:
-    """Whether a normalised text says that nothing is out of the ordinary."""
-    return _verdict(plain)[0] is False
 
 
 def _in_words(plain: str, verdict: bool) -> Detected:
@@ -74,7 +77,7 @@ def _from_object(value: Mapping[str, Any]) -> Detected | None:
         found = found[0]
     if isinstance(found, dict):
         return _from_object(found)
-    is_ood = _truth(found)
+    is_ood = truth(found)
     if is_ood is None:
         return None
     said = member(value, _ASPECT_KEYS) or next(
@@ -105,207 +108,15 @@ _CONFIDENCE_KEYS = ("confidence", "certainty", "probability", "score")
 def _by_meaning(value: Mapping[str, Any]) -> object:
     """Return what a name of an object's own says, e.g. `something_unusual` or `is_normal`."""
     for name, said in value.items():
-        truth = _truth(said)
-        if truth is None:
+        says = truth(said)
+        if says is None:
             continue
         if re.search(r"ood|unusual|anomal|abnormal|out.?of|extraordinary", name, re.IGNORECASE):
-            return truth
+            return says
         if re.search(r"normal|ordinary|usual", name, re.IGNORECASE):
-            return not truth
+            return not says
     return None
 
-
-def _truth(value: object) -> bool | None:
-    if isinstance(value, bool):
-        return value
-    if isinstance(value, (int, float)):
-        return bool(value) if value in (0, 1) else None
-    word = value.strip(" .!'\"").casefold() if isinstance(value, str) else ""
-    if re.fullmatch(rf"yes|true|yeah|yep|si|1|ood|unusual|{YES_WORD}", word):
-        return True
-    if re.fullmatch(rf"no|false|nope|none|nothing|0|normal|ordinary|{NO_WORD}", word):
-        return False
-    return None
-
-
-# ------------------------------------------------------------------ yes or no in words
-
-_NEITHER = "neither yes nor no"
-
-
-def _verdict(plain: str) -> tuple[bool | None, str]:
-    """Say whether a normalised text finds a scene unusual, after its last correction, and how."""
-    for place in [m.end() for m in CORRECTIONS.finditer(plain)][:-20:-1]:
-        later, how = _uncorrected_verdict(plain[place:].strip(" .,;:!"))
-        if later is not None:
-            return later, f"corrected, {how}"
-    return _uncorrected_verdict(plain)
-
-
-def _uncorrected_verdict(plain: str) -> tuple[bool | None, str]:
-    marks = [m[1] for m in _LABELLED.finditer(plain)]
-    if marks:
-        return _truth(marks[-1]), "given"
-    asserted = _UNASSERTED.sub(" ", plain)
-    first = _FIRST.match(asserted)
-    if first and not _begins_a_sentence_on_nothing(first, asserted):
-        return _truth(first[1]), "yes or no"
-    last = re.search(r"(?:^|\n)\W*(yes|no|true|false)\W*$", asserted)
-    if last:
-        return _truth(last[1]), "yes or no"
-    if _UNDECIDED.search(asserted):
-        return None, "undecided"
-    concluded = [m.end() for m in CONCLUSION.finditer(asserted)]
-    if concluded and (closing := _worded(asserted[concluded[-1] :])) in (True, False):
-        return bool(closing), "concluded"
-    return _weighed(asserted)
-
-
-def _begins_a_sentence_on_nothing(first: re.Match[str], plain: str) -> bool:
-    """Whether a first word is the subject of a sentence: "nothing looks normal here"."""
-    return first[1] in ("nothing", "none") and bool(re.match(r"\s*\w", plain[first.end() :]))
-
-
-def _weighed(plain: str) -> tuple[bool | None, str]:
-    """Say what the clauses of a text come to; an exception counts: "normal, but for a deer"."""
-    said = [one for clause in _BUT.split(plain) if (one := _worded(clause)) is not None]
-    if not said:
-        return None, _NEITHER
-    if len(set(said)) == 1 and said[0] != "both":
-        if said[0] is False and _excepts_something(plain):
-            return True, "but"
-        return said[0] is True, "worded"
-    if _OPEN.search(plain) or said[-1] is not True:
-        return None, "both yes and no"
-    return True, "but"
-
-
-def _excepts_something(plain: str) -> bool:
-    """Whether a sentence that calls a scene ordinary goes on with what is not."""
-    for sentence in re.split(r"[.!?\n]", plain):
-        ordinary, *excepted = _EXCEPT.split(sentence, maxsplit=1)
-        if excepted and _worded(ordinary) is False and _names_something(excepted[0]):
-            return True
-    return False
-
-
-def _worded(plain: str) -> bool | Literal["both"] | None:
-    """Say whether a clause calls something out of the ordinary, or says both."""
-    rest, odd = _NOT_ORDINARY.subn(" ", plain)
-    rest, usual = _NOTHING_ODD.subn(" ", rest)
-    says_yes = bool(odd or _SOMETHING_ODD.search(rest))
-    if usual and says_yes:
-        return "both"
-    return says_yes if usual or says_yes else None
-
-
-_NOT_OF_A_NOUN = (
-    r"(?= *(?:$|[^\w\s])"
-    r"| (?:nothing|it|this|that|there|the|these|i|we|everything|all|not|no)\b)"
-)
-"""Follows a "no" that answers, other than that of "no markings are visible"."""
-
-_YES_OR_NO = rf"yes|true|false|none|nothing|{YES_WORD}|(?:no|{NO_WORD}){_NOT_OF_A_NOUN}"
-_CALLED = (
-    r"(?:(?:an?|perfectly|quite|completely) )?"
-    r"(?:ordinary|normal|usual|unusual|abnormal|anomalous|ood)"
-    r"(?![^.\n]*\b(?:but|except|apart|although)\b)"
-)
-
-_LABELLED = compiled(
-    either(
-        r"\b(?:(?:is ?)?ood|out of distribution|unusual|anomal(?:y|ous))",
-        r"\b(?:answer|verdict|boxed|final)",
-        rf"(?<![a-z]){ANSWER}",
-    )
-    + rf" *\?? *(?::|=|\u2014|\{{|\bis\b|\s{IS}\b) *({_YES_OR_NO}|{_CALLED})\b"
-    # a choice of both, or a sentence: "answer: yes or no", "final: no vehicles"
-    r"(?! *(?:or\b|/|\||and no\b"
-    r"|(?:vehicles?|cars?|traffic|lanes?|pedestrians?|idea|way)\b))"
-)
-"""A yes or no that is marked as the answer: "unusual: yes"."""
-
-_FIRST = compiled(
-    rf"\W*({_YES_OR_NO}|nope|yeah|yep)(?:\b|(?=\W|$))"
-    r"(?! (?:matter|wonder|doubt|idea|way|one|and no|or no"
-    r"|vehicles?|cars?|traffic|pedestrians?|lanes?)\b)"
-)
-"""A yes or no that begins a text."""
-
-_UNASSERTED = compiled(
-    r"[^.!?\n]*\?",
-    r"\b(?:whether|if) [^.;,\n]*",
-    r"\b(?:probability|confidence|likelihood|chance) (?:that|of)\b[^.;,\n]*",
-    # sentences of the question
-    r"\babout half of such[^.\n]*",
-    r"\bexactly one is right",
-)
-"""What says neither yes nor no: questions, what hangs on a condition, the words of the question."""
-
-_UNDECIDED = compiled(
-    r"\b"
-    + either(
-        r"not sure (?:if|whether)|unsure|unclear|uncertain|undecided",
-        r"hard to (?:say|tell)|or not|yes and no",
-        r"(?:can't|cannot|can not) (?:tell|say|judge)"
-        r"(?= (?:if|whether|from)\b| *(?:[.!,]|$))",
-    )
-    + r"\b"
-)
-_OPEN = compiled(
-    r"\b"
-    + either(
-        r"might|may|could|maybe|perhaps|either",
-        r"not sure|unsure|unclear|uncertain|hard to (?:say|tell)|yes and no",
-    )
-    + r"\b"
-)
-_BUT = compiled(r"\b(?:but|however|except|although|yet|though|while|apart from|aber)\b")
-
-_EXCEPT = compiled(r"\b(?:except|apart from|aside from|but for(?! now| the moment))\b")
-
-_ORDINARY = r"(?:normal|ordinary|typical|routine|usual|in distribution|unremarkable)"
-_ODD = either(
-    r"unusual|unexpected|odd|strange|weird|bizarre|peculiar",
-    r"anomal\w+|abnormal\w*",
-    r"ood|out of (?:the ordinary|distribution)",
-)
-_NO = r"(?:\b(?:no|not|without|cannot|never|neither)|\w+n't)"
-
-_NOT_ORDINARY = compiled(
-    r"\b(?:not|n't|nothing|never|hardly|far from|anything but|isn't|aren't|doesn't|don't) "
-    rf"(?:(?!only\b|of\b)\w+ ){{0,3}}?{_ORDINARY}\b",
-    rf"\b(?:n't|nothing|not) (?:anything )?(?:that )?(?:i|one|you) {few(3)}{_ORDINARY}\b",
-    rf"n't anything that {few(4)}{_ORDINARY}\b",
-)
-"""Calls a scene odd by denying that it is ordinary: "nothing that one would call normal"."""
-
-_NOTHING_ODD = compiled(
-    # a heading or a short sentence: "An ordinary scene."
-    rf"(?:^|[.!\n])[^\w\n]*(?:an? )?(?:\w+ )?{_ORDINARY}"
-    r"(?: (?:drive|driving|scene|scenario|traffic|situation|day|road|conditions))*"
-    r" *(?:[.!,(\n]|$)",
-    r"(?:\b(?:no|not|nothing|without)\b|\w+n't)[^.\n]{0,40}"
-    r"\b(?:surpris\w+|stands? out|standing out|of concern)\b",
-    rf"\b(?:nothing|none) (?:(?!whether\b|but\b|{_ORDINARY})\w+ ){{0,5}}?"
-    rf"(?:{_ODD}|out of place|wrong|remarkable|special|noteworthy|notable)",
-    rf"{_NO} (?:(?!whether\b|if\b|only\b|just\b|tell\b|say\b|sure\b|certain\b|because\b)\w+ )"
-    rf"{{0,5}}?(?:{_ODD}|hazards?)",
-    # "looks normal", though not "an ordinary road, but"
-    r"(?<!not\s)(?<!n't\s)"
-    r"(?:completely|entirely|perfectly|quite|all|looks?|seems?|appears?|is|are|be|an?|just) "
-    rf"(?!not\b)(?:\w+ )?{_ORDINARY}(?! *(?:for|,? *but|,? *except|hazard))",
-    r"\beverything (?:\w+ ){0,2}(?:fine|normal|ordinary|in order)",
-    r"\bin distribution|\bbusiness as usual",
-    USUAL,
-)
-"""Calls a scene ordinary."""
-
-_SOMETHING_ODD = compiled(
-    rf"\b(?:{_ODD}|unexpectedly|rare|hazardous|something (?:is|looks|seems) (?:off|wrong|amiss))\b",
-    UNUSUAL,
-)
-"""Calls a scene odd, where nothing denies it."""
 
 # ------------------------------------------------------------------ what is unusual
 
@@ -315,41 +126,21 @@ def _aspect_in(plain: str) -> str:
     named = _NAMED.search(plain)
     if named:
         return named[1].strip(" ,:'{}")
-    text = STATED.sub("", _UNASSERTED.sub(" ", plain)).strip()
-    if first := _FIRST.match(text):
+    text = STATED.sub("", UNASSERTED.sub(" ", plain)).strip()
+    if first := FIRST_WORD.match(text):
         text = text[first.end() :]
     sentences = [s for s in re.split(r"(?<=[.!?])\s+|\n", text) if re.search(r"[^\W\d]{2}", s)]
-    telling = [n for n, s in enumerate(sentences) if _worded(s) in (True, "both")]
+    telling = [n for n, s in enumerate(sentences) if worded(s) in (True, "both")]
     first_telling = telling[0] if telling else 0
     nearest = sorted(
         range(len(sentences)),
         key=lambda n: (n != first_telling, n < first_telling, abs(n - first_telling)),
     )
-    naming = [sentences[n] for n in nearest if _names_something(sentences[n])]
+    naming = [sentences[n] for n in nearest if names_something(sentences[n])]
     return (naming or sentences or [""])[0].strip(" .,:;!")[:300]
 
 
 _NAMED = compiled(
     r"\b(?:aspect|anomaly|unusual (?:thing|element|aspect))(?: (?:that|which) (?:\w+ ){1,4}?)?"
     r" *(?:is\b|:|=|\u2014) *([^\n.;]+)"
-)
-
-
-def _names_something(sentence: str) -> bool:
-    """Whether a sentence says more than that something is out of the ordinary, or how surely."""
-    return bool(re.search(r"[^\W\d]{3}", _VERDICT_WORDS.sub(" ", sentence)))
-
-
-_VERDICT_WORDS = compiled(
-    _ODD,
-    _ORDINARY,
-    r"\b"
-    + either(
-        r"yes|no|true|not|definitely|certainly|clearly|really|absolutely|very|quite|highly|fairly",
-        r"i|i'm|i'd|am|is|are|was|be|say|call|would|so",
-        r"it|its|it's|this|that|that's|there|there's|here|me|the|an?|of|in|for|to",
-        r"something|thing|scene|situation",
-        r"confidence|confident|sure|certain|high|medium|low",
-    )
-    + r"\b",
 )

@@ -1,8 +1,8 @@
 """What answers in other languages than English say: actions, yes and no, refusals, denials.
 
 German, French, Spanish, Chinese and Japanese, in that order, in the words in which short answers
-come. Sources are written as `oodscen.judging.patterns` says, for normalised text: lower case, `ß` as
-`ss`.
+come. Sources are written as `oodscen.judging.patterns` says, for normalised text: lower case,
+`ß` as `ss`.
 """
 
 from collections.abc import Mapping

@@ -11,9 +11,10 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     """Whether an open answer names what a path is about.
 
     The leaf's label decides. The answer and the label agree when they share a telling word: equal
-    up to its ending, or a synonym of it, and neither common in driving texts nor denied ("no deer").
-    One such word is enough: the matcher is lenient towards wording and strict towards content. The
-    label itself is always right; an answer that lists more than `MOST_THINGS` things names none.
+    up to its ending, or a synonym of it, and neither common in driving texts nor denied, as in "no
+    deer". One such word is enough: the matcher is lenient towards wording and strict towards
+    content. The label itself is always right; an answer that lists more than `MOST_THINGS` things
+    names none.
 
     Args:
         aspect: The answer.

@@ -83,7 +83,7 @@ def longest(found: Sequence[Mention]) -> list[Mention]:
 
 
 _STOPPING_PLACE = compiled(r"\b(?:bus|tram|truck|pit|rest|taxi|coach|non|short) *-? *$")
-"""Before "stop" it makes a place of it, or a shade: "bus stop", "non-stop", "short stop"."""
+"""Before a "stop" that is no action: "bus stop", "non-stop", "truck stop"."""
 
 # ------------------------------------------------------------------ words for the actions
 
