@@ -83,16 +83,24 @@ def _is_a_sentence(plain: str, mention: Mention) -> bool:
 
 def _last_line(plain: str, meant: Sequence[Meant]) -> str | None:
     """Return the option that fills the last line, where no other fills a line."""
-    alone = [one for one in meant if _is_alone_on_its_line(plain, one.mention, meant)]
+    named: dict[int, set[str]] = {}
+    for one in meant:
+        named.setdefault(_line_start(plain, one.mention), set()).add(one.mention.option)
+    alone = [
+        one
+        for one in meant
+        if len(named[_line_start(plain, one.mention)]) == 1 and _fills_its_line(plain, one.mention)
+    ]
     if len(_options(alone)) != 1 or plain[alone[-1].mention.end :].strip(" .!)"):
         return None
     return alone[-1].mention.option
 
 
-def _is_alone_on_its_line(plain: str, mention: Mention, meant: Sequence[Meant]) -> bool:
-    start = plain.rfind("\n", 0, mention.start) + 1
-    end = plain.find("\n", mention.end)
-    end = end if end >= 0 else len(plain)
-    options = {one.mention.option for one in meant if start <= one.mention.start < end}
-    rest = plain[start : mention.start] + plain[mention.end : end]
-    return len(options) == 1 and not re.search(r"[^\W\d]", rest)
+def _line_start(plain: str, mention: Mention) -> int:
+    return plain.rfind("\n", 0, mention.start) + 1
+
+
+def _fills_its_line(plain: str, mention: Mention) -> bool:
+    start, end = _line_start(plain, mention), plain.find("\n", mention.end)
+    rest = plain[start : mention.start] + plain[mention.end : end if end >= 0 else len(plain)]
+    return not re.search(r"[^\W\d]", rest)
