@@ -8,7 +8,7 @@ _HALVES = re.compile("[\ud800-\udfff]")
 _UNSEEN = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 """Control characters but tabs and line breaks, and those that turn the direction of writing."""
 
-_BLANK = "\u115f\u1160\u2800\u3164\uffa0"
+BLANK = "\u115f\u1160\u2800\u3164\uffa0"
 """Letters and symbols that show nothing."""
 
 
@@ -31,4 +31,4 @@ def one_line(text: str) -> str:
 
 def is_visible(text: str) -> bool:
     """Whether a text has at least one character that shows."""
-    return any(unicodedata.category(char)[0] in "LNPS" and char not in _BLANK for char in text)
+    return any(unicodedata.category(char)[0] in "LNPS" and char not in BLANK for char in text)

@@ -3,15 +3,12 @@
 import re
 import threading
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
-from oodscen._text import is_visible
 from oodscen.errors import Issue
-
-MAX_LABEL = 200
-"""Longest label, in characters."""
+from oodscen.labels import label_fault
 
 
 class TreeEdit(Data):
@@ -43,6 +40,10 @@ class TreeEdit(Data):
     """Name of the model that decided; empty where none was asked."""
     prompt: str = ""
     """The question it was asked: `purpose@version`."""
+    origin: str = ""
+    """Set by a merge: the name of the tree that the edit was made in; rounds are counted apart."""
+    origin_node: str = ""
+    """Set by a merge: id of the node in that tree. A `keep` says with `label` how it is called there."""
     undoes: int | None = None
     """Index of the earlier edit that this one takes back; then `broaden` restores the attestation
     too, which otherwise only grows."""
@@ -65,17 +66,6 @@ def slug(label: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", plain)[:48].strip("-") or "node"
 
 
-def label_fault(label: str) -> str:
-    """Say why a text cannot be a label, or return an empty string."""
-    if not is_visible(label):
-        return "the label is empty"
-    if len(label) > MAX_LABEL:
-        return f"the label has {len(label)} characters, at most {MAX_LABEL} are allowed"
-    if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in label):
-        return "the label contains line breaks, control characters or halves of characters"
-    return ""
-
-
 class Growth:
     """The index that the trees of one line of edits share.
 
@@ -90,7 +80,7 @@ class Growth:
         self.nodes: dict[str, Node] = {}
         self.born: dict[str, int] = {}
         """By id, removed ones included: the first edit that added it. Decides the order."""
-        self._children: dict[str, int] = {}
+        self._children: dict[str, dict[str, None]] = {}
         self._numbers: dict[str, int] = {}
         self._is_ordered = True
         self._lock = threading.Lock()
@@ -157,7 +147,8 @@ class Growth:
         copy = Growth()
         copy.log, copy.before = self.log.copy(), self.before.copy()
         copy.nodes, copy.born = self.nodes.copy(), self.born.copy()
-        copy._children, copy._is_ordered = self._children.copy(), self._is_ordered
+        copy._children = {key: below.copy() for key, below in self._children.items()}
+        copy._is_ordered = self._is_ordered
         copy._cut(version)
         return copy
 
@@ -198,12 +189,12 @@ class Growth:
         """Replace, insert or delete one node."""
         old = self.nodes.get(node_id)
         if old is not None and old.parent is not None:
-            self._children[old.parent] -= 1
+            del self._children[old.parent][node_id]
         if node is None:
             self.nodes.pop(node_id, None)
             return
         if node.parent is not None:
-            self._children[node.parent] = self._children.get(node.parent, 0) + 1
+            self._children.setdefault(node.parent, {})[node_id] = None
         # A key that returns stands last, and a moved one may stand before its parent.
         is_newest = old is None and self.born[node_id] == len(self.log) - 1
         if not is_newest and (old is None or old.parent != node.parent):
@@ -229,7 +220,7 @@ class Growth:
             return f"the node {edit.node[:80]!r} does not exist"
         elif edit.op == "move":
             return self._misplaced(edit)
-        elif edit.op == "remove" and self._children.get(edit.node, 0):
+        elif edit.op == "remove" and self._children.get(edit.node):
             return f"the node {edit.node!r} still has children"
         return ""
 
@@ -238,14 +229,31 @@ class Growth:
             return f"{edit.node!r} would be a second root"
         if edit.parent not in self.nodes:
             return f"the parent {edit.parent[:80]!r} does not exist"
-        if not self._children.get(edit.node, 0) and edit.parent != edit.node:
-            return ""
-        cursor: str | None = edit.parent
-        while cursor is not None:
-            if cursor == edit.node:
-                return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
-            cursor = self.nodes[cursor].parent
+        if self._is_at_or_below(edit.parent, edit.node):
+            return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
         return ""
+
+    def _is_at_or_below(self, lower: str, upper: str) -> bool:
+        """Look from both ends in turns, so that the nearer one decides how long it takes."""
+        cursor: str | None = lower
+        for seen in self._at_or_below(upper):
+            if cursor is None:
+                return False
+            if cursor == upper or seen == lower:
+                return True
+            cursor = self.nodes[cursor].parent
+        return False
+
+    def _at_or_below(self, node_id: str) -> Iterator[str]:
+        yield node_id
+        branches = [iter(self._children.get(node_id, ()))]
+        while branches:
+            child = next(branches[-1], None)
+            if child is None:
+                branches.pop()
+                continue
+            yield child
+            branches.append(iter(self._children.get(child, ())))
 
 
 def _parents_first(nodes: Sequence[Node]) -> dict[str, Node]:

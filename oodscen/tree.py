@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from oodscen._data import Data, Faults
-from oodscen.edits import MAX_LABEL, Growth, Node, TreeEdit, label_fault, slug
+from oodscen.edits import Growth, Node, TreeEdit, slug
 from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
+from oodscen.labels import MAX_LABEL, label_fault
 
 if TYPE_CHECKING:
     from oodscen.trees.origins import Provenance
@@ -87,7 +88,9 @@ class ScenarioTree(Data):
             raise DataError("tree edit", issues)
         return _standing(growth, version + len(edits))
 
-    def undo(self, index: int | None = None, *, round: int | None = None) -> "ScenarioTree":
+    def undo(
+        self, index: int | None = None, *, round: int | None = None, origin: str = ""
+    ) -> "ScenarioTree":
         """Return the tree with an earlier edit taken back, by further edits at the end of its log.
 
         Undoing an `add` removes what was put below the node since; undoing a `remove` brings back
@@ -97,6 +100,8 @@ class ScenarioTree(Data):
             index: Position in `edits`, from the end if negative; the last edit that stands if left
                 out.
             round: Undo every edit of this round instead, the last one first.
+            origin: With `round`: the name of the tree that a merge brought in, whose round is meant;
+                the rounds of this tree's own if empty.
 
         Raises:
             UsageError: When there is no such edit, or it cannot be taken back as the tree stands
@@ -106,7 +111,9 @@ class ScenarioTree(Data):
 
         if round is not None and index is not None:
             raise UsageError("undo takes the index of an edit or a round, not both")
-        return undo(self, index) if round is None else undo_round(self, round)
+        if round is None and origin:
+            raise UsageError("an origin goes with a round")
+        return undo(self, index) if round is None else undo_round(self, round, origin=origin)
 
     # ----------------------------------------------------------------- history
 
@@ -117,8 +124,8 @@ class ScenarioTree(Data):
 
         Args:
             edit: After this many edits.
-            round: After this red-team round, and before the first edit of a later one; 0 is the
-                tree before red teaming.
+            round: After this red-team round, and before the first edit of a later one or of a merge;
+                0 is the tree before red teaming.
             stage: After the last edit of this stage.
 
         Raises:

@@ -4,8 +4,8 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
-from oodscen.edits import label_fault
 from oodscen.errors import Issue, close_matches
+from oodscen.labels import label_fault, same_words
 from oodscen.prompts.base import Prompt
 from oodscen.prompts.digest import CatalogueDigest
 from oodscen.pruning.additions import Addition
@@ -89,10 +89,8 @@ class JudgeBranch(Prompt[BranchJudgement]):
     def _check_label(self, answer: BranchJudgement) -> list[Issue]:
         if fault := label_fault(answer.label):
             return [Issue("label", fault)]
-        if "<" in answer.label or ">" in answer.label:
-            return [Issue("label", "plain words, no markup")]
         before = self.path[-1] if self.path else ""
-        if answer.label.casefold() == before.casefold():
+        if same_words(answer.label) == same_words(before):
             return [Issue("label", "is the label as it was: leave it empty where all can be shown")]
         if not answer.missing:
             return [Issue("missing", "say what the part that cannot be shown would need")]

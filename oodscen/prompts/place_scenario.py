@@ -8,8 +8,9 @@ from pydantic import BaseModel, Field
 from oodscen._data import Data
 from oodscen._text import one_line
 from oodscen.errors import Issue
+from oodscen.labels import label_fault, same_words
 from oodscen.prompts.base import Prompt
-from oodscen.tree import MAX_INDENT, ROOT, Node, ScenarioTree, label_fault
+from oodscen.tree import MAX_INDENT, ROOT, Node, ScenarioTree
 
 MOST_ALSO = 3
 """So many runners-up are kept."""
@@ -128,14 +129,14 @@ def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
     if answer.decision == "split" or (answer.decision == "add" and answer.category is not None):
         wanted.append(("category", answer.category))
     found = {name: one_line(label or "") for name, label in wanted}
-    taken = {node.label.casefold(): node.id for node in nodes}
+    taken = {same_words(node.label): node.id for node in nodes}
     issues = []
     for name, label in found.items():
         if fault := label_fault(label):
             issues.append(Issue(name, fault))
-        elif label.casefold() in taken:
-            message = f"the tree has a node {label!r} already: [{taken[label.casefold()]}]"
+        elif same_words(label) in taken:
+            message = f"the tree has a node {label!r} already: [{taken[same_words(label)]}]"
             issues.append(Issue(name, message))
-    if len(set(map(str.casefold, found.values()))) < len(found):
+    if len(set(map(same_words, found.values()))) < len(found):
         issues.append(Issue("category", "leaf and family need different labels"))
     return issues

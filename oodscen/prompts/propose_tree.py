@@ -7,10 +7,11 @@ from pydantic import BaseModel, Field
 
 from oodscen._text import one_line
 from oodscen.errors import Issue
+from oodscen.labels import label_fault, same_words
 from oodscen.messages import Message
 from oodscen.prompts.base import Prompt
 from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
-from oodscen.tree import CLASSES, label_fault
+from oodscen.tree import CLASSES
 
 MAX_DEPTH = 12
 """Most edges from the root of a proposed tree to a leaf."""
@@ -100,7 +101,7 @@ class ProposeTree(Prompt[ProposedTree]):
                 Issue("nodes", f"{len(answer.nodes)} nodes; exactly {self.nodes} are wanted")
             )
         repeated = [
-            k for k, n in Counter(n.label.casefold() for n in answer.nodes).items() if n > 1
+            k for k, n in Counter(same_words(n.label) for n in answer.nodes).items() if n > 1
         ]
         issues += [Issue("nodes", f"the label {label!r} occurs twice") for label in repeated]
         return issues

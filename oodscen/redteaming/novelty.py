@@ -1,20 +1,18 @@
 """How near a proposal is to what exists: the labels of the leaves, and earlier proposals."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from oodscen.paper import ATTESTED, FEW_SHOTS
+from oodscen.metrics.centring import Vector, label_rows, unit_rows
+from oodscen.paper import FEW_SHOTS
 from oodscen.prompts.describe_path import plain
 from oodscen.protocols import Encoder
 from oodscen.redteaming.excerpt import by_words
 from oodscen.redteaming.rounds import Round
 from oodscen.redteaming.thresholds import NEAREST_LABEL, NEAREST_TEXT
 from oodscen.tree import ROOT, ScenarioTree
-
-Vector = NDArray[np.float64]
 
 
 class Nearness(NamedTuple):
@@ -69,10 +67,9 @@ class Novelty:
         if encoder is None:
             return
         labels = list(self._leaves.values())
-        rows = _rows(encoder, [*labels, *(item.name for item in ATTESTED)])
-        self._label_centre: Vector = rows.mean(axis=0)
-        self._labels = dict(zip(labels, rows, strict=False))
-        frames = _rows(encoder, list(shown)) if shown else np.zeros((0, encoder.dimension))
+        rows, self._label_centre = label_rows(encoder, labels)
+        self._labels = dict(zip(labels, rows, strict=True))
+        frames = unit_rows(encoder, shown) if shown else np.zeros((0, encoder.dimension))
         self._text_sum: Vector = frames.sum(axis=0)
         self._text_count = len(frames)
         self._texts = np.empty((16, encoder.dimension))
@@ -168,7 +165,7 @@ class Novelty:
 
     def _raw(self, text: str) -> Vector:
         assert self._encoder is not None
-        row: Vector = _rows(self._encoder, [text])[0]
+        row: Vector = unit_rows(self._encoder, [text])[0]
         return row
 
     def _label(self, label: str) -> Vector:
@@ -179,15 +176,6 @@ class Novelty:
     def _label_rows(self) -> Vector:
         rows: Vector = np.stack([self._label(label) for label in self._leaves.values()])
         return rows - self._label_centre
-
-
-def _rows(encoder: Encoder, texts: Iterable[str]) -> Vector:
-    """Return unit rows in double precision; a zero row stays zero."""
-    from oodscen.encoders import encode
-
-    rows = encode(encoder, list(texts)).astype(np.float64)
-    lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
-    return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
 
 
 def _cosines(rows: Vector, vector: Vector) -> Vector:

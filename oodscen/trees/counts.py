@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from oodscen._data import Data
 from oodscen.edits import Node
 from oodscen.episode import Episode
+from oodscen.labels import same_words
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.tree import ScenarioTree
-from oodscen.trees.matching import same_words
 from oodscen.twins import scene_of
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """The log of a tree as time: earlier moments, replay, undo."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 from oodscen.edits import Node, TreeEdit
 from oodscen.errors import UsageError
@@ -53,19 +53,31 @@ def undo(tree: ScenarioTree, index: int | None = None) -> ScenarioTree:
     if not -len(edits) <= index < len(edits):
         raise UsageError(f"there is no edit {index}: the log has {len(edits)}")
     index %= len(edits)
-    return tree.apply(*_inverse(tree, index))
+    return tree.apply(*_inverse(tree, _Now(tree), index))
 
 
-def undo_round(tree: ScenarioTree, round: int) -> ScenarioTree:
+def undo_round(tree: ScenarioTree, round: int, *, origin: str = "") -> ScenarioTree:
     """Take back what a round did, as far as it still stands; see `ScenarioTree.undo`."""
     edits = tree.edits
-    found = [index for index in _standing(tree) if edits[index].round == round]
+    found = [
+        index
+        for index in _standing(tree)
+        if edits[index].round == round and edits[index].origin == origin
+    ]
     if not found:
-        raise UsageError(f"no edit of round {round} is left to be undone")
+        others = {edit.origin for edit in edits if edit.round == round and edit.origin != origin}
+        known = f" (others have one: {', '.join(sorted(map(repr, others)))})" if others else ""
+        of = f" of {origin!r}" if origin else ""
+        raise UsageError(f"no edit of round {round}{of} is left to be undone{known}")
+    now = _Now(tree)
+    inverses: list[TreeEdit] = []
     for index in reversed(found):
-        if _is_effective(tree, edits[index]):
-            tree = tree.apply(*_inverse(tree, index))
-    return tree
+        if now.is_effective(edits[index]):
+            some = _inverse(tree, now, index)
+            for edit in some:
+                now.play(edit)
+            inverses += some
+    return tree.apply(*inverses)
 
 
 def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
@@ -84,18 +96,79 @@ def _standing(tree: ScenarioTree) -> list[int]:
     return [
         index
         for index, edit in enumerate(tree.edits)
-        if edit.undoes is None and index not in undone and _is_effective(tree, edit)
+        if edit.undoes is None and index not in undone and _is_effective(edit, tree.by_id)
     ]
 
 
-def _is_effective(tree: ScenarioTree, edit: TreeEdit) -> bool:
-    return (edit.node in tree.by_id) != (edit.op == "remove")
+def _is_effective(edit: TreeEdit, nodes: Container[str]) -> bool:
+    return (edit.node in nodes) != (edit.op == "remove")
+
+
+class _Now:
+    """A tree while edits are taken back: each costs what it changes, not the size of the tree."""
+
+    def __init__(self, tree: ScenarioTree) -> None:
+        self.nodes: dict[str, Node] = dict(tree.by_id)
+        self._children = {key: dict.fromkeys(value) for key, value in tree.children.items()}
+        self._removed = {
+            edit.node: tree.before(index)
+            for index, edit in enumerate(tree.edits)
+            if edit.op == "remove"
+        }
+
+    def is_effective(self, edit: TreeEdit) -> bool:
+        """Tell whether what an edit did can be seen."""
+        return _is_effective(edit, self.nodes)
+
+    def at_or_below(self, node_id: str) -> list[str]:
+        """Return a node and all below it, parents first."""
+        found = {node_id: None}
+        order = [node_id]
+        for current in order:
+            for child in self._children.get(current, ()):
+                if child not in found:
+                    found[child] = None
+                    order.append(child)
+        return order
+
+    def removed(self, node_id: str) -> Node | None:
+        """Return a node that is gone as it last was."""
+        return self._removed.get(node_id)
+
+    def play(self, edit: TreeEdit) -> None:
+        """Follow an edit that takes another one back; whether it fits is not asked."""
+        old = self.nodes.get(edit.node)
+        if edit.op == "remove":
+            self._removed[edit.node] = old
+            self._hang(old, None)
+        elif edit.op == "add":
+            self._hang(
+                old,
+                Node(
+                    id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested
+                ),
+            )
+        elif edit.op == "move" and old is not None:
+            self._hang(old, old.model_copy(update={"parent": edit.parent}))
+        elif edit.op == "broaden" and old is not None:
+            update = {"label": edit.label, "attested": edit.attested}
+            self.nodes[edit.node] = old.model_copy(update=update)
+
+    def _hang(self, old: Node | None, new: Node | None) -> None:
+        if old is not None:
+            self.nodes.pop(old.id)
+            self._children.get(old.parent or "", {}).pop(old.id, None)
+        if new is not None:
+            self.nodes[new.id] = new
+            self._children.setdefault(new.parent or "", {})[new.id] = None
 
 
 def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
     """Return the end of a round; where rounds start over, another run begins that is not meant."""
     end = before = None
     for index, item in enumerate(edits, start=1):
+        if item.origin:
+            return index - 1 if end is None else end
         if item.round is None:
             continue
         if item.round > round or (before is not None and item.round < before):
@@ -104,16 +177,16 @@ def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
     return len(edits) if end is None else end
 
 
-def _inverse(tree: ScenarioTree, index: int) -> list[TreeEdit]:
+def _inverse(tree: ScenarioTree, now: _Now, index: int) -> list[TreeEdit]:
     edit, before = tree.edits[index], tree.before(index)
-    if not _is_effective(tree, edit):
+    if not now.is_effective(edit):
         state = "is there again" if edit.op == "remove" else "is gone"
         raise UsageError(f"edit {index} cannot be undone: its node {edit.node!r} {state}")
     why = {"stage": "undo", "reason": f"takes back edit {index} ({edit.op})", "undoes": index}
     if edit.op == "add":
         return [
             TreeEdit(op="remove", node=node_id, **why)
-            for node_id in reversed(_at_or_below(tree, edit.node))
+            for node_id in reversed(now.at_or_below(edit.node))
         ]
     if before is None or edit.op == "keep":
         return [TreeEdit(op="keep", node=edit.node, **why)]
@@ -123,7 +196,7 @@ def _inverse(tree: ScenarioTree, index: int) -> list[TreeEdit]:
                 op="broaden", node=edit.node, label=before.label, attested=before.attested, **why
             )
         ]
-    missing = _missing_parents(tree, before)
+    missing = _missing_parents(now, before)
     if edit.op == "remove":
         missing.insert(0, before)
     returned = [
@@ -142,24 +215,12 @@ def _inverse(tree: ScenarioTree, index: int) -> list[TreeEdit]:
     return returned
 
 
-def _at_or_below(tree: ScenarioTree, node_id: str) -> list[str]:
-    found = [node_id]
-    for current in found:
-        found += tree.children[current]
-    return found
-
-
-def _missing_parents(tree: ScenarioTree, node: Node) -> list[Node]:
+def _missing_parents(now: _Now, node: Node) -> list[Node]:
     """Return the removed nodes between a node and the tree, as they last were, upwards."""
     found: list[Node] = []
-    removed: dict[str, int] = {}
     seen = {node.id}
-    while node.parent is not None and node.parent not in tree.by_id:
-        if not removed:
-            removed = {
-                item.node: index for index, item in enumerate(tree.edits) if item.op == "remove"
-            }
-        parent = tree.before(removed[node.parent])
+    while node.parent is not None and node.parent not in now.nodes:
+        parent = now.removed(node.parent)
         if parent is None or parent.id in seen:
             raise UsageError(f"{node.id!r} cannot come back: its parents lie below it")
         seen.add(parent.id)

@@ -1,23 +1,24 @@
 """Which node of one tree is which of another: by id, then by label, then by meaning."""
 
-import unicodedata
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import ClassVar, Literal
 
 import numpy as np
 
 from oodscen._data import Data
-from oodscen._text import one_line
-from oodscen.edits import Node
+from oodscen.edits import Node, TreeEdit
 from oodscen.errors import UsageError
+from oodscen.labels import same_words
+from oodscen.metrics.centring import label_rows
 from oodscen.metrics.similarity import Vectors, unit
 from oodscen.protocols import Encoder
-from oodscen.tree import ScenarioTree
+from oodscen.tree import CLASSES, ScenarioTree
 
-THRESHOLD = 0.65
-"""Cosine from which two labels are taken to mean the same, for MiniLM."""
+THRESHOLD = 0.75
+"""Centred cosine (`oodscen.metrics.centring`) from which two labels mean the same, for MiniLM. Measured
+so that hardly any pair is wrong: what is not paired stays, what is paired wrongly is lost."""
 
 _BLOCK = 1024
 
@@ -33,7 +34,7 @@ class Match(Data):
     """Id in the second tree."""
     by: Literal["id", "label", "meaning"]
     similarity: float | None = None
-    """Cosine of the meanings, where it decided."""
+    """Centred cosine of the meanings, where it decided."""
 
 
 def match(
@@ -45,12 +46,15 @@ def match(
 ) -> tuple[Match, ...]:
     """Pair the nodes of two trees, each at most once; in the order of the first tree.
 
-    Roots are a pair. Ids pair where both trees gave them for the same label at first, since trees
-    that were grown apart number their ids apart; a tree read from a file without a log is trusted.
-    Labels pair without regard to case and spaces, below paired parents first. What is left
-    pairs by meaning: leaf with leaf and branch with branch, where each is the other's nearest and
-    the cosine is at least the threshold. A leaf means its label; a branch means its label and the
-    leaves below it, half and half.
+    Roots are a pair. What a merge has said to be one stays one. Ids pair where both trees gave them
+    for the same label at first, since trees that were grown apart number their ids apart; a tree read
+    from a file without a log is trusted. Labels pair without regard to case, spaces and characters that
+    do not show, below paired parents first. What is left pairs by meaning: leaf with leaf and branch
+    with branch, where each is the other's nearest and the centred cosine is at least the threshold. A
+    leaf means its label; a branch means its label and the leaves below it, half and half.
+
+    A node below Environmental and one below Interactional are never a pair, but where the same edit
+    added both and one was moved since.
 
     All is linear in the nodes, but for the cosines of those left over: every pair is looked at, in
     blocks of at most 4 MB.
@@ -67,35 +71,26 @@ def match(
     """
     if not -1.0 <= threshold <= 1.0:
         raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
-    pairs = _Pairs()
+    pairs = _Pairs(_classes(one), _classes(other))
     for first, second in zip(one.nodes[:1], other.nodes[:1], strict=False):
         pairs.add(first.id, second.id, "id" if first.id == second.id else "label")
+    for here, there in _merged(one, other):
+        pairs.add(here, there, "id")
+    for there, here in _merged(other, one):
+        pairs.add(here, there, "id")
     _by_id(one, other, pairs)
     _by_label(one, other, pairs)
     if encoder is not None:
-        for is_leaf in (True, False):
-            left = _left(one, pairs.forth, is_leaf), _left(other, pairs.back, is_leaf)
-            if left[0] and left[1]:
-                rows, columns = (
-                    _vectors(tree, nodes, encoder)
-                    for tree, nodes in zip((one, other), left, strict=True)
-                )
-                forth, back = _nearest(rows, columns), _nearest(columns, rows)
-                for node, index, (cosine, there) in zip(left[0], count(), forth, strict=False):
-                    if cosine >= threshold and back[there][1] == index:
-                        pairs.add(node.id, left[1][there].id, "meaning", cosine)
+        _by_meaning(one, other, pairs, encoder, threshold)
     return tuple(pairs.forth[node.id] for node in one.nodes if node.id in pairs.forth)
 
 
-def same_words(label: str) -> str:
-    """Return what two labels share that differ only in case, width and spaces."""
-    return one_line(unicodedata.normalize("NFKC", label).casefold())
-
-
 class _Pairs:
-    def __init__(self) -> None:
+    def __init__(self, one: Mapping[str, str], other: Mapping[str, str]) -> None:
         self.forth: dict[str, Match] = {}
         self.back: dict[str, Match] = {}
+        self.one, self.other = one, other
+        """By id: the class that a node lies in."""
 
     def add(
         self,
@@ -103,37 +98,69 @@ class _Pairs:
         after: str,
         by: Literal["id", "label", "meaning"],
         similarity: float | None = None,
+        *,
+        is_moved: bool = False,
     ) -> None:
-        if before not in self.forth and after not in self.back:
-            found = Match(before=before, after=after, by=by, similarity=similarity)
-            self.forth[before] = self.back[after] = found
+        """Take two nodes for one, where neither is paired yet and they are of one class."""
+        classes = {self.one[before], self.other[after]} - {""}
+        if before in self.forth or after in self.back or (len(classes) > 1 and not is_moved):
+            return
+        found = Match(before=before, after=after, by=by, similarity=similarity)
+        self.forth[before] = self.back[after] = found
+
+
+def _classes(tree: ScenarioTree) -> dict[str, str]:
+    """Return the class of every node, in small letters; empty where it is none of the two."""
+    known = {name.casefold() for name in CLASSES}
+    found: dict[str, str] = {}
+    for node in tree.nodes:
+        above = tree.by_id[node.parent] if node.parent is not None else None
+        if above is None:
+            found[node.id] = ""
+        elif above.parent is None:
+            names = (same_words(node.label), node.id)
+            found[node.id] = next((name for name in names if name in known), "")
+        else:
+            found[node.id] = found[above.id]
+    return found
+
+
+def _merged(tree: ScenarioTree, other: ScenarioTree) -> Iterator[tuple[str, str]]:
+    """Yield ids of nodes, and of those of another tree that an earlier merge took them for."""
+    for edit in tree.edits:
+        if edit.stage == "merge" and edit.origin_node in other.by_id and edit.node in tree.by_id:
+            there = other.by_id[edit.origin_node]
+            is_same = same_words(edit.label or "") == same_words(there.label)
+            if is_same and bool(tree.children[edit.node]) == bool(other.children[there.id]):
+                yield edit.node, there.id
 
 
 def _by_id(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
-    first, second = _first_labels(one), _first_labels(other)
+    first, second = _first_adds(one), _first_adds(other)
     for node in one.nodes:
         if node.id in other.by_id:
-            labels = {first[node.id], second[node.id]}
-            if len(labels - {None}) < 2:
-                pairs.add(node.id, node.id, "id")
+            added = first[node.id], second[node.id]
+            labels = {same_words(edit.label or "") for edit in added if edit.stage != "file"}
+            if len(labels) < 2:
+                pairs.add(node.id, node.id, "id", is_moved=added[0] == added[1])
 
 
-def _first_labels(tree: ScenarioTree) -> Mapping[str, str | None]:
-    """Return the label that every id was given for; `None` where a file does not say."""
-    found: dict[str, str | None] = {}
+def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
+    found: dict[str, TreeEdit] = {}
     for edit in tree.edits:
-        if edit.op == "add" and edit.node not in found:
-            found[edit.node] = None if edit.stage == "file" else same_words(edit.label or "")
+        if edit.op == "add":
+            found.setdefault(edit.node, edit)
     return found
 
 
 def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
     below: dict[tuple[str, str | None], list[Node]] = defaultdict(list)
-    anywhere: dict[str, list[Node]] = defaultdict(list)
+    anywhere: dict[tuple[str, str], list[Node]] = defaultdict(list)
     for node in reversed(other.nodes):
         if node.id not in pairs.back:
-            below[same_words(node.label), node.parent].append(node)
-            anywhere[same_words(node.label)].append(node)
+            words = same_words(node.label)
+            below[words, node.parent].append(node)
+            anywhere[words, pairs.other[node.id]].append(node)
     for is_strict in (True, False):
         for node in one.nodes:
             if node.id in pairs.forth:
@@ -141,39 +168,68 @@ def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
             words = same_words(node.label)
             parent = pairs.forth.get(node.parent or "")
             if is_strict:
-                candidates = below.get((words, parent.after), []) if parent else []
+                choices = [below.get((words, parent.after), [])] if parent else []
             else:
-                candidates = anywhere.get(words, [])
-            while candidates and candidates[-1].id in pairs.back:
-                candidates.pop()
-            if candidates:
-                pairs.add(node.id, candidates.pop().id, "label")
+                own = pairs.one[node.id]
+                names = (own, "") if own else ("", *(name.casefold() for name in CLASSES))
+                choices = [anywhere.get((words, name), []) for name in names]
+            for candidates in choices:
+                while candidates and candidates[-1].id in pairs.back:
+                    candidates.pop()
+                if candidates and node.id not in pairs.forth:
+                    pairs.add(node.id, candidates[-1].id, "label")
 
 
-def _left(tree: ScenarioTree, paired: Mapping[str, Match], is_leaf: bool) -> list[Node]:
-    return [
-        node
-        for node in tree.nodes
-        if node.id not in paired and (not tree.children[node.id]) == is_leaf
-    ]
+def _by_meaning(
+    one: ScenarioTree, other: ScenarioTree, pairs: _Pairs, encoder: Encoder, threshold: float
+) -> None:
+    meanings: dict[str, Vectors] | None = None
+    for is_leaf in (True, False):
+        for name in ("", *(name.casefold() for name in CLASSES)):
+            rows, columns = (
+                [
+                    node
+                    for node in tree.nodes
+                    if node.id not in paired
+                    and classes[node.id] == name
+                    and (not tree.children[node.id]) == is_leaf
+                ]
+                for tree, paired, classes in (
+                    (one, pairs.forth, pairs.one),
+                    (other, pairs.back, pairs.other),
+                )
+            )
+            if not rows or not columns:
+                continue
+            meanings = meanings or _meanings((one, other), encoder)
+            left = _vectors(one, rows, meanings), _vectors(other, columns, meanings)
+            forth, back = _nearest(*left), _nearest(left[1], left[0])
+            for node, index, (cosine, there) in zip(rows, count(), forth, strict=False):
+                if cosine >= threshold and back[there][1] == index:
+                    pairs.add(node.id, columns[there].id, "meaning", cosine)
 
 
-def _vectors(tree: ScenarioTree, nodes: Sequence[Node], encoder: Encoder) -> Vectors:
+def _meanings(trees: Iterable[ScenarioTree], encoder: Encoder) -> dict[str, Vectors]:
+    """Return what the labels of both trees mean, without what all of them share."""
+    labels = list(dict.fromkeys(node.label for tree in trees for node in tree.nodes))
+    rows, centre = label_rows(encoder, labels)
+    return dict(zip(labels, unit((rows - centre).astype(np.float32)), strict=True))
+
+
+def _vectors(tree: ScenarioTree, nodes: Sequence[Node], meanings: Mapping[str, Vectors]) -> Vectors:
     """Return what nodes mean: a leaf its label, a branch half its label and half its leaves."""
-    own = _encoded(nodes, encoder)
+    own = np.array([meanings[node.label] for node in nodes])
     if not tree.children[nodes[0].id]:
         return own
-    leaves = [node for node in tree.nodes if not tree.children[node.id]]
-    below = dict(zip((leaf.id for leaf in leaves), _encoded(leaves, encoder), strict=True))
+    below: dict[str, Vectors] = {}
     for node in reversed(tree.nodes):
         children = tree.children[node.id]
-        if children:
-            below[node.id] = np.sum([below[child] for child in children], axis=0)
+        below[node.id] = (
+            np.sum([below[child] for child in children], axis=0)
+            if children
+            else meanings[node.label]
+        )
     return unit(own + unit(np.array([below[node.id] for node in nodes])))
-
-
-def _encoded(nodes: Sequence[Node], encoder: Encoder) -> Vectors:
-    return unit(encoder.encode([node.label for node in nodes]))
 
 
 def _nearest(rows: Vectors, columns: Vectors) -> list[tuple[float, int]]:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
 from oodscen._data import Data
+from oodscen._text import plain
 from oodscen.edits import TreeEdit
 from oodscen.errors import UnknownComponent
 from oodscen.tree import ScenarioTree
@@ -39,12 +40,13 @@ class Decision(Data):
             what += f" from “{self.label_before}” to “{edit.label}”"
         elif edit.op == "move":
             what += f" below {edit.parent}"
-        by = [edit.stage, "" if edit.round is None else f"round {edit.round}", edit.model]
+        when = "" if edit.round is None else f"round {edit.round}"
+        by = [edit.stage, f"{when} of {edit.origin}".strip() if edit.origin else when, edit.model]
         line = f"{self.index}: {what} by {', '.join(filter(None, by)) or 'nobody named'}"
         line += f" ({edit.prompt})" if edit.prompt else ""
         line += f": {edit.reason}" if edit.reason else ""
         line += f" [because of: {edit.source}]" if edit.source else ""
-        return " ".join(line.split()) + (" (undone)" if self.is_undone else "")
+        return plain(" ".join(line.split())) + (" (undone)" if self.is_undone else "")
 
 
 class Provenance(Data):
@@ -153,11 +155,10 @@ def origin_words(tree: ScenarioTree) -> dict[str, str]:
         if edit.op == "add":
             first[edit.node] = edit.label or ""
             if edit.round is not None:
-                born[edit.node] = f"new in round {edit.round}"
+                of = f" of {edit.origin}" if edit.origin else ""
+                born[edit.node] = f"new in round {edit.round}{of}"
         elif edit.op == "broaden":
             changed.setdefault(edit.node, []).append("?" if edit.round is None else str(edit.round))
-        elif edit.stage == "merge" and edit.op == "keep" and edit.node in born:
-            born[edit.node] += " of a merged tree"
     found = dict(born)
     for name, rounds in changed.items():
         when = f"broadened in round{'s' if len(rounds) > 1 else ''} {', '.join(rounds)}"

@@ -7,7 +7,7 @@ from hypothesis import given
 from oodscen.tree import ScenarioTree, TreeEdit
 from oodscen.trees import notebook_html, to_page, tree_html
 from oodscen.trees.html import MAX_NESTING, MAX_SHOWN, Remark
-from tests.trees.woods import HOSTILE, broad, chain, few, trees
+from tests.trees.woods import ADDRESSED, HOSTILE, broad, chain, few, trees
 
 TAGS = {"a", "b", "bdi", "details", "div", "li", "p", "small", "span", "style", "summary", "ul"}
 
@@ -52,7 +52,7 @@ def test_remarks_are_text_too():
     tree = ScenarioTree.planted().apply(
         TreeEdit(op="add", node="a", parent="environmental", label=HOSTILE[0])
     )
-    for hostile in HOSTILE:
+    for hostile in (*HOSTILE, *ADDRESSED):
         remark = Remark(
             fate="dropped",
             origin=hostile,
