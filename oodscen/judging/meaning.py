@@ -22,7 +22,14 @@ class Meant:
 
 def meaning(text: str, mention: Mention) -> Meant:
     """Return how strongly a normalised text chooses, or rejects, what it mentions."""
+    reply = _REPLY.match(text, mention.end)
+    if reply:
+        return Meant(mention, 2 if reply["is_yes"] else -2)
     return Meant(mention, _level(*_sentence_around(text, mention)))
+
+
+_REPLY = compiled(r"\? *(?:(?P<is_yes>yes|yep|yeah)|no|nope)\b(?! (?:one|other|matter)\b)")
+"""Answers a question of its own: "stop? Yes"."""
 
 
 def _sentence_around(text: str, mention: Mention) -> tuple[str, str, bool]:
@@ -237,6 +244,7 @@ _HEDGED_AFTER = compiled(
         r"could|might|may",
         r"is (?:an|one|another) option",
         r"(?:is|would be|seems) (?:also )?(?:possible|feasible|tempting|acceptable|an option)",
+        r"(?:is|would be|comes|seems) (?:a |the |my )?(?:close )?(?:second|next|runner)",
     )
     + r"\b"
 )

@@ -221,11 +221,12 @@ def _stopping() -> str:
             r"bring(?:ing)? (?:the )?(?:car|vehicle|ego(?: vehicle)?|it)",
         )
         + rf" (?:\w+ )?to an? (?:(?:{manner}|gentle) )*{standstill}",
+        rf"(?:{_BRAKING}|slow(?:ing)? down|decelerat\w+) (?:{_GENTLY} )?and (?:come to a )?{standstill}",
         r"(?:a )?(?:complete|full|dead|safe) stop",
         r"\bstop(?:ping)?\b"
-        # no action: "stop sign", "a stop over", "stop using"
-        r"(?! (?:signs?|lines?|lights?|signals?|lamps?|watch|motion|over|by|at nothing"
-        r"|using|worrying))"
+        # no action: "stop sign", "a stop over", "stop thinking"
+        r"(?! (?:signs?|lines?|lights?|signals?|lamps?|watch|motion|over|by|at nothing))"
+        r"(?! (?!moving|driving|keeping)\w+ing\b)"
         rf"(?: {_THE_CAR}(?: vehicle)?)?",
         r"\bhalt(?:ing)?\b(?! (?:sign|line))",
         r"\bstand ?still\b",

@@ -191,6 +191,7 @@ _NOTHING_ODD = compiled(
     r"\b(?:surpris\w+|stands? out|standing out|of concern)\b",
     rf"\b(?:nothing|none) (?:(?!whether\b|but\b|{_ORDINARY})\w+ ){{0,5}}?"
     rf"(?:{_ODD}|out of place|wrong|remarkable|special|noteworthy|notable)",
+    rf"\b(?:hardly|barely|scarcely) (?:anything|something|at all )?{few(1)}{_ODD}",
     rf"{_NO} (?:(?!whether\b|if\b|only\b|just\b|tell\b|say\b|sure\b|certain\b|because\b)\w+ )"
     rf"{{0,5}}?(?:{_ODD}|hazards?)",
     # "looks normal", though not "an ordinary road, but"

@@ -379,6 +379,10 @@ ACTIONS_SAID = [
     ("我会慢慢停车。", S),
     ("Ich würde langsam anhalten.", S),
     ("ok", None),
+    ("I need to stop thinking. keep_speed", K),
+    ("Brake gently and stop", S),
+    ("Stop is safest; pull_over would be second best", S),
+    ("Let me pull over? No. Stop? Yes.", S),
     # refusals
     ("I'm sorry, but I can't help with that.", REFUSED),
     ("I cannot assist with driving decisions.", REFUSED),
@@ -580,6 +584,7 @@ DETECTIONS_SAID = [
     ("<think>Is it unusual? No...</think>Yes, heavy snow.", True, "snow", None),
     ("No. Wait, actually yes: a dog stands there.", True, "dog", None),
     ("No vehicles are moving, which is unusual.", True, "vehicles", None),
+    ("There is hardly anything unusual here.", False, "", None),
     ("I'm sorry, I can't help with that.", REFUSED, "", None),
     ("I cannot view images.", REFUSED, "", None),
     ("", None, "", None),
