@@ -13,6 +13,7 @@ from oodscen.redteaming.rounds import RunnerUp
 from oodscen.testing import FunctionLLM
 from oodscen.testing.encoder import HashEncoder
 from oodscen.tree import TreeEdit
+from tests.trees.woods import ADDRESSED
 
 TREE = ScenarioTree.planted().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
@@ -215,6 +216,39 @@ def test_whatever_a_model_says_the_tree_stays_valid_and_the_loop_goes_on(said):
     labels = [node.label.casefold() for node in tree.nodes]
     assert len(set(labels)) == len(labels)
     assert tree.children["root"] == ("environmental", "interactional")
+
+
+@pytest.mark.parametrize("label", [*ADDRESSED, "Thick  fog at NIGHT", "Wea\u200cther"])
+@pytest.mark.parametrize(
+    "placing",
+    [
+        {"decision": "add", "node": "weather", "label": "{}"},
+        {"decision": "add", "node": "environmental", "label": "Hail", "category": "{}"},
+        {"decision": "broaden", "node": "fog", "label": "{}"},
+        {"decision": "split", "node": "fog", "label": "{}", "category": "Poor sight"},
+        {"decision": "split", "node": "fog", "label": "Hail", "category": "{}"},
+    ],
+    ids=lambda placing: "-".join(
+        [placing["decision"], *(k for k, v in placing.items() if v == "{}")]
+    ),
+)
+def test_a_label_that_is_none_or_taken_fails_its_round_and_the_loop_goes_on(placing, label):
+    filled = {key: label if text == "{}" else text for key, text in placing.items()}
+
+    def answer(request):
+        return {"reasoning": "", **filled} if request.sample == 1 else ADDED
+
+    rounds, tree = play(answer, iterations=2)
+    assert [(item.status, item.decision) for item in rounds] == [
+        ("failed", "malformed"),
+        ("ok", "add"),
+    ]
+    assert rounds[0].edits == ()
+    key = next(key for key, text in placing.items() if text == "{}")
+    assert f"{key}: the " in rounds[0].error
+    assert rounds[0].nodes == len(TREE)
+    assert tree.nodes == TREE.apply(*rounds[1].edits).nodes
+    assert ScenarioTree.parse(tree.to_json()) == tree
 
 
 def test_a_failing_round_does_not_stop_the_others():

@@ -188,6 +188,19 @@ def test_a_file_of_misfitting_nodes_lists_every_node():
     assert [issue.path for issue in caught.value.issues] == ["nodes[2]", "nodes[3]"]
 
 
+@pytest.mark.parametrize("part", ["nodes", "edits"])
+def test_a_label_that_is_none_is_found_in_a_file_too(part):
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog")
+    )
+    value = json.loads(tree.to_json())
+    value[part][3]["label"] = "Fog <img src=x onerror=alert(1)>"
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.parse({part: value[part]})
+    assert [issue.path for issue in caught.value.issues] == [f"{part}[3]"]
+    assert "markup" in caught.value.issues[0].message
+
+
 def test_nodes_that_do_not_follow_from_the_edits_are_refused():
     tree = ScenarioTree.planted()
     value = json.loads(tree.to_json())
@@ -289,7 +302,7 @@ def test_a_moved_branch_takes_all_below_it_along(tree, edit):
 
 
 @pytest.mark.parametrize("label", REFUSED)
-@pytest.mark.parametrize("op", ["add", "broaden"])
+@pytest.mark.parametrize("op", ["add", "broaden", "narrow"])
 def test_what_cannot_be_a_label_is_refused(label, op):
     tree = ScenarioTree.planted()
     node = "fog" if op == "add" else "environmental"
@@ -307,3 +320,51 @@ def test_copies_are_equal_and_hold_all_fields(tree):
         assert other == late
         assert dict(other) == dict(late) == late._fields()
         assert repr(other) == repr(late)
+
+
+class Counting(dict):
+    """Counts how often it is asked."""
+
+    asked = 0
+
+    def __getitem__(self, key):
+        self.asked += 1
+        return super().__getitem__(key)
+
+
+@pytest.mark.parametrize("is_wide", [False, True])
+def test_many_moves_to_the_far_end_look_at_few_nodes(is_wide):
+    size = 500
+    deep = [
+        TreeEdit(op="add", node=f"n{i}", parent=f"n{i - 1}" if i else "environmental", label=str(i))
+        for i in range(size)
+    ]
+    own = [TreeEdit(op="add", node="x", parent="interactional", label="x")]
+    own += [
+        TreeEdit(op="add", node=f"x{i}", parent="x", label=str(i))
+        for i in range(size if is_wide else 2)
+    ]
+    tree = ScenarioTree.planted().apply(*deep, *own)
+    growth, _ = tree._line
+    growth.nodes = Counting(growth.nodes)
+    ends = ("environmental", "n0") if is_wide else (f"n{size - 1}", f"n{size - 2}")
+    for turn in range(size):
+        tree = tree.apply(TreeEdit(op="move", node="x", parent=ends[turn % 2]))
+    assert growth.nodes.asked < 10 * size
+
+
+@given(changes, st.data())
+def test_a_move_below_itself_and_no_other_is_a_cycle(steps, data):
+    tree = grown(steps)
+    ids = st.sampled_from([node.id for node in tree.nodes])
+    node, parent = data.draw(ids), data.draw(ids)
+    cursor, above = parent, []
+    while cursor is not None:
+        above.append(cursor)
+        cursor = tree.by_id[cursor].parent
+    try:
+        tree.apply(TreeEdit(op="move", node=node, parent=parent))
+    except DataError:
+        assert node in above
+    else:
+        assert node not in above

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import count
+from itertools import count, takewhile
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -53,8 +53,8 @@ def match(
     with branch, where each is the other's nearest and the centred cosine is at least the threshold. A
     leaf means its label; a branch means its label and the leaves below it, half and half.
 
-    A node below Environmental and one below Interactional are never a pair, but where the same edit
-    added both and one was moved since.
+    A node below Environmental and one below Interactional are never a pair, but where one log
+    begins as the other does, the node was there already, and it was moved since.
 
     All is linear in the nodes, but for the cosines of those left over: every pair is looked at, in
     blocks of at most 4 MB.
@@ -137,12 +137,13 @@ def _merged(tree: ScenarioTree, other: ScenarioTree) -> Iterator[tuple[str, str]
 
 def _by_id(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
     first, second = _first_adds(one), _first_adds(other)
+    shared = _shared(one, other)
     for node in one.nodes:
         if node.id in other.by_id:
             added = first[node.id], second[node.id]
             labels = {same_words(edit.label or "") for edit in added if edit.stage != "file"}
             if len(labels) < 2:
-                pairs.add(node.id, node.id, "id", is_moved=added[0] == added[1])
+                pairs.add(node.id, node.id, "id", is_moved=node.id in shared)
 
 
 def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
@@ -151,6 +152,12 @@ def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
         if edit.op == "add":
             found.setdefault(edit.node, edit)
     return found
+
+
+def _shared(one: ScenarioTree, other: ScenarioTree) -> set[str]:
+    """Return the ids of the nodes that were there before two trees went apart."""
+    both = takewhile(lambda pair: pair[0] == pair[1], zip(one.edits, other.edits, strict=False))
+    return {edit.node for edit, _ in both if edit.op == "add"}
 
 
 def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:

@@ -1,5 +1,7 @@
 """Laws of time: replay, earlier moments, undo."""
 
+from contextlib import suppress
+
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -106,6 +108,51 @@ def test_undoing_a_round_takes_back_all_it_did():
             tree.undo(round=3).undo(round=round_)
     with pytest.raises(UsageError):
         tree.undo(1, round=3)
+
+
+@pytest.mark.parametrize("is_chain", [False, True])
+def test_undoing_a_large_round_looks_at_the_tree_once(monkeypatch, is_chain):
+    size = 300
+    why = {"stage": "redteam", "round": 3}
+    before = ScenarioTree.planted()
+    tree = before.apply(
+        *(
+            TreeEdit(
+                op="add",
+                node=f"n{number}",
+                parent=f"n{number - 1}" if is_chain and number else "environmental",
+                label=f"Kind {number}",
+                **why,
+            )
+            for number in range(size)
+        ),
+        *(TreeEdit(op="broaden", node=f"n{n}", label=f"Wider {n}", **why) for n in range(size)),
+    )
+    applied, apply = [], ScenarioTree.apply
+    monkeypatch.setattr(
+        ScenarioTree,
+        "apply",
+        lambda self, *edits: applied.append(len(edits)) or apply(self, *edits),
+    )
+    assert tree.undo(round=3).nodes == before.nodes
+    assert applied == [2 * size]
+
+
+@few
+@given(changes, st.integers(0, 5))
+def test_undoing_a_round_is_undoing_its_edits_from_the_last_one_on(steps, number):
+    tree = grown(step.model_copy(update={"undoes": None}) for step in steps)
+    one_by_one = tree
+    try:
+        at_once = tree.undo(round=number)
+    except UsageError:
+        return
+    for index in reversed(range(len(tree.edits))):
+        if tree.edits[index].round == number:
+            with suppress(UsageError):
+                one_by_one = one_by_one.undo(index)
+    assert at_once.nodes == one_by_one.nodes
+    assert ScenarioTree.parse(at_once.to_json()) == at_once
 
 
 def test_a_removed_leaf_comes_back_with_its_parents_and_to_its_place():

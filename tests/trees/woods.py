@@ -56,8 +56,9 @@ REFUSED = (
 )
 """What no label may be."""
 
+VALID = ("Fog", "Deer", "fog", "FOG ", "Fo\u200dg", "Dense fog", *HOSTILE)
 labels = st.one_of(
-    st.sampled_from(("Fog", "Deer", "fog", *HOSTILE, *REFUSED)), st.text(max_size=12)
+    st.sampled_from(VALID), st.sampled_from(VALID), st.sampled_from(REFUSED), st.text(max_size=12)
 )
 ids = st.sampled_from([ROOT, "environmental", "interactional", "a", "b", "c", "d", "no id", ""])
 edits = st.builds(
