@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from oodscen.llms.author.anchors import has_landmarks, landmarks_needed
 from oodscen.llms.author.knowledge import Counterpart, Hazard, Knowledge, RecipeActor
+from oodscen.llms.author.labels import Alternative, Part, Reading
 from oodscen.llms.author.recognise import Recogniser
 from oodscen.prompts import BranchJudgement, CatalogueDigest, JudgeBranch
 from oodscen.prompts.digest import WeatherLimits
@@ -16,13 +17,16 @@ __all__ = ["Judge", "Realisation", "WeatherLimits", "realise"]
 
 NO_RECIPE = Addition(kind="other", name="a staging recipe for this kind of scenario")
 """What no catalogue can bring: the author does not know how to stage it."""
+_MOST = 40
+"""Names of one kind that an answer may hold."""
 
 
 @dataclass
 class Realisation:
     """With what a catalogue shows a hazard, and what it lacks."""
 
-    hazard: Hazard
+    hazard: Hazard | None
+    """`None` where the author knows none."""
     assets: list[str] = field(default_factory=list)
     states: list[str] = field(default_factory=list)
     behaviours: list[str] = field(default_factory=list)
@@ -30,11 +34,31 @@ class Realisation:
     traits: list[str] = field(default_factory=list)
     substitutes: list[Substitute] = field(default_factory=list)
     missing: list[Addition] = field(default_factory=list)
+    why: str = ""
+    """Why there is no hazard."""
 
     def lack(self, addition: Addition) -> None:
         """Note something that is missing, once."""
         if not any(known.brings(addition) for known in self.missing):
             self.missing.append(addition)
+
+
+@dataclass
+class Option:
+    """One alternative of a label: all of it is needed."""
+
+    words: str
+    found: list[Realisation]
+
+    @property
+    def missing(self) -> list[Addition]:
+        """What it lacks."""
+        return _together(self.found)
+
+    @property
+    def hazards(self) -> list[Hazard]:
+        """What it shows."""
+        return [one.hazard for one in self.found if one.hazard is not None]
 
 
 class Judge:
@@ -43,52 +67,131 @@ class Judge:
     def __init__(self, recogniser: Recogniser) -> None:
         """Judge what a recogniser recognises."""
         self.recogniser = recogniser
+        self.knowledge = recogniser.knowledge
 
     def judge(self, prompt: JudgeBranch) -> BranchJudgement:
         """Say with what a branch can be shown, or what is missing.
 
-        A widened label stands for several hazards. Where only some can be shown, it is narrowed to
-        those.
+        A label may stand for several things, of which any is enough. Where only some can be shown, it
+        is narrowed to those.
         """
         label = prompt.path[-1] if prompt.path else ""
-        hazards = self.recogniser.covered_by(label)
-        if not hazards:
+        reading = self._reading(label)
+        options = [self._option(one, prompt.catalogue) for one in reading.alternatives]
+        shown = [number for number, one in enumerate(options) if not one.missing]
+        hidden = [one for one in options if one.missing]
+        if not shown:
+            return self._dropped(label, reading, options, prompt.catalogue)
+        if reading.is_any:
+            exact = [n for n in shown if not any(one.substitutes for one in options[n].found)]
+            shown = exact or shown
+            hidden = [] if 0 in shown else hidden
+        narrower = ""
+        if hidden:
+            narrower, shown = self._narrowed(reading, options, shown)
+        return self._kept([options[number] for number in shown], hidden, narrower, prompt.catalogue)
+
+    def _reading(self, label: str) -> Reading:
+        """Return the alternatives of a label; a widened one stands for the hazard and its kin."""
+        written = self.recogniser.written(label)
+        if not written:
+            return self.recogniser.reading(label)
+        return Reading(tuple(Alternative(h.label, (Part(h),)) for h in written))
+
+    def _option(self, alternative: Alternative, catalogue: CatalogueDigest) -> Option:
+        found = []
+        for part in alternative.parts:
+            one = Realisation(part.hazard)
+            if part.hazard is not None:
+                one = realise(part.hazard, catalogue, self.knowledge)
+            for name in part.things:
+                _use((name,), (), one, catalogue, self.knowledge)
+            for name in part.weather:
+                if catalogue.limits.offers(name):
+                    one.weather = list(dict.fromkeys((*one.weather, name)))
+                else:
+                    one.lack(Addition(kind="weather", name=name))
+            offered = {asset.category for asset in catalogue.assets}
+            if not part.things and part.category is not None and part.category not in offered:
+                one.lack(Addition(kind="asset", name=part.category, category=part.category))
+            if part.hazard is None:
+                one.lack(NO_RECIPE)
+                one.why = part.why
+            one.substitutes += [
+                Substitute(asset=one.assets[0], stands_for=words)
+                for words in part.approximate
+                if one.assets
+            ]
+            one.assets = list(dict.fromkeys(one.assets))
+            found.append(one)
+        return Option(alternative.words, found)
+
+    def _dropped(
+        self, label: str, reading: Reading, options: Sequence[Option], catalogue: CatalogueDigest
+    ) -> BranchJudgement:
+        """Say what is missing; what is asked for is what the alternative lacks that lacks least."""
+        if not options:
             return BranchJudgement(
                 reasoning=f"The author has no knowledge of {label!r}.",
                 simulatable=False,
                 missing=[NO_RECIPE],
             )
-        found = [realise(h, prompt.catalogue, self.recogniser.knowledge) for h in hazards]
-        shown = [one for one in found if not one.missing]
-        hidden = [one for one in found if one.missing]
-        if not shown:
-            return BranchJudgement(
-                reasoning=_lacks(found[:1], prompt.catalogue),
-                simulatable=False,
-                missing=found[0].missing,
+        least = next((one for one in options if NO_RECIPE not in one.missing), options[0])
+        reason = _lacks(least.found, catalogue)
+        if reading.split is not None:
+            told = (
+                f"not {_quoted(one)}: {_lacks(one.found, catalogue, is_short=True)}"
+                for one in options
             )
-        narrower = _joined([one.hazard.label for one in shown]) if hidden else ""
-        reason = f"The simulator has what shows {_listed(shown)}."
-        if hidden:
-            reason += f" Not {_listed(hidden)}: {_lacks(hidden, prompt.catalogue, is_short=True)}."
-        if found[0].substitutes and not hidden:
-            parts = (f"{s.asset} stands for {_words(s.stands_for)}" for s in found[0].substitutes)
+            reason = f"{'; '.join(told)}."
+            reason = f"{reason[0].upper()}{reason[1:]}"
+        return BranchJudgement(reasoning=reason, simulatable=False, missing=least.missing)
+
+    def _narrowed(
+        self, reading: Reading, options: Sequence[Option], shown: Sequence[int]
+    ) -> tuple[str, list[int]]:
+        """Return a label that names what can be shown, and which alternatives have room in it."""
+        if reading.split is not None:
+            text = reading.split.naming(tuple(shown))
+            wanted = {hazard.id for number in shown for hazard in options[number].hazards}
+            if {hazard.id for hazard in self.recogniser.covered_by(text)} == wanted:
+                return text, list(shown)
+        labels = [hazard.label for number in shown for hazard in options[number].hazards[:1]]
+        text, count = _joined(labels)
+        return text, list(shown[:count])
+
+    def _kept(
+        self,
+        shown: Sequence[Option],
+        hidden: Sequence[Option],
+        narrower: str,
+        catalogue: CatalogueDigest,
+    ) -> BranchJudgement:
+        found = [one for option in shown for one in option.found]
+        standing = {s.stands_for: s for one in found for s in one.substitutes}
+        if len(shown) == 1:
+            reason = f"The simulator has what shows {_listed(found)}."
+        else:
+            reason = f"The simulator shows {'; '.join(dict.fromkeys(map(_with_what, shown)))}."
+        for option in hidden:
+            lacks = _lacks(option.found, catalogue, is_short=True)
+            reason += f" Not {_quoted(option)}: {lacks}."
+        if standing:
+            parts = (f"{s.asset} stands for {_words(s.stands_for)}" for s in standing.values())
             reason += f" Not with the thing itself: {', '.join(parts)}."
-        first = shown[0]
-        standing = [s for one in shown for s in one.substitutes]
         return BranchJudgement(
             reasoning=reason,
             simulatable=True,
-            assets=first.assets,
-            states=list(dict.fromkeys(first.states)),
-            behaviours=first.behaviours,
-            weather=first.weather,
-            traits=first.traits,
-            substitutes=list({s.stands_for: s for s in standing}.values()),
+            assets=_united(one.assets for one in found),
+            states=_united(one.states for one in found),
+            behaviours=_united(one.behaviours for one in found),
+            weather=_united(one.weather for one in found),
+            traits=_united(one.traits for one in found),
+            substitutes=list(standing.values()),
             label=narrower,
-            missing=_together(hidden)
+            missing=_together([one for option in hidden for one in option.found])
             if hidden
-            else _originals(standing, self.recogniser.knowledge),
+            else _originals(standing.values(), self.knowledge),
         )
 
 
@@ -121,7 +224,7 @@ def realise(hazard: Hazard, catalogue: CatalogueDigest, knowledge: Knowledge) ->
             found.lack(Addition(kind="weather", name=name))
         elif name in WEATHER_SCALES:
             found.weather.append(name)
-    _find_map(found, catalogue)
+    _find_map(hazard, found, catalogue)
     if recipe is None:
         found.lack(NO_RECIPE)
     else:
@@ -181,8 +284,8 @@ def _use(
     found.lack(Addition(kind="asset", name=options[0], category=knowledge.category(options[0])))
 
 
-def _find_map(found: Realisation, catalogue: CatalogueDigest) -> None:
-    traits, recipe = found.hazard.needs.traits, found.hazard.stage
+def _find_map(hazard: Hazard, found: Realisation, catalogue: CatalogueDigest) -> None:
+    traits, recipe = hazard.needs.traits, hazard.stage
     marks = landmarks_needed(recipe) if recipe else ()
     fitting = [road for road in catalogue.maps if set(traits) <= set(road.features)]
     if any(has_landmarks(road, recipe) for road in fitting):
@@ -228,7 +331,10 @@ def _lacks(
     text = f"the simulator lacks {' and '.join(lacking)}" if lacking else ""
     if empty:
         text += f"; it has no {' and no '.join(empty)} at all"
-    if NO_RECIPE in additions:
+    whys = list(dict.fromkeys(one.why for one in hidden if one.why))
+    if whys:
+        text += f"{', and ' if lacking else ''}{', and '.join(whys)}"
+    elif NO_RECIPE in additions:
         joint = ", and" if lacking else "everything it needs is there, but"
         text += f"{joint} the author does not know how to stage it recognisably"
     return text if is_short else f"{text[0].upper()}{text[1:]}."
@@ -256,19 +362,39 @@ _PLURAL = {"vegetation": "plants or fallen trees", "work_zone": "things of road 
 
 
 def _listed(found: Sequence[Realisation]) -> str:
-    labels = [f"{one.hazard.label[0].lower()}{one.hazard.label[1:]}" for one in found]
-    return " or ".join(labels)
+    labels = dict.fromkeys(_small(one.hazard.label) for one in found if one.hazard is not None)
+    return " and ".join(labels)
 
 
-def _joined(labels: Sequence[str]) -> str:
-    """Join labels so that the recogniser can take them apart; as many as fit."""
+def _with_what(option: Option) -> str:
+    """Say what shows an alternative: `fallen tree across the road by fallen_tree`."""
+    means = _united((*one.assets, *one.weather) for one in option.found)
+    by = f" by {', '.join(means)}" if means else ""
+    return f"{_listed(option.found)}{by}"
+
+
+def _quoted(option: Option) -> str:
+    """Name an alternative that cannot be shown."""
+    return _small(option.words)
+
+
+def _united(lists: Iterable[Iterable[str]]) -> list[str]:
+    return list(dict.fromkeys(name for names in lists for name in names))[:_MOST]
+
+
+def _small(label: str) -> str:
+    return f"{label[0].lower()}{label[1:]}"
+
+
+def _joined(labels: Sequence[str]) -> tuple[str, int]:
+    """Join labels so that the recogniser can take them apart: as many as fit, and their number."""
     text = labels[0]
-    for label in labels[1:]:
-        longer = f"{text}, or {label[0].lower()}{label[1:]}"
+    for number, label in enumerate(labels[1:], start=1):
+        longer = f"{text}, or {_small(label)}"
         if len(longer) > MAX_LABEL:
-            break
+            return text, number
         text = longer
-    return text
+    return text, len(labels)
 
 
 def _words(name: str) -> str:

@@ -372,7 +372,11 @@ class Knowledge(Data):
     @cached_property
     def categories(self) -> dict[str, Category]:
         """Category of every named thing."""
-        return {name: group.category for group in self.things for name in group.names}
+        return {
+            "_".join(re.split(r"[\s-]+", name)): group.category
+            for group in self.things
+            for name in (*group.others, *group.names)
+        }
 
     def category(self, name: str) -> Category | None:
         """Return the category of a thing; `None` where nobody said it."""

@@ -10,18 +10,14 @@ from itertools import pairwise
 from typing import TypeVar
 
 from oodscen.llms.author.knowledge import Condition, Hazard, Knowledge, Place, Traffic
+from oodscen.llms.author.labels import Alternative, LabelReader, Part, Reading
+from oodscen.llms.author.stemming import stem, stems
 from oodscen.prompts.describe_path import plain
+
+__all__ = ["Recogniser", "Recognition", "stem", "stems"]
 
 Value = TypeVar("Value")
 
-_STOP = frozenset(
-    """a an the and or but of in on at to from into onto over under with without by for as is are was
-    were be been being has have had it its this that these those which who whose there here then
-    than so such no not nor only just while when where if up down out off about around between
-    through along across some any each every all both one two more most very too also can could
-    may might will would must do does did he she they them their his her i my we our you your
-    ego egos s""".split()
-)
 _DRIVING = frozenset(
     """ego vehicle car road street lane traffic driver driving drive highway junction intersection
     truck lorry bus pedestrian cyclist motorcycle motorway carriageway""".split()
@@ -32,30 +28,8 @@ _ACCEPTED_WEIGHT = 7.0
 """Weight of what a text shares with a phrase, or with a hazard's words, to be taken for it."""
 _LABEL_WEIGHT = 4.0
 """The same for a label, which has fewer words and is known to name a hazard."""
-
-
-def stem(word: str) -> str:
-    """Reduce an English word so that its usual inflections coincide."""
-    if len(word) > 4 and word.endswith("ies"):
-        word = word[:-3] + "y"
-    elif len(word) > 4 and word.endswith(("sses", "xes", "ches", "shes")):
-        word = word[:-2]
-    elif len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us", "is")):
-        word = word[:-1]
-    for ending in ("ing", "ed", "ly"):
-        base = word.removesuffix(ending)
-        if base != word and len(base) >= 3 and re.search("[aeiouy]", base):
-            word = base
-            if len(word) > 3 and word[-1] == word[-2] and word[-1] not in "ls":
-                word = word[:-1]
-            break
-    return word.removesuffix("e") if len(word) > 3 else word
-
-
-def stems(text: str) -> list[str]:
-    """Return the stems of all words that carry meaning, in order."""
-    words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("\u2019s", ""))
-    return [stem(word) for word in words if word not in _STOP]
+_NUMBER = re.compile(r"\s*\(\d+\)$")
+"""What tells a label from an equal one."""
 
 
 def _features(tokens: Sequence[str]) -> list[str]:
@@ -115,6 +89,7 @@ class Recogniser:
         }
         self._families = {plain(label): label for label in knowledge.families}
         self._contexts = _Contexts(knowledge)
+        self._reader = LabelReader(knowledge, self._resembles, self._written)
         self.recognise = lru_cache(maxsize=8192)(self._recognise)
         self.label = lru_cache(maxsize=8192)(self._label)
 
@@ -179,20 +154,39 @@ class Recogniser:
         exact = self._labels.get(plain(label))
         if exact is not None:
             return exact
+        return next(iter(self.reading(label).hazards), None), False
+
+    def reading(self, label: str) -> Reading:
+        """Return what a label that somebody else may have written names, alternative by alternative.
+
+        A label of a family names nothing: its leaves do.
+        """
         if plain(label) in self._families:
-            return None, False
-        return self._recognise(label, _LABEL_WEIGHT).hazard, False
+            return Reading(())
+        parts = label.split(", or ")
+        if len(parts) > 1 and all(plain(part) in self._labels for part in parts):
+            hazards = (self._labels[plain(part)][0] for part in parts)
+            return Reading(tuple(Alternative(h.label, (Part(h),)) for h in hazards))
+        return self._reader.read(_NUMBER.sub("", label))
+
+    def _resembles(self, text: str) -> Hazard | None:
+        return self._recognise(text, _LABEL_WEIGHT).hazard
+
+    def _written(self, text: str) -> Hazard | None:
+        """Return the hazard of a label that the author wrote."""
+        found = self._labels.get(plain(text))
+        return found[0] if found else None
 
     def covered_by(self, label: str) -> tuple[Hazard, ...]:
         """Return the hazards that a leaf's label stands for: one, with its kin if widened, or several."""
-        parts = label.split(", or ")
-        if len(parts) > 1 and plain(label) not in self._labels:
-            named = [self._labels.get(plain(part)) for part in parts]
-            if None not in named:
-                return tuple({found[0].id: found[0] for found in named if found}.values())
-        hazard, widened = self.label(label)
-        if hazard is None:
+        return self.written(label) or self.reading(label).hazards
+
+    def written(self, label: str) -> tuple[Hazard, ...]:
+        """Return what a label that the author wrote stands for: nothing where it did not."""
+        found = self._labels.get(plain(label))
+        if found is None:
             return ()
+        hazard, widened = found
         return (hazard, *self.knowledge.kin(hazard)) if widened else (hazard,)
 
     def family(self, label: str) -> str | None:
