@@ -28,8 +28,8 @@ class RedTeamer:
     """Grows a diverse tree out of an initial one (paper, section III-A, red teaming).
 
     Closed loop, the default: the red-LLM is shown what the tree covers, where it is thin and what was
-    proposed in vain; a proposal that an encoder finds too near to what exists is refused before the
-    tree-LLM is asked; a leaf that was broadened often enough is split. Open loop is the paper's
+    proposed in vain; a proposal that the `encoder`, if one is given, finds too near to what exists is
+    refused before the tree-LLM is asked; a leaf that was broadened often enough is split. Open loop is the paper's
     procedure: nothing is shown and nothing refused, and nodes are added or broadened.
 
     Args:
@@ -38,8 +38,9 @@ class RedTeamer:
         iterations: Number of rounds, at most.
         closed_loop: `False` is the paper's procedure.
         shown: The few shots.
-        encoder: Compares proposals with what exists; without it only literal repetitions are
-            refused. Not used in the open loop.
+        encoder: Compares proposals with what exists, e.g. `make_encoder("minilm")` as a study and the
+            command line do. Left out, nothing is embedded: only literal repetitions are refused.
+            Not used in the open loop.
         nearest: Similarity to an earlier proposal from which on a proposal is refused.
         nearest_label: The same for the label of a leaf.
         budget: Model calls, at most, repair turns included; a round that could not be finished

@@ -22,6 +22,7 @@ from oodscen.cli.options import (
 )
 from oodscen.cli.output import read_lines, rounds_in_words, say, write, write_lines
 from oodscen.errors import DataError, Issue, LLMError, OodscenError, UsageError
+from oodscen.registry import DEFAULT_ENCODER
 
 if TYPE_CHECKING:
     from oodscen.scenario import Scenario
@@ -54,7 +55,12 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     help=f"Rounds, at most.  [default: {paper.ITERATIONS}; with --budget as many as it allows]",
 )
 @click.option("--budget", type=click.IntRange(min=0), help="Model calls, at most.")
-@click.option("--encoder", help="Encoder that finds near duplicates; none if left out.")
+@click.option(
+    "--encoder",
+    default=DEFAULT_ENCODER,
+    show_default=True,
+    help="Encoder that finds near duplicates, as in a study; `none` refuses literal repetitions alone.",
+)
 @red_options
 @click.option("--log", type=click.Path(dir_okay=False, path_type=Path), help="File of the rounds.")
 @click.option(
@@ -69,7 +75,7 @@ def redteam(
     seed: int,
     iterations: int | None,
     budget: int | None,
-    encoder: str | None,
+    encoder: str,
     open_loop: bool,
     log: Path | None,
     as_json: bool,
@@ -83,12 +89,13 @@ def redteam(
 
     grown = ScenarioTree.load(tree)
     most = paper.ITERATIONS if budget is None else budget
+    is_blind = open_loop or encoder.casefold() == "none"
     teamer = RedTeamer(
         make_llm(llm, seed=seed, api_base=api_base),
         make_llm(red_llm, seed=seed, api_base=api_base) if red_llm else None,
         iterations=most if iterations is None else iterations,
         closed_loop=not open_loop,
-        encoder=CachedEncoder(make_encoder(encoder)) if encoder and not open_loop else None,
+        encoder=None if is_blind else CachedEncoder(make_encoder(encoder)),
         budget=budget,
         **{
             name.removeprefix("red_"): value for name, value in choices.items() if value is not None

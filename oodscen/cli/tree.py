@@ -29,7 +29,7 @@ def _encoder_options(command: Any) -> Any:
     threshold = click.option(
         "--threshold",
         type=click.FloatRange(-1.0, 1.0),
-        help="Least cosine of two labels that mean the same.",
+        help="Least centred cosine of two labels that mean the same.",
     )
     encoder = click.option(
         "--encoder", help="Pair nodes by meaning too, e.g. minilm; else by id and label alone."
@@ -95,6 +95,7 @@ def diff(
 @click.argument("one", type=_PLACE)
 @click.argument("other", type=_PLACE)
 @_encoder_options
+@click.option("--name", help="What OTHER is called in the log.  [default: merge-1, merge-2 ...]")
 @_which_option
 @out_option
 def merge(
@@ -102,13 +103,15 @@ def merge(
     other: Path,
     encoder: str | None,
     threshold: float | None,
+    name: str | None,
     which: str,
     out: Path | None,
 ) -> None:
     """Write the tree ONE with what only the tree OTHER has added in its place."""
     from oodscen.trees import merge as merged
 
-    found = merged(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
+    trees = _read(one, which), _read(other, which)
+    found = merged(*trees, name=name, **_meaning(encoder, threshold))
     write(out, found.to_json())
 
 
@@ -120,7 +123,7 @@ def merge(
 @click.option("--exit-code", is_flag=True, help="Exit with 1 where a leaf lacks something.")
 @json_option
 def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
-    """Count texts, scenes, episodes and outcomes of the study FOLDER per node, and list the holes."""
+    """Count texts, scenes, episodes and outcomes of the study FOLDER per node, leaves too; list the holes."""
     from oodscen.study import Study
     from oodscen.trees import study_coverage
 

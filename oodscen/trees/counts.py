@@ -73,13 +73,11 @@ class Coverage(Data):
         return tuple(row for row in self.rows if row.kind == kind)
 
     def __str__(self) -> str:
-        head = f"{'':44} leaves  texts scenes    ran failed   safe unsafe  mixed  twins  holes"
+        head = f"{'':52} leaves  texts scenes    ran failed   safe unsafe  mixed  twins  holes"
         lines = [head]
         for row in self.rows:
-            if row.kind == "leaf":
-                continue
             name = f"{'  ' * min(row.depth, 8)}{row.label}"
-            name = name if len(name) <= 44 else f"{name[:43]}…"
+            name = name if len(name) <= 52 else f"{name[:51]}…"
             counts = (
                 row.leaves,
                 row.texts,
@@ -92,7 +90,8 @@ class Coverage(Data):
                 row.twins,
                 row.holes,
             )
-            lines.append(f"{name:44}" + "".join(f"{count:7}" for count in counts))
+            numbers = "".join(f"{count:7}" for count in counts)
+            lines.append(f"{name:52}{numbers}{f'  lacks {row.lacks}' if row.lacks else ''}")
         for lack, words in LACKS.items():
             found = [row.label for row in self.holes if row.lacks == lack]
             if found:

@@ -8,6 +8,8 @@ from click.testing import CliRunner
 from oodscen import ScenarioTree
 from oodscen.cli import main
 from oodscen.redteaming.rounds import Round
+from oodscen.registry import DEFAULT_ENCODER
+from oodscen.testing import HashEncoder
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +45,20 @@ def test_the_saturation_is_printed_as_json(grown):
 def test_impossible_options_are_the_callers_mistake(grown):
     assert call(grown, "--red-coverage", 2).exit_code == 2
     assert call(grown, "--in-flight", 0).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "made"),
+    [((), [DEFAULT_ENCODER]), (("--encoder", "none"), []), (("--open-loop",), [])],
+)
+def test_the_closed_loop_compares_meanings_unless_told_otherwise(grown, monkeypatch, options, made):
+    asked = []
+
+    def make(name):
+        asked.append(name)
+        return HashEncoder()
+
+    monkeypatch.setattr("oodscen.make_encoder", make, raising=False)
+    result = call(grown, "--iterations", 1, *options)
+    assert result.exit_code == 0, result.output
+    assert asked == made

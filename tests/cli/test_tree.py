@@ -119,7 +119,7 @@ def test_words_of_a_model_steer_no_terminal(tmp_path):
     edit = TreeEdit(
         op="broaden",
         node="fog",
-        label="Fog \u202eegap",
+        label="Fog gap",
         stage=hostile,
         reason=hostile,
         model=hostile,

@@ -77,7 +77,12 @@ def test_each_leaf_lacks_the_first_thing_that_is_missing():
         "twins": 1,
     }
     assert (family.leaves, family.holes, report.elsewhere) == (6, 5, 1)
-    assert "1 without a text: bare" in str(report)
+    lines = str(report).splitlines()
+    assert "1 without a text: bare" in lines
+    shown = {line.split()[0]: line.split()[1:] for line in lines[1 : 1 + len(report.rows)]}
+    assert shown["bare"] == ["1", *"00000000", "1", "lacks", "text"]
+    assert shown["same"] == ["1", "1", "1", "1", *"02000", "1", "lacks", "choice"]
+    assert shown["whole"] == ["1", "1", "1", "1", *"011110"]
     assert Coverage.parse(report.to_json()) == report
 
 
