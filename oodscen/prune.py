@@ -1,7 +1,7 @@
 """Prune the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import ClassVar, Literal
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from typing import ClassVar, Literal, TypeVar
 
 from oodscen._data import Data
 from oodscen._text import one_line
@@ -18,6 +18,8 @@ from oodscen.tree import Node, ScenarioTree, TreeEdit
 
 _LONGEST_REASON = 1_000
 """Characters of a model's reason that are kept."""
+
+Means = TypeVar("Means", bound=Hashable)
 
 Match = Literal["full", "substitute", "part", "none"]
 """How well a catalogue shows a branch: as it is; with assets that stand in for others; only a part of
@@ -50,7 +52,7 @@ class PruneDecision(Data):
     label: str = ""
     """The narrower label that the node gets, where only a part of it can be shown."""
     assets: tuple[str, ...] = ()
-    """Ids of the assets that realise it."""
+    """Ids of the assets that realise it; of an inner node, those of all its kept branches."""
     states: tuple[str, ...] = ()
     """`asset: state`, where a state matters."""
     behaviours: tuple[str, ...] = ()
@@ -174,7 +176,7 @@ class Pruner:
 def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
     """Extend the decisions on leaves to every node, in tree order.
 
-    An inner node is kept exactly when one of its children is. The root always stays. Leaves that
+    An inner node is kept exactly when one of its children is, and is realised by all that realises these. The root always stays. Leaves that
     are realised by the same means name each other in `same_as`.
     """
     judged = alike(tree, judged)
@@ -198,12 +200,19 @@ def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
         reason = f"{len(kept)} of {len(children)} branches can be shown"
         if not children:
             reason = "nothing lies below it"
+        below = [by_id[child] for child in kept]
         by_id[node.id] = PruneDecision(
             id=node.id,
             path=(),
             keep=bool(kept) or node.parent is None,
             reason=reason,
             match=match,
+            assets=_all([one.assets for one in below]),
+            states=_all([one.states for one in below]),
+            behaviours=_all([one.behaviours for one in below]),
+            weather=_all([one.weather for one in below]),
+            traits=_all([one.traits for one in below]),
+            substitutes=_all([one.substitutes for one in below]),
             catalogue=next((by_id[child].catalogue for child in children), ""),
         )
     return [by_id[node.id] for node, _ in tree.walk()]
@@ -265,6 +274,13 @@ def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
 
 def _unique(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
+
+
+def _all(lists: Sequence[tuple[Means, ...]]) -> tuple[Means, ...]:
+    """Unite what realises the branches below a node."""
+    if len(lists) == 1:
+        return lists[0]
+    return tuple(dict.fromkeys(one for means in lists for one in means))
 
 
 def _said(keep: bool, lacks: Sequence[Addition]) -> str:

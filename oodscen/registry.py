@@ -26,6 +26,8 @@ KINDS = {
 """Entry-point group by kind of component."""
 
 DEFAULT_SIMULATOR = "pybullet"
+DEFAULT_CATALOGUES = ("carla-0.9.16",)
+"""What a study shows beside its own simulator."""
 DEFAULT_ENCODER = "minilm"
 DEFAULT_LLM = "builtin"
 

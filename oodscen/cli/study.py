@@ -40,6 +40,13 @@ from oodscen.registry import DEFAULT_ENCODER
 @judging_options
 @traffic_options
 @simulator_option
+@click.option(
+    "--catalogue",
+    "catalogues",
+    multiple=True,
+    metavar="NAME|FILE",
+    help="Prune for this catalogue too, to compare; repeatable.  [default: carla-0.9.16 if built-in]",
+)
 @click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Name, or module:attr.")
 @click.option(
     "--baseline", type=READABLE, help="Ordinary-driving texts: lines, JSONL, CSV or JSON."

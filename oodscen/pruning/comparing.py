@@ -17,6 +17,8 @@ class Side(Data):
     match: Match | None
     reason: str
     missing: tuple[str, ...] = ()
+    label: str = ""
+    """The narrower label, where only a part of it can be shown."""
 
 
 class Line(Data):
@@ -177,6 +179,7 @@ def _side(decision: PruneDecision) -> Side:
         match=decision.match,
         reason=decision.reason or decision.error or "",
         missing=decision.missing,
+        label=decision.label,
     )
 
 
@@ -190,4 +193,5 @@ def _said(side: Side) -> str:
     }
     if side.match == "full":
         return "yes"
-    return f"{words[side.match]}: {side.reason}"
+    narrower = f" ({side.label})" if side.label else ""
+    return f"{words[side.match]}{narrower}: {side.reason}"

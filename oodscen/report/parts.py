@@ -32,9 +32,7 @@ PARTS: tuple[Part, ...] = (
     Part("metrics", "Pictures of the measures", "oodscen.report.metric_pictures:part"),
     Part("growth", "How much is left to be found", "oodscen.report.further:saturation_part"),
     Part("pruning", "What would bring paths back", "oodscen.report.further:restoration_part"),
-    Part(
-        "pruning", "The same tree in several simulators", "oodscen.report.further:comparison_part"
-    ),
+    Part("pruning", "What another simulator would show", "oodscen.report.simulators:part"),
     Part("coverage", "What the texts and scenes cover", "oodscen.trees.report:part"),
 )
 """Every part, in the order in which they are shown."""

@@ -9,7 +9,13 @@ from oodscen._data import Data
 from oodscen.llms.redaction import redact
 from oodscen.prompts import Style
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
-from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen.registry import (
+    DEFAULT_CATALOGUES,
+    DEFAULT_ENCODER,
+    DEFAULT_LLM,
+    DEFAULT_SIMULATOR,
+    names,
+)
 
 
 class StudyConfig(Data):
@@ -37,6 +43,9 @@ class StudyConfig(Data):
     servers: dict[str, str] = Field(default_factory=dict)
     """Address by model, for those that are on another server than `api_base`."""
     simulator: str = DEFAULT_SIMULATOR
+    catalogues: tuple[str, ...] | None = None
+    """Other simulators' catalogues for which the diverse tree is pruned as well, to be compared; left out:
+    CARLA's where the built-in author judges, none where it would cost calls."""
     encoder: str = DEFAULT_ENCODER
     baseline: str | None = None
     """File of ordinary-driving texts; the shipped corpus if left out."""
@@ -102,6 +111,15 @@ class StudyConfig(Data):
             "max_paths": 4,
         }
         return cls(**{**small, **changes})
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """The catalogues that are compared with the simulator's."""
+        if self.catalogues is None:
+            is_free = self.llm.partition(":")[0] == DEFAULT_LLM
+            there = set(names("catalogue"))
+            return tuple(n for n in DEFAULT_CATALOGUES if is_free and n in there)
+        return tuple(name for name in self.catalogues if name != self.simulator)
 
     def judging_too(self, other: Self) -> Self:
         """Return this configuration with whom and how another one judges as well; its own judge wins."""

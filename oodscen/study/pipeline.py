@@ -15,7 +15,8 @@ from oodscen.scene import Scene
 from oodscen.study.config import JUDGING, Status, StudyConfig
 from oodscen.study.context import Context
 from oodscen.study.record import record
-from oodscen.study.stages.judging import evaluate, outcomes
+from oodscen.study.stages.comparing import compare_catalogues
+from oodscen.study.stages.judging import evaluate, judged, outcomes
 from oodscen.study.stages.measuring import measure
 from oodscen.study.stages.scenes import augment, simulate
 from oodscen.study.stages.texts import describe, describe_sets
@@ -34,6 +35,10 @@ class Texts(NamedTuple):
     """Of the simulatable tree."""
     sets: dict[int, list[Scenario]]
     """Of the diverse tree, by size."""
+
+
+_LASTING = ("counts", "failures", "usage", "seconds")
+"""Parts of `study.json` that a run which is not finished leaves as they were."""
 
 
 class Pipeline:
@@ -60,13 +65,25 @@ class Pipeline:
 
         Raises:
             RunStopped: When a cap is reached or an endpoint given up; running again continues.
+            KeyboardInterrupt: When it is interrupted; running again continues as well.
         """
+        traffic = self.context.models.traffic
+        traffic.reopen()
         began = time.perf_counter()
         self.prepare()
         try:
             counts = self._stages()
         except RunStopped as stop:
             self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
+            self._report()
+            raise
+        except KeyboardInterrupt:
+            traffic.close()
+            self._save(
+                "stopped",
+                stopped="it was interrupted; the same command continues it",
+                usage=self._usage(),
+            )
             self._report()
             raise
         self._finish(counts, time.perf_counter() - began)
@@ -86,6 +103,8 @@ class Pipeline:
             diverse = redteam(run, initial)
         with run.timed("prune"):
             simulatable = prune(run, diverse)
+        with run.timed("compare"):
+            compare_catalogues(run, diverse)
         with run.timed("describe"):
             scenarios, sets = describe(run, simulatable), describe_sets(run, diverse)
         return Texts(initial, diverse, simulatable, scenarios, sets)
@@ -123,6 +142,7 @@ class Pipeline:
             "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
             "verdicts": len(verdicts),
             "outcomes": outcomes(verdicts),
+            **judged(verdicts),
         }
 
     def _usage(self) -> list[dict[str, Any]]:
@@ -144,6 +164,10 @@ class Pipeline:
         self._save("running")
 
     def _save(self, status: Status, **more: Any) -> None:
+        """Write `study.json`; what it was last counted to be stays in it until it is counted anew."""
+        if self.store.has("study.json"):
+            before = self.study.info
+            more = {name: before[name] for name in _LASTING if name in before} | more
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
     def _report(self) -> None:

@@ -9,6 +9,7 @@ from oodscen._data import Data
 from oodscen.episode import Episode
 from oodscen.errors import DataError, MissingExtra, StudyError, StudyMissing, UnknownComponent
 from oodscen.prune import PruneDecision
+from oodscen.pruning.comparing import Comparison
 from oodscen.pruning.restoring import Restoration
 from oodscen.redteam import Round
 from oodscen.scenario import Scenario
@@ -97,6 +98,11 @@ class Study:
     def restoration(self) -> Restoration:
         """What would restore the branches that pruning dropped, ranked."""
         return Restoration.load(self.folder / "restore.json")
+
+    @property
+    def comparison(self) -> Comparison:
+        """What other simulators' catalogues make of the diverse tree."""
+        return Comparison.load(self.folder / "catalogues.json")
 
     @property
     def scenarios(self) -> list[Scenario]:

@@ -123,9 +123,9 @@ class LabelReader:
         self._compounds: dict[frozenset[str], list[Hazard]] = {}
         """Hazards by the words of the first thing that they need, where it has several."""
         for hazard in knowledge.hazards:
-            words = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
-            if len(words) > 1:
-                self._compounds.setdefault(words, []).append(hazard)
+            thing = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
+            if len(thing) > 1:
+                self._compounds.setdefault(thing, []).append(hazard)
         self.read = lru_cache(maxsize=4096)(self._read)
         self.hazard = lru_cache(maxsize=8192)(self._hazard)
         self._words: dict[str, tuple[frozenset[str], frozenset[str]]] = {}
