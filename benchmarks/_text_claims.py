@@ -7,11 +7,12 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from _text_mutants import MUTATIONS, Case, mutants
 
 from oodscen import (
     Augmenter,
@@ -27,9 +28,8 @@ from oodscen import (
 )
 from oodscen.catalogue import Catalogue
 from oodscen.claims import Claim, check_claims, judge_claims
-from oodscen.claims.things import may_be
-from oodscen.driving.placement import staging_issues
-from oodscen.errors import AnswerError, DataError, LLMError
+from oodscen.errors import AnswerError, LLMError
+from oodscen.llms.author.shelf import load_knowledge
 from oodscen.protocols import LLM
 from oodscen.seeding import stream
 from oodscen.trace import Trace
@@ -41,7 +41,6 @@ PLAYED = 40
 """Scenes that are played in the simulator itself, and compared again with what happened there."""
 
 Row = dict[str, object]
-Fields = dict[str, Any]
 
 
 def row(name: str, value: object, unit: str, target: str, holds: bool | None) -> Row:
@@ -99,7 +98,8 @@ def rows(llm: str = "builtin", seed: int = 0) -> Iterator[Row]:
     holds = (played - wrong) / max(played, 1)
     text = "1, in what the simulator reports"
     yield row("claims that hold in played episodes", round(holds, 4), "share", text, holds == 1.0)
-    yield from _falsified(staged, catalogue, seed)
+    texts = {scenario.id: scenario.text for scenario in scenarios}
+    yield from _falsified(staged, texts, catalogue, seed)
 
 
 def _texts(model: LLM, catalogue: Catalogue) -> list[Scenario]:
@@ -141,28 +141,30 @@ def _played(scene: Scene, simulator: Any) -> Trace:
 # ---------------------------------------------------------------------------- falsifying
 
 
-def _falsified(staged: Sequence[Staged], catalogue: Catalogue, seed: int) -> Iterator[Row]:
+def _falsified(
+    staged: Sequence[Staged], texts: Mapping[str, str], catalogue: Catalogue, seed: int
+) -> Iterator[Row]:
+    """Change scenes in ways that have nothing to do with what was read, and see which are found out."""
+    knowledge = load_knowledge()
+    pools: dict[str, list[tuple[Staged, Scene]]] = {name: [] for name in MUTATIONS}
+    left_out: Counter[tuple[str, str]] = Counter()
+    for one in staged:
+        case = Case(texts[one.scene.scenario_id], one.scene, catalogue, knowledge)
+        for name, mutant in mutants(case):
+            if isinstance(mutant, str):
+                left_out[name, mutant] += 1
+            else:
+                pools[name].append((one, mutant))
     made: Counter[str] = Counter()
     caught: Counter[str] = Counter()
-    for round_number in range(6):
-        for number, one in enumerate(staged):
-            if sum(made.values()) >= MUTANTS:
-                break
-            names = list(MUTATIONS)
-            rng = stream(seed, "falsify", one.scene.id, round_number)
-            least = min(made.values(), default=0)
-            order = sorted(names, key=lambda name: (made[name] > least + 20, rng.random()))
-            for name in order:
-                mutant = _mutant(one, name, catalogue, number)
-                if mutant is None:
-                    continue
-                made[name] += 1
-                found = check_claims(one.claims, mutant, catalogue)
-                caught[name] += bool(found)
-                if not found:
-                    told = [str(claim) for claim in one.claims]
-                    print(f"missed {name} in {mutant.id}: {told}", file=sys.stderr)
-                break
+    for name, one, mutant in _drawn(pools, seed):
+        made[name] += 1
+        found = check_claims(one.claims, mutant, catalogue)
+        caught[name] += bool(found)
+        if not found:
+            told = [str(claim) for claim in one.claims]
+            text = texts[one.scene.scenario_id]
+            print(f"missed {name} in {mutant.id}: {text} {told}", file=sys.stderr)
     total = sum(made.values())
     share = sum(caught.values()) / max(total, 1)
     yield row("mutated scenes", total, "scenes", f"at least {MUTANTS}", total >= MUTANTS)
@@ -171,170 +173,24 @@ def _falsified(staged: Sequence[Staged], catalogue: Catalogue, seed: int) -> Ite
     )
     for name in made:
         yield row(f"caught: {name}", f"{caught[name]} of {made[name]}", "scenes", "printed", None)
+    for (name, why), number in sorted(left_out.items()):
+        yield row(f"left out: {name}: {why}", number, "scenes", "printed", None)
 
 
-def _mutant(one: Staged, name: str, catalogue: Catalogue, number: int) -> Scene | None:
-    """Return the scene with one thing changed that its text forbids; `None` where there is none."""
-    for claim in one.claims:
-        fields = MUTATIONS[name](claim, one, catalogue)
-        if fields is None:
-            continue
-        try:
-            scene = Scene.parse({**fields, "id": f"{one.scene.id}.{name.replace(' ', '-')}"})
-        except DataError:
-            continue
-        if not staging_issues(scene, catalogue) and scene.model_dump(
-            exclude={"id"}
-        ) != one.scene.model_dump(exclude={"id"}):
-            return scene
-    return None
-
-
-def _meant(claim: Claim, one: Staged, catalogue: Catalogue) -> list[int]:
-    """Return the indices of the unusual actors that a claim may be about."""
-    return [
-        index
-        for index, actor in enumerate(one.scene.actors)
-        if actor.id in one.scene.hazard.actors
-        and may_be(claim.subject, catalogue.asset(actor.asset))
-    ]
-
-
-def _weather(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if claim.kind != "weather":
-        return None
-    dry = {"precipitation": "none", "precipitation_mm_h": 0.0, "friction": 1.0}
-    wet = {"precipitation": "rain", "precipitation_mm_h": 12.0, "friction": 0.6, "cloud_cover": 1.0}
-    clear = {"fog_visual_range_m": 10_000.0}
-    changes = {
-        value: change
-        for values, change in (
-            (("rain", "light_rain", "heavy_rain", "wet_road"), dry),
-            (("snow", "light_snow", "heavy_snow", "slippery_road"), dry),
-            (("fog", "thick_fog", "mist"), clear),
-            (("clear", "dry"), wet),
-            (("cloudy",), {"cloud_cover": 0.0}),
-        )
-        for value in values
-    }
-    fields = one.scene.model_dump()
-    fields["weather"] |= changes[claim.value]
-    return fields
-
-
-def _light(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if claim.kind != "time":
-        return None
-    fields = one.scene.model_dump()
-    fields["weather"]["sun_elevation_deg"] = -25.0 if claim.value in ("day", "low_sun") else 45.0
-    return fields
-
-
-def _lane(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if (claim.kind, claim.value) != ("place", "in_lane"):
-        return None
-    fields, meant = one.scene.model_dump(), _meant(claim, one, catalogue)
-    if any(one.scene.actors[index].behaviour.name != "stand" for index in meant):
-        return None
-    for index in meant:
-        asset = catalogue.asset(one.scene.actors[index].asset)
-        reach = 0.5 * max(asset.length, asset.width)
-        fields["actors"][index]["placement"]["offset_m"] = -(1.75 + reach + 0.6)
-    return fields if meant else None
-
-
-def _missing(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if claim.kind != "thing":
-        return None
-    fields, meant = one.scene.model_dump(), _meant(claim, one, catalogue)
-    gone = {one.scene.actors[index].id for index in meant}
-    while True:
-        more = {
-            actor.id
-            for actor in one.scene.actors
-            if {actor.behaviour.other, actor.behaviour.trigger.actor} & gone
-        }
-        if more <= gone:
-            break
-        gone |= more
-    fields["actors"] = [actor for actor in fields["actors"] if actor["id"] not in gone]
-    fields["hazard"]["actors"] = {
-        name: twin for name, twin in fields["hazard"]["actors"].items() if name not in gone
-    }
-    if not fields["hazard"]["actors"] and fields["hazard"]["weather"] is None:
-        fields["hazard"]["weather"] = fields["weather"]
-    fields["decision"] = {"kind": "time", "value": 4.0}
-    return fields if gone else None
-
-
-def _moving(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if (claim.kind, claim.value) != ("motion", "stationary"):
-        return None
-    fields, meant = one.scene.model_dump(), _meant(claim, one, catalogue)
-    for index in meant:
-        category = catalogue.asset(one.scene.actors[index].asset).category
-        name = {
-            "vehicle": "follow_lane",
-            "cyclist": "follow_lane",
-            "work_zone": "roll_away",
-            "signal": "",
-        }.get(category, "walk_along")
-        if not name or one.scene.actors[index].behaviour.name != "stand":
-            return None
-        trigger = {"kind": "time", "value": 0.0}
-        speed = {"speed": 4.0}
-        fields["actors"][index]["behaviour"] = {
-            "name": name,
-            "trigger": trigger,
-            "parameters": speed,
-        }
-    return fields if meant else None
-
-
-def _side(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    sides = ("from_left", "from_right", "left", "right", "left_lane", "right_lane")
-    if claim.kind not in ("place", "motion") or claim.value not in sides:
-        return None
-    fields, meant = one.scene.model_dump(), _meant(claim, one, catalogue)
-    for index in meant:
-        place = fields["actors"][index]["placement"]
-        for name in ("lane", "offset_m", "heading_deg"):
-            place[name] = -place[name]
-    return fields if meant else None
-
-
-def _map(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if claim.kind not in ("road", "lanes", "own_lanes"):
-        return None
-    fields = one.scene.model_dump()
-    far = {"urban": "highway", "residential": "highway", "highway": "residential_two_lane"}
-    fields["map"] = far.get(claim.value, "urban_three_lane")
-    if fields["map"] == one.scene.map:
-        fields["map"] = "residential_two_lane"
-    return fields
-
-
-def _behind(claim: Claim, one: Staged, catalogue: Catalogue) -> Fields | None:
-    if (claim.kind, claim.value) != ("place", "ahead"):
-        return None
-    fields, meant = one.scene.model_dump(), _meant(claim, one, catalogue)
-    for index in meant:
-        fields["actors"][index]["placement"]["ahead_m"] = -12.0 - 3.0 * index
-        fields["actors"][index]["behaviour"] = {}
-    fields["decision"] = {"kind": "time", "value": 4.0}
-    return fields if meant else None
-
-
-MUTATIONS: dict[str, Callable[[Claim, Staged, Catalogue], Fields | None]] = {
-    "wrong lane": _lane,
-    "wrong weather": _weather,
-    "day for night": _light,
-    "missing actor": _missing,
-    "moving instead of static": _moving,
-    "wrong side": _side,
-    "wrong map": _map,
-    "behind instead of ahead": _behind,
-}
+def _drawn(
+    pools: Mapping[str, list[tuple[Staged, Scene]]], seed: int
+) -> Iterator[tuple[str, Staged, Scene]]:
+    """Take the mutations in turn, each from its pool in random order, until there are enough."""
+    queues = {}
+    for name, pool in pools.items():
+        order = stream(seed, "falsify", name).permutation(len(pool))
+        queues[name] = [pool[index] for index in order]
+    taken = 0
+    while taken < MUTANTS and any(queues.values()):
+        for name, queue in queues.items():
+            if queue and taken < MUTANTS:
+                taken += 1
+                yield name, *queue.pop()
 
 
 def main() -> int:

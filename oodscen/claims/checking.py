@@ -69,7 +69,8 @@ def judge_claims(
     """Compare every claim of a text with a scene, in their order.
 
     A subject stands for the actor that fits most of what is said about it; things of the same name
-    are different actors. What is said about several (`count`) need only be true of one of them.
+    are different actors. What is said about several (`count`), or about somebody or something that
+    the text does not name, need only be true of one of them.
 
     Args:
         claims: As for `check_claims`.
@@ -130,7 +131,8 @@ def _settle(
     thing = named(next(iter(subjects)))
     fitting = [one for one in seen if any(may_be(subject, one.asset) for subject in subjects)]
     scenery = thing is not None and thing.is_scenery(road)
-    single = [name for name, told in subjects.items() if not _several(told)]
+    is_vague = thing is not None and thing.vague
+    single = [name for name, told in subjects.items() if not (is_vague or _several(told))]
     settled = {
         name: _judge_group(told, fitting, thing, scenery)
         for name, told in subjects.items()

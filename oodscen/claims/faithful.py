@@ -34,6 +34,17 @@ class Faithfulness(Data):
         return not self.mismatches
 
 
+class Unjudged(Data):
+    """A line of a file that could not be compared with a text."""
+
+    noun: ClassVar[str] = "unjudged scene"
+
+    id: str
+    """Of the scene, or file and number of the line where it holds none."""
+    faults: tuple[str, ...]
+    """What stands in the way."""
+
+
 def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Claim, ...]:
     """Read the claims of a text from its words alone.
 

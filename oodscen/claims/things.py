@@ -23,7 +23,9 @@ _IRREGULAR = {
     "flagman": "flagmen",
     "leaf": "leaves",
 }
-_UNCHANGED = frozenset({"deer", "sheep", "cattle", "people", "livestock", "debris", "moose", "elk"})
+_UNCHANGED = frozenset(
+    {"deer", "sheep", "cattle", "people", "livestock", "debris", "moose", "elk", "doe"}
+)
 _PLURAL = frozenset({"cattle", "people", "livestock"})
 
 
@@ -59,6 +61,10 @@ class Thing:
     """One asset of it already shows several."""
     plural: bool = False
     """Its singular already means several."""
+    faint: bool = False
+    """Naming it does not say that it can be seen."""
+    vague: bool = False
+    """It stands for anybody or anything: what is said of it need only be true of one actor each."""
 
     @property
     def name(self) -> str:
@@ -103,6 +109,8 @@ def things() -> tuple[Thing, ...]:
             group=row.get("group", ""),
             many=row.get("many", False),
             plural=row.get("plural", False),
+            faint=row.get("faint", False) or row.get("vague", False),
+            vague=row.get("vague", False),
         )
         for row in rows
     )

@@ -47,14 +47,40 @@ def test_a_scene_that_cannot_be_staged_is_said_to_be(tmp_path):
     assert "unknown map" in done.output
 
 
-def test_a_scene_without_a_text_is_a_usage_error(tmp_path):
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("{", "scenes.jsonl:2"),
+        ('{"id": "x", "error": "no answer"}', "scenes.jsonl:2"),
+        (example_scene().model_copy(update={"id": "b", "scenario_id": "?"}).to_json(), "no text"),
+    ],
+)
+@pytest.mark.parametrize("option", [(), ("--json",)])
+def test_what_is_wrong_with_one_line_leaves_the_others_judged(tmp_path, line, expected, option):
     scene = example_scene()
     call(tmp_path, scene, TEXT)
-    other = scene.model_copy(update={"scenario_id": "other"})
-    (tmp_path / "scenes.jsonl").write_text(other.to_json())
-    done = CliRunner().invoke(
-        main,
-        ["faithful", str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl")],
-    )
-    assert done.exit_code != 0
-    assert "other" in done.output
+    last = scene.model_copy(update={"id": "last"})
+    lines = [scene.to_json(), line, last.to_json(), ""]
+    (tmp_path / "scenes.jsonl").write_text("\n".join(lines))
+    files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl"))
+    simulator = ("--simulator", "oodscen.testing.flat:FlatSimulator")
+    done = CliRunner().invoke(main, ["faithful", *files, *simulator, *option])
+    assert done.exit_code == 1
+    assert expected in done.output
+    if option:
+        found = json.loads(done.stdout)
+        assert [row["id"] for row in found["scenes"] if "findings" in row] == [scene.id, "last"]
+        assert found["unfaithful"] == 1
+
+
+def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
+    scene = example_scene()
+    call(tmp_path, scene, TEXT)
+    path = tmp_path / "texts.jsonl"
+    path.write_text('{"id": 1}\n' + path.read_text())
+    files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(path))
+    simulator = ("--simulator", "oodscen.testing.flat:FlatSimulator")
+    done = CliRunner().invoke(main, ["faithful", *files, *simulator])
+    assert done.exit_code == 1
+    assert "texts.jsonl:1" in done.output
+    assert "1 of these could not be judged" in done.output

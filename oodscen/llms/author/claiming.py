@@ -31,6 +31,11 @@ _WILFUL = frozenset(
 _CROSSES = frozenset({"crossing", "into_lane", "from_left", "from_right"})
 _UNINFLECTED = frozenset({"deer", "sheep", "moose", "elk"})
 _FEW, _MANY = 2, 3
+_INVERTED = re.compile(
+    r"(?:stands?|lies?|lay|sits?|gapes?|comes|runs|stood|sat) (?:an?|the|some|two|several) (?:[\w-]+ ){0,2}",
+    re.IGNORECASE,
+)
+_DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
 _APPOSED = 24
 """Characters between a noun and a relative clause about it, at most."""
 
@@ -42,6 +47,13 @@ class Subject:
     name: str
     mention: Mention
     count: int = 1
+    is_agent: bool = False
+    """It only did something, and may be gone: it is there if it moves."""
+
+    @property
+    def is_faint(self) -> bool:
+        """Whether it is claimed to be there only where something else is said of it."""
+        return self.is_agent or self.mention.thing.faint
 
 
 @dataclass(frozen=True)
@@ -86,11 +98,8 @@ class _Reading:
     def claims(self) -> tuple[Claim, ...]:
         self._settings()
         for subject in self.subjects:
-            start, end = subject.mention.start, subject.mention.end
-            self._add("thing", "present", subject.name, start, end)
-            thing = subject.mention.thing
-            if subject.count > 1 and not thing.many and not thing.map:
-                self._add("count", str(subject.count), subject.name, start, end)
+            if not subject.is_faint:
+                self._present(subject)
         for pattern in phrases.PREDICATES:
             for found in pattern.regex.finditer(self.text):
                 self._predicate(pattern, found)
@@ -102,7 +111,14 @@ class _Reading:
             if after is not None and after.subject is not None:
                 self._add("place", "in_lane", after.subject.name, *found.span())
         self._signals()
+        self._inert()
         return tuple(self._kept())
+
+    def _present(self, subject: Subject) -> None:
+        start, end, thing = subject.mention.start, subject.mention.end, subject.mention.thing
+        self._add("thing", "present", subject.name, start, end)
+        if subject.count > 1 and not (thing.many or thing.map or thing.vague):
+            self._add("count", str(subject.count), subject.name, start, end)
 
     # -------------------------------------------------------------- things
 
@@ -114,7 +130,15 @@ class _Reading:
                 continue
             before = self.text[: mention.start]
             oblique = phrases.OBLIQUE.search(before[-60:]) is not None
-            nouns.append(Noun(mention.start, mention.end, self._subject(mention), oblique))
+            oblique = oblique and re.search(r", for (?:an?|the) $", before) is None
+            oblique = oblique and phrases.PART_OF.search(before[-60:]) is None
+            grouped = phrases.QUANTITY.search(before[-60:])
+            if oblique and grouped and grouped.group(3):
+                lead = before[-60:][: grouped.start()]
+                oblique = phrases.OBLIQUE.search(lead) is not None
+            subject = self._subject(mention)
+            oblique = oblique or (subject is None and phrases.ITS.search(before) is not None)
+            nouns.append(Noun(mention.start, mention.end, subject, oblique))
         for found in phrases.EGO.finditer(self.text):
             is_possessive = found.group(0).endswith(("'s", "your"))
             oblique = phrases.OBLIQUE.search(self.text[: found.start()][-20:]) is not None
@@ -155,9 +179,15 @@ class _Reading:
         is_new = is_new or (is_counted and word not in ("the", "these", "those", "its"))
         if same and (not is_new or word == "one"):
             return same[-1]
-        if name in phrases.GENERIC and word in ("the", "its", "this", "that"):
-            alike = [s for s in self.subjects if s.mention.thing.group == mention.thing.group]
-            if alike:
+        is_generic = name in phrases.GENERIC and mention.word in phrases.GENERIC_WORDS
+        if is_generic and word in ("the", "its", "this", "that"):
+            alike = [
+                s
+                for s in self.subjects
+                if s.mention.thing.group == mention.thing.group
+                and s.mention.thing.name not in phrases.CYCLES
+            ]
+            if alike and not re.match(r" (?:in front|ahead|behind)\b", after):
                 return alike[-1]
             if count > 1:
                 return None
@@ -167,8 +197,14 @@ class _Reading:
             word == "the" and name == "tree" and mention.is_plural
         ):
             return None
+        if mention.thing.vague and word in ("its", "their", "his", "her"):
+            return None
+        if re.match(r" behind\b", after) and re.search(r"\bleft (?:an?|the|its) ", lead[-40:]):
+            return None
+        is_somebody = mention.thing.vague or mention.thing.group == "person"
+        is_agent = is_somebody and phrases.AGENT.match(after) is not None
         label = name if not same else f"{name} {len(same) + 1}"
-        subject = Subject(label, mention, count)
+        subject = Subject(label, mention, count, is_agent)
         self.subjects.append(subject)
         return subject
 
@@ -191,17 +227,33 @@ class _Reading:
         if is_verb and (self._leads(end) or self._is_within(start)):
             return
         lead = self.text[:start][-40:]
+        if pattern.kind == "state" and pattern.value != "off" and phrases.UNSHOWN.search(lead):
+            return
         if pattern.value != "off" and not is_verb and phrases.NEGATED.search(lead):
             return
-        if is_verb and pattern.value != "stationary" and phrases.PERFECT.search(lead):
+        if is_verb and pattern.value not in ("stationary", "slow") and phrases.PERFECT.search(lead):
             return
         if pattern.value == "clear_of_lane" and phrases.LEFT.search(self.text[:start][-40:]):
             return
-        subject = self._owner(start, end, is_verb=is_verb)
+        if pattern.value in ("from_left", "from_right"):
+            subject = self._comer(start, end)
+        else:
+            subject = self._owner(start, end, is_verb=is_verb)
+        if (
+            subject is not None
+            and subject.is_faint
+            and not (is_verb or self._adjoins(subject, start))
+        ):
+            subject = None
         if subject is None:
+            self._unowned(pattern, found)
+            return
+        if subject.is_agent and pattern.value == "stationary":
             return
         thing = subject.mention.thing
-        if pattern.value == "reversing" and thing.group != "vehicle":
+        if pattern.value == "reversing" and thing.group != "vehicle" and not subject.is_faint:
+            return
+        if pattern.kind == "state" and thing.group not in ("vehicle", "signal"):
             return
         names_ego = "ego" in found.group(0).casefold()
         is_vague = thing.group != "vehicle" or self._is_among_others(start, subject)
@@ -209,8 +261,124 @@ class _Reading:
             return
         if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
             return
-        value = pattern.value or found.group(1)
+        value = pattern.value or _number(found.group(1))
+        if subject.is_faint and is_verb and phrases.ON_FOOT.match(self.text, start):
+            subject = self._walker(subject)
+        if subject.is_faint:
+            self._present(subject)
         self._add(pattern.kind, value, subject.name, start, end)
+
+    def _walker(self, subject: Subject) -> Subject:
+        """Return somebody on foot for whom nothing more is known to be, unless there are people."""
+        if any(one.mention.thing.group == "person" for one in self.subjects):
+            return subject
+        mention = next(mentions("person"))
+        start, end = subject.mention.start, subject.mention.end
+        walker = Subject("person", mention._replace(start=start, end=end))
+        self.subjects.append(walker)
+        self._present(walker)
+        return walker
+
+    def _adjoins(self, subject: Subject, start: int) -> bool:
+        return subject.mention.thing.name == "driver" and 0 <= start - subject.mention.end <= 1
+
+    def _comer(self, start: int, end: int) -> Subject | None:
+        """Find what comes from a side: where the side opens a clause, what follows it."""
+        subject = self._owner(start, end, is_verb=True)
+        clause = self.clauses[bisect_right([one.start for one in self.clauses], start) - 1]
+        if any(noun.end <= start and not noun.is_oblique for noun in clause.nouns):
+            return subject
+        after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
+        return after[0].subject if after else subject
+
+    def _unowned(self, pattern: Pattern, found: re.Match[str]) -> None:
+        """Claim that something is so far ahead where it is unclear what."""
+        sides = ("reversing", "from_left", "from_right")
+        if pattern.kind != "distance" and pattern.value not in ("ahead", "in_lane", *sides):
+            return
+        start, end = found.span()
+        at = bisect_right([clause.start for clause in self.clauses], start) - 1
+        clause = self.clauses[at]
+        words = self.text[clause.start : clause.end]
+        if pattern.value in sides and clause.nouns:
+            return
+        is_lane = pattern.value == "in_lane"
+        if is_lane and any(n.subject is None and not n.is_oblique for n in clause.nouns):
+            return
+        if phrases.ROADWAY.search(words) or not any(
+            noun.subject is not None
+            for one in self.clauses
+            if one.sentence == clause.sentence
+            for noun in one.nouns
+        ):
+            return
+        alone = {
+            noun.subject.name: noun.subject
+            for one in self.clauses
+            if one.sentence == clause.sentence
+            for noun in one.nouns
+            if noun.subject is not None and not noun.subject.is_faint
+        }
+        value = pattern.value or _number(found.group(1))
+        if len(alone) == 1:
+            (subject,) = alone.values()
+            if not self._is_elsewhere(subject):
+                self._add(pattern.kind, value, subject.name, start, end)
+                return
+        if pattern.value in sides:
+            return
+        self._add("thing", "present", "something", start, end)
+        self._add(pattern.kind, value, "something", start, end)
+
+    def _is_elsewhere(self, subject: Subject) -> bool:
+        """Tell whether it is said to be somewhere that rules out the ego's lane ahead."""
+        places = ("behind", "oncoming_lane", "left_lane", "right_lane", "clear_of_lane")
+        return any(("place", value, subject.name) in self.found for value in places)
+
+    def _inert(self) -> None:
+        """Claim that what lies or blocks the way by its nature stays there."""
+        for subject in self.subjects:
+            thing = subject.mention.thing
+            told = {v for (k, v, name) in self.found if k == "motion" and name == subject.name}
+            mention = subject.mention
+            natural = phrases.BY_NATURE.get(mention.word)
+            if natural and not told:
+                self._present(subject)
+                self._add("motion", natural, subject.name, mention.start, mention.end)
+                continue
+            if subject.is_faint or told:
+                continue
+            if phrases.STILL_BY_NAME.search(mention.word):
+                self._add("motion", "stationary", subject.name, mention.start, mention.end)
+            if thing.group not in ("object", "signal", "vehicle"):
+                continue
+            begin = _last_end(phrases.SENTENCE, self.text[: mention.start])
+            rest = phrases.SENTENCE.search(self.text, mention.end)
+            sentence = self.text[begin : rest.start() if rest else len(self.text)]
+            lead = self.text[begin : mention.start]
+            rest_of = phrases.MOVED_PAST.sub(" ", sentence)
+            if phrases.STIRS.search(rest_of) or thing.name in phrases.LIGHT:
+                continue
+            borne = phrases.BORNE.search(lead) and not phrases.BLOCKED.search(lead)
+            if borne and thing.group != "vehicle":
+                continue
+            is_lifeless = thing.group != "vehicle"
+            after = self.text[mention.end : begin + len(sentence)]
+            blocks = phrases.BLOCKS.search(sentence) if is_lifeless else phrases.BARS.search(after)
+            is_in_lane = ("place", "in_lane", subject.name) in self.found
+            if (
+                (is_lifeless and is_in_lane)
+                or (blocks and (is_lifeless or self._governs(subject, begin, blocks)))
+                or phrases.BLOCKED.search(lead)
+                or (phrases.PUT.search(lead) and (is_lifeless or not re.search(r"\bleft ", lead)))
+            ):
+                self._add("motion", "stationary", subject.name, mention.start, mention.end)
+
+    def _governs(self, subject: Subject, begin: int, found: re.Match[str]) -> bool:
+        """Tell whether nothing else is named between a vehicle and what is said to block."""
+        low = subject.mention.end
+        high = low + found.start()
+        return not any(n.start >= low and n.end <= high and not n.is_oblique for n in self.nouns)
 
     def _is_within(self, position: int) -> bool:
         return any(n.subject and n.start <= position < n.end for n in self.nouns)
@@ -228,7 +396,7 @@ class _Reading:
     def _leads(self, end: int) -> bool:
         """Tell whether a word is an adjective of the noun that follows at once."""
         following = next((noun for noun in self.nouns if noun.start >= end), None)
-        if following is None or following.subject is None:
+        if following is None or following.subject is None or following.subject.is_faint:
             return False
         return (
             re.fullmatch(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", self.text[end : following.start])
@@ -240,9 +408,15 @@ class _Reading:
         at = bisect_right([clause.start for clause in self.clauses], start) - 1
         clause = self.clauses[at]
         before = [noun for noun in clause.nouns if noun.end <= start]
-        if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):
-            return before[-1].subject
         heads = [noun for noun in before if not noun.is_oblique]
+        if heads and clause.is_relative:
+            opening = self.text[clause.start : heads[0].start].split()
+            is_verb_first = len(opening) > 1 and opening[1].casefold() not in _DETERMINERS
+            antecedent = self._last_before(clause)
+            if is_verb_first and antecedent is not None:
+                return antecedent
+        if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):
+            return self._meant(before[-1]).subject
         if heads:
             head = self._meant(heads[0])
             if head.subject is None and self._is_ego(head) and not is_verb and len(before) > 1:
@@ -255,6 +429,11 @@ class _Reading:
                 return after[0].subject
         if not before and clause.is_relative:
             return self._last_before(clause)
+        if is_verb and not clause.is_relative:
+            follower = next((n for n in clause.nouns if n.start >= end), None)
+            if follower is not None and follower.subject is not None:
+                if _INVERTED.fullmatch(self.text[start : follower.start]):
+                    return follower.subject
         earlier = self._subject_before(at)
         if earlier is not None:
             return earlier.subject
@@ -297,7 +476,8 @@ class _Reading:
         for clause in reversed(self.clauses[:at]):
             if clause.sentence != self.clauses[at].sentence:
                 return None
-            heads = [noun for noun in clause.nouns if not noun.is_oblique] or clause.nouns
+            heads = [noun for noun in clause.nouns if not noun.is_oblique]
+            heads = heads or [n for n in clause.nouns if n.subject is not None] or clause.nouns
             if heads:
                 return heads[0]
         return None
@@ -331,6 +511,11 @@ class _Reading:
             for found in pattern.regex.finditer(self.text):
                 before = self.text[: found.start()]
                 if pattern.kind != "traffic" and phrases.DENIED.search(before[-40:]):
+                    continue
+                is_weather = pattern.kind == "weather"
+                if is_weather and phrases.ENDED.match(self.text[found.end() :]):
+                    continue
+                if is_weather and phrases.PAST.search(before[-40:]):
                     continue
                 value = pattern.value
                 if not value:
@@ -388,6 +573,10 @@ def _count(lead: str, mention: Mention) -> int:
         return _FEW
     large = re.search(r"crowd|large|dozens|many|herd|swarm", several, re.IGNORECASE)
     return _MANY if large else _FEW
+
+
+def _number(words: str) -> str:
+    return str(phrases.NUMBER_WORDS.get(words.casefold(), words))
 
 
 def _last_end(pattern: re.Pattern[str], text: str) -> int:
