@@ -10,13 +10,25 @@ Result = TypeVar("Result")
 
 
 def as_finished(
-    function: Callable[[Item], Result], items: Iterable[Item], *, threads: int = 1
+    function: Callable[[Item], Result],
+    items: Iterable[Item],
+    *,
+    threads: int = 1,
+    cancel: Callable[[], None] | None = None,
 ) -> Iterator[tuple[Item, Result]]:
     """Yield `(item, function(item))` as results come, at most `threads` at a time.
 
     Items are taken from the iterable only when a thread is free, and a thread is busy again before
     its last result is yielded. An exception of `function` surfaces at the item it belongs to; what was
-    under way is then awaited and dropped, and nothing new is begun.
+    under way is then awaited and dropped, and nothing new is begun. When the wait is interrupted
+    (`KeyboardInterrupt`), results that still come are yielded before it is raised.
+
+    Args:
+        function: What is done to each.
+        items: Taken one by one.
+        threads: How many at a time; 1 works in the caller.
+        cancel: Called once when the wait is interrupted or the results are no longer wanted, so that what is
+            under way ends soon.
     """
     if threads <= 1:
         for item in items:
@@ -31,11 +43,29 @@ def as_finished(
                 running[pool.submit(function, item)] = item
 
         refill()
-        while running:
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            finished = sorted(done, key=lambda future: future.exception() is not None)
-            items_done = [running.pop(future) for future in finished]
-            if finished[-1].exception() is None:
-                refill()
-            for item, future in zip(items_done, finished, strict=True):
-                yield item, future.result()
+        try:
+            yield from _results(running, refill)
+        except KeyboardInterrupt:
+            if cancel is not None:
+                cancel()
+            for future in [*running]:
+                if future.exception() is None:
+                    yield running[future], future.result()
+            raise
+        except GeneratorExit:
+            if cancel is not None:
+                cancel()
+            raise
+
+
+def _results(
+    running: dict[Future[Result], Item], refill: Callable[[], None]
+) -> Iterator[tuple[Item, Result]]:
+    while running:
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        finished = sorted(done, key=lambda future: future.exception() is not None)
+        items_done = [running.pop(future) for future in finished]
+        if finished[-1].exception() is None:
+            refill()
+        for item, future in zip(items_done, finished, strict=True):
+            yield item, future.result()

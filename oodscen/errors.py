@@ -10,6 +10,9 @@
     ├── LLMError                a model could not be asked, or not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
     │   ├── ResponseError       the response was no answer: empty, a web page, too large (keeps its beginning)
+    │   ├── LateError           the server is there, but no answer came in time
+    │   ├── RefusedError        the provider declines to answer this question: its content filter
+    │   ├── NotAskedError       not asked: the model was given up before
     │   └── ReplayMiss          a recording has no answer to this question (and what differs)
     ├── SceneError              a scene that the catalogue or the road refuses
     ├── SimulatorError          the simulator failed
@@ -139,6 +142,22 @@ class ResponseError(LLMError):
         self.raw = raw
         """The beginning of the last response, without credentials."""
         super().__init__(message, model=model, retryable=True, requests=requests)
+
+
+class LateError(LLMError):
+    """A server that is there gave no answer in time."""
+
+
+class RefusedError(LLMError):
+    """A provider declines to answer a question: its content filter, not the model's own words."""
+
+
+class NotAskedError(LLMError):
+    """A question was not put, since its model was given up earlier in the run."""
+
+    def __init__(self, reason: str, *, model: str) -> None:
+        self.reason = reason
+        super().__init__(f"not asked: {reason}", model=model, retryable=True)
 
 
 class ReplayMiss(LLMError):

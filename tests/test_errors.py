@@ -31,6 +31,9 @@ EXAMPLES = (
     errors.BudgetExceeded("requests", 10, 9),
     errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
     errors.ResponseError("message", model="m", status=200, raw="<html>", requests=6),
+    errors.LateError("message", model="m", retryable=True, requests=2),
+    errors.RefusedError("message", model="m", requests=1),
+    errors.NotAskedError("m is given up: no response for 40 s", model="m"),
     errors.ReplayMiss("replay:a.jsonl", "describe-path", [errors.Issue("sample", "3 is asked")]),
     errors.RunStopped("message"),
 )
@@ -58,6 +61,14 @@ FACTS = {
         "requests": 6,
         "status": 200,
         "raw": "<html>",
+    },
+    "LateError": {"model": "m", "retryable": True, "requests": 2},
+    "RefusedError": {"model": "m", "retryable": False, "requests": 1},
+    "NotAskedError": {
+        "model": "m",
+        "retryable": True,
+        "requests": 0,
+        "reason": "m is given up: no response for 40 s",
     },
     "ReplayMiss": {
         "model": "replay:a.jsonl",

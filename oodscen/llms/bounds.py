@@ -11,6 +11,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Literal
 
+LOOK_S = 0.5
+"""How often a call that can be closed looks whether it is, in seconds."""
+
 KEPT = 20_000
 """How much of a body is kept for the error that it may end in, in bytes."""
 
@@ -28,6 +31,7 @@ class Bounds:
         clock: Monotonic seconds.
         silence_s: After how long without a byte the server is looked at.
         is_alive: Whether the server at an address still responds to anything.
+        is_closed: Whether nobody waits for the answer any more.
     """
 
     def __init__(
@@ -38,6 +42,7 @@ class Bounds:
         *,
         silence_s: float = math.inf,
         is_alive: Callable[[str], bool] = lambda url: True,
+        is_closed: Callable[[], bool] | None = None,
     ) -> None:
         self.size = size
         self.silence_s = silence_s
@@ -51,9 +56,11 @@ class Bounds:
         """The beginning of the body."""
         self.received = 0
         """Bytes of the body so far."""
-        self.broken: Literal["time", "size", "encoding", "silence"] | None = None
+        self.broken: Literal["time", "size", "encoding", "silence", "closed"] | None = None
         """Which bound was reached."""
         self._is_alive = is_alive
+        self._is_closed = is_closed
+        self._silent_since = clock()
         self._clock = clock
         self._ends = clock() + seconds
 
@@ -62,8 +69,20 @@ class Bounds:
         """Whether the time is up."""
         return self._clock() >= self._ends
 
+    @property
+    def pace_s(self) -> float:
+        """Longest time to read before `endure` is asked, in seconds."""
+        return self.silence_s if self._is_closed is None else min(self.silence_s, LOOK_S)
+
+    def heard(self) -> None:
+        """Take note that the server sent something."""
+        self._silent_since = self._clock()
+
     def left(self, timeout: float | None) -> float:
         """Return the seconds that the next read or write may take; 0 or less when time is up."""
+        if self._is_closed is not None and self._is_closed():
+            self.broken = "closed"
+            return 0.0
         left = self._ends - self._clock()
         if left <= 0:
             self.broken = "time"
@@ -71,8 +90,11 @@ class Bounds:
         return left if timeout is None else min(timeout, left)
 
     def endure(self) -> bool:
-        """Say whether to go on waiting for a server that has sent nothing for `silence_s`."""
+        """Say whether to go on waiting for a server that has sent nothing for `pace_s`."""
+        if self._clock() - self._silent_since < self.silence_s:
+            return True
         if self._is_alive(self.url):
+            self._silent_since = self._clock()
             return True
         self.broken = "silence"
         return False

@@ -1,5 +1,6 @@
 """What went wrong in one try to reach a model, and what it says about the item and the endpoint."""
 
+import re
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
@@ -8,10 +9,12 @@ from typing import Any, Literal
 from oodscen.llms.bounds import Bounds
 from oodscen.llms.redaction import redact
 
-Kind = Literal["item", "limit", "unreachable", "erring", "denied"]
-"""What a failure says: nothing beyond this item (`item`: the request is refused); too many calls
-(`limit`); no response at all (`unreachable`); a response that is none (`erring`: server errors, web
-pages, empty or endless bodies); nobody will be answered (`denied`: no valid key, no quota)."""
+Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
+"""What a failure says: nothing beyond this item (`item`: the request is refused; `filtered`: the
+provider's content filter declines it); too many calls (`limit`); the time is up (`late`, and whether
+the server is there is another question); no response at all (`unreachable`); a response that is
+none (`erring`: server errors, web pages, empty or endless bodies); nobody will be answered (`denied`:
+no valid key, no quota)."""
 
 _SHOWN = 500
 """Longest error text passed on, in characters; some servers answer with whole web pages."""
@@ -24,6 +27,17 @@ _RAW = 4_000
 
 _ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
 """litellm's names of errors with status 400 that another answer format would not mend."""
+
+_FILTER = re.compile(
+    r"content[_ ]?policy|content[_ ]?filter|content management policy|responsible ?ai ?policy"
+    r"|(?:safety|moderation) (?:system|filter|policy)|data_inspection_failed",
+    re.IGNORECASE,
+)
+"""How providers call their content filter in an error."""
+
+
+class Filtered(Exception):
+    """A response says that a content filter withheld the answer; no caller sees it."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +82,8 @@ def diagnose(model: str, error: Exception, bounds: Bounds, key: str = "") -> Fai
     text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
     reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
     kind = _kind(status, text, error)
+    if isinstance(error, Filtered) or type(error).__name__ == "ContentPolicyViolationError":
+        kind = "filtered"
     if bounds.broken == "size":
         kind, reason = "erring", f"the response has more than {bounds.size:,} bytes"
     elif bounds.broken == "encoding":
@@ -75,17 +91,23 @@ def diagnose(model: str, error: Exception, bounds: Bounds, key: str = "") -> Fai
     elif bounds.broken == "silence":
         kind, reason = "unreachable", "the server accepts connections and says nothing"
     elif bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):
-        kind, reason = "unreachable", "the response did not end in time"
+        kind, reason = "late", "the response did not end in time"
+    elif bounds.broken == "closed":
+        reason = "the run was interrupted"
+    elif kind == "filtered":
+        reason = f"the provider's content filter declined it: {text}"
     is_unreadable = kind == "erring" and (status is None or status < 400)
     if is_unreadable and bounds.broken is None and not bounds.head.strip() and bounds.is_sent:
         reason = "the response is empty"
     return Failure(
         message=f"{model} gave no answer: {reason}",
         kind=kind,
-        retryable=kind in ("limit", "unreachable", "erring")
+        retryable=kind in ("limit", "late", "unreachable", "erring")
         and not isinstance(error, ImportError)
         and status not in (403, 404),
-        may_refuse_form=status in (400, 422) and type(error).__name__ not in _ABOUT_CONTENT,
+        may_refuse_form=status in (400, 422)
+        and kind == "item"
+        and type(error).__name__ not in _ABOUT_CONTENT,
         retry_after=retry_after(error),
         status=status,
         raw=redact(bounds.head.decode("utf-8", "replace"), [key])[:_RAW] if is_unreadable else "",
@@ -97,8 +119,12 @@ def _kind(status: int | None, text: str, error: Exception) -> Kind:
         return "denied"
     if status == 429:
         return "limit"
-    if status is None or status == 408:
+    if status == 408:
+        return "late"
+    if status is None:
         return "unreachable"
+    if status in (400, 403, 422, 451) and _FILTER.search(text):
+        return "filtered"
     if status in (403, 404, 409, 425) or status >= 500 or status < 400:
         return "erring"
     return "item"

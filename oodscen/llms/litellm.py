@@ -4,17 +4,25 @@ import base64
 import json
 import os
 import threading
-import time
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from ipaddress import ip_address
 from types import ModuleType
 from typing import Any
 from urllib.parse import urlsplit
 
-from oodscen.errors import LLMError, MissingExtra, ResponseError, UnknownComponent, UsageError
+from oodscen.errors import (
+    LateError,
+    LLMError,
+    MissingExtra,
+    RefusedError,
+    ResponseError,
+    UnknownComponent,
+    UsageError,
+)
 from oodscen.llms.bounds import Bounds, bounded
-from oodscen.llms.failures import Failure, diagnose
+from oodscen.llms.failures import Failure, Filtered, diagnose
 from oodscen.llms.redaction import redact, redact_keys
 from oodscen.llms.traffic import Price, Spent, Traffic
 from oodscen.messages import Image, Message
@@ -29,6 +37,9 @@ IMAGE_TOKENS = 1_500
 
 ALONE = 1_000
 """Requests at once of a model that is no part of a run: as many as its caller has threads."""
+
+LATE_RETRIES = 1
+"""Further tries after one that was not answered in time; what hangs once hangs again, as a rule."""
 
 _import_lock = threading.Lock()
 
@@ -46,14 +57,15 @@ class LiteLLM:
 
     Rate limits, timeouts, lost connections, server errors and responses that are none (empty, a web
     page, too large) are retried here and nowhere else, after the time the server names in `Retry-After`, or
-    1, 2, 4 ... seconds with jitter.
+    1, 2, 4 ... seconds with jitter; what is not answered in time is tried once more only.
 
     Args:
         model: Name as litellm spells it. With `api_base`, a name without a provider litellm knows is taken to
             be served by an OpenAI-compatible server.
         api_base: Address of the server, e.g. `http://localhost:8000/v1`.
         seed: Of the run.
-        timeout_s: Longest time for one try, from its beginning to the last byte.
+        timeout_s: Longest time for one try, from its beginning to the last byte; that of the traffic
+            if left out.
         temperature: Sampling temperature; `None` leaves it to the provider.
         max_tokens: Longest answer; `None` leaves it to the provider.
         retries: Further tries after the first.
@@ -62,7 +74,7 @@ class LiteLLM:
         traffic: Caps, prices and endpoints, shared by the models of a run; alone, nothing is capped and
             no endpoint is given up.
         options: Further arguments of `litellm.completion`, e.g. `{"reasoning_effort": "low"}`.
-        sleep: Waits the given seconds.
+        sleep: Waits the given seconds; until then or an interruption of the run if left out.
 
     Raises:
         MissingExtra: When litellm is not installed.
@@ -77,7 +89,7 @@ class LiteLLM:
         *,
         api_base: str | None = None,
         seed: int = 0,
-        timeout_s: float = 120.0,
+        timeout_s: float | None = None,
         temperature: float | None = None,
         max_tokens: int | None = None,
         retries: int = 5,
@@ -85,16 +97,16 @@ class LiteLLM:
         max_bytes: int = 10_000_000,
         traffic: Traffic | None = None,
         options: Mapping[str, Any] | None = None,
-        sleep: Callable[[float], None] = time.sleep,
+        sleep: Callable[[float], None] | None = None,
     ) -> None:
         self.name = model
         self.seed = seed
         self.retries = retries
         self.max_wait_s = max_wait_s
-        self.timeout_s = timeout_s
         self.max_bytes = max_bytes
         self.traffic = traffic or Traffic(concurrency=ALONE, patience_s=None)
-        self._sleep = sleep
+        self.timeout_s = self.traffic.timeout_s if timeout_s is None else timeout_s
+        self._sleep = sleep or self.traffic.sleep
         self._sdk = sdk = load_litellm()
         self._model, provider, address = _resolve(sdk, model, api_base)
         _permit(model, api_base, address)
@@ -106,7 +118,7 @@ class LiteLLM:
         self._refused: set[str] = set()
         self._arguments: dict[str, Any] = {
             "model": self._model,
-            "timeout": timeout_s,
+            "timeout": self.timeout_s,
             "temperature": temperature,
             "max_tokens": max_tokens,
             "max_retries": 0,
@@ -150,14 +162,16 @@ class LiteLLM:
                 continue
             wait = self._wait(outcome, tries, request)
             if wait is None:
-                self._endpoint.given_up(outcome)
-                self._endpoint.check()
+                self._endpoint.given_up(outcome, self.name)
+                self._endpoint.check(self.name)
                 raise self._error(outcome, requests)
             tries += 1
             self._sleep(wait)
 
     def _try(self, arguments: dict[str, Any], most: Spent) -> Completion | Failure:
-        with self._endpoint.slot() as begun:
+        self.traffic.check()
+        with self._endpoint.slot(self.name) as begun:
+            self.traffic.check()
             self.traffic.budget.reserve(most)
             used, answered = most, 0
             bounds = Bounds(
@@ -165,6 +179,7 @@ class LiteLLM:
                 self.max_bytes,
                 silence_s=self._endpoint.silence_s,
                 is_alive=lambda url: self._endpoint.is_alive(url, _responds),
+                is_closed=self.traffic.is_over,
             )
             try:
                 with bounded(bounds):
@@ -178,15 +193,28 @@ class LiteLLM:
                 failure = diagnose(self.name, error, bounds, key)
                 used = Spent(1) if failure.is_free else most
             else:
-                self._endpoint.succeeded()
+                self._endpoint.succeeded(self.name)
                 return completion
             finally:
                 self.traffic.budget.settle(most, used, answered)
-        self._endpoint.failed(failure, begun)
-        self._endpoint.check()
+        self.traffic.check()
+        if failure.kind == "late" and not self._is_there(bounds):
+            failure = replace(failure, kind="unreachable")
+        self._endpoint.failed(failure, begun, self.name)
+        self._endpoint.check(self.name)
         return failure
 
+    def _is_there(self, bounds: Bounds) -> bool:
+        """Whether a server whose answer is late responds to anything."""
+        if not bounds.is_sent or bounds.status is not None:
+            return True
+        return self._endpoint.is_alive(bounds.url, _responds)
+
     def _error(self, failure: Failure, requests: int) -> LLMError:
+        if failure.kind == "filtered":
+            return RefusedError(failure.message, model=self.name, requests=requests)
+        if failure.kind == "late":
+            return LateError(failure.message, model=self.name, retryable=True, requests=requests)
         if failure.is_no_response:
             return ResponseError(
                 failure.message,
@@ -215,6 +243,8 @@ class LiteLLM:
     def _completion(self, response: Any) -> Completion:
         message = response.choices[0].message
         text = message.content or getattr(message, "refusal", None) or ""
+        if not text and getattr(response.choices[0], "finish_reason", "") == "content_filter":
+            raise Filtered("the answer was withheld")
         usage = getattr(response, "usage", None)
         details = getattr(usage, "prompt_tokens_details", None)
         asked = getattr(usage, "prompt_tokens", None) or 0
@@ -246,7 +276,9 @@ class LiteLLM:
 
     def _wait(self, failure: Failure, tries: int, request: Request) -> float | None:
         """Return how long to wait before the next try; `None` to give up."""
-        if not failure.retryable or tries >= self.retries:
+        most = min(self.retries, LATE_RETRIES) if failure.kind == "late" else self.retries
+        most = 0 if self._endpoint.is_doubted(self.name) else most
+        if not failure.retryable or tries >= most:
             return None
         if failure.retry_after is not None:
             return failure.retry_after if failure.retry_after <= self.max_wait_s else None

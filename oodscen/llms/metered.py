@@ -45,6 +45,7 @@ class MeteredLLM:
         budget = self.traffic.budget
         asked = estimate_tokens(request)
         most = Spent(1, asked + budget.answer_tokens, self._cost(asked, budget.answer_tokens))
+        self.traffic.check()
         with self._endpoint.slot():
             budget.reserve(most)
             used, answered = most, 0

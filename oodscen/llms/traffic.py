@@ -3,6 +3,7 @@
 import math
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import ClassVar, NamedTuple
@@ -10,18 +11,27 @@ from typing import ClassVar, NamedTuple
 from pydantic import Field
 
 from oodscen._data import Data
-from oodscen.errors import BudgetExceeded, EndpointDown
+from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped
 from oodscen.llms.failures import Failure
 
 CONCURRENCY = 8
 """How many requests to one endpoint may be under way, unless told otherwise."""
 
+TIMEOUT_S = 120.0
+"""Longest time for one try, from its beginning to the last byte."""
+
 PATIENCE_S = 40.0
-"""How long an endpoint may give no response to anybody before the run ends; a server that is slow but
+"""How long an endpoint may give no response to anybody before it is given up; a server that is slow but
 responds to other requests is waited for."""
 
 STRIKES = 5
-"""How many calls in a row may be given up before the run ends."""
+"""How many calls of one model in a row may be given up before the model is."""
+
+JUDGING = 4.0
+"""Leniency with models that are judged: an item that fails says little about the next one."""
+
+GRACE_S = 4.0
+"""How long requests that are under way may still take once a run is interrupted."""
 
 ANSWER_TOKENS = 4_096
 """Answer that a call is expected to cost at most, where `max_tokens` does not say it."""
@@ -115,12 +125,17 @@ class Budget:
 
 
 class Endpoint:
-    """One server: how many requests it gets at once, and whether it is still worth asking.
+    """One server: how many requests it gets at once, and whether it and its models are worth asking.
 
     The number at once is halved when it says that there are too many, and grows by one with as many
-    answers as are allowed at once, so it follows the rate that the server grants. The circuit opens for good when no
-    request at all got a response for `patience_s`, when `strikes` calls in a row were given up, or when a key is
-    refused; every further request raises `EndpointDown`. With `patience_s=None` it never opens.
+    answers as are allowed at once, so it follows the rate that the server grants. It is given up for good when no
+    request at all got a response for `patience_s`. One of its models is given up when `strikes` of its
+    calls in a row were, or when a key is refused. Every further request then raises `EndpointDown`. With
+    `patience_s=None` nothing is given up.
+
+    `leniency` multiplies the strikes for failures that may be the item's own (server errors, time that is
+    up). Beyond 1, a model that has used up its plain strikes is in doubt: it gets one try per
+    call, until an answer clears it.
     """
 
     def __init__(
@@ -130,6 +145,7 @@ class Endpoint:
         concurrency: int = CONCURRENCY,
         patience_s: float | None = PATIENCE_S,
         strikes: int = STRIKES,
+        leniency: float = 1.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.name = name
@@ -138,31 +154,36 @@ class Endpoint:
         """How many may be under way at present."""
         self.patience_s = patience_s
         self.strikes = strikes
+        self.leniency = leniency
         self.silence_s = math.inf if patience_s is None else 0.75 * patience_s
         """After how long without a byte it is worth looking whether the server is still there."""
         self._clock = clock
         self._running = 0
-        self._given_up = 0
+        self._given_up: dict[str, Counter[str]] = {}
+        self._heard = -math.inf
         self._silent_since: float | None = None
         self._narrowed_at = -1.0
         self._not_before = 0.0
-        self._down: EndpointDown | None = None
+        self._down: dict[str | None, EndpointDown] = {}
         self._free = threading.Condition()
         self._looking = threading.Lock()
         self._looked: tuple[float, bool] | None = None
 
     @contextmanager
-    def slot(self) -> Iterator[float]:
+    def slot(self, model: str = "") -> Iterator[float]:
         """Wait for a free place and yield the time at which it was taken.
 
+        Args:
+            model: Who is asked there; each of them is given up for itself.
+
         Raises:
-            EndpointDown: When the circuit is open.
+            EndpointDown: When server or model is given up.
         """
         with self._free:
             self._free.wait_for(
-                lambda: self._down is not None or self._running < max(1, int(self.window))
+                lambda: self._fault(model) is not None or self._running < max(1, int(self.window))
             )
-            self.check()
+            self.check(model)
             self._running += 1
         try:
             yield self._clock()
@@ -171,10 +192,15 @@ class Endpoint:
                 self._running -= 1
                 self._free.notify_all()
 
-    def check(self) -> None:
-        """Raise `EndpointDown` when the circuit is open."""
-        if self._down is not None:
-            raise EndpointDown(self._down.endpoint, self._down.reason)
+    def check(self, model: str = "") -> None:
+        """Raise `EndpointDown` when the server or this model of it is given up."""
+        if (fault := self._fault(model)) is not None:
+            raise EndpointDown(fault.endpoint, fault.reason)
+
+    def is_doubted(self, model: str = "") -> bool:
+        """Whether a model has failed so often in a row that a call gets one try only."""
+        failed = self._given_up.get(model)
+        return self.leniency > 1 and failed is not None and failed.total() >= self.strikes
 
     def pause(self) -> float:
         """Return how long nobody should ask, since the server said so."""
@@ -196,24 +222,25 @@ class Endpoint:
                 self._looked = (self._clock(), found)
             return self._looked[1]
 
-    def succeeded(self) -> None:
+    def succeeded(self, model: str = "") -> None:
         """Take note of an answer."""
         with self._free:
-            self._given_up = 0
-            self._silent_since = None
+            self._given_up.pop(model, None)
+            self._hear()
             self.window = min(float(self.concurrency), self.window + 1.0 / self.window)
             self._free.notify_all()
 
-    def failed(self, failure: Failure, begun: float) -> None:
+    def failed(self, failure: Failure, begun: float, model: str = "") -> None:
         """Take note of a try that failed.
 
         Args:
             failure: What went wrong.
             begun: When its place was taken.
+            model: Who was asked.
         """
         with self._free:
             if failure.kind != "unreachable":
-                self._silent_since = None
+                self._hear()
             if failure.kind == "limit":
                 self._not_before = max(
                     self._not_before, self._clock() + (failure.retry_after or 0.0)
@@ -222,26 +249,51 @@ class Endpoint:
                     self.window = max(1.0, self.window / 2.0)
                     self._narrowed_at = self._clock()
             elif failure.kind == "denied":
-                self._open(failure.message)
+                self._give_up(model, failure.message)
             elif failure.kind == "unreachable":
-                since = begun if self._silent_since is None else self._silent_since
+                since = (
+                    max(begun, self._heard) if self._silent_since is None else self._silent_since
+                )
                 self._silent_since = since
                 if self.patience_s is not None and self._clock() - since >= self.patience_s:
-                    self._open(f"no response for {self._clock() - since:.0f} s; {failure.message}")
+                    silence = self._clock() - since
+                    self._give_up(None, f"no response for {silence:.0f} s; {failure.message}")
 
-    def given_up(self, failure: Failure) -> None:
+    def given_up(self, failure: Failure, model: str = "") -> None:
         """Take note of a call that will not be tried again."""
         with self._free:
-            if failure.kind in ("unreachable", "erring", "limit"):
-                self._given_up += 1
-                if self._given_up >= self.strikes:
-                    self._open(f"{self._given_up} calls in a row failed; {failure.message}")
+            if failure.kind in _LENIENCY:
+                counts = self._given_up.setdefault(model, Counter())
+                counts[failure.kind] += 1
+                weights = {
+                    kind: max(1.0, min(self.leniency, most)) for kind, most in _LENIENCY.items()
+                }
+                if sum(counts[kind] / weights[kind] for kind in counts) >= self.strikes:
+                    count = counts.total()
+                    self._give_up(model, f"{count} calls in a row failed; {failure.message}")
 
-    def _open(self, reason: str) -> None:
+    def _hear(self) -> None:
+        self._heard = self._clock()
+        self._silent_since = None
+
+    def _fault(self, model: str) -> EndpointDown | None:
+        return self._down.get(None) or self._down.get(model)
+
+    def _give_up(self, model: str | None, reason: str) -> None:
         if self.patience_s is None:
             return
-        self._down = self._down or EndpointDown(self.name, reason)
+        name = f"{model} at {self.name}" if model else self.name
+        self._down.setdefault(model, EndpointDown(name, reason))
         self._free.notify_all()
+
+
+_LENIENCY: Mapping[str, float] = {
+    "limit": 1.0,
+    "unreachable": 2.0,
+    "erring": math.inf,
+    "late": math.inf,
+}
+"""Failures that count against a model, and how far leniency goes with them."""
 
 
 class Traffic:
@@ -253,6 +305,7 @@ class Traffic:
         concurrency: Requests to one endpoint at once, at most.
         patience_s: As for `Endpoint`.
         strikes: As for `Endpoint`.
+        timeout_s: Longest time for one try, of models that have none of their own.
         clock: Monotonic seconds.
     """
 
@@ -264,12 +317,17 @@ class Traffic:
         concurrency: int = CONCURRENCY,
         patience_s: float | None = PATIENCE_S,
         strikes: int = STRIKES,
+        timeout_s: float = TIMEOUT_S,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        self.timeout_s = timeout_s
         self.budget = Budget(caps, clock=clock)
         self.prices = dict(prices or {})
         self.concurrency = concurrency
         self._settings = (patience_s, strikes, clock)
+        self._leniency = 1.0
+        self._closed = threading.Event()
+        self._closed_at = math.inf
         self._endpoints: dict[str, Endpoint] = {}
         self._lock = threading.Lock()
 
@@ -283,6 +341,47 @@ class Traffic:
                     concurrency=self.concurrency,
                     patience_s=patience_s,
                     strikes=strikes,
+                    leniency=self._leniency,
                     clock=clock,
                 )
             return self._endpoints[name]
+
+    @contextmanager
+    def lenient(self, leniency: float) -> Iterator[None]:
+        """Treat failures as the items' own for a while: see `Endpoint`."""
+        before = self._leniency
+        self._set_leniency(leniency)
+        try:
+            yield
+        finally:
+            self._set_leniency(before)
+
+    def close(self) -> None:
+        """Begin no further request, wait for nothing, and leave what is under way after `GRACE_S`."""
+        with self._lock:
+            self._closed_at = min(self._closed_at, self._settings[2]())
+        self._closed.set()
+
+    def reopen(self) -> None:
+        """Allow requests again."""
+        self._closed_at = math.inf
+        self._closed.clear()
+
+    def check(self) -> None:
+        """Raise `RunStopped` when nobody waits for answers any more."""
+        if self._closed.is_set():
+            raise RunStopped("the run was interrupted; the same command continues it")
+
+    def is_over(self) -> bool:
+        """Whether requests that are under way are left."""
+        return self._settings[2]() - self._closed_at >= GRACE_S
+
+    def sleep(self, seconds: float) -> None:
+        """Wait, but not beyond an interruption."""
+        self._closed.wait(seconds)
+
+    def _set_leniency(self, leniency: float) -> None:
+        with self._lock:
+            self._leniency = leniency
+            for endpoint in self._endpoints.values():
+                endpoint.leniency = leniency

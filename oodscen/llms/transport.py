@@ -122,10 +122,13 @@ class _Stream(httpcore.NetworkStream):
             if left <= 0:
                 raise httpcore.ReadTimeout(_TOO_LONG)
             try:
-                return self._inner.read(max_bytes, min(left, bounds.silence_s))
+                data = self._inner.read(max_bytes, min(left, bounds.pace_s))
             except httpcore.ReadTimeout:
-                if left > bounds.silence_s and not bounds.endure():
+                if left > bounds.pace_s and not bounds.endure():
                     raise
+            else:
+                bounds.heard()
+                return data
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
         self._inner.write(buffer, _left(timeout))

@@ -32,6 +32,7 @@ _ENDINGS = {
     "unparsed": "not understood",
     "unavailable": "chose a lane that is not there",
     "timeout": "not in time",
+    "unasked": "not asked",
     "error": "failed",
 }
 """Outcomes of judging in words, with a count before them."""

@@ -3,12 +3,13 @@
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
 from oodscen._data import Data
 from oodscen.encoders import CachedEncoder
+from oodscen.errors import StudyError
 from oodscen.llms.accounting import Ledger
 from oodscen.llms.redaction import redact
 from oodscen.llms.traffic import Traffic
@@ -97,6 +98,8 @@ class Context:
     ) -> list[dict[str, Any]]:
         """Append one line per item that has none yet; leave the file in the items' order.
 
+        Where the work is interrupted, items that were to be done again and are not keep their old line.
+
         Args:
             stage: Named in the progress.
             file: One line per item, with its `id`.
@@ -106,16 +109,23 @@ class Context:
         Returns:
             The lines of all items, in their order.
         """
-        lines = [line for line in self.store.lines(file) if not self.is_again(line)]
-        done = {line["id"]: line for line in lines if line["id"] in items}
+        before = {line["id"]: line for line in self.store.lines(file) if line["id"] in items}
+        done = {name: line for name, line in before.items() if not self.is_again(line)}
         if len(done) < len(items):
             self.store.write_lines(file, done.values())
-        self.progress(stage, len(done), len(items))
-        for result in work({name: item for name, item in items.items() if name not in done}):
-            row = result.model_dump(mode="json") if isinstance(result, Data) else dict(result)
-            self.store.append(file, row)
-            done[row["id"]] = row
+        try:
             self.progress(stage, len(done), len(items))
+            for result in work({name: item for name, item in items.items() if name not in done}):
+                row = result.model_dump(mode="json") if isinstance(result, Data) else dict(result)
+                self.store.append(file, row)
+                done[row["id"]] = row
+                self.progress(stage, len(done), len(items))
+        except BaseException:
+            if not before.keys() <= done.keys():
+                kept = before | done
+                with suppress(StudyError):
+                    self.store.write_lines(file, [kept[name] for name in items if name in kept])
+            raise
         rows = [done[name] for name in items]
         self.store.write_lines(file, rows)
         return rows

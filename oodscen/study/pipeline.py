@@ -37,7 +37,7 @@ class Texts(NamedTuple):
     """Of the diverse tree, by size."""
 
 
-_LASTING = ("counts", "failures", "usage", "seconds")
+_LASTING = ("counts", "failures", "usage")
 """Parts of `study.json` that a run which is not finished leaves as they were."""
 
 

@@ -1,0 +1,38 @@
+"""A model that is given up costs the items that need it, and does not end the run."""
+
+from typing import Any
+
+from oodscen.errors import EndpointDown, NotAskedError
+from oodscen.protocols import LLM, Completion, Request
+
+
+class ContainedLLM:
+    """Fails the question instead of the run where another model is given up.
+
+    Args:
+        llm: Who answers; its other attributes are reachable through this object.
+    """
+
+    def __init__(self, llm: LLM) -> None:
+        self.name = llm.name
+        self._llm = llm
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._llm, name)
+
+    def complete(self, request: Request) -> Completion:
+        """Pass the request on.
+
+        Raises:
+            NotAskedError: When the model is given up.
+            LLMError: When it gives no answer.
+            BudgetExceeded: When a cap is reached.
+        """
+        try:
+            return self._llm.complete(request)
+        except EndpointDown as error:
+            raise NotAskedError(
+                f"{error.endpoint} is given up: {error.reason}", model=self.name
+            ) from error
