@@ -8,7 +8,15 @@ from pydantic import BaseModel
 
 from oodscen.ask import ask
 from oodscen.episode import ACTIONS, MOMENTS, Episode
-from oodscen.errors import AnswerError, Issue, LLMError, OodscenError
+from oodscen.errors import (
+    AnswerError,
+    Issue,
+    LateError,
+    LLMError,
+    NotAskedError,
+    OodscenError,
+    RefusedError,
+)
 from oodscen.judging.answers import (
     TWO_ANSWERS,
     Reading,
@@ -20,6 +28,7 @@ from oodscen.judging.answers import (
     read_description,
 )
 from oodscen.judging.matching import names_aspect
+from oodscen.judging.opinions import is_open, opinion, rescored
 from oodscen.judging.references import AspectOption, Case, Reference, is_reference
 from oodscen.messages import Image
 from oodscen.prompts import (
@@ -30,7 +39,6 @@ from oodscen.prompts import (
     ChosenAspect,
     DescribeFrame,
     FrameDescription,
-    JudgeAspect,
     NameAspect,
     OodAspect,
     Prompt,
@@ -110,12 +118,13 @@ def evaluate(
         leaf: Id of that leaf.
         options: Of the closed question; it is left out without any, and in the paper's protocol.
         protocol: `paper` asks as the paper did: no closed question, collisions only.
-        judge: Decides whether an open aspect is right, instead of the documented matcher.
+        judge: Decides whether an open aspect is right, a reference's too, instead of the documented
+            matcher; where it gives no usable answer, the matcher decides and `judge_error` says why.
     """
     if protocol == "paper":
         options = ()
     if is_reference(vlm) and isinstance(vlm, Reference):
-        return _judged_directly(episode, vlm, path, leaf, options, protocol)
+        return _judged_directly(episode, vlm, path, leaf, options, protocol, judge)
     asked = _Asked(vlm)
     images = tuple(frames[moment] for moment in MOMENTS)
     fields: dict[str, Any] = {}
@@ -209,7 +218,7 @@ class _Asked:
 
         try:
             return ask(self.llm, prompt, read=fallback, doubt=doubt)
-        except AnswerError as error:
+        except (AnswerError, RefusedError) as error:
             self.failures.append(error)
             return None
 
@@ -278,6 +287,7 @@ def _judged_directly(
     leaf: str,
     options: Sequence[AspectOption],
     protocol: Protocol,
+    judge: LLM | None,
 ) -> Verdict:
     said = reference.judge(Case(episode, path, leaf, options, episode.frames))
     fields = {
@@ -287,7 +297,7 @@ def _judged_directly(
         "choice": said.choice if options else None,
         "action": said.action,
     }
-    return _scored(episode, reference, path, leaf, fields, protocol, [], None, bool(options))
+    return _scored(episode, reference, path, leaf, fields, protocol, [], judge, bool(options))
 
 
 def _scored(
@@ -304,7 +314,7 @@ def _scored(
     """Compare what was said with the truth."""
     is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
     if is_ood is not None and not episode.is_twin:
-        fields["aspect_is_right"], fields["judge"] = _names(fields["aspect"], is_ood, path, judge)
+        fields["aspect_is_right"] = is_ood and names_aspect(fields["aspect"], path)
     if choice is not None or is_closed_asked:
         fields["choice_is_right"] = choice == (NOTHING if episode.is_twin else leaf)
     outcome = episode.actions.get(action) if action else None
@@ -316,7 +326,7 @@ def _scored(
     ended: Outcome = _outcome(error)
     if error is None and outcome is not None and outcome.unavailable:
         ended = "unavailable"
-    return Verdict(
+    verdict = Verdict(
         id=verdict_id(episode.scene_id, model.name, protocol),
         scene_id=episode.scene_id,
         model=model.name,
@@ -330,17 +340,10 @@ def _scored(
         is_twin=episode.is_twin,
         **fields,
     )
-
-
-def _names(aspect: str, is_ood: bool, path: Sequence[str], judge: LLM | None) -> tuple[bool, str]:
-    """Return whether an aspect is right, and who says so where it is a model."""
-    if judge is None or not is_ood or not aspect.strip():
-        return is_ood and names_aspect(aspect, path), ""
-    try:
-        answer = ask(judge, JudgeAspect(aspect=aspect, path=tuple(path[1:]) or tuple(path)))
-    except LLMError:
-        return names_aspect(aspect, path), ""
-    return answer.is_same, f"{judge.name}@{JudgeAspect.version()}"
+    if judge is None or not is_open(verdict):
+        return verdict
+    found = opinion(judge, verdict.aspect, path)
+    return rescored(verdict, path, {found.id: found}, found.judge)
 
 
 def _outcome(error: OodscenError | None) -> Outcome:
@@ -348,9 +351,13 @@ def _outcome(error: OodscenError | None) -> Outcome:
         return "answered"
     if isinstance(error, AnswerError):
         return "refused" if is_refusal(error.raw) else "unparsed"
+    if isinstance(error, RefusedError):
+        return "refused"
+    if isinstance(error, NotAskedError):
+        return "unasked"
     words = str(error).casefold()
-    is_late = isinstance(error, TimeoutError) or any(
-        word in words for word in ("timeout", "timed out", "time is up", "deadline")
+    is_late = isinstance(error, LateError) or any(
+        word in words for word in ("timeout", "timed out", "time is up", "in time", "deadline")
     )
     return "timeout" if is_late else "error"
 

@@ -6,10 +6,11 @@ from pydantic import Field
 
 from oodscen._data import Data
 
-Outcome = Literal["answered", "refused", "unparsed", "unavailable", "timeout", "error"]
-"""How judging one item ended: `answered` every question; `refused` to answer one; one answer was
-`unparsed`; chose an action that is `unavailable` at this place; no answer in time (`timeout`); any
-other failure of the model, the simulator or the files (`error`)."""
+Outcome = Literal["answered", "refused", "unparsed", "unavailable", "timeout", "unasked", "error"]
+"""How judging one item ended: `answered` every question; `refused` to answer one, or its provider's
+content filter did; one answer was `unparsed`; chose an action that is `unavailable` at this place; no answer
+in time (`timeout`); `unasked`, at least to the end, since the model was given up; any other failure of
+the model, the simulator or the files (`error`)."""
 
 NOTHING = "none"
 """The choice of the closed question that says that nothing is out of the ordinary."""
@@ -79,6 +80,8 @@ class Verdict(Data):
     """Whether it was made with other prompt versions than those of the run that last kept it."""
     judge: str = ""
     """Who scored the open aspect: `<model>@<prompt version>`, empty for the documented matcher."""
+    judge_error: str = ""
+    """Why the judge gave no usable answer about the aspect, so that the matcher decided; empty where it did."""
 
     @property
     def p_ood(self) -> float | None:

@@ -27,6 +27,8 @@ class Rate(Data):
     """Items without an answer: refused, not understood, timed out, failed."""
     value: float | None = None
     """In [0, 1]; `None` where n is 0."""
+    worst: float | None = None
+    """The share with every missing answer counted as wrong; `None` where nothing was asked."""
     interval: Bounds | None = None
     paths: int = 0
     """Over how many paths the items spread."""
@@ -53,6 +55,8 @@ class Detection(Data):
     """Twins that were not."""
     balanced_accuracy: Figure = Figure()
     """Mean of both: 0.5 for whoever always says the same."""
+    worst: Figure = Figure()
+    """Balanced accuracy with every missing answer counted as wrong."""
     auroc: Figure = Figure()
     """How often a scene is rated above a twin, by the stated confidence; 0.5 is chance."""
     d_prime: Figure = Figure()
@@ -68,8 +72,14 @@ class Identification(Data):
 
     open: Rate = Rate()
     """In own words, scored by the matcher or a judge."""
+    open_shown: Rate = Rate()
+    """`open` under the paper's protocol, of the scenes whose frames show the hazard."""
     closed: Rate = Rate()
     """One of the listed leaves."""
+    judged: int = 0
+    """Open aspects that a judge model scored."""
+    unjudged: int = 0
+    """Open aspects about which it gave no usable answer, so that the matcher scored them."""
 
 
 class Control(Data):
@@ -90,7 +100,8 @@ class Control(Data):
     twin_safe: Rate = Rate()
     """Of the ordinary twins: a safe action was chosen."""
     needless: Rate = Rate()
-    """Of the twins in which keeping the speed is safe: it braked hard, stopped or pulled over."""
+    """Of the twins in which keeping the speed is safe with enough margin
+    (`oodscen.judging.safety.has_enough_margin`): it braked hard, stopped or pulled over."""
 
 
 class Group(Data):
@@ -162,6 +173,12 @@ class Comparison(Data):
     """McNemar's mid-p after Holm, over the comparisons of this task and kind."""
     p_clustered_holm: float
     """The path-clustered permutation's p after Holm: the one to quote."""
+    missing: int = 0
+    """Items that the first was asked about and did not answer: against the floor only."""
+    worst_difference: float | None = None
+    """The difference with those counted as wrong; `None` between models."""
+    p_worst_holm: float | None = None
+    """`p_clustered_holm` with those counted as wrong."""
 
 
 class ActionTally(Data):
@@ -193,6 +210,12 @@ class Leaderboard(Data):
     """How often a random action is safe, over all scenes that ran."""
     icc: float | None = None
     """Largest correlation of safe choices within a path, over the models (references without any)."""
+    judge: str = ""
+    """Who scored the open aspects, `<model>@<prompt version>`; empty for the matcher."""
+    whole: int = 0
+    """Scenes whose whole trace was shown under the paper's protocol."""
+    whole_shown: int = 0
+    """Those in which the hazard can be seen in one of the three frames."""
     actions: tuple[ActionTally, ...] = ()
     standings: tuple[Standing, ...] = ()
     """Models first, then references, each by safe action."""
@@ -232,3 +255,27 @@ def score(row: Standing, task: Task) -> float | None:
         "control": row.control.safe,
     }
     return rates[task].value
+
+
+def worst_score(row: Standing, task: Task) -> float | None:
+    """Return the figure by which a task is judged, every missing answer counted as wrong."""
+    if task == "detection":
+        return row.detection.worst.value
+    rates = {
+        "open": row.identification.open,
+        "closed": row.identification.closed,
+        "control": row.control.safe,
+    }
+    return rates[task].worst
+
+
+def missing_share(row: Standing, task: Task) -> float:
+    """Return the share of the items of a task that were asked about and not answered."""
+    rates = {
+        "detection": (row.detection.sensitivity, row.detection.specificity),
+        "open": (row.identification.open,),
+        "closed": (row.identification.closed,),
+        "control": (row.control.safe,),
+    }[task]
+    asked = sum(rate.n + rate.missing for rate in rates)
+    return sum(rate.missing for rate in rates) / asked if asked else 0.0

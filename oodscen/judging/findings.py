@@ -4,14 +4,17 @@ from collections.abc import Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
+from oodscen.judging.board import missing_share, worst_score
 from oodscen.judging.leaderboard import Comparison, Figure, Leaderboard, Rate, Standing, Task, score
 
 ALPHA = 0.05
+MOST_MISSING = 0.2
+"""With a larger share of the items unanswered a model is not recommended in a task, nor called the best."""
 _GAP = "\N{NO-BREAK SPACE}"
 _TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 """A dash at which no line is broken."""
 
-Grade = Literal["yes", "no", "unclear", "unknown"]
+Grade = Literal["yes", "no", "unclear", "unknown", "incomplete"]
 
 
 class Finding(Data):
@@ -22,7 +25,8 @@ class Finding(Data):
     model: str
     task: Literal["notice", "name", "act"]
     grade: Grade
-    """`yes`: shown to be better; `no`: shown not to be; `unclear`: not shown; `unknown`: not measured."""
+    """`yes`: shown to be better; `no`: shown not to be; `unclear`: not shown, or not with the missing answers
+    counted as wrong; `unknown`: not measured; `incomplete`: more than `MOST_MISSING` was left unanswered."""
     text: str
 
 
@@ -32,7 +36,7 @@ def findings(board: Leaderboard) -> list[Finding]:
         finding
         for row in board.standings
         if row.kind == "model" and row.protocol == "ours"
-        for finding in (_notices(row), _names(board, row), _acts(board, row))
+        for finding in (_notices(board, row), _names(board, row), _acts(board, row))
     ]
 
 
@@ -91,23 +95,42 @@ _AIMS: dict[Task, str] = {
 
 def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
     """Say whether the best model in a task can be trusted with it, and whether it leads."""
+    scored = [row for row in models if score(row, task) is not None]
+    silent = [row for row in scored if missing_share(row, task) > MOST_MISSING]
     ranked = sorted(
-        (row for row in models if score(row, task) is not None),
-        key=lambda row: -(score(row, task) or 0.0),
+        (row for row in scored if row not in silent),
+        key=lambda row: -(worst_score(row, task) or 0.0),
+    )
+    left = "".join(
+        f" {row.model} left {percent(missing_share(row, task))} unanswered and is not ranked."
+        for row in silent
     )
     if not ranked:
-        return ""
+        return (
+            f"{_AIMS[task]}, no model gave enough answers to be recommended.{left}" if left else ""
+        )
     best = ranked[0]
-    balanced = best.detection.balanced_accuracy
-    grade = _against(balanced, 0.5) if task == "detection" else _floor_grade(board, best, task)
+    grade = (
+        _detection_grade(board, best) if task == "detection" else _floor_grade(board, best, task)
+    )
     aim = _AIMS[task]
     verdict = {
         "yes": f"{aim}, trust {best.model}",
         "unclear": f"{aim}, no model is shown to be better than not looking; the best is {best.model}",
         "no": f"{aim}, trust none: even the best, {best.model}, is worse than not looking",
         "unknown": f"{aim}, the best is {best.model}",
+        "incomplete": "",
     }[grade]
-    return f"{verdict}. {_score(board, best, task)}{_lead(board, best, task)}"
+    text = f"{verdict}. {_score(board, best, task)}{_at_worst(best, task)}"
+    return f"{text}{_lead(board, best, task)}{left}"
+
+
+def _at_worst(row: Standing, task: Task) -> str:
+    """Say what a score would be if every missing answer were wrong."""
+    worst = worst_score(row, task)
+    if not missing_share(row, task) or worst is None:
+        return ""
+    return f" It would be {percent(worst)} if its unanswered ones were wrong."
 
 
 def _score(board: Leaderboard, row: Standing, task: Task) -> str:
@@ -164,7 +187,7 @@ def _unfinished(board: Leaderboard, row: Standing) -> str:
     return f"{row.model} {' and '.join(parts)}." if parts else ""
 
 
-def _notices(row: Standing) -> Finding:
+def _notices(board: Leaderboard, row: Standing) -> Finding:
     seen, quiet, balanced = (
         row.detection.sensitivity,
         row.detection.specificity,
@@ -183,7 +206,10 @@ def _notices(row: Standing) -> Finding:
     alarms = 1 - (quiet.value or 0.0)
     text += f", and {percent(alarms)} of their ordinary twins as well."
     return Finding(
-        model=row.model, task="notice", grade=_against(balanced, 0.5), text=f"{text}{_silent(seen)}"
+        model=row.model,
+        task="notice",
+        grade=_detection_grade(board, row),
+        text=f"{text}{_silent_in_detection(row)}",
     )
 
 
@@ -235,7 +261,9 @@ def _acts(board: Leaderboard, row: Standing) -> Finding:
 
 
 def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
-    """Grade a model by its comparison with the best reference."""
+    """Grade a model by its comparison with the best reference, also with its missing answers as wrong."""
+    if missing_share(row, task) > MOST_MISSING:
+        return "incomplete"
     found = next(
         (
             c
@@ -248,7 +276,26 @@ def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
         return "unknown"
     if not is_shown(found):
         return "unclear"
-    return "yes" if found.test.difference > 0 else "no"
+    if found.test.difference <= 0:
+        return "no"
+    is_ahead = found.worst_difference is None or found.worst_difference > 0
+    is_shown_at_worst = found.p_worst_holm is None or found.p_worst_holm < ALPHA
+    return "yes" if is_ahead and is_shown_at_worst else "unclear"
+
+
+def _detection_grade(board: Leaderboard, row: Standing) -> Grade:
+    """Grade a model by its balanced accuracy, which guessing would bring to one half.
+
+    Where that has no interval (few paths, or the same everywhere), by the comparison with the best reference.
+    """
+    if missing_share(row, "detection") > MOST_MISSING:
+        return "incomplete"
+    if row.detection.balanced_accuracy.interval is None:
+        return _floor_grade(board, row, "detection")
+    grade = _against(row.detection.balanced_accuracy, 0.5)
+    if grade == "yes" and missing_share(row, "detection"):
+        return "yes" if _against(row.detection.worst, 0.5) == "yes" else "unclear"
+    return grade
 
 
 def _against(value: Figure, chance: float) -> Grade:
@@ -268,8 +315,19 @@ def _unanswered(rate: Rate) -> str:
 def _silent(rate: Rate) -> str:
     if not rate.missing:
         return ""
-    worst = rate.hits / (rate.n + rate.missing)
-    return f" No usable answer for {rate.missing} more; {percent(worst)} if these count as wrong."
+    return (
+        f" No usable answer for {rate.missing} more; {percent(rate.worst)} if these count as wrong."
+    )
+
+
+def _silent_in_detection(row: Standing) -> str:
+    missing = row.detection.sensitivity.missing + row.detection.specificity.missing
+    if not missing:
+        return ""
+    return (
+        f" No usable answer for {missing} more scenes and twins; it tells both apart in "
+        f"{percent(row.detection.worst.value)} if these count as wrong."
+    )
 
 
 def _without_models(board: Leaderboard) -> list[str]:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.episode import ACTIONS, Episode
+from oodscen.judging.opinions import is_open
+from oodscen.judging.safety import has_enough_margin
 from oodscen.scenario import Scenario
 from oodscen.twins import scene_of
 from oodscen.verdict import Verdict
@@ -41,6 +43,7 @@ class Items:
     chance: Floats
     """[n] chance that a random one of all actions on offer is safe; 0 without any."""
     keeping_is_safe: Mask
+    """Items in which keeping the speed is safe with enough margin."""
 
     @classmethod
     def of(cls, episodes: Sequence[Episode], scenarios: Iterable[Scenario]) -> Self:
@@ -73,7 +76,8 @@ class Items:
             chance=np.divide(safe, offered, out=np.zeros_like(safe), where=offered > 0),
             keeping_is_safe=np.array(
                 [
-                    "keep_speed" in episode.actions and episode.actions["keep_speed"].safe
+                    "keep_speed" in episode.actions
+                    and has_enough_margin(episode.actions["keep_speed"])
                     for episode in ran
                 ],
                 np.bool_,
@@ -127,6 +131,8 @@ class Sheet:
     success: Floats
     cautious: Floats
     """1 where the action was one of `CAUTIOUS`."""
+    scorer: Sequence[str | None]
+    """[n] who scored the open aspect, empty for the matcher; `None` where there was none to score."""
 
     @classmethod
     def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
@@ -134,11 +140,13 @@ class Sheet:
         n = len(items.episodes)
         columns = np.full((7, n), np.nan)
         asked, stated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        scorer: list[str | None] = [None] * n
         for verdict in verdicts:
             row = items.index.get(verdict.scene_id)
             if row is None:
                 continue
             asked[row] = True
+            scorer[row] = verdict.judge if is_open(verdict) else None
             stated[row] = verdict.is_ood is not None and verdict.confidence is not None
             action = verdict.action
             columns[:, row] = [
@@ -154,7 +162,7 @@ class Sheet:
                 )
             ]
         called, p_ood, named, chosen, safe, success, cautious = columns
-        return cls(asked, called, p_ood, stated, named, chosen, safe, success, cautious)
+        return cls(asked, called, p_ood, stated, named, chosen, safe, success, cautious, scorer)
 
     def right(self, task: str, items: Items) -> Floats:
         """Return 1 where the answer in a task is right, 0 where it is wrong."""
@@ -162,6 +170,16 @@ class Sheet:
             return np.where(items.is_scene, self.called, 1.0 - self.called)
         values: Floats = {"open": self.open, "closed": self.closed, "control": self.safe}[task]
         return np.where(items.is_scene, values, np.nan)
+
+    def unanswered(self, task: str, items: Items) -> Mask:
+        """[n] Tell where it was asked in a task and gave no answer."""
+        mask = np.ones_like(items.is_scene) if task == "detection" else items.is_scene
+        return mask & self.was_asked & ~np.isfinite(self.right(task, items))
+
+    def scored_unlike(self, other: Self) -> Mask:
+        """[n] Tell where both have an open aspect, and it was not the same who scored it."""
+        pairs = zip(self.scorer, other.scorer, strict=True)
+        return np.array([None not in (a, b) and a != b for a, b in pairs], np.bool_)
 
 
 @dataclass(frozen=True, eq=False)

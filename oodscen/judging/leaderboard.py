@@ -58,18 +58,21 @@ def leaderboard(
     episodes: Iterable[Episode],
     scenarios: Iterable[Scenario],
     *,
+    whole: Iterable[Episode] = (),
     seed: int = 0,
 ) -> Leaderboard:
     """Work out what verdicts come to.
 
     Intervals resample whole paths (`oodscen.judging.statistics.share_bounds`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer is
-    counted as missing, never as wrong.
+    counted as missing, never as wrong; what it would come to if all of them were wrong stands beside
+    (`Rate.worst`). Open aspects that different judges scored are not compared.
 
     Args:
         verdicts: Of any models, on scenes and twins; failed ones included.
         episodes: Of the scenes and twins; they say which actions are safe.
         scenarios: They say which path a scene belongs to.
+        whole: Episodes of the paper's protocol; they say in which of its frames the hazard is seen.
         seed: Of the resampling.
     """
     items = Items.of(list(episodes), list(scenarios))
@@ -79,8 +82,11 @@ def leaderboard(
         grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
     sheets = [Sheet.of(items, rows) for rows in grouped.values()]
     groups = _groups(items)
+    ran = [episode for episode in whole if episode.status == "ok"]
+    seen = {episode.scene_id for episode in ran if episode.hazard_visible}
+    shown = np.array([episode.scene_id in seen for episode in items.episodes], np.bool_)
     rows = [
-        _standing(items, sheet, found, resampler, groups)
+        _standing(items, sheet, found, resampler, groups, shown)
         for sheet, found in zip(sheets, grouped.values(), strict=True)
     ]
     standings = sorted(
@@ -88,7 +94,7 @@ def leaderboard(
         key=lambda row: (
             row.kind == "reference",
             row.protocol,
-            -(row.control.safe.value or 0),
+            -(row.control.safe.worst or 0),
             row.model,
         ),
     )
@@ -106,11 +112,20 @@ def leaderboard(
         none_safe=items.count(items.is_scene & items.has_actions & (items.safe == 0)),
         chance=items.chance_over(items.is_scene & items.has_actions),
         icc=max((value for value in likeness if value is not None), default=None),
+        judge=_judge(grouped.values()),
+        whole=len(ran),
+        whole_shown=len(seen),
         actions=_tallies(items),
         standings=tuple(standings),
         comparisons=tuple(_comparisons(items, standings, named, seed)),
         seed=seed,
     )
+
+
+def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
+    """Return who scored most of the open aspects; empty for the matcher."""
+    count = Counter(verdict.judge for found in grouped for verdict in found if verdict.judge)
+    return count.most_common(1)[0][0] if count else ""
 
 
 def _standing(
@@ -119,12 +134,15 @@ def _standing(
     verdicts: Sequence[Verdict],
     resampler: Resampler,
     groups: Sequence[tuple[Group, NDArray[np.bool_]]],
+    shown: NDArray[np.bool_],
 ) -> Standing:
+    """Return one row; `shown` are [n] the scenes whose hazard is seen under the paper's protocol."""
     scene, twin = items.is_scene, ~items.is_scene
     columns = {
         "sensitivity": Column(sheet.called, scene),
         "specificity": Column(1.0 - sheet.called, twin),
         "open": Column(sheet.open, scene),
+        "open_shown": Column(sheet.open, scene & shown & (verdicts[0].protocol == "paper")),
         "closed": Column(sheet.closed, scene),
         "safe": Column(sheet.safe, scene),
         "collision_free": Column(sheet.success, scene),
@@ -136,7 +154,7 @@ def _standing(
     found = _resampled(resampler, list(columns.values()))
     replicates = dict(zip(columns, found.T, strict=True))
     rates = {
-        name: _rate(column, replicates[name], sheet, resampler)
+        name: _rate(column, replicates[name], sheet, resampler, is_fault=name == "needless")
         for name, column in columns.items()
         if name != "above_chance"
     }
@@ -149,7 +167,13 @@ def _standing(
         contradictions=sum(bool(v.contradiction) for v in verdicts),
         outdated=sum(v.is_outdated for v in verdicts),
         detection=_detection(items, sheet, resampler, rates, replicates),
-        identification=Identification(open=rates["open"], closed=rates["closed"]),
+        identification=Identification(
+            open=rates["open"],
+            open_shown=rates["open_shown"],
+            closed=rates["closed"],
+            judged=sum(bool(v.judge) for v in verdicts),
+            unjudged=sum(bool(v.judge_error) for v in verdicts),
+        ),
         control=_control(items, sheet, resampler, rates, replicates["above_chance"]),
         actions=dict(
             Counter(
@@ -190,18 +214,27 @@ def _resampled(resampler: Resampler, columns: Sequence[Column]) -> NDArray[np.fl
 
 
 def _rate(
-    column: Column, replicates: NDArray[np.float64] | None, sheet: Sheet, resampler: Resampler
+    column: Column,
+    replicates: NDArray[np.float64] | None,
+    sheet: Sheet,
+    resampler: Resampler,
+    *,
+    is_fault: bool = False,
 ) -> Rate:
+    """Return a share; of a fault, the worst case is that every missing answer was one."""
     there = column.is_there
     hits, n = float(column.above.sum()), int(there.sum())
     units = resampler.count(there)
     if replicates is None and units >= FEWEST_CLUSTERS:
         replicates = _resampled(resampler, [column])[:, 0]
+    missing = int((column.mask & sheet.was_asked & ~there).sum())
+    least = hits + missing if is_fault else hits
     return Rate(
         hits=round(hits),
         n=n,
-        missing=int((column.mask & sheet.was_asked & ~there).sum()),
+        missing=missing,
         value=round(hits / n, 6) if n else None,
+        worst=round(least / (n + missing), 6) if n + missing else None,
         interval=share_bounds(hits, n, units, replicates),
         paths=units,
     )
@@ -274,6 +307,7 @@ def _detection(
             n=n if both else 0,
             interval=percentiles(balanced, units) if both else None,
         ),
+        worst=_worst_balanced(items, sheet, resampler, sensitivity, specificity),
         auroc=Figure(
             value=area[0] if area else None,
             n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
@@ -287,6 +321,25 @@ def _detection(
             interval=percentiles(draws, units) if both else None,
         ),
         stated=int(sheet.stated.sum()),
+    )
+
+
+def _worst_balanced(
+    items: Items, sheet: Sheet, resampler: Resampler, sensitivity: Rate, specificity: Rate
+) -> Figure:
+    """Return the balanced accuracy with every missing answer counted as wrong."""
+    if sensitivity.worst is None or specificity.worst is None:
+        return Figure()
+    right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
+    columns = [
+        Column(right, sheet.was_asked & items.is_scene),
+        Column(right, sheet.was_asked & ~items.is_scene),
+    ]
+    replicates = _resampled(resampler, columns).mean(axis=1)
+    return Figure(
+        value=(sensitivity.worst + specificity.worst) / 2,
+        n=int(sheet.was_asked.sum()),
+        interval=percentiles(replicates, resampler.count(sheet.was_asked)),
     )
 
 
@@ -363,14 +416,23 @@ def _family(
     seed: int,
 ) -> list[Comparison]:
     """Compare pairs in one task; p-values are corrected for all of them together."""
-    tests = []
+    tests, worst = [], []
     for first, second in pairs:
-        one, two = (sheets[row.model, row.protocol].right(task, items) for row in (first, second))
+        sheet, other = (sheets[row.model, row.protocol] for row in (first, second))
+        one, two = sheet.right(task, items), other.right(task, items)
+        unlike = sheet.scored_unlike(other) & (task == "open")
+        one = np.where(unlike, np.nan, one)
         test = paired(one, two, items.clusters, seed=seed)
-        if test.n:
-            tests.append((first.model, second.model, test))
-    plain = holm([test.p_mcnemar for *_, test in tests])
-    clustered = holm([test.p_clustered for *_, test in tests])
+        if not test.n:
+            continue
+        silent = sheet.unanswered(task, items) & ~unlike
+        tests.append((first.model, second.model, test, int(silent.sum())))
+        filled = np.where(silent, 0.0, one)
+        worst.append(paired(filled, two, items.clusters, seed=seed) if silent.any() else test)
+    plain = holm([test.p_mcnemar for _, _, test, _ in tests])
+    clustered = holm([test.p_clustered for _, _, test, _ in tests])
+    at_worst = holm([test.p_clustered for test in worst])
+    is_floor = against == "floor"
     return [
         Comparison(
             task=task,
@@ -380,6 +442,11 @@ def _family(
             test=test,
             p_holm=p,
             p_clustered_holm=q,
+            missing=silent if is_floor else 0,
+            worst_difference=least.difference if is_floor else None,
+            p_worst_holm=r if is_floor else None,
         )
-        for (first, second, test), p, q in zip(tests, plain, clustered, strict=True)
+        for (first, second, test, silent), least, p, q, r in zip(
+            tests, worst, plain, clustered, at_worst, strict=True
+        )
     ]

@@ -1,26 +1,52 @@
 """Safe sets: which actions are safe where, the best of them, and what chance is worth."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from oodscen._data import Data
 from oodscen.episode import ACTIONS, ActionOutcome, Episode
 
-CLEAR_M = 3.0
-"""A gap beyond this is as good as any larger one, m."""
+ENOUGH_M = 0.5
+"""A gap from which on an action is safe with enough margin, m; what passes in the next lane is some 1 m away."""
+ENOUGH_TTC_S = 1.5
+"""Least time to collision from which on an action is safe with enough margin, s: below it a conflict counts as
+serious (van der Horst and Hogema, "Time-to-collision and collision avoidance systems", 1993)."""
+INTERVENTIONS = (
+    "keep_speed",
+    "slow_down",
+    "change_lane_right",
+    "change_lane_left",
+    "stop",
+    "pull_over",
+    "emergency_brake",
+)
+"""The actions by how much they interfere with the drive, the least first; what is not listed comes last."""
+
+
+def has_enough_margin(outcome: ActionOutcome) -> bool:
+    """Whether an action was safe and stayed at least `ENOUGH_M` and `ENOUGH_TTC_S` from everything."""
+    is_near = outcome.margin_m is not None and outcome.margin_m < ENOUGH_M
+    is_soon = outcome.min_ttc_s is not None and outcome.min_ttc_s < ENOUGH_TTC_S
+    return outcome.safe and not (is_near or is_soon)
 
 
 def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
-    """Return the safe action with the largest margin; `None` where no action is safe.
+    """Return the best of the safe actions; `None` where no action is safe.
 
-    The smallest gap decides up to `CLEAR_M`, then the gentler braking, then the order of the offer.
+    Those with enough margin come first (`has_enough_margin`). Among these the least intervention is
+    best (`INTERVENTIONS`), then the gentler braking; without any, the larger gap, then the least intervention.
     """
-    ranked = [
-        (-min(CLEAR_M if outcome.margin_m is None else outcome.margin_m, CLEAR_M),
-         outcome.peak_deceleration or 0.0, index, name)
-        for index, (name, outcome) in enumerate(_in_order(outcomes))
-        if outcome.safe
-    ]  # fmt: skip
+    ranked = []
+    for index, (name, outcome) in enumerate(_in_order(outcomes)):
+        if outcome.safe:
+            gap = math.inf if outcome.margin_m is None else outcome.margin_m
+            braking = outcome.peak_deceleration or 0.0
+            is_listed = name in INTERVENTIONS
+            rank = INTERVENTIONS.index(name) if is_listed else len(INTERVENTIONS)
+            is_enough = has_enough_margin(outcome)
+            order = (rank, braking, -gap) if is_enough else (-gap, rank, braking)
+            ranked.append((not is_enough, order, index, name))
     return min(ranked)[-1] if ranked else None
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 from oodscen._data import Data
 from oodscen.episode import Episode
 from oodscen.errors import DataError
+from oodscen.judging.closed_loop import DriveResult
 from oodscen.prune import PruneDecision
 from oodscen.redteam import Round
 from oodscen.scenario import Scenario
@@ -44,7 +45,12 @@ class Material:
     scenarios: list[Scenario] = field(default_factory=list)
     scenes: list[Scene] = field(default_factory=list)
     episodes: list[Episode] = field(default_factory=list)
+    whole: list[Episode] = field(default_factory=list)
+    """Episodes of the paper's protocol, where it was used."""
     verdicts: list[Verdict] = field(default_factory=list)
+    drives: list[DriveResult] = field(default_factory=list)
+    restagings: list[dict[str, Any]] = field(default_factory=list)
+    """Lines of `restaged.jsonl`."""
     calls: list[dict[str, Any]] = field(default_factory=list)
     texts: dict[str, list[Scenario]] = field(default_factory=dict)
     """The text sets of the diverse tree, by size."""
@@ -75,6 +81,10 @@ def read(study: Study) -> Material:
     found.scenes = _rows(store, "scenes", Scene, found)
     found.episodes = _rows(store, "episodes", Episode, found)
     found.verdicts = _rows(store, "verdicts", Verdict, found)
+    found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)
+    found.drives = _optional(store, "drives.jsonl", DriveResult, found)
+    if store.has("restaged.jsonl"):
+        found.restagings = list(_lines(store, "restaged.jsonl", found))
     found.calls = list(_lines(store, TABLES["calls"], found))
     found.texts = {size: _texts(store, size, found) for size in _sizes(found.config)}
     return found
@@ -159,6 +169,14 @@ def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Ro
             label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
             found.failures.append(Failure(table, label, str(error or "no reason was recorded")))
     return rows
+
+
+def _optional(store: Store, name: str, kind: type[Row], found: Material) -> list[Row]:
+    """Read a file that most studies do not have."""
+    if not store.has(name):
+        return []
+    lines = _parsed(_lines(store, name, found), kind, name, found)
+    return [line for line in lines if isinstance(line, kind)]
 
 
 def _texts(store: Store, size: str, found: Material) -> list[Scenario]:

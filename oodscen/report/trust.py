@@ -8,7 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from oodscen.judging.board import PRIVILEGED
-from oodscen.judging.findings import Finding, answer, findings
+from oodscen.judging.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging.leaderboard import (
     Comparison,
     Figure,
@@ -44,6 +44,7 @@ GRADES = {
     "no": "worse than not looking",
     "unclear": "not shown to beat not looking",
     "unknown": "not measured",
+    "incomplete": "too few answers to say",
 }
 
 
@@ -57,6 +58,8 @@ class Cell:
     how: str = ""
     """How the interval was found."""
     chart: str = ""
+    worst: str = ""
+    """What it would be if every missing answer were wrong; empty where none is missing."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +77,8 @@ class Line:
     auroc: Cell
     d_prime: Cell
     open: Cell
+    open_shown: Cell
+    """Under the paper's protocol, of the scenes whose frames show the hazard."""
     closed: Cell
     safe: Cell
     collision_free: Cell
@@ -98,7 +103,7 @@ class Confused:
 
 def context(found: Material) -> dict[str, Any]:
     """Return the template's variables about models."""
-    board = leaderboard(found.verdicts, found.episodes, found.scenarios)
+    board = leaderboard(found.verdicts, found.episodes, found.scenarios, whole=found.whole)
     shown = _series(board)
     level = _level(board)
     said = findings(board)
@@ -107,6 +112,7 @@ def context(found: Material) -> dict[str, Any]:
         "answer": answer(board),
         "findings": _by_model(said),
         "grades": GRADES,
+        "most_missing": MOST_MISSING,
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
@@ -118,8 +124,26 @@ def context(found: Material) -> dict[str, Any]:
         "chart_named": _chart(shown, level, "open", "Aspect named"),
         "chart_safe": _chart(shown, level, "safe", "Safe action chosen"),
         "confused": _confusions(found.verdicts, board, found),
+        "scorers": _scorers(board),
+        "has_paper": any(row.protocol == "paper" for row in board.standings),
         "example": paper_example(),
     }
+
+
+def _scorers(board: Leaderboard) -> str:
+    """Say who scored the aspects in own words, and how often the judge could not."""
+    if not board.judge:
+        return "Aspects in own words are scored by the documented matcher, in every row."
+    judge = board.judge.rpartition("@")[0]
+    judged = sum(row.identification.judged for row in board.standings)
+    unjudged = sum(row.identification.unjudged for row in board.standings)
+    text = (
+        f"Aspects in own words are scored by the judge model “{judge}”, those of models and of references "
+        f"alike: {judged} of them."
+    )
+    if unjudged:
+        text += f" About {unjudged} more it gave no usable answer; these are scored by the matcher."
+    return text
 
 
 def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
@@ -166,12 +190,17 @@ def _line(row: Standing, floor: Standing | None) -> Line:
         is_reference=row.kind == "reference",
         role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
         note="paper’s protocol" if row.protocol == "paper" else "",
-        balanced=_figure(detection.balanced_accuracy),
+        balanced=_figure(
+            detection.balanced_accuracy,
+            detection.worst,
+            detection.sensitivity.missing + detection.specificity.missing,
+        ),
         sensitivity=_rate(detection.sensitivity),
         specificity=_rate(detection.specificity),
         auroc=_plain(detection.auroc),
         d_prime=_plain(detection.d_prime),
         open=_rate(row.identification.open),
+        open_shown=_rate(row.identification.open_shown),
         closed=_rate(row.identification.closed),
         safe=_rate(control.safe),
         collision_free=_rate(control.collision_free),
@@ -186,19 +215,26 @@ def _line(row: Standing, floor: Standing | None) -> Line:
 
 def _rate(rate: Rate) -> Cell:
     if rate.value is None or rate.interval is None:
-        return Cell("")
+        return Cell("", worst=_worst(rate.worst, rate.missing))
     return Cell(
         value=f"{100 * rate.value:.0f} %",
         count=f"{rate.hits} of {rate.n}",
         bounds=f"{100 * rate.interval.low:.0f} to {100 * rate.interval.high:.0f} %",
         how=f"{rate.interval.method}, {rate.interval.units} units",
         chart=charts.whisker(rate.value, rate.interval.low, rate.interval.high),
+        worst=_worst(rate.worst, rate.missing),
     )
 
 
-def _figure(figure: Figure) -> Cell:
+def _worst(value: float | None, missing: int) -> str:
+    if not missing or value is None:
+        return ""
+    return f"{100 * value:.0f} % if the {missing} missing were wrong"
+
+
+def _figure(figure: Figure, worst: Figure, missing: int) -> Cell:
     if figure.value is None:
-        return Cell("")
+        return Cell("", worst=_worst(worst.value, missing))
     low, high = (
         (figure.interval.low, figure.interval.high)
         if figure.interval
@@ -208,6 +244,7 @@ def _figure(figure: Figure) -> Cell:
         value=f"{100 * figure.value:.0f} %",
         bounds=f"{100 * low:.0f} to {100 * high:.0f} %" if figure.interval else "",
         chart=charts.whisker(figure.value, low, high),
+        worst=_worst(worst.value, missing),
     )
 
 

@@ -81,6 +81,61 @@ def test_what_was_not_answered_is_missing_and_never_wrong() -> None:
     assert (row.detection.specificity.n, row.detection.specificity.missing) == (16, 8)
 
 
+def test_a_model_that_answers_only_what_is_easy_is_not_recommended() -> None:
+    case = Case(paths=12)
+
+    def picky(every: int):
+        def says(index: int, twin: bool) -> dict[str, Any]:
+            if index % every == 0:
+                return {"status": "failed", "outcome": "refused", "error": "no"}
+            return knows(index, twin)
+
+        return says
+
+    def fair(index: int, twin: bool) -> dict[str, Any]:
+        return {**knows(index, twin), **({"action": "keep_speed"} if index % 4 == 0 else {})}
+
+    floor = case.verdicts("constant:stop", lambda i, t: {**stubborn(i, t), "action": "keep_speed"}, "reference")  # fmt: skip
+    found = board(case, case.verdicts("picky", picky(2)), case.verdicts("fair", fair), floor)
+    said = " ".join(answer(found))
+    assert "trust picky" not in said
+    assert "best is picky" not in said
+    assert "picky left 50" in said
+    assert "To choose an action, trust fair" in said
+    grades = {(one.model, one.task): one.grade for one in findings(found)}
+    assert {grades["picky", task] for task in ("notice", "name", "act")} == {"incomplete"}
+    assert found.standings[0].model == "fair"
+    rate = next(row for row in found.standings if row.model == "picky").control.safe
+    assert (rate.value, rate.worst) == (1, 0.5)
+    few = board(case, case.verdicts("few", picky(6)), floor)
+    assert all(one.grade == "yes" for one in findings(few))
+    assert "if its unanswered ones were wrong" in " ".join(answer(few))
+
+
+@given(st.integers(0, 2**16 - 1), st.integers(0, 2**16 - 1))
+@settings(max_examples=5, deadline=None)
+def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wrong: int) -> None:
+    case = Case(paths=4)
+
+    def says(is_silent_wrong: bool):
+        def fields(index: int, twin: bool) -> dict[str, Any]:
+            if silent >> index & 1:
+                if not is_silent_wrong:
+                    return {"status": "failed", "outcome": "refused", "error": "no"}
+                return {**stubborn(index, twin), "action": "keep_speed", "is_ood": twin}
+            return knows(index, twin) if wrong >> index & 1 else careless(index, twin)
+
+        return fields
+
+    shy, sure = (board(case, case.verdicts("m", says(one))).standings[0] for one in (False, True))
+    assert shy.control.safe.worst == sure.control.safe.value == sure.control.safe.worst
+    assert shy.identification.closed.worst == sure.identification.closed.value
+    assert shy.detection.worst.value == sure.detection.balanced_accuracy.value
+    assert shy.control.needless.worst == pytest.approx(
+        (shy.control.needless.hits + shy.control.needless.missing) / 16
+    )
+
+
 def test_models_are_compared_pairwise_and_with_the_best_reference() -> None:
     case = Case(paths=12)
     found = board(

@@ -1,5 +1,7 @@
 """Safe sets: repeatable, whatever the order; best action; chance; re-staging."""
 
+from math import inf
+
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
@@ -8,7 +10,13 @@ from oodscen import make_simulator, simulate
 from oodscen.driving.placement import check_scene
 from oodscen.episode import ACTIONS, ActionOutcome, Episode
 from oodscen.judging.restaging import restaged, variants
-from oodscen.judging.safety import base_rate, best_action, safety_figures
+from oodscen.judging.safety import (
+    INTERVENTIONS,
+    base_rate,
+    best_action,
+    has_enough_margin,
+    safety_figures,
+)
 from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.testing.scenes import example_scene
 
@@ -16,6 +24,7 @@ OUTCOMES = st.builds(
     ActionOutcome,
     safe=st.booleans(),
     margin_m=st.none() | st.floats(0, 50),
+    min_ttc_s=st.none() | st.floats(0, 5),
     peak_deceleration=st.none() | st.floats(0, 9),
 ) | st.just(ActionOutcome(safe=False, unavailable=True))
 
@@ -50,6 +59,18 @@ def test_the_best_action_is_safe_and_chance_is_the_share_of_safe_ones(outcomes):
     safe = [name for name, outcome in outcomes.items() if outcome.safe]
     assert (best in safe) if safe else best is None
     assert base_rate(outcomes) == (len(safe) / len(outcomes) if outcomes else None)
+
+
+@given(st.dictionaries(st.sampled_from(ACTIONS), OUTCOMES))
+def test_the_best_action_interferes_no_more_than_enough_margin_asks_for(outcomes):
+    best = best_action(outcomes)
+    enough = [name for name, outcome in outcomes.items() if has_enough_margin(outcome)]
+    if enough:
+        assert best == min(enough, key=INTERVENTIONS.index)
+    elif best is not None:
+        gaps = [inf if o.margin_m is None else o.margin_m for o in outcomes.values() if o.safe]
+        mine = outcomes[best].margin_m
+        assert (inf if mine is None else mine) == max(gaps)
 
 
 def test_actions_that_nobody_knows_are_ranked_in_a_fixed_order():

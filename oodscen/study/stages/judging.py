@@ -1,8 +1,9 @@
 """The stage that judges models."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from oodscen._data import canonical_json
 from oodscen.concurrency import as_finished
@@ -10,7 +11,17 @@ from oodscen.episode import ACTIONS, MOMENTS, Episode
 from oodscen.evaluation import aspect_options, unjudged
 from oodscen.evaluation import evaluate as judge_episode
 from oodscen.judging.leaderboard import leaderboard
+from oodscen.judging.opinions import (
+    Opinion,
+    is_open,
+    judge_label,
+    opinion,
+    opinion_id,
+    rescored,
+)
 from oodscen.judging.references import Blind, Novelty, Oracle, is_reference
+from oodscen.llms.contained import ContainedLLM
+from oodscen.llms.traffic import JUDGING
 from oodscen.messages import Image
 from oodscen.prompts import prompt_versions
 from oodscen.protocols import LLM
@@ -20,6 +31,9 @@ from oodscen.study.context import Context
 from oodscen.study.stages.scenes import simulate_whole
 from oodscen.twins import scene_of, twin_id
 from oodscen.verdict import Protocol, Verdict, verdict_id
+
+OPINIONS = "opinions.jsonl"
+"""One line per distinct open aspect and path that a judge model was asked about."""
 
 
 class Item(NamedTuple):
@@ -38,7 +52,12 @@ def evaluate(
 ) -> list[Verdict]:
     """Judge the reference answerers and every named model on scenes and twins.
 
-    Writes `verdicts.jsonl` and, from it, `leaderboard.json`.
+    Writes `verdicts.jsonl` and, from it, `leaderboard.json`. A judge model scores the open aspects of
+    all verdicts in the end, those of earlier runs and of references too; `opinions.jsonl` holds what it said.
+
+    A model that is given up costs its own items only (`unasked`). What was never asked comes first, of all
+    models; then what a model that was given up left; last what failed before, which keeps its old verdict where
+    it is not asked again.
     """
     models = _models(run, episodes, scenarios, scenes)
     shown: dict[Protocol, Sequence[Episode]] = {"ours": episodes}
@@ -52,21 +71,38 @@ def evaluate(
                     key = verdict_id(episode.scene_id, model.name, protocol)
                     items[key] = Item(episode, name, protocol)
     ask_about = _questions(run, scenarios)
+    earlier = {line["id"]: line for line in run.store.lines("verdicts.jsonl")}
+    traffic = run.models.traffic
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
         def judge(item: Item) -> Verdict:
             return ask_about(item, models[item.model][0])
 
-        for name, (_, threads) in models.items():
-            batch = [item for item in todo.values() if item.model == name]
-            for _, verdict in as_finished(judge, batch, threads=threads):
-                yield verdict
+        for turn in ("new", "unasked", "failed"):
+            due = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
+            with traffic.lenient(math.inf if turn == "failed" else JUDGING):
+                for name, (_, threads) in models.items():
+                    batch = [item for item in due if item.model == name]
+                    found = as_finished(judge, batch, threads=threads, cancel=traffic.close)
+                    for _, verdict in found:
+                        is_kept = verdict.outcome == "unasked" and turn == "failed"
+                        yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
 
     rows = run.each("evaluate", "verdicts.jsonl", items, work)
-    verdicts = _dated(run, [Verdict.parse(row) for row in rows])
+    kept = [Verdict.parse(row) for row in rows]
+    verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios)]
+    if verdicts != kept:
+        run.store.write_lines("verdicts.jsonl", verdicts)
     board = leaderboard(verdicts, episodes, scenarios, seed=run.config.seed)
     run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     return verdicts
+
+
+def _turn(line: Mapping[str, Any] | None) -> str:
+    """Say when an item is due: what was never asked, what was left, what failed."""
+    if line is None:
+        return "new"
+    return "unasked" if line.get("outcome") == "unasked" else "failed"
 
 
 def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
@@ -78,6 +114,15 @@ def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
             count[verdict.outcome] += 1
             count["outdated"] += verdict.is_outdated
     return {name: dict(sorted((+count).items())) for name, count in counts.items()}
+
+
+def judged(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
+    """Count the open aspects that a judge model scored, and those left to the matcher by its failures."""
+    counts = {
+        "judged": sum(bool(verdict.judge) for verdict in verdicts),
+        "matched": sum(bool(verdict.judge_error) for verdict in verdicts),
+    }
+    return {"judged": counts} if any(counts.values()) else {}
 
 
 def _models(
@@ -102,7 +147,10 @@ def _models(
         models[reference.name] = (reference, 1)
     for name in run.config.vlms:
         model = run.models.get(name)
-        models[name] = (model, 1 if is_reference(model) else run.models.traffic.concurrency)
+        if is_reference(model):
+            models[name] = (model, 1)
+        else:
+            models[name] = (ContainedLLM(model), run.models.traffic.concurrency)
     return models
 
 
@@ -110,7 +158,6 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
     """Return what judges one item."""
     by_id = {scenario.id: scenario for scenario in scenarios}
     leaves = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
-    judge = run.models.get(run.config.judge) if run.config.judge else None
 
     def ask_about(item: Item, model: LLM) -> Verdict:
         episode = item.episode
@@ -141,21 +188,43 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
             leaf=scenario.leaf if scenario else "",
             options=aspect_options(leaves, seed=run.config.seed, item=episode.scene_id),
             protocol=item.protocol,
-            judge=judge,
         )
 
     return ask_about
 
 
-def _dated(run: Context, verdicts: list[Verdict]) -> list[Verdict]:
-    """Mark the answers to other versions of the prompts than this run's."""
-    current = prompt_versions()
-    dated = [
-        verdict
-        if verdict.is_outdated is (is_outdated := not verdict.prompts.items() <= current.items())
-        else verdict.model_copy(update={"is_outdated": is_outdated})
-        for verdict in verdicts
-    ]
-    if dated != verdicts:
-        run.store.write_lines("verdicts.jsonl", dated)
-    return dated
+def _judged(
+    run: Context, verdicts: Sequence[Verdict], scenarios: Sequence[Scenario]
+) -> list[Verdict]:
+    """Score every open aspect alike: by the judge, or by the matcher where there is none."""
+    paths = {scenario.id: scenario.path for scenario in scenarios}
+
+    def path_of(verdict: Verdict) -> tuple[str, ...]:
+        return paths.get(scene_of(verdict.scene_id), ())
+
+    label, opinions = "", dict[str, Opinion]()
+    if run.config.judge:
+        judge = ContainedLLM(run.models.get(run.config.judge))
+        label = judge_label(judge)
+        items = {
+            opinion_id(label, one.aspect, path_of(one)): (one.aspect, path_of(one))
+            for one in verdicts
+            if is_open(one)
+        }
+
+        def work(todo: Mapping[str, tuple[str, tuple[str, ...]]]) -> Iterator[Opinion]:
+            threads = run.models.threads(run.config.judge or "")
+            asked = as_finished(lambda item: opinion(judge, *item), todo.values(), threads=threads)
+            return (found for _, found in asked)
+
+        rows = run.each("judge", OPINIONS, items, work)
+        opinions = {row["id"]: Opinion.parse(row) for row in rows}
+    return [rescored(verdict, path_of(verdict), opinions, label) for verdict in verdicts]
+
+
+def _dated(verdict: Verdict) -> Verdict:
+    """Mark an answer to other versions of the prompts than this run's."""
+    is_outdated = not verdict.prompts.items() <= prompt_versions().items()
+    if verdict.is_outdated is is_outdated:
+        return verdict
+    return verdict.model_copy(update={"is_outdated": is_outdated})

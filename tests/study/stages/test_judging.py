@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections import Counter
 
 import cv2
 import numpy as np
@@ -11,10 +12,12 @@ from lxml import html
 from oodscen import Study
 from oodscen.episode import ACTIONS
 from oodscen.errors import BudgetExceeded
+from oodscen.judging.leaderboard import Leaderboard
 from oodscen.llms.reference import ConstantAnswerer
 from oodscen.llms.traffic import Caps, Traffic
 from oodscen.study import run_study
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.study.stages.judging import OPINIONS
+from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
 from tests.study.quick import QUICK
 
 CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
@@ -201,3 +204,49 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
 
 def _payload(document):
     return json.loads(document.get_element_by_id("data").text)
+
+
+def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    before = Study.open(out).verdicts
+    said = {
+        "describe-frame": {"description": "a road"},
+        "name-aspect": {"is_ood": True, "aspect": "something odd"},
+        "choose-aspect": {"choice": 1},
+        "choose-action": {"action": "stop"},
+    }
+    seen = ScriptedLLM(said, name="seen")
+
+    broken, questions = True, []
+
+    def says(request):
+        questions.append((request.prompt.aspect, request.prompt.path))
+        if broken and request.prompt.aspect == "something odd":
+            return "?"
+        return {"is_same": request.prompt.aspect == "something odd"}
+
+    judge = FunctionLLM(says, name="judge")
+    config = CONFIG.model_copy(update={"judge": "judge", "vlms": ("seen",)})
+    models = {"seen": seen, "judge": judge}
+    first = run_study(out, config, models=models)
+    asked = len(seen.requests)
+    board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
+    unjudged = sum(row.identification.unjudged for row in board.standings)
+    assert unjudged == sum(bool(one.judge_error) for one in first.verdicts) > 0
+    assert first.info["counts"]["judged"]["matched"] == unjudged
+
+    broken = False
+    study = run_study(out, config, models=models, retry=True)
+    counted = Counter(one for one in questions if one[0] != "something odd")
+    assert set(counted.values()) == {1}
+    assert len(seen.requests) == asked
+    assert {one.model for one in study.verdicts} == {*(one.model for one in before), "seen"}
+    for one in study.verdicts:
+        is_open = one.is_ood and one.aspect and not one.is_twin
+        assert one.judge.startswith("judge@") is bool(is_open), one.id
+        if one.model == "seen" and is_open:
+            assert one.aspect_is_right
+    counted = Counter(line["status"] for line in study.store.lines(OPINIONS))
+    assert set(counted) == {"ok"}
+    assert "judge@" in (out / "report.html").read_text()
