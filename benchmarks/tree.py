@@ -42,7 +42,7 @@ def broad(size: int) -> ScenarioTree:
     family = ""
     for number in range(size - 3):
         is_family = number % 101 == 0
-        label = "Family" if is_family else "Something unusual on the road"
+        label = "Family" if is_family else f"Something unusual on road {number % 101}"
         node = tree.new_id(label)
         parent = ("environmental", "interactional")[number % 2] if is_family else family
         tree = tree.apply(TreeEdit(op="add", node=node, parent=parent, label=label))

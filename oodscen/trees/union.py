@@ -73,9 +73,8 @@ class _Merging:
             self._hang(node)
         self._paths = {leaf.id for leaf in one.leaves}
         """Nodes that stand for a path, so that a leaf has to remain where they get children."""
-        self._told: dict[str, list[TreeEdit]] = {}
-        for edit in one.edits:
-            self._told.setdefault(edit.node, []).append(edit)
+        self._own = set(one.edits)
+        self._told = {(edit.node, edit.origin_node, *_why(edit)) for edit in one.edits}
 
     def take(self, node: Node, pair: Match | None, log: list[TreeEdit], *, is_path: bool) -> None:
         """Find a node of the second tree in the merge, or add it."""
@@ -143,15 +142,12 @@ class _Merging:
 
     def _is_told(self, here: str, node: Node, last: TreeEdit) -> bool:
         """Whether the log says already who called a node so, and why."""
-        why = (last.round, last.source, last.model, last.prompt)
-        return any(
-            edit == last
-            or (
-                edit.origin_node == node.id
-                and (edit.round, edit.source, edit.model, edit.prompt) == why
-            )
-            for edit in self._told.get(here, ())
-        )
+        is_own = last.node == here and last in self._own
+        return is_own or (here, node.id, *_why(last)) in self._told
+
+
+def _why(edit: TreeEdit) -> tuple[int | None, str, str, str]:
+    return edit.round, edit.source, edit.model, edit.prompt
 
 
 def _decisions(tree: ScenarioTree) -> dict[str, list[TreeEdit]]:

@@ -52,6 +52,31 @@ def test_every_node_is_paired_or_alone(one, other):
         assert len(str(found).splitlines()) == 1 + len(shown)
 
 
+def top(tree, node_id):
+    """Return the id of the node right below the root that a node lies below."""
+    above = [node_id]
+    while above[-1] is not None:
+        above.append(tree.by_id[above[-1]].parent)
+    return above[-3] if len(above) > 2 else ""
+
+
+@few
+@given(trees, trees)
+def test_words_and_meaning_pair_nothing_across_the_classes(one, other):
+    classes = {"environmental", "interactional"}
+    for pair in match(one, other, encoder=ENCODER, threshold=-1.0):
+        tops = {top(one, pair.before), top(other, pair.after)}
+        assert pair.by == "id" or len(tops & classes) < 2
+
+
+@few
+@given(trees, trees)
+def test_pairs_are_the_same_from_either_side(one, other):
+    there = {pair.before: pair.after for pair in match(one, other) if pair.by == "id"}
+    back = {pair.after: pair.before for pair in match(other, one) if pair.by == "id"}
+    assert there == back
+
+
 @few
 @given(changes)
 def test_what_edits_did_is_what_the_diff_says(steps):

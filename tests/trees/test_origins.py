@@ -70,3 +70,21 @@ def test_a_node_that_never_was_is_named_with_close_matches():
 
 def test_depth_is_no_obstacle():
     assert len(chain(10_000).provenance("n9999").path) == 10_000
+
+
+def test_what_a_model_says_is_shown_escaped():
+    hostile = "\x1b]0;owned\x07 \u202egnp.exe\n  9: added"
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(
+            op="add",
+            node="fog",
+            parent="environmental",
+            label="Fog",
+            reason=hostile,
+            source=hostile,
+            model=hostile,
+        )
+    )
+    shown = str(tree.provenance("fog"))
+    assert not {"\x1b", "\x07", "\u202e"} & set(shown)
+    assert len(shown.splitlines()) == 2
