@@ -16,6 +16,7 @@ from oodscen.llms.author.constructions import (
     Plot,
     nominal,
 )
+from oodscen.llms.author.headline import headline
 from oodscen.llms.author.knowledge import Hazard, Knowledge, Place, Traffic
 from oodscen.llms.author.naming import Name, named
 from oodscen.prompts.describe_path import Style, plain
@@ -59,8 +60,10 @@ _PREPOSED = 0.3
 """Share of the events that stand by themselves in which the distance comes first."""
 _INVERTED = 0.35
 """The same for the subject coming last, where that can be."""
-_TERSE_EVENT = 16
-"""Words of an event that a terse text may have, where there is such an event."""
+_TERSE_EVENT, _TERSE_EVENTS = 10, 3
+"""Words of an event that a terse text may have, and how many of the shortest it may use if they are longer."""
+_TERSE_WHERE = ("{distance} m ahead", "ahead", "just ahead", "{distance} m ahead")
+"""How far away something is, in a terse text."""
 
 
 class Composer:
@@ -119,13 +122,14 @@ class Composer:
         if hazard.conditions:
             key = turns.next("condition", list(hazard.conditions))
             condition = self.knowledge.condition_keys.get(key)
-        phrases = condition.phrases if condition else ()
+        phrases = list(condition.phrases) if condition else []
         statements = condition.statements if condition else ()
         setting = Setting(place=place.key, conditions=(condition.key,) if condition else ())
         wheres = list(place.phrases)
         events = list(hazard.events)
         if style == "terse":
-            wheres = [phrase for phrase in wheres if nominal(phrase)] or wheres
+            wheres = _shortest([phrase for phrase in wheres if nominal(phrase)] or wheres)
+            phrases = _shortest(phrases, 0)
             events = self._short(hazard, setting)
         fit = [self._agreement.suits(event, setting) for event in events]
         event = turns.first(f"event {len(events)}", events, fit) or events[0]
@@ -152,12 +156,11 @@ class Composer:
         )
 
     def _short(self, hazard: Hazard, setting: Setting) -> list[str]:
-        """Return the events for a terse text: the short ones, else the shortest that suits."""
-        short = [event for event in hazard.events if len(event.split()) <= _TERSE_EVENT]
-        if not self._agreement.suiting(short, setting):
-            suiting = self._agreement.suiting(hazard.events, setting) or hazard.events
-            return [min(suiting, key=len)]
-        return short
+        """Return the events for a terse text: the short ones, and never fewer than some."""
+        suiting = self._agreement.suiting(hazard.events, setting) or list(hazard.events)
+        suiting.sort(key=lambda event: len(headline(event).split()))
+        short = [event for event in suiting if len(headline(event).split()) <= _TERSE_EVENT]
+        return short if len(short) >= _TERSE_EVENTS else suiting[:_TERSE_EVENTS]
 
     def _traffic(
         self, hazard: Hazard, event: str, place: Place, rng: np.random.Generator, share: float
@@ -181,6 +184,11 @@ class Composer:
         words = self.knowledge.wording
         is_named = re.search(r"\bego\b", event) is not None or "from {where}" in event
         is_brief = is_named or (construction.names_ego and rng.random() < 0.8)
+        if construction.is_line:
+            lines = _TERSE_WHERE[:1] if "from {where}" in event else _TERSE_WHERE
+            low, high = approach(hazard, plot.place).ahead
+            distance = 5 * round(rng.uniform(low, high) / 5.0)
+            return event.replace("{where}", _pick(rng, lines).format(distance=distance))
         if rng.random() < 0.6:
             low, high = approach(hazard, plot.place).ahead
             steps = [five * 5 for five in range(1, 61) if low <= five * 5 <= high]
@@ -188,6 +196,8 @@ class Composer:
             phrases = list(words.metres if is_brief else words.metres_ego)
             if "from {where}" in event:
                 phrases = [phrase for phrase in phrases if phrase.endswith(" ahead")]
+            if " road " in f"{event} ":
+                phrases = [phrase for phrase in phrases if not phrase.endswith(" road")]
             where = _pick(rng, phrases).format(distance=distance)
         elif "ego vehicle {where}" in event:
             where = _pick(rng, [near for near in words.near if " distance " in near] or words.near)
@@ -222,6 +232,12 @@ _BOUND = re.compile(r"from \{where\}|, \{where\}(?:,|$)")
 _PREPOSABLE = re.compile(
     r"^(?:An?|The|Two|Three|Several|Some|Somebody|Someone|[A-Z][a-z]+s)\b.*\{where\}"
 )
+
+
+def _shortest(phrases: Sequence[str], more: int = 1) -> list[str]:
+    """Return the phrases that have hardly more words than the shortest."""
+    least = min((len(phrase.split()) for phrase in phrases), default=0)
+    return [phrase for phrase in phrases if len(phrase.split()) <= least + more]
 
 
 def _met_on(traffic: Traffic, place: Place) -> bool:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from oodscen.llms.author.headline import headline
 from oodscen.llms.author.knowledge import Condition, Place
 from oodscen.prompts.describe_path import Style
 
@@ -47,6 +48,8 @@ class Construction:
     """Whether it has a part of its own about the ego."""
     is_apart: bool = False
     """Whether the event is a sentence of its own, so that its parts may be put in another order."""
+    is_line: bool = False
+    """Whether it is one line of a catalogue."""
 
 
 _ADVERBIAL = re.compile(
@@ -238,7 +241,7 @@ def _doing(plot: Plot) -> str:
 def _line(plot: Plot) -> str:
     noun = re.sub(r"^(?:an?|the) ", "", nominal(plot.where)) or plot.where
     event = re.sub(r"(?<=\d) metres\b", " m", plot.event)
-    return _sentence(noun, plot.weather, ":", _clause(event))
+    return _sentence(noun, plot.weather, ":", headline(_clause(event)))
 
 
 def _account(plot: Plot) -> str:
@@ -326,7 +329,7 @@ _EVENT_THEN_PLACE = Construction(
     is_apart=True,
 )
 _DOING = Construction(_doing, lambda plot: _starts_with_ego(plot) and not plot.traffic)
-_LINE = Construction(_line, names_ego=False)
+_LINE = Construction(_line, names_ego=False, is_line=True)
 _ACCOUNT = Construction(_account, is_apart=True)
 
 _WITHOUT_EGO = (

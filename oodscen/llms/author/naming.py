@@ -67,3 +67,37 @@ def _said(match: re.Match[str], text: str) -> str:
     if _NOT_SUBJECT.search(text[: match.start()]):
         return match[0]
     return f"I {_MY[match[1]]}"
+
+
+_PERSONS = {"I": ("me", "my", "am"), "we": ("us", "our", "are"), "you": ("you", "your", "are")}
+_AS_SUBJECT = re.compile(r"(?:^|(?<=, and )|(?<=while ))the ego vehicle (\w+)", re.IGNORECASE)
+_OWN = re.compile(r"\b[Tt]he ego vehicle's\b")
+_ITS = re.compile(r"\bits\b")
+
+
+def told_by(clause: str, name: str) -> str:
+    """Return a clause as a text would tell it that calls the ego vehicle so.
+
+    Args:
+        clause: That calls it `the ego vehicle`.
+        name: Any noun phrase, or `I`, `we`, `you`.
+    """
+    if name == "ego":
+        return named(clause, "ego")
+    if name == "the ego car":
+        return named(clause, "the ego car")
+    person = _PERSONS.get(name)
+    if person is None:
+        return _VEHICLE.sub(lambda m: _as(m[1], name), clause)
+    to, own, being = person
+    if clause.casefold().startswith("the ego vehicle "):
+        clause = _ITS.sub(own, clause)
+    clause = _OWN.sub(own, clause)
+    clause = _AS_SUBJECT.sub(lambda m: f"{name} {_plural(m[1], being)}", clause)
+    return _VEHICLE.sub(to, clause)
+
+
+def _plural(verb: str, being: str) -> str:
+    """Return a verb as it follows `I`, `we` or `you`."""
+    known = {"has": "have", "is": being}
+    return known.get(verb, re.sub(r"(?<=ss|go)es$|s$", "", verb))

@@ -12,9 +12,11 @@ import numpy as np
 
 from oodscen.llms.author.agreement import Agreement, Setting
 from oodscen.llms.author.constructions import KEEPS_ON, nominal, standing
+from oodscen.llms.author.frame import Frame, framed, teller
+from oodscen.llms.author.headline import headline
 from oodscen.llms.author.knowledge import Hazard, Knowledge
-from oodscen.llms.author.naming import Name, named
-from oodscen.llms.author.recognise import Recogniser
+from oodscen.llms.author.naming import Name, told_by
+from oodscen.llms.author.recognise import Recogniser, stems
 from oodscen.prompts.describe_path import plain
 
 _EGO = r"(?:the ego vehicle|the ego car|my car|ego|i|it)"
@@ -46,8 +48,32 @@ _ANY_ROAD = (
     "the lane ahead is clear and traffic moves along as usual",
     "the lane ahead is clear and nothing moves in it",
 )
+_ANYWHERE = (
+    "traffic moves along as usual",
+    "the lane ahead is clear",
+    "the lane ahead of the ego vehicle is clear",
+    "traffic around the ego vehicle moves along as usual",
+    "the lane ahead is clear and traffic moves along as usual",
+    "all road users keep to their lanes and to the rules",
+    "the lane ahead of the ego vehicle is clear and traffic moves along as usual",
+    "all road users around the ego vehicle keep to their lanes and to the rules",
+)
+"""What is ordinary on any road."""
+_SUBJECT = "the ego vehicle "
+_ALONE = re.compile(r"the ego vehicle (?!and )")
+_PEOPLE = frozenset({"I", "we", "you"})
+_LINE = ": "
+"""What parts place and event in one line of a catalogue."""
+_SHORT = 0.1
+"""Share of its words by which the twin of another author's text may be shorter."""
+_SENTENCES_ADDED = 10
+_OVER = 4
+"""Words by which what is added may be longer than what is missing."""
 _CLEAR = re.compile(r"\b(?:clear|open|free|intact|even|clean|nothing)\b")
-_AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|waits?|comes the other way)\b")
+_AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|gap|waits?|comes the other way)\b")
+_TURNS = re.compile(
+    r"\b(?:turn(?:s|ing)?|roundabout|u-turn|merg\w+|ramp|curves?|bends?)\b", re.IGNORECASE
+)
 _EMPTY = "quiet"
 """Key of the traffic that is none."""
 _LITTLE = frozenset(
@@ -78,6 +104,8 @@ class OrdinaryAuthor:
         weather = (p for c in knowledge.conditions for p in (*c.phrases, *c.statements))
         self._weather = re.compile(_alternatives(weather), re.IGNORECASE)
         self._lead = re.compile(rf"(?:(?:{frame}|{_DRIVES}){_LINK})+", re.IGNORECASE)
+        places = _alternatives(_places(knowledge))
+        self._known_place = re.compile(rf"\b(?:{places})\b", re.IGNORECASE)
         self._trail = re.compile(
             rf"(?:,? while (?:{_DRIVES}|{_EGO})(?: (?:{frame}))*)\.?$", re.IGNORECASE
         )
@@ -93,6 +121,8 @@ class OrdinaryAuthor:
         hazard = self._recogniser.recognise(text).hazard
         if hazard is None and label:
             hazard = next(iter(self._recogniser.covered_by(label)), None)
+        if self._known_place.search(text) is None:
+            return self._of_another(text, hazard, rng)
         parts = list(self._told_apart(text))
         place = next((n for n, part in enumerate(parts) if self._is_event(part)), None)
         if place is None:
@@ -106,15 +136,71 @@ class OrdinaryAuthor:
         frame = " ".join(part.lead + part.trail for part in kept)
         room = 0 if event.trail else length - len(plain(frame).split())
         setting = self._setting(frame, text, hazard)
-        clause = self._counterpart(hazard, setting)
+        clause = _not_twice(frame, self._counterpart(hazard, setting))
         name = _name(text)
-        last = _worded(event, named(clause, name))
+        is_line = event.lead.endswith(_LINE)
+        last = _worded(event, told_by(headline(clause) if is_line else clause, name))
         missing = room - len(clause.split())
         if missing > _SLACK:
             told = f"{frame} {clause}"
-            more = _told_by(self._more(clause, told, missing, setting, rng), name)
-            last = _lengthened(last, more, is_joined=_is_joined(event.lead, clause))
+            more = told_by(self._more(clause, told, missing, setting, rng), name)
+            more = headline(more) if is_line else more
+            last = _lengthened(
+                last, more, is_joined=_is_joined(event.lead, clause) or " and " in more
+            )
         return " ".join(last if part is event else _whole(part) for part in kept)
+
+    def _of_another(self, text: str, hazard: Hazard | None, rng: np.random.Generator) -> str:
+        """Write the twin of a text with nothing known in it: place and time where they stand."""
+        is_weather = hazard is not None and not hazard.conditions
+        own = stems(" ".join((hazard.label, *hazard.words))) if hazard and is_weather else ()
+        frame = framed(text, frozenset(w for w in plain(text).split() if set(stems(w)) & set(own)))
+        setting = self._setting(frame.text, frame.text, None)
+        name = teller(text)
+        length = len(plain(text).split())
+        clause = self._clause(frame, hazard, setting, name, length, rng)
+        clause = _not_twice(frame.text, clause)
+        told = _cap(_put(frame, told_by(clause, name or "the ego vehicle")))
+        said: list[str] = []
+        is_mentioned = bool(name) and name.casefold() in told.casefold()
+        while len(said) < _SENTENCES_ADDED:
+            missing = length - len(plain(told).split())
+            if missing <= max(1, _SHORT * length):
+                break
+            more = self._more(clause, told, missing, setting, rng, tuple(said))
+            if not more:
+                break
+            said.append(more)
+            is_again = is_mentioned and name not in _PEOPLE and _ALONE.match(more) is not None
+            subject = "it" if is_again and len(said) % 2 == 0 else name or "the ego vehicle"
+            told = f"{told} {_cap(told_by(more, subject))}."
+            is_mentioned = is_mentioned or _SUBJECT in f"{more} "
+        return told
+
+    def _clause(
+        self,
+        frame: Frame,
+        hazard: Hazard | None,
+        setting: Setting,
+        name: str,
+        length: int,
+        rng: np.random.Generator,
+    ) -> str:
+        """Return a counterpart that is no longer than there is room for."""
+        room = max(length - len(plain(frame.text).split()), 0.3 * length)
+        known = self._agreement.suiting(hazard.ordinary if hazard else (), setting)
+        fitting = [clause for clause in known if len(clause.split()) <= room + 0.2 * length]
+        if fitting:
+            return fitting[0] if frame.ride or not name else _to_whom(fitting[0])
+        options = [
+            clause
+            for clause in _ANYWHERE
+            if (_SUBJECT in clause) == (bool(name) and not frame.ride)
+            and self._agreement.suits(clause, setting)
+        ]
+        options = options or list(_ANYWHERE)
+        options.sort(key=lambda clause: abs(len(clause.split()) - room))
+        return options[int(rng.integers(min(2, len(options))))]
 
     def _is_event(self, part: _Part) -> bool:
         return bool(part.event) and plain(part.event) not in self._details
@@ -169,7 +255,13 @@ class OrdinaryAuthor:
         return suiting[0] if suiting else _ANY_ROAD[0]
 
     def _more(
-        self, clause: str, told: str, missing: int, setting: Setting, rng: np.random.Generator
+        self,
+        clause: str,
+        told: str,
+        missing: int,
+        setting: Setting,
+        rng: np.random.Generator,
+        told_before: tuple[str, ...] = (),
     ) -> str:
         """Return something ordinary of about so many words that adds to what is told already."""
         allowed = {"none", "ahead", "around"}
@@ -185,12 +277,57 @@ class OrdinaryAuthor:
             and (not driving.conditions or set(setting.conditions) & set(driving.conditions))
             for phrase in driving.phrases
             if self._agreement.suits(phrase, setting)
+            and (not told_before or not set(driving.phrases) & set(told_before))
+            and len(phrase.split()) <= missing + _OVER
         ]
         if "traffic" in clause:
             fitting = [phrase for phrase in fitting if "traffic" not in phrase]
+        if any(_AHEAD.search(phrase) for phrase in told_before):
+            fitting = [phrase for phrase in fitting if not _AHEAD.search(phrase)]
+        if _TURNS.search(told):
+            fitting = [phrase for phrase in fitting if "straight" not in phrase]
         said = set(plain(told).split()) - _LITTLE
         fitting.sort(key=lambda phrase: _misfit(phrase, missing, said))
         return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
+
+
+def _not_twice(frame: str, clause: str) -> str:
+    """Return a clause that does not call a lane clear where the weather is."""
+    if re.search(r"\bclear\b", frame, re.IGNORECASE) is None:
+        return clause
+    clause = re.sub(r"\b(air(?: over the road)?) is clear\b", r"\1 is clean", clause)
+    named = r"\b((?:lane|road)(?: ahead)?(?: of the ego vehicle)?) is clear\b"
+    return re.sub(named, r"\1 is free", clause)
+
+
+def _to_whom(clause: str) -> str:
+    """Return a clause that names the ego vehicle, where that is easily done."""
+    if _SUBJECT in f"{clause} ":
+        return clause
+    return re.sub(
+        r"\b(the (?:lane|road) ahead)\b(?! of)", r"\1 of the ego vehicle", clause, count=1
+    )
+
+
+def _put(frame: Frame, clause: str) -> str:
+    """Put a clause where the event of a text was."""
+    last = " ".join((clause, *frame.after))
+    front = _joined(frame.before)
+    if frame.ride:
+        ride = f"{front}, {frame.ride[0].lower()}{frame.ride[1:]}" if front else frame.ride
+        ride = re.sub(r", i\b", ", I", ride)
+        return f"{ride}. {_cap(last)}." if " and " in clause else f"{ride}, and {last}."
+    return f"{front}, {last}." if front else f"{last}."
+
+
+def _joined(phrases: tuple[str, ...]) -> str:
+    clauses = [one for one in phrases if re.match(r"(?:while|as|when|it|night) ", one)]
+    rest = " ".join(one for one in phrases if one not in clauses)
+    return ", ".join(part for part in (*clauses, rest) if part)
+
+
+def _cap(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _misfit(phrase: str, missing: int, said: set[str]) -> float:
@@ -226,16 +363,6 @@ def _lengthened(text: str, more: str, *, is_joined: bool) -> str:
     return f"{text.rstrip('.')}, and {more}."
 
 
-def _told_by(clause: str, name: Name) -> str:
-    """Return a clause about the ego vehicle as a text that gives it a name would tell it."""
-    subject = "the ego vehicle "
-    if name != "I" or not clause.startswith(subject):
-        return named(clause, name)
-    verb, _, rest = clause.removeprefix(subject).partition(" ")
-    verb = {"has": "have", "is": "am"}.get(verb, re.sub(r"(?<=ss|go)es$|s$", "", verb))
-    return re.sub(r"\bits\b", "my", f"I {verb} {rest}".rstrip())
-
-
 def _worded(part: _Part, clause: str) -> str:
     lead = re.sub(r"\bwhen $", "while ", part.lead)
     lead = _NOWHERE.sub("", lead)
@@ -261,7 +388,7 @@ def _name(text: str) -> Name:
     return "the ego vehicle" if "the ego" in low else "ego"
 
 
-def _frames(knowledge: Knowledge) -> Iterator[str]:
+def _places(knowledge: Knowledge) -> Iterator[str]:
     for place in knowledge.places:
         for phrase in place.phrases:
             yield phrase
@@ -270,6 +397,10 @@ def _frames(knowledge: Knowledge) -> Iterator[str]:
             if noun:
                 yield noun
                 yield re.sub(r"^an? ", "", noun)
+
+
+def _frames(knowledge: Knowledge) -> Iterator[str]:
+    yield from _places(knowledge)
     for condition in knowledge.conditions:
         yield from condition.phrases
         yield from condition.statements

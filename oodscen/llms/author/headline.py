@@ -1,0 +1,29 @@
+"""Headlines: a clause as a test catalogue words it, without articles and auxiliaries."""
+
+import re
+
+_ARTICLE = re.compile(
+    r"\b(?:an?|the) (?!(?:few|lot|little|bit|couple|other way|other side|dozen|moment)\b)",
+    re.IGNORECASE,
+)
+_APART = r"(?<!\bthat )(?<!\bwhich )(?<!\bwho )(?<!\bit )(?<!\bthey )(?<!\bthere )"
+"""A clause of its own keeps its verb."""
+_EGO = re.compile(r"\b[Tt]he ego(?: vehicle)?\b")
+_HAS = re.compile(
+    _APART + r"\b(?:has|have) (?:just |suddenly |already )?"
+    r"(?:been |(?=(?:\w{2,}ed|slid|lost|left|burst|spun|swung|set|put|built|dug|caught|shed)\b))"
+)
+_IS = re.compile(_APART + r"\b(?:is|are) (?=\w{2,}(?:ing|ed)\b)")
+_GOES_ON = re.compile(r"\band (?:\w+ly )?\w+(?<!s)s\b")
+"""A second verb, which would take what is left of the first one for another."""
+_PATH = re.compile(
+    r"\b(in|across|into|over|onto|from) the path of (?:the )?(ego(?: vehicle| car)?)\b"
+)
+
+
+def headline(clause: str) -> str:
+    """Return a clause without what a headline leaves out; what it says stays."""
+    clause = _PATH.sub(r"\1 \2's path", _EGO.sub("ego", clause))
+    if _GOES_ON.search(clause) is None:
+        clause = _IS.sub("", _HAS.sub("", clause))
+    return _ARTICLE.sub("", clause)
