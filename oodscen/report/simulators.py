@@ -79,11 +79,7 @@ def _kind(name: str, tally: Tally) -> str:
     for one in ranking.single:
         needed += sum(a.kind == "weather" and a.name == name for a in one.additions) and one.helps
     text = f"no {_KINDS.get(name, name)}"
-    return (
-        f"{text} ({needed} dropped {'path needs' if needed == 1 else 'paths need'} it)"
-        if needed
-        else text
-    )
+    return f"{text} (needed by {needed} of the dropped)" if needed else text
 
 
 def _figures(compared: Comparison) -> Markup:

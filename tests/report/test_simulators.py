@@ -45,7 +45,7 @@ def test_figures_absent_kinds_and_reasons_are_shown(study: Study) -> None:
     study.store.write(CATALOGUES, compared().to_json())
     markup = part(study, read(study))
     assert "flat</bdi> shows 3 and <bdi>carla-0.9.16</bdi> 2; it drops the other 1." in markup
-    assert "has no animals (1 dropped path needs it) and no snow at all" in markup
+    assert "has no animals (needed by 1 of the dropped) and no snow at all" in markup
     assert "1 paths that <bdi>carla-0.9.16</bdi> does not show, and why" in markup
     assert "in part (Rain): " in markup
     assert "&lt;script&gt;lacks" in markup

@@ -138,7 +138,7 @@ class Judge:
             )
         least = next((one for one in options if NO_RECIPE not in one.missing), options[0])
         reason = _lacks(least.found, catalogue)
-        if reading.split is not None:
+        if len(options) > 1 and not reading.is_any:
             told = (
                 f"not {_quoted(one)}: {_lacks(one.found, catalogue, is_short=True)}"
                 for one in options
