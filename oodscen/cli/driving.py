@@ -3,11 +3,15 @@
 import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from oodscen.cli.options import json_option
 from oodscen.cli.output import say
+
+if TYPE_CHECKING:
+    from oodscen.judging.drives import DriveRow, Mean, Share
 
 
 @click.command()
@@ -23,12 +27,14 @@ from oodscen.cli.output import say
 def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool) -> None:
     """Let driving stacks drive the scenes and twins of the study in the folder OUT.
 
-    Writes drives.jsonl beside the other files, and prints what all drivers in it come to. The exit code is 1 if
-    a driver named here failed on an item, which a collision is not.
+    Writes drives.jsonl beside the other files, prints what all drivers in it come to, and writes the report anew,
+    which shows the same. The exit code is 1 if a driver named here failed on an item, which a collision is not.
     """
     from oodscen.judging.closed_loop import DriveResult, RuleBasedDriver
     from oodscen.judging.closed_loop import drive as drive_scenes
+    from oodscen.judging.drives import drive_board, remarks
     from oodscen.registry import find, make_simulator
+    from oodscen.report import write_report
     from oodscen.study import Study
     from oodscen.twins import scene_of
 
@@ -43,28 +49,50 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
                 lines[result.id] = result.model_dump(mode="json")
     study.store.write_lines("drives.jsonl", lines.values())
     rows = [DriveResult.parse(line) for line in lines.values()]
-    summary = [
-        {
-            "driver": name,
-            "items": kind,
-            "n": len(found),
-            "passed": sum(row.passed for row in found),
-            "collisions": sum(bool(row.collisions) for row in found),
-            "off_road": sum(row.off_road for row in found),
-            "failed": sum(row.status == "failed" for row in found),
-        }
-        for name in dict.fromkeys(row.driver for row in rows)
-        for kind, is_twin in (("scenes", False), ("twins", True))
-        for found in [[r for r in rows if r.driver == name and r.is_twin is is_twin]]
-    ]
+    board = drive_board(rows, study.scenarios, seed=study.config.seed)
+    page = write_report(Study.open(out))
     if as_json:
-        say(json.dumps(summary, indent=2))
-        summary = []
-    for row in summary:
-        say(
-            "{driver}, {items}: {passed} of {n} passed, {collisions} collisions, {off_road} off the "
-            "road, {failed} failed".format(**row)
-        )
+        say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
+    else:
+        say("\n".join([*map(_line, board.rows), *remarks(board)]))
+        click.echo(f"report: {page.resolve()}")
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
     sys.exit(any(row.status == "failed" for row in here))
+
+
+def _line(row: "DriveRow") -> str:
+    """Say in a few lines what became of one driver in the scenes, or in the twins."""
+    share, mean = row.shares, row.means
+    lines = [
+        f"{row.driver}, {row.items}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
+        f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed",
+        f"  least TTC {_mean(mean['min_ttc_s'], ' s')}, below 1.5 s in {share['critical'].hits}; least headway "
+        f"{_mean(mean['min_headway_s'], ' s')}; hardest braking {_mean(mean['peak_deceleration'], ' m/s2')}; jerk "
+        f"{_mean(mean['peak_jerk'], ' m/s3')}; progress {_mean(mean['progress'], '', percent=True)}",
+    ]
+    if (pair := row.paired) is not None and pair.n:
+        sound, test = pair.drives_and_passes, pair.against_rule_based
+        lines.append(
+            f"  of {pair.n} pairs {pair.both} passed both, {pair.twin_only} only the twin, {pair.scene_only} only the "
+            f"scene; drives and passes: {sound.hits}{_range(sound)}"
+            + (
+                f", {100 * test.difference:+.0f} points against rule-based (p {test.p_clustered:.3f})"
+                if test
+                else ""
+            )
+        )
+    return "\n".join(lines)
+
+
+def _range(share: "Share") -> str:
+    return f" [{share.interval.low:.0%}, {share.interval.high:.0%}]" if share.interval else ""
+
+
+def _mean(mean: "Mean", unit: str, *, percent: bool = False) -> str:
+    if mean.value is None:
+        return "-"
+    form = ".0%" if percent else ".1f"
+    between = mean.interval
+    text = f"{mean.value:{form}}{unit}"
+    return text + (f" [{between.low:{form}}, {between.high:{form}}]" if between else "")

@@ -21,7 +21,7 @@ class Part(NamedTuple):
     """A place for something that another module draws."""
 
     place: str
-    """Section of the page: `metrics`, `growth`, `pruning` or `coverage`."""
+    """Section of the page: `drives`, `undecided`, `metrics`, `growth`, `pruning` or `coverage`."""
     title: str
     draw: str
     """`module:function`; the function takes the study and what was read of it, and returns markup
@@ -29,6 +29,8 @@ class Part(NamedTuple):
 
 
 PARTS: tuple[Part, ...] = (
+    Part("drives", "Driving stacks", "oodscen.report.driving:part"),
+    Part("undecided", "Scenes that tell no actions apart", "oodscen.report.undecided:part"),
     Part("metrics", "Pictures of the measures", "oodscen.report.metric_pictures:part"),
     Part("growth", "How much is left to be found", "oodscen.report.further:saturation_part"),
     Part("pruning", "What would bring paths back", "oodscen.report.further:restoration_part"),

@@ -28,7 +28,16 @@ def test_a_stack_in_the_current_folder_drives(tmp_path, monkeypatch) -> None:
     found = run(main, ["drive", "out", "--driver", "stack_beside:make", "--json"])
     assert found.exit_code == 0
     assert [(row["n"], row["failed"]) for row in json.loads(found.output)] == [(1, 0), (1, 0)]
-    assert run(main, ["drive", "out", "--driver", "stack_beside:Broken"]).exit_code == 1
+    scenes, twins = json.loads(found.output)
+    assert (scenes["items"], twins["items"], twins["paired"]) == ("scenes", "twins", None)
+    assert scenes["paired"]["n"] == 1
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "Driving stacks" in page
+    assert "stack_beside:make" in page
+    broken = run(main, ["drive", "out", "--driver", "stack_beside:Broken"])
+    assert broken.exit_code == 1
+    assert "stack_beside:Broken, twins: 0 of 1 passed" in broken.output
+    assert "1 failed" in broken.output
     for unknown in ("stack", "stack_beside:Nobody", "no_such_stack:Driver"):
         refused = run(main, ["drive", "out", "--driver", unknown])
         assert refused.exit_code == 2

@@ -1,0 +1,70 @@
+"""What drives come to: counts that add up, pairs, and no prize for standing still."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen.judging.closed_loop import DriveResult
+from oodscen.judging.drives import HARDLY_DRIVES, RULE_BASED, drive_board, remarks
+
+
+def drives(driver, outcomes, progress=1.0):
+    """Two results per (passed in the scene, passed in the twin); `None` is a drive that failed."""
+    found = []
+    for index, pair in enumerate(outcomes):
+        for suffix, passed in zip(("", "~twin"), pair, strict=True):
+            name = f"leaf-{index % 6}-{index:03d}{suffix}"
+            found.append(
+                DriveResult(
+                    id=f"{name}@{driver}",
+                    scene_id=name,
+                    driver=driver,
+                    is_twin=bool(suffix),
+                    status="failed" if passed is None else "ok",
+                    passed=passed is True,
+                    collisions=("box",) if passed is False else (),
+                    min_ttc_s=1.0 if passed is False else None,
+                    progress=progress,
+                    progress_lost=0.0,
+                    peak_deceleration=3.0,
+                )
+            )
+    return found
+
+
+PAIRS = st.lists(st.tuples(*[st.sampled_from([True, False, None])] * 2), min_size=1, max_size=14)
+
+
+@settings(max_examples=20, deadline=None)
+@given(PAIRS)
+def test_counts_add_up(outcomes):
+    board = drive_board(drives("mine", outcomes))
+    scenes, pair = board.of("mine"), board.of("mine").paired
+    assert scenes.n == scenes.failed + scenes.passed + scenes.collisions == len(outcomes)
+    assert pair.n == pair.both + pair.scene_only + pair.twin_only + pair.neither
+    assert pair.drives_and_passes.hits == pair.both == outcomes.count((True, True))
+    assert scenes.shares["critical"].hits == scenes.collisions
+    assert scenes.means["progress"].n == scenes.n - scenes.failed
+    share = scenes.shares["passed"]
+    if share.n:
+        assert share.interval.low <= share.value <= share.interval.high
+
+
+def test_who_stands_still_passes_every_scene_and_ranks_last():
+    outcomes = [(True, True)] * 12
+    ruled = drives(RULE_BASED, [*outcomes[1:], (False, True)])
+    board = drive_board([*drives("still", outcomes, HARDLY_DRIVES / 5), *ruled])
+    assert board.drivers == (RULE_BASED, "still")
+    assert board.of("still").passed > board.of(RULE_BASED).passed
+    assert board.of("still").paired.drives_and_passes.hits == 0
+    test = board.of("still").paired.against_rule_based
+    assert test.difference < -0.9
+    assert test.p_clustered < 0.05
+    (said,) = remarks(board)
+    assert "still passes 100% of the scenes by hardly driving" in said
+
+
+def test_without_paths_enough_means_have_no_interval_and_shares_have_wilsons():
+    board = drive_board(drives("mine", [(True, False), (False, True)]))
+    assert board.of("mine").means["progress"].interval is None
+    assert board.of("mine").shares["passed"].interval.method == "wilson"
+    assert not drive_board([]).rows
