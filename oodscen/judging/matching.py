@@ -1,20 +1,35 @@
 """Whether an open answer names what a path is about: a matcher whose rules anyone can check."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
+
+from oodscen.judging.concepts import Concept, Naming, concepts, named, widened
 
 MOST_THINGS = 6
 """A list of more parts than this names nothing in particular."""
+
+GENERAL = frozenset({"vehicle", "person"})
+"""Things so common that a mere act of theirs, such as standing, tells nothing."""
 
 
 def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     """Whether an open answer names what a path is about.
 
-    The leaf's label decides. The answer and the label agree when they share a telling word: equal
-    up to its ending, or a synonym of it, and neither common in driving texts nor denied, as in "no
-    deer". One such word is enough: the matcher is lenient towards wording and strict towards
-    content. The label itself is always right; an answer that lists more than `MOST_THINGS` things
-    names none.
+    The leaf's label decides. Both texts are read as concepts of `concepts.toml`: odd and ordinary
+    things, states and acts. The label's heads are the things it is about. An answer is right when
+
+    1. it is the label itself, or
+    2. it names a head that is odd in itself, or a wider word for it ("an animal" for a dog) and
+       nothing else of that wider kind, or
+    3. it names a head that is ordinary, or a wider or narrower word for it, or leaves the thing
+       out, and also a state of the label ("a car on its roof"), or another odd thing of it. Where
+       the label has neither, an act, a place or a word of its own must be shared. A wider state
+       ("stopped" for "broken down") is enough beside the very head, unless that is `GENERAL`, or
+    4. the label is made of words that the table does not have, and it names their head word.
+
+    What is denied does not count, and an answer that lists more than `MOST_THINGS` things names
+    none. Adjectives such as "heavy" and times such as "night" are no concepts: alone they never
+    make an answer right.
 
     Args:
         aspect: The answer.
@@ -26,17 +41,80 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
         return True
     if len(_parts(aspect)) > MOST_THINGS:
         return False
-    said = affirmed_words(aspect)
-    return bool(_widened(said) & _widened(telling_words(path[-1])))
+    said, label = named(aspect), named(path[-1])
+    heads = label.heads or _implied(label.concepts)
+    if not heads:
+        return _names_state(said, label) or _names_word(aspect, path[-1])
+    return any(_names_oddity(said, head) or _names_case(said, label, head) for head in heads)
+
+
+def _names_oddity(said: Naming, head: Concept) -> bool:
+    """Rule 2: whether an answer names a thing that is odd in itself."""
+    if head.kind != "odd":
+        return False
+    if any(head.name in widened(one.name) for one in said.concepts):
+        return True
+    wider = {one.name for one in said.concepts if one.kind == "odd"} & widened(head.name)
+    return any(
+        not any(name in widened(one.name) and one.name != name for one in said.concepts)
+        for name in wider
+    )
+
+
+def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
+    """Rule 3: whether an answer names an ordinary thing with what makes it unusual."""
+    things = [one for one in said.concepts if one.kind in ("odd", "ordinary")]
+    things += [] if things else _implied(said.concepts)
+    is_very = any(head.name in widened(one.name) for one in things)
+    is_wider = any(one.name in widened(head.name) for one in things)
+    if not (is_very or is_wider):
+        return False
+    others = [one for one in label.concepts if one != head]
+    given = {name for one in said.concepts for name in widened(one.name)}
+    telling = {one.name for one in others if one.kind in ("odd", "state")}
+    if telling & given:
+        return True
+    acts = {one.name for one in others if one.kind in ("act", "ordinary")}
+    places = {one.name for one in others if one.kind == "place"}
+    if telling:
+        loose = {name for one in telling for name in widened(one)} - GENERAL
+        is_close = any(one.name in widened(head.name) and one.name not in GENERAL for one in things)
+        is_close |= is_very and head.name != "vehicle"
+        return is_close and bool((loose | acts | places) & given)
+    words = telling_words(" ".join(label.rest))
+    own = words & telling_words(" ".join(said.rest))
+    if not is_very:
+        return len((acts | places) & given) + len(own) >= 2
+    if head.name in GENERAL and places:
+        has_act = head.name == "person" or not acts or acts & given
+        return bool(places & given and has_act)
+    return bool((acts | places) & given or own) or not (acts | places | words)
+
+
+def _names_state(said: Naming, label: Naming) -> bool:
+    return bool(
+        {one.name for one in label.concepts if one.kind == "state"}
+        & {name for one in said.concepts for name in widened(one.name)}
+    )
+
+
+def _implied(found: Iterable[Concept]) -> list[Concept]:
+    """Return the things that states are about though none is named."""
+    return [concepts()[one.implied] for one in found if one.implied]
+
+
+def _names_word(aspect: str, label: str) -> bool:
+    """Rule 4: whether an answer has the last word of the label's first phrase."""
+    phrase = _PHRASE_END.split(label.casefold(), maxsplit=1)[0]
+    head = [word for word in re.findall(r"[a-z]+", phrase) if word not in COMMON][-1:]
+    return bool(head) and stem(head[0]) in affirmed_words(aspect)
+
+
+_PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
 
 
 def _words(text: str) -> list[str]:
     return re.findall(r"\w+", text.casefold())
-
-
-def _widened(stems: set[str]) -> set[str]:
-    """Return stems, and for each the groups of synonyms that it belongs to."""
-    return stems | {f"={index}" for one in stems for index in _GROUPS.get(one, ())}
 
 
 def affirmed_words(text: str) -> set[str]:
@@ -92,44 +170,3 @@ def _undoubled(word: str) -> str:
     """Return what the forms of a word share: "stopp" and "stop", "merg" and "merge"."""
     is_doubled = len(word) > 3 and word[-1] == word[-2] and word[-1] not in "sl"
     return word[:-1] if is_doubled else word.removesuffix("e")
-
-
-SYNONYMS: tuple[frozenset[str], ...] = tuple(
-    frozenset(words.split())
-    for words in (
-        "overturned rollover flipped upturned toppled capsized overturn",
-        "fog mist haze foggy misty",
-        "snow snowfall snowstorm blizzard snowy snowing",
-        "rain rainfall downpour rainstorm rainy raining cloudburst",
-        "ice icy frozen slippery",
-        "deer stag doe elk moose",
-        "animal wildlife livestock cattle cow sheep deer dog horse boar",
-        "people crowd pedestrian person protester marcher demonstrator "
-        "parade protest procession demonstration rally march",
-        "police officer checkpoint roadblock",
-        "construction roadworks works excavator digger barricade barrier cone",
-        "wrong opposite wrongway contraflow ghost",
-        "box carton cardboard package crate",
-        "debris rubble litter wreckage",
-        "tree branch trunk log",
-        "child kid boy girl toddler",
-        "bicycle bike cyclist bicyclist",
-        "motorcycle motorbike motorcyclist biker",
-        "lorry truck trailer",
-        "crash accident collision wreck",
-        "flood flooded flooding inundated",
-        "ambulance firetruck emergency siren",
-        "smoke fire burning flames",
-        "pot planter flowerpot",
-        "ball football",
-        "halted stopped stationary parked stranded broken stalled",
-        "merge merging cutin cutting",
-    )
-)
-"""Words that count as the same."""
-
-_GROUPS: Mapping[str, set[int]] = {
-    one: {index for index, group in enumerate(SYNONYMS) if one in {stem(word) for word in group}}
-    for one in {stem(word) for group in SYNONYMS for word in group}
-}
-"""By stem: the groups of synonyms that hold it."""
