@@ -5,6 +5,7 @@
 """
 
 import os
+import shlex
 import sys
 from typing import Any
 
@@ -30,12 +31,28 @@ from oodscen.llms.redaction import redact
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 
+_ORDER = "oodscen.order"
+"""Key of the words behind the program's name in a context."""
+
+
 class _Group(click.Group):
     """Turns errors of the library into one friendly line and an exit code."""
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        ctx.meta[_ORDER] = list(args)
+        return super().parse_args(ctx, args)
+
     def invoke(self, ctx: click.Context) -> Any:
+        order = ctx.meta.get(_ORDER, [])
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt:
+            again = ""
+            if ctx.invoked_subcommand in ("run", "evaluate"):
+                command = redact(shlex.join(["oodscen", *order]))
+                again = f"; what is done is written, and this command continues: {command}"
+            say(f"oodscen: interrupted{again}", err=True)
+            ctx.exit(130)
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise
@@ -50,6 +67,7 @@ EXIT_CODES = {
     1: "some items failed, or a check says no; what succeeded is written",
     2: "the request cannot be met: unknown name, malformed or empty file, folder of another study",
     3: "stopped by a cap or a server that is down; the same command continues",
+    130: "interrupted (Ctrl-C); the same command continues",
 }
 
 _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())

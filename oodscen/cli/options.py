@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen.errors import UsageError
-from oodscen.llms.traffic import PATIENCE_S
+from oodscen.llms.traffic import PATIENCE_S, TIMEOUT_S
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 
@@ -139,6 +139,13 @@ traffic_options = _options(
         help="Requests to one server at once, at most; fewer while it says that there are too many.",
     ),
     click.option(
+        "--timeout",
+        default=TIMEOUT_S,
+        show_default=True,
+        type=click.FloatRange(min=0, min_open=True),
+        help="Seconds for one answer, to its last byte; tried once more, then only its item fails.",
+    ),
+    click.option(
         "--patience",
         default=PATIENCE_S,
         show_default=True,
@@ -168,6 +175,7 @@ def traffic_from(choices: dict[str, Any]) -> "Traffic":
         prices=prices,
         concurrency=choices.pop("concurrency"),
         patience_s=choices.pop("patience"),
+        timeout_s=choices.pop("timeout"),
     )
 
 

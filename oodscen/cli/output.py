@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from oodscen.judging.board import Figure, Leaderboard, Rate
     from oodscen.llms.accounting import Account
     from oodscen.redteaming.saturation import Saturation
+    from oodscen.verdict import Verdict
 
 Row = TypeVar("Row", bound=Data)
 
@@ -82,6 +83,19 @@ def standings(board: "Leaderboard") -> str:
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     chance = "" if board.chance is None else f"; a random action is safe in {board.chance:.0%}"
     return "\n".join([f"{board.scenes} scenes of {board.paths} paths{chance}", *lines])
+
+
+def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
+    """Say in a line per model how many items it was not asked about since it was given up, and why."""
+    found: dict[str, list[Verdict]] = {}
+    for verdict in verdicts:
+        if verdict.outcome == "unasked":
+            found.setdefault(verdict.model, []).append(verdict)
+    return [
+        f"{model}: {len(rows)} items {rows[0].error}; the same command asks them, --drop {model} takes "
+        "the model out of the study"
+        for model, rows in found.items()
+    ]
 
 
 _BESIDE = ("constant:stop", "random", "blind", "novelty", "oracle")

@@ -22,7 +22,8 @@ from oodscen.cli.options import (
     traffic_from,
     traffic_options,
 )
-from oodscen.cli.output import bars, estimated, say, standings, summary
+from oodscen.cli.output import bars, estimated, left_out, say, standings, summary
+from oodscen.errors import UsageError
 from oodscen.registry import DEFAULT_ENCODER
 
 
@@ -155,6 +156,8 @@ def run(
         click.echo(json.dumps(info, indent=2))
     else:
         say(summary(info))
+        for line in left_out(study.verdicts):
+            say(line, err=True)
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     if info["status"] != "success":
         sys.exit(1)
@@ -162,8 +165,13 @@ def run(
 
 @click.command()
 @click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--vlm", "vlms", multiple=True, help="Vision-language model; repeatable.")
 @click.option(
-    "--vlm", "vlms", multiple=True, required=True, help="Vision-language model; repeatable."
+    "--drop",
+    "dropped",
+    multiple=True,
+    metavar="MODEL",
+    help="Take a judged model out of the study, before others are judged; repeatable.",
 )
 @judging_options
 @click.option(
@@ -178,6 +186,7 @@ def run(
 def evaluate(
     out: Path,
     vlms: tuple[str, ...],
+    dropped: tuple[str, ...],
     protocol: str,
     judge: str | None,
     api_base: str | None,
@@ -188,12 +197,20 @@ def evaluate(
     """Judge further vision-language models on the study in the folder OUT.
 
     Prints the leaderboard, or with --json what leaderboard.json holds. The exit code is 1 if a model judged
-    here left an item without a usable answer.
+    here left an item without a usable answer. What no answer came to is asked again, of earlier models
+    too, after all that is new; a model that is given up costs its own items only. With --drop alone nobody is
+    asked.
     """
     from oodscen.judging.leaderboard import Leaderboard
     from oodscen.study import Study, StudyConfig, run_study
+    from oodscen.study.dropping import drop_models
 
     before = Study.open(out)
+    if not vlms and not dropped:
+        raise UsageError("name a model to judge (--vlm MODEL) or one to take out (--drop MODEL)")
+    for name, count in drop_models(before, dropped).items() if dropped else ():
+        kept = "its answers stay in answers.jsonl and are used if it is judged again"
+        say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
     config, known = before.config, {verdict.model for verdict in before.verdicts}
     changes = {
         "vlms": vlms,
@@ -202,23 +219,28 @@ def evaluate(
         "servers": dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {},
     }
     traffic = traffic_from(choices)
-    with bars() as progress:
-        study = run_study(
-            out,
-            StudyConfig.parse(config.model_dump() | changes).judging_too(config),
-            progress=progress,
-            traffic=traffic,
-            workers=os.cpu_count() or 1,
-            retry=retry_failed,
-        )
+    study = before
+    if vlms:
+        with bars() as progress:
+            study = run_study(
+                out,
+                StudyConfig.parse(config.model_dump() | changes).judging_too(config),
+                progress=progress,
+                traffic=traffic,
+                workers=os.cpu_count() or 1,
+                retry=retry_failed,
+            )
     board = Leaderboard.parse((study.folder / "leaderboard.json").read_bytes())
     if as_json:
         click.echo(board.model_dump_json(indent=2))
     else:
         say(standings(board))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
-    here = {verdict.model for verdict in study.verdicts} - (known - set(vlms))
-    sys.exit(any(one.status == "failed" and one.model in here for one in study.verdicts))
+    verdicts = study.verdicts
+    for line in left_out(verdicts):
+        say(line, err=True)
+    here = {verdict.model for verdict in verdicts} - (known - set(vlms))
+    sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
 
 
 @click.command()

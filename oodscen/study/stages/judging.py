@@ -23,7 +23,7 @@ from oodscen.judging.references import Blind, Novelty, Oracle, is_reference
 from oodscen.llms.contained import ContainedLLM
 from oodscen.llms.traffic import JUDGING
 from oodscen.messages import Image
-from oodscen.prompts import prompt_versions
+from oodscen.prompts import NameAspect, prompt_versions
 from oodscen.protocols import LLM
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
@@ -31,6 +31,9 @@ from oodscen.study.context import Context
 from oodscen.study.stages.scenes import simulate_whole
 from oodscen.twins import scene_of, twin_id
 from oodscen.verdict import Protocol, Verdict, verdict_id
+
+ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
+"""Reference answerers that are judged in every study."""
 
 OPINIONS = "opinions.jsonl"
 """One line per distinct open aspect and path that a judge model was asked about."""
@@ -225,6 +228,7 @@ def _judged(
 def _dated(verdict: Verdict) -> Verdict:
     """Mark an answer to other versions of the prompts than this run's."""
     is_outdated = not verdict.prompts.items() <= prompt_versions().items()
+    is_outdated |= verdict.protocol == "paper" and NameAspect.purpose in verdict.prompts
     if verdict.is_outdated is is_outdated:
         return verdict
     return verdict.model_copy(update={"is_outdated": is_outdated})
