@@ -43,15 +43,17 @@ _SIDE = re.compile(
     re.IGNORECASE,
 )
 _AHEAD = re.compile(r"\b(?:ahead|in front of)\b", re.IGNORECASE)
+_STAYS = re.compile(
+    r"\b(?:stand|lie|lying|lay|sit|kneel|kneeling|wait|sleep|asleep|collaps|crouch|remain|stay|motionless|still|"
+    r"stationary|immobile|unconscious|stop|halt|freez|frozen|on the ground|glued)\w*",
+    re.IGNORECASE,
+)
 _KINDS = frozenset({"residential", "urban", "highway", "rural", "tunnel", "bridge", "railway"})
 _STANDS = frozenset({"stand"})
 _ROLLS = {"vehicle": "follow_lane", "cyclist": "follow_lane", "work_zone": "roll_away"}
 
 OPEN_STANDING: tuple[tuple[str, str], ...] = (
     (r"\bhalts in\b", "it comes to a halt: at first it may move"),
-    (r"\bstepped into the carriageway to\b", "where the officer goes next is not told"),
-    (r"\bwaved down\b", "whether the officer stands or walks is not told"),
-    (r"\bblocks .* lane in person\b", "whether the officer stands or walks is not told"),
     (r"\bcheckpoint appears\b", "a checkpoint appears: nothing is said of who stands in it"),
     (r"\bhas turned a car round\b", "whether the car still slides is not told"),
 )
@@ -151,6 +153,9 @@ def _moving(case: Case) -> Fields:
     if not case.hazards or any(a.behaviour.name not in _STANDS for _, a in case.hazards):
         raise LeftOutError("part of the hazard moves")
     _refuse(case, OPEN_STANDING)
+    alive = {case.category(actor) for _, actor in case.hazards} <= {"pedestrian", "animal"}
+    if alive and not _STAYS.search(case.text):
+        raise LeftOutError("people and animals that are not said to stand may walk")
     fields = case.scene.model_dump()
     for index, actor in case.hazards:
         category = case.category(actor)

@@ -129,6 +129,9 @@ class _Reading:
             if after is not None and self.text[mention.end : after.start] == " ":
                 continue
             before = self.text[: mention.start]
+            rest = self.text[mention.end :]
+            if mention.thing.name == "driver" and phrases.OF_ITS_VEHICLE.match(rest):
+                continue
             oblique = phrases.OBLIQUE.search(before[-60:]) is not None
             oblique = oblique and re.search(r", for (?:an?|the) $", before) is None
             oblique = oblique and phrases.PART_OF.search(before[-60:]) is None
@@ -137,7 +140,9 @@ class _Reading:
                 lead = before[-60:][: grouped.start()]
                 oblique = phrases.OBLIQUE.search(lead) is not None
             subject = self._subject(mention)
-            oblique = oblique or (subject is None and phrases.ITS.search(before) is not None)
+            is_part = phrases.ITS.search(before) or phrases.CARRIED.search(before[-40:])
+            is_part = is_part or phrases.LACKED.search(before[-40:]) or re.match("'s ", rest)
+            oblique = oblique or (subject is None and is_part is not None)
             nouns.append(Noun(mention.start, mention.end, subject, oblique))
         for found in phrases.EGO.finditer(self.text):
             is_possessive = found.group(0).endswith(("'s", "your"))
@@ -157,11 +162,17 @@ class _Reading:
             return None
         if re.search(r"\bas an? $", before) and re.match(r"[.,;]|$", after):
             return None
-        if name == "object" and re.match(r" [^.;,]{0,40}\bis (?:an?|really) ", after):
+        if name == "object" and re.match(
+            r" [^.;,]{0,80}\b(?:is|turns out to be|proves to be) (?:an?|really) ", after
+        ):
             return None
         if name == "barrier" and after.startswith(" of "):
             return None
         lead = sentence[_last_end(phrases.BREAK, sentence) :]
+        if (mention.word == "drunk" and phrases.BEING.search(before)) or (
+            name == "car door" and before.endswith("'s ")
+        ):
+            return None
         count = _count(lead, mention)
         determiner = phrases.DETERMINER.search(lead)
         word = determiner.group(1).casefold() if determiner else ""
@@ -191,9 +202,12 @@ class _Reading:
                 return alike[-1]
             if count > 1:
                 return None
-        if word == "the" and mention.word == "cab":
+        if word == "the" and mention.word == "cab" and not re.match(r" (?:that|ahead|in)\b", after):
             return None
-        if (word == "its" and mention.thing.group in ("vehicle", "object")) or (
+        is_left = (
+            re.search(r"\b(?:left|parked|abandoned|leave) its (?:[\w-]+ )?$", lead) is not None
+        )
+        if (word == "its" and not is_left and mention.thing.group in ("vehicle", "object")) or (
             word == "the" and name == "tree" and mention.is_plural
         ):
             return None
@@ -261,7 +275,12 @@ class _Reading:
             return
         if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
             return
+        if thing.name == "car door" and pattern.value == "into_lane":
+            return
         value = pattern.value or _number(found.group(1))
+        on_foot = is_verb and phrases.STRIDES.match(self.text, start)
+        if on_foot and thing.group == "vehicle" and thing.name not in phrases.CYCLES:
+            return
         if subject.is_faint and is_verb and phrases.ON_FOOT.match(self.text, start):
             subject = self._walker(subject)
         if subject.is_faint:
@@ -300,25 +319,25 @@ class _Reading:
         at = bisect_right([clause.start for clause in self.clauses], start) - 1
         clause = self.clauses[at]
         words = self.text[clause.start : clause.end]
+        lies = pattern.kind == "place" and phrases.LIES.search(words)
         if pattern.value in sides and clause.nouns:
             return
         is_lane = pattern.value == "in_lane"
-        if is_lane and any(n.subject is None and not n.is_oblique for n in clause.nouns):
+        heads = [noun for noun in clause.nouns if noun.start < start]
+        if not heads and at and self.clauses[at - 1].sentence == clause.sentence:
+            heads = self.clauses[at - 1].nouns
+        if is_lane and any(noun.subject is None and not noun.is_oblique for noun in heads):
             return
-        if phrases.ROADWAY.search(words) or not any(
-            noun.subject is not None
+        named = [
+            noun.subject
             for one in self.clauses
             if one.sentence == clause.sentence
             for noun in one.nouns
-        ):
+            if noun.subject is not None
+        ]
+        if phrases.ROADWAY.search(words) or not (lies or named):
             return
-        alone = {
-            noun.subject.name: noun.subject
-            for one in self.clauses
-            if one.sentence == clause.sentence
-            for noun in one.nouns
-            if noun.subject is not None and not noun.subject.is_faint
-        }
+        alone = {one.name: one for one in named if not one.is_faint}
         value = pattern.value or _number(found.group(1))
         if len(alone) == 1:
             (subject,) = alone.values()
@@ -370,7 +389,10 @@ class _Reading:
                 (is_lifeless and is_in_lane)
                 or (blocks and (is_lifeless or self._governs(subject, begin, blocks)))
                 or phrases.BLOCKED.search(lead)
-                or (phrases.PUT.search(lead) and (is_lifeless or not re.search(r"\bleft ", lead)))
+                or (
+                    phrases.PUT.search(lead)
+                    and (is_lifeless or not re.search(r"\bleft (?!its )", lead))
+                )
             ):
                 self._add("motion", "stationary", subject.name, mention.start, mention.end)
 
@@ -413,7 +435,9 @@ class _Reading:
             opening = self.text[clause.start : heads[0].start].split()
             is_verb_first = len(opening) > 1 and opening[1].casefold() not in _DETERMINERS
             antecedent = self._last_before(clause)
-            if is_verb_first and antecedent is not None:
+            tail = self.text[heads[0].end : start].split()
+            is_past = len(opening) == 1 and self._is_ego(heads[0]) and 0 < len(tail) < 6
+            if (is_verb_first or (is_past and "and" not in tail)) and antecedent is not None:
                 return antecedent
         if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):
             return self._meant(before[-1]).subject
@@ -431,9 +455,9 @@ class _Reading:
             return self._last_before(clause)
         if is_verb and not clause.is_relative:
             follower = next((n for n in clause.nouns if n.start >= end), None)
-            if follower is not None and follower.subject is not None:
-                if _INVERTED.fullmatch(self.text[start : follower.start]):
-                    return follower.subject
+            between = self.text[start : follower.start] if follower is not None else ""
+            if follower is not None and follower.subject and _INVERTED.fullmatch(between):
+                return follower.subject
         earlier = self._subject_before(at)
         if earlier is not None:
             return earlier.subject
@@ -441,7 +465,17 @@ class _Reading:
 
     def _meant(self, noun: Noun) -> Noun:
         """Return what a pronoun stands for: the last thing that its sentence named."""
-        if self.text[noun.start : noun.end].casefold() not in ("it", "they"):
+        word = self.text[noun.start : noun.end].casefold()
+        if word in ("he", "she"):
+            people = [
+                one
+                for one in self.nouns
+                if one.end <= noun.start
+                and one.subject
+                and one.subject.mention.thing.group == "person"
+            ]
+            return people[-1] if people else noun
+        if word not in ("it", "they"):
             return noun
         earlier = [
             one
@@ -540,7 +574,9 @@ class _Reading:
             stronger = _STRONGER.get(claim.value, ())
             if any((claim.subject, value) in told for value in stronger):
                 continue
-            if claim.value == "clear_of_lane" and claim.subject in moving:
+            move = self.found.get(("motion", "moving", claim.subject))
+            leaves = move is not None and phrases.LEAVES.match(move.quote) is not None
+            if claim.value == "clear_of_lane" and (claim.subject in moving or leaves):
                 continue
             if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
                 continue
