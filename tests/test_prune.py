@@ -4,11 +4,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen import Pruner, ScenarioTree
+from oodscen import Pruner, ScenarioTree, make_llm
 from oodscen.errors import LLMError
 from oodscen.paper import attestation
 from oodscen.prompts import BranchJudgement, CatalogueDigest, JudgeBranch
 from oodscen.prune import PruneDecision, all_decisions, pruned
+from oodscen.registry import make_catalogue
 from oodscen.testing import FlatSimulator, FunctionLLM
 from oodscen.tree import TreeEdit, slug
 
@@ -152,6 +153,30 @@ def test_leaves_with_the_same_means_name_each_other():
     assert same["deer"] == ("stag",)
     assert same["stag"] == ("deer",)
     assert same["lion"] == same["environmental"] == ()
+
+
+def test_an_inner_node_has_what_realises_its_kept_branches():
+    deer = {"reasoning": "x", "simulatable": True, "assets": ["deer"], "behaviours": ["bolt"]}
+    box = {"reasoning": "x", "simulatable": True, "assets": ["cardboard_box", "deer"]}
+    gone = {"reasoning": "x", "simulatable": False, "missing": ["unicorn"]}
+    tree = planted("Deer", "Box", "Unicorn")
+    judged = judging(Deer=deer, Box=box, Unicorn=gone).decisions(tree)
+    by_id = {one.id: one for one in all_decisions(tree, judged)}
+    for name in ("root", "environmental"):
+        assert by_id[name].assets == ("deer", "cardboard_box")
+        assert by_id[name].behaviours == ("bolt",)
+    assert by_id["interactional"].assets == ()
+
+
+def test_the_built_in_author_narrows_what_somebody_else_wrote():
+    tree = planted("Dog, cow or large cardboard box on the road", "Deer / dog")
+    pruner = Pruner(make_llm("builtin"), make_catalogue("carla-0.9.16"))
+    judged = list(pruner.decisions(tree))
+    assert [one.match for one in judged] == ["part", "none"]
+    (leaf,) = pruned(tree, judged).leaves
+    assert leaf.label == "Large cardboard box on the road"
+    assert leaf.attested == "paper"
+    assert judged[0].missing == ("an asset: dog", "an asset: cow")
 
 
 def test_substitutes_are_marked_and_can_be_refused():

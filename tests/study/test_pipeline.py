@@ -179,7 +179,7 @@ def served(out, server, **changes):
 
 def test_through_litellm_and_http_the_study_is_the_same(folder, tmp_path, author):
     with AnsweringServer(author) as server:
-        study = served(tmp_path / "served", server, twins=True)
+        study = served(tmp_path / "served", server, twins=True, catalogues=("carla-0.9.16",))
     assert study.info["status"] == "success"
     assert under("builtin", content(tmp_path / "served"), "served") == content(folder)
     assert len(server.received) == len(study.table("calls"))
