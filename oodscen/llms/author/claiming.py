@@ -3,12 +3,21 @@
 import re
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 from oodscen.claims.claim import Claim, Kind
 from oodscen.claims.things import Mention, mentions
 from oodscen.llms.author import phrases
+from oodscen.llms.author.clauses import (
+    Clause,
+    Noun,
+    Subject,
+    clauses_of,
+    count_of,
+    last_end,
+    number_of,
+)
 from oodscen.llms.author.phrases import Pattern
+from oodscen.llms.author.resting import usual_motion
 
 _STRONGER = {
     "rain": ("heavy_rain", "light_rain"),
@@ -29,8 +38,6 @@ _WILFUL = frozenset(
     {"oncoming", "moving", "slow", "reversing", "crossing", "from_left", "from_right"}
 )
 _CROSSES = frozenset({"crossing", "into_lane", "from_left", "from_right"})
-_UNINFLECTED = frozenset({"deer", "sheep", "moose", "elk"})
-_FEW, _MANY = 2, 3
 _INVERTED = re.compile(
     r"(?:stands?|lies?|lay|sits?|gapes?|comes|runs|stood|sat) (?:an?|the|some|two|several) (?:[\w-]+ ){0,2}",
     re.IGNORECASE,
@@ -38,45 +45,6 @@ _INVERTED = re.compile(
 _DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
 _APPOSED = 24
 """Characters between a noun and a relative clause about it, at most."""
-
-
-@dataclass
-class Subject:
-    """A thing that a text speaks of."""
-
-    name: str
-    mention: Mention
-    count: int = 1
-    is_agent: bool = False
-    """It only did something, and may be gone: it is there if it moves."""
-
-    @property
-    def is_faint(self) -> bool:
-        """Whether it is claimed to be there only where something else is said of it."""
-        return self.is_agent or self.mention.thing.faint
-
-
-@dataclass(frozen=True)
-class Noun:
-    """A noun phrase: of a thing, of the ego, or a pronoun."""
-
-    start: int
-    end: int
-    subject: Subject | None
-    """`None` for the ego and pronouns."""
-    is_oblique: bool
-    """It follows a preposition."""
-
-
-@dataclass
-class Clause:
-    """A stretch of a sentence."""
-
-    start: int
-    end: int
-    sentence: int
-    is_relative: bool
-    nouns: list[Noun] = field(default_factory=list)
 
 
 def read_claims(text: str) -> tuple[Claim, ...]:
@@ -89,7 +57,7 @@ class _Reading:
         self.text = text
         self.found: dict[tuple[Kind, str, str], Claim] = {}
         self.subjects: list[Subject] = []
-        self.clauses = _clauses(text)
+        self.clauses = clauses_of(text)
         self.nouns = self._nouns()
         starts = [clause.start for clause in self.clauses]
         for noun in self.nouns:
@@ -111,7 +79,16 @@ class _Reading:
             if after is not None and after.subject is not None:
                 self._add("place", "in_lane", after.subject.name, *found.span())
         self._signals()
-        self._inert()
+        told: dict[str, set[str]] = {}
+        for kind, value, name in self.found:
+            if kind in ("motion", "place"):
+                told.setdefault(name, set()).add(f"{kind} {value}")
+        for subject in self.subjects:
+            motion = usual_motion(self.text, subject, self.nouns, told.get(subject.name, set()))
+            if motion is not None:
+                self._present(subject)
+                mention = subject.mention
+                self._add("motion", motion, subject.name, mention.start, mention.end)
         return tuple(self._kept())
 
     def _present(self, subject: Subject) -> None:
@@ -153,7 +130,7 @@ class _Reading:
 
     def _subject(self, mention: Mention) -> Subject | None:
         before, after = self.text[: mention.start], self.text[mention.end :]
-        sentence = before[_last_end(phrases.SENTENCE, before) :]
+        sentence = before[last_end(phrases.SENTENCE, before) :]
         name = mention.thing.name
         is_all = name == "traffic light" and re.search(r"\b(?:all|every) (?:the )?$", before)
         if (phrases.NOT_THERE.search(sentence) and not is_all) or phrases.NOT_ITSELF.match(after):
@@ -168,12 +145,12 @@ class _Reading:
             return None
         if name == "barrier" and after.startswith(" of "):
             return None
-        lead = sentence[_last_end(phrases.BREAK, sentence) :]
+        lead = sentence[last_end(phrases.BREAK, sentence) :]
         if (mention.word == "drunk" and phrases.BEING.search(before)) or (
             name == "car door" and before.endswith("'s ")
         ):
             return None
-        count = _count(lead, mention)
+        count = count_of(lead, mention)
         determiner = phrases.DETERMINER.search(lead)
         word = determiner.group(1).casefold() if determiner else ""
         if mention.thing.group == "person" and phrases.RIDES.match(after):
@@ -277,10 +254,13 @@ class _Reading:
             return
         if thing.name == "car door" and pattern.value == "into_lane":
             return
-        value = pattern.value or _number(found.group(1))
+        value = pattern.value or number_of(found.group(1))
         on_foot = is_verb and phrases.STRIDES.match(self.text, start)
         if on_foot and thing.group == "vehicle" and thing.name not in phrases.CYCLES:
-            return
+            drivers = [one for one in self.subjects if one.mention.thing.name == "driver"]
+            if not drivers:
+                return
+            subject = self._walker(drivers[-1])
         if subject.is_faint and is_verb and phrases.ON_FOOT.match(self.text, start):
             subject = self._walker(subject)
         if subject.is_faint:
@@ -338,7 +318,7 @@ class _Reading:
         if phrases.ROADWAY.search(words) or not (lies or named):
             return
         alone = {one.name: one for one in named if not one.is_faint}
-        value = pattern.value or _number(found.group(1))
+        value = pattern.value or number_of(found.group(1))
         if len(alone) == 1:
             (subject,) = alone.values()
             if not self._is_elsewhere(subject):
@@ -354,61 +334,13 @@ class _Reading:
         places = ("behind", "oncoming_lane", "left_lane", "right_lane", "clear_of_lane")
         return any(("place", value, subject.name) in self.found for value in places)
 
-    def _inert(self) -> None:
-        """Claim that what lies or blocks the way by its nature stays there."""
-        for subject in self.subjects:
-            thing = subject.mention.thing
-            told = {v for (k, v, name) in self.found if k == "motion" and name == subject.name}
-            mention = subject.mention
-            natural = phrases.BY_NATURE.get(mention.word)
-            if natural and not told:
-                self._present(subject)
-                self._add("motion", natural, subject.name, mention.start, mention.end)
-                continue
-            if subject.is_faint or told:
-                continue
-            if phrases.STILL_BY_NAME.search(mention.word):
-                self._add("motion", "stationary", subject.name, mention.start, mention.end)
-            if thing.group not in ("object", "signal", "vehicle"):
-                continue
-            begin = _last_end(phrases.SENTENCE, self.text[: mention.start])
-            rest = phrases.SENTENCE.search(self.text, mention.end)
-            sentence = self.text[begin : rest.start() if rest else len(self.text)]
-            lead = self.text[begin : mention.start]
-            rest_of = phrases.MOVED_PAST.sub(" ", sentence)
-            if phrases.STIRS.search(rest_of) or thing.name in phrases.LIGHT:
-                continue
-            borne = phrases.BORNE.search(lead) and not phrases.BLOCKED.search(lead)
-            if borne and thing.group != "vehicle":
-                continue
-            is_lifeless = thing.group != "vehicle"
-            after = self.text[mention.end : begin + len(sentence)]
-            blocks = phrases.BLOCKS.search(sentence) if is_lifeless else phrases.BARS.search(after)
-            is_in_lane = ("place", "in_lane", subject.name) in self.found
-            if (
-                (is_lifeless and is_in_lane)
-                or (blocks and (is_lifeless or self._governs(subject, begin, blocks)))
-                or phrases.BLOCKED.search(lead)
-                or (
-                    phrases.PUT.search(lead)
-                    and (is_lifeless or not re.search(r"\bleft (?!its )", lead))
-                )
-            ):
-                self._add("motion", "stationary", subject.name, mention.start, mention.end)
-
-    def _governs(self, subject: Subject, begin: int, found: re.Match[str]) -> bool:
-        """Tell whether nothing else is named between a vehicle and what is said to block."""
-        low = subject.mention.end
-        high = low + found.start()
-        return not any(n.start >= low and n.end <= high and not n.is_oblique for n in self.nouns)
-
     def _is_within(self, position: int) -> bool:
         return any(n.subject and n.start <= position < n.end for n in self.nouns)
 
     def _is_among_others(self, position: int, subject: Subject) -> bool:
         """Tell whether a sentence has named another thing, for which `it` may stand."""
         sentence = self.text[:position]
-        begin = _last_end(phrases.SENTENCE, sentence)
+        begin = last_end(phrases.SENTENCE, sentence)
         return any(
             noun.subject not in (None, subject)
             for noun in self.nouns
@@ -511,7 +443,10 @@ class _Reading:
             if clause.sentence != self.clauses[at].sentence:
                 return None
             heads = [noun for noun in clause.nouns if not noun.is_oblique]
-            heads = heads or [n for n in clause.nouns if n.subject is not None] or clause.nouns
+            heads = heads or [n for n in clause.nouns if n.subject is not None]
+            heads = heads or clause.nouns
+            if all(noun.subject is not None and noun.subject.is_faint for noun in heads):
+                heads = [noun for noun in heads if not noun.is_oblique]
             if heads:
                 return heads[0]
         return None
@@ -581,39 +516,3 @@ class _Reading:
             if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
                 continue
             yield claim
-
-
-def _clauses(text: str) -> list[Clause]:
-    clauses, start, sentence = [], 0, 0
-    for found in [*phrases.BREAK.finditer(text), None]:
-        end = len(text) if found is None else found.end()
-        if end > start:
-            relative = phrases.RELATIVE.match(text[start:]) is not None
-            clauses.append(Clause(start, end, sentence, relative))
-        if found is not None and phrases.SENTENCE.match(found.group(0)):
-            sentence += 1
-        start = end
-    return clauses
-
-
-def _count(lead: str, mention: Mention) -> int:
-    found = phrases.QUANTITY.search(lead)
-    if found is None:
-        return _FEW if mention.is_plural else 1
-    number, pair, several = found.groups()
-    if not mention.is_plural and mention.word not in _UNINFLECTED:
-        return 1
-    if number:
-        return phrases.NUMBER_WORDS.get(number.casefold()) or max(int(number), 1)
-    if pair:
-        return _FEW
-    large = re.search(r"crowd|large|dozens|many|herd|swarm", several, re.IGNORECASE)
-    return _MANY if large else _FEW
-
-
-def _number(words: str) -> str:
-    return str(phrases.NUMBER_WORDS.get(words.casefold(), words))
-
-
-def _last_end(pattern: re.Pattern[str], text: str) -> int:
-    return max((found.end() for found in pattern.finditer(text)), default=0)
