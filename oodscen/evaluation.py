@@ -28,6 +28,7 @@ from oodscen.judging.answers import (
     read_description,
 )
 from oodscen.judging.matching import names_aspect
+from oodscen.judging.naming import names_nothing, read_named_aspect
 from oodscen.judging.opinions import is_open, opinion, rescored
 from oodscen.judging.references import AspectOption, Case, Reference, is_reference
 from oodscen.messages import Image
@@ -40,6 +41,8 @@ from oodscen.prompts import (
     DescribeFrame,
     FrameDescription,
     NameAspect,
+    NamedAspect,
+    NameOodAspect,
     OodAspect,
     Prompt,
 )
@@ -117,7 +120,8 @@ def evaluate(
         path: Labels from the root to the leaf: the ground truth of task one.
         leaf: Id of that leaf.
         options: Of the closed question; it is left out without any, and in the paper's protocol.
-        protocol: `paper` asks as the paper did: no closed question, collisions only.
+        protocol: `paper` asks as the paper did: which aspect is OOD, without a word on how likely that is and
+            without a confidence; no closed question, collisions only.
         judge: Decides whether an open aspect is right, a reference's too, instead of the documented
             matcher; where it gives no usable answer, the matcher decides and `judge_error` says why.
     """
@@ -138,13 +142,7 @@ def evaluate(
             said = seen.description[:KEPT_DESCRIPTION] if seen else NO_DESCRIPTION
             descriptions = (*descriptions, said)
             fields["descriptions"] = descriptions
-        aspect = asked.put(NameAspect(frames=images, descriptions=descriptions), _read_aspect)
-        if aspect:
-            fields |= {
-                "is_ood": aspect.is_ood,
-                "confidence": aspect.confidence,
-                "aspect": aspect.aspect[:500],
-            }
+        fields |= asked.aspect(images, descriptions, protocol)
         if options:
             fields["choice"] = asked.choice(images, descriptions, tuple(options))
         chosen = asked.put(
@@ -222,6 +220,27 @@ class _Asked:
             self.failures.append(error)
             return None
 
+    def aspect(
+        self, images: tuple[Image, ...], descriptions: tuple[str, ...], protocol: Protocol
+    ) -> dict[str, Any]:
+        """Put the first task; return the verdict's fields about it, none without an answer."""
+        if protocol == "paper":
+            named = self.put(
+                NameOodAspect(frames=images, descriptions=descriptions), _read_named_aspect
+            )
+            if named is None:
+                return {}
+            is_ood = not names_nothing(named.aspect)
+            return {"is_ood": is_ood, "aspect": named.aspect[:500] if is_ood else ""}
+        found = self.put(NameAspect(frames=images, descriptions=descriptions), _read_aspect)
+        if found is None:
+            return {}
+        return {
+            "is_ood": found.is_ood,
+            "confidence": found.confidence,
+            "aspect": found.aspect[:500],
+        }
+
     def choice(
         self,
         images: tuple[Image, ...],
@@ -268,6 +287,10 @@ def _read_aspect(raw: str) -> tuple[OodAspect | None, str]:
             is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
         ),
     )
+
+
+def _read_named_aspect(raw: str) -> tuple[NamedAspect | None, str]:
+    return _as(read_named_aspect(raw), lambda aspect: NamedAspect(aspect=aspect))
 
 
 def _read_action(raw: str) -> tuple[ChosenAction | None, str]:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from oodscen import evaluate
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
-from oodscen.errors import LLMError
+from oodscen.errors import LateError, LLMError, NotAskedError, RefusedError
 from oodscen.evaluation import aspect_options, names_aspect
 from oodscen.llms.reference import ConstantAnswerer, RandomAnswerer
 from oodscen.messages import Image
@@ -142,6 +142,37 @@ def test_a_model_that_does_not_answer_in_time_is_told_from_one_that_fails(frames
     assert (verdict.outcome, verdict.status, verdict.retryable) == ("timeout", "failed", True)
 
 
+@pytest.mark.parametrize(
+    ("error", "outcome", "retryable"),
+    [
+        (RefusedError("declined by a filter"), "refused", False),
+        (NotAskedError("m is given up", model="m"), "unasked", True),
+        (LateError("the answer did not end", retryable=True), "timeout", True),
+        (LLMError("boom", retryable=True), "error", True),
+    ],
+)
+def test_what_keeps_a_model_from_answering_has_a_typed_outcome(frames, error, outcome, retryable):
+    def fail(request):
+        raise error
+
+    verdict = evaluate(EPISODE, frames, FunctionLLM(fail), path=PATH)
+    assert (verdict.outcome, verdict.status, verdict.retryable) == (outcome, "failed", retryable)
+    assert verdict.error_type == type(error).__name__
+
+
+def test_a_filter_that_declines_one_question_costs_that_question(frames):
+    llm = FunctionLLM(by_purpose)
+    verdict = evaluate(EPISODE, frames, llm, path=PATH)
+    assert (verdict.outcome, verdict.action, verdict.is_ood) == ("refused", "stop", None)
+
+
+def by_purpose(request):
+    if request.prompt.purpose == "name-aspect":
+        raise RefusedError("declined by a filter")
+    said = answers()[request.prompt.purpose]
+    return said[0] if isinstance(said, list) else said
+
+
 def test_an_unavailable_action_is_not_safe_and_counted(frames):
     outcomes = {**EPISODE.actions, "change_lane_left": ActionOutcome(safe=False, unavailable=True)}
     episode = EPISODE.model_copy(update={"actions": outcomes})
@@ -226,3 +257,19 @@ def test_of_endless_words_a_beginning_is_kept(frames):
     assert verdict.status == "ok"
     assert len(verdict.to_json()) < 25_000
     assert sum(len(message.text) for message in llm.requests[-1].messages) < 40_000
+
+
+def test_the_paper_s_protocol_asks_which_aspect_and_hints_at_no_ordinary_drives(frames):
+    said = {**answers(), "name-ood-aspect": {"aspect": "an overturned truck"}}
+    del said["name-aspect"]
+    llm = ScriptedLLM(said)
+    verdict = evaluate(EPISODE, frames, llm, path=PATH, protocol="paper")
+    assert (verdict.is_ood, verdict.confidence, verdict.aspect_is_right) == (True, None, True)
+    assert "name-aspect" not in verdict.prompts
+    question = next(r for r in llm.requests if r.prompt.purpose == "name-ood-aspect")
+    asked = question.messages[-1].text.casefold()
+    for hint in ("half", "ordinary", "confiden", "sure", "is_ood"):
+        assert hint not in asked
+    said["name-ood-aspect"] = {"aspect": "none"}
+    nothing = evaluate(EPISODE, frames, ScriptedLLM(said), path=PATH, protocol="paper")
+    assert (nothing.is_ood, nothing.aspect, nothing.aspect_is_right) == (False, "", False)

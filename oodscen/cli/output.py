@@ -82,7 +82,27 @@ def standings(board: "Leaderboard") -> str:
     widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     chance = "" if board.chance is None else f"; a random action is safe in {board.chance:.0%}"
-    return "\n".join([f"{board.scenes} scenes of {board.paths} paths{chance}", *lines])
+    return "\n".join(
+        [f"{board.scenes} scenes of {board.paths} paths{chance}", *lines, *_notes(board)]
+    )
+
+
+def _notes(board: "Leaderboard") -> list[str]:
+    """Say who scored the open aspects, and in how many of the paper's items the hazard can be seen."""
+    notes = []
+    if board.judge:
+        unjudged = sum(row.identification.unjudged for row in board.standings)
+        rest = (
+            f"; it gave no usable answer about {unjudged}, which the matcher scored"
+            if unjudged
+            else ""
+        )
+        notes.append(f"names it: judged by {board.judge.rpartition('@')[0]}, in every row{rest}")
+    if board.whole:
+        notes.append(
+            f"paper: the hazard can be seen in a frame of {board.whole_shown} of {board.whole} scenes"
+        )
+    return notes
 
 
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:

@@ -11,7 +11,7 @@ from typing import ClassVar, Literal
 from oodscen.episode import ACTIONS
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.judging.references import Answers, AspectOption, Case
-from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
+from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect, NameOodAspect
 from oodscen.protocols import Completion, Request
 from oodscen.seeding import stream
 from oodscen.verdict import NOTHING
@@ -59,6 +59,8 @@ class ConstantAnswerer:
             return _say(choice=prompt.labels.index(min(prompt.labels)) + 1)
         if isinstance(prompt, NameAspect):
             return _say(is_ood=True, aspect=ASPECT)
+        if isinstance(prompt, NameOodAspect):
+            return _say(aspect=ASPECT)
         if isinstance(prompt, ChooseAction):
             return _say(action=self.action)
         raise _cannot(self.name, request)
@@ -95,13 +97,15 @@ class RandomAnswerer:
         prompt = request.prompt
         if isinstance(prompt, DescribeFrame):
             return _say(description=UNSEEN)
-        if not isinstance(prompt, (NameAspect, ChooseAspect, ChooseAction)):
+        if not isinstance(prompt, (NameAspect, NameOodAspect, ChooseAspect, ChooseAction)):
             raise _cannot(self.name, request)
         frames = (image.name for image in prompt.frames)
         draw = stream(self.seed, prompt.purpose, *frames, request.sample)
         if isinstance(prompt, NameAspect):
             is_ood = bool(draw.integers(2))
             return _say(is_ood=is_ood, aspect=ASPECT if is_ood else "")
+        if isinstance(prompt, NameOodAspect):
+            return _say(aspect=ASPECT if draw.integers(2) else "none")
         if isinstance(prompt, ChooseAspect):
             return _say(choice=1 + int(draw.integers(len(prompt.labels))))
         return _say(action=prompt.options[int(draw.integers(len(prompt.options)))].id)

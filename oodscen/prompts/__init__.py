@@ -16,6 +16,7 @@ from oodscen.prompts.imagine_scenario import ImaginedScenario, ImagineScenario
 from oodscen.prompts.judge_aspect import AspectJudgement, JudgeAspect
 from oodscen.prompts.judge_branch import BranchJudgement, JudgeBranch
 from oodscen.prompts.name_aspect import NameAspect, OodAspect
+from oodscen.prompts.name_ood_aspect import NamedAspect, NameOodAspect
 from oodscen.prompts.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.prompts.propose_tree import ProposedNode, ProposedTree, ProposeTree
 from oodscen.prompts.stage_scene import SceneDraft, StageScene
@@ -33,6 +34,7 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
     StageScene,
     DescribeFrame,
     NameAspect,
+    NameOodAspect,
     ChooseAspect,
     JudgeAspect,
     ChooseAction,
@@ -73,6 +75,8 @@ __all__ = [
     "JudgeAspect",
     "JudgeBranch",
     "NameAspect",
+    "NameOodAspect",
+    "NamedAspect",
     "OodAspect",
     "OrdinaryText",
     "PlaceScenario",

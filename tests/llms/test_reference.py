@@ -9,7 +9,14 @@ from oodscen.episode import ACTIONS
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.llms.reference import ASPECT, ConstantAnswerer, RandomAnswerer
 from oodscen.messages import Image
-from oodscen.prompts import ActionOption, ChooseAction, ChooseAspect, DescribeFrame, NameAspect
+from oodscen.prompts import (
+    ActionOption,
+    ChooseAction,
+    ChooseAspect,
+    DescribeFrame,
+    NameAspect,
+    NameOodAspect,
+)
 from oodscen.protocols import LLM
 from tests.prompts.samples import SAMPLES
 
@@ -43,7 +50,7 @@ def test_a_reference_says_what_it_is_and_answers_the_evaluation_only(llm):
             assert not error.retryable  # noqa: PT017
         else:
             answered.append(type(prompt))
-    assert answered == [DescribeFrame, NameAspect, ChooseAspect, ChooseAction]
+    assert answered == [DescribeFrame, NameAspect, NameOodAspect, ChooseAspect, ChooseAction]
 
 
 @pytest.mark.parametrize("name", ACTIONS)

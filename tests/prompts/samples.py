@@ -16,6 +16,7 @@ from oodscen.prompts import (
     JudgeAspect,
     JudgeBranch,
     NameAspect,
+    NameOodAspect,
     PlaceScenario,
     ProposeTree,
     StageScene,
@@ -91,6 +92,7 @@ SAMPLES = (
     StageScene(text="A stag leaps onto the road.", path=PATH, catalogue=DIGEST),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2]),
     NameAspect(frames=FRAMES, descriptions=SEEN),
+    NameOodAspect(frames=FRAMES, descriptions=SEEN),
     ChooseAspect(
         frames=FRAMES,
         descriptions=SEEN,

@@ -98,7 +98,7 @@ def test_earlier_turns_repeat_the_conversation_word_for_word():
     assert classify.earlier()[0].text == give.question()
     assert propose.earlier()[: len(classify.earlier())] == classify.earlier()
     assert propose.earlier()[-2].text == classify.question()
-    describe, name = SAMPLES[-5], SAMPLES[-4]
+    describe, name = SAMPLES[-6], SAMPLES[-5]
     assert describe.messages()[:-1] == name.messages()[: len(describe.messages()) - 1]
     assert describe.messages()[-1] == name.messages()[len(describe.messages()) - 1]
 
@@ -131,6 +131,7 @@ def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
             "describe_frame.md": {
                 "describe-frame",
                 "name-aspect",
+                "name-ood-aspect",
                 "choose-aspect",
                 "choose-action",
             },

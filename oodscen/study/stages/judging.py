@@ -96,7 +96,9 @@ def evaluate(
     verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios)]
     if verdicts != kept:
         run.store.write_lines("verdicts.jsonl", verdicts)
-    board = leaderboard(verdicts, episodes, scenarios, seed=run.config.seed)
+    board = leaderboard(
+        verdicts, episodes, scenarios, whole=shown.get("paper", ()), seed=run.config.seed
+    )
     run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     return verdicts
 
@@ -217,8 +219,15 @@ def _judged(
 
         def work(todo: Mapping[str, tuple[str, tuple[str, ...]]]) -> Iterator[Opinion]:
             threads = run.models.threads(run.config.judge or "")
-            asked = as_finished(lambda item: opinion(judge, *item), todo.values(), threads=threads)
-            return (found for _, found in asked)
+            traffic = run.models.traffic
+            with traffic.lenient(JUDGING):
+                for _, found in as_finished(
+                    lambda item: opinion(judge, *item),
+                    todo.values(),
+                    threads=threads,
+                    cancel=traffic.close,
+                ):
+                    yield found
 
         rows = run.each("judge", OPINIONS, items, work)
         opinions = {row["id"]: Opinion.parse(row) for row in rows}

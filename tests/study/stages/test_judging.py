@@ -11,7 +11,7 @@ from lxml import html
 
 from oodscen import Study
 from oodscen.episode import ACTIONS
-from oodscen.errors import BudgetExceeded
+from oodscen.errors import BudgetExceeded, LLMError
 from oodscen.judging.leaderboard import Leaderboard
 from oodscen.llms.reference import ConstantAnswerer
 from oodscen.llms.traffic import Caps, Traffic
@@ -104,6 +104,16 @@ def test_the_paper_s_protocol_stands_beside_ours(folder, tmp_path):
     assert not any(row.is_twin for row in paper)
     assert all(row.action_is_safe is row.success for row in paper)
     assert (out / "frames" / study.scenes[0].id / "whole-last.jpg").is_file()
+    whole = [json.loads(line) for line in (out / "episodes.paper.jsonl").read_text().splitlines()]
+    seen = sum(one["hazard_visible"] is True for one in whole)
+    board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
+    assert (board.whole, board.whole_shown) == (len(study.scenes), seen)
+    oracle = next(r for r in board.standings if (r.model, r.protocol) == ("oracle", "paper"))
+    assert oracle.identification.open_shown.n == seen
+    assert (
+        f"in {seen} of {len(whole)} scenes the hazard can be seen"
+        in (out / "report.html").read_text()
+    )
 
 
 def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path, monkeypatch):
@@ -250,3 +260,154 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
     counted = Counter(line["status"] for line in study.store.lines(OPINIONS))
     assert set(counted) == {"ok"}
     assert "judge@" in (out / "report.html").read_text()
+
+
+# ------------------------------------------------------------------ models that fail
+
+
+def judging(*names):
+    return CONFIG.model_copy(update={"vlms": names})
+
+
+def by_picture(wrong, fault):
+    """Let every question about some pictures go wrong, each time."""
+
+    def faults(index, request):
+        shown = request.messages[-1].images if request else ()
+        return fault if any(wrong in image.name for image in shown) else None
+
+    return faults
+
+
+def tally(study, model):
+    return study.info["counts"]["outcomes"][model]
+
+
+@pytest.mark.parametrize(
+    ("fault", "outcome"), [("http500", "error"), ("slow", "timeout"), ("filtered", "refused")]
+)
+def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, fault, outcome):
+    out = shutil.copytree(folder, tmp_path / "out")
+    items = len(Study.open(out).episodes)
+    wanted = {"answered": items // 2, outcome: items // 2}
+    model = ConstantAnswerer("stop")
+    with AnsweringServer(model, faults=by_picture("~twin", fault)) as server:
+        for _ in range(2):
+            traffic = Traffic(strikes=1)
+            client = server.client("m", traffic=traffic, timeout_s=0.5, retries=0)
+            study = run_study(out, judging("m"), models={"m": client}, traffic=traffic)
+            assert tally(study, "m") == wanted
+            assert study.info["status"] == "incomplete"
+    healthy = of(study, "m")
+    assert all((row.outcome == "answered") is not row.is_twin for row in healthy.values())
+    assert all(row.retryable is (outcome != "refused") for row in healthy.values() if row.is_twin)
+
+
+def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    traffic = Traffic(strikes=1)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        dead = server.client("dead", traffic=traffic, retries=0)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        live = server.client("live", traffic=traffic)
+        models = {"dead": dead, "live": live}
+        study = run_study(out, judging("dead", "live"), models=models, traffic=traffic)
+        items = len(study.episodes)
+        assert tally(study, "live") == {"answered": items}
+        found = tally(study, "dead")
+        assert found["unasked"] + found["error"] == items
+        assert found["unasked"] >= items - 2 - traffic.concurrency
+        left = [row for row in of(study, "dead").values() if row.outcome == "unasked"]
+        assert all(row.retryable and "is given up" in row.error for row in left)
+        shown = (out / "report.html").read_text("utf-8")
+        assert f"{found['unasked']} not asked" in shown
+        models["dead"] = server.client("dead")
+        study = run_study(out, judging("dead", "live"), models=models)
+    assert tally(study, "dead") == {"answered": items}
+    assert study.info["status"] == "success"
+
+
+def test_what_was_never_asked_comes_before_what_failed(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    order = []
+
+    def mute(request):
+        order.append("old")
+        raise LLMError("no", retryable=True)
+
+    def answer(request):
+        order.append("new")
+        return ConstantAnswerer("stop").complete(request).text
+
+    old, new = FunctionLLM(mute), FunctionLLM(answer)
+    old.name, new.name = "old", "new"
+    run_study(out, judging("old"), models={"old": old})
+    order.clear()
+    run_study(out, judging("old", "new"), models={"old": old, "new": new})
+    assert sorted(order) == order
+    assert set(order) == {"new", "old"}
+
+
+def test_a_model_given_up_while_asked_again_keeps_what_is_known_of_its_items(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+
+    def faults(index, request):
+        return "http500"
+
+    with AnsweringServer(ConstantAnswerer("stop"), faults=faults) as server:
+        client = server.client("m", traffic=Traffic(patience_s=None), retries=0)
+        first = run_study(out, judging("m"), models={"m": client})
+    before = tally(first, "m")
+    assert set(before) == {"error"}
+    traffic = Traffic(strikes=1)
+    dead = server_gone(traffic)
+    second = run_study(out, judging("m"), models={"m": dead}, traffic=traffic)
+    assert tally(second, "m") == before
+
+
+def server_gone(traffic):
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        return server.client("m", traffic=traffic, retries=0)
+
+
+def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    failing, asked = FunctionLLM(lambda request: 1 / 0), []
+    failing.name = "m"
+    run_study(out, judging("m"), models={"m": failing})
+    before = (out / "verdicts.jsonl").read_bytes()
+    lines = before.decode().splitlines()
+    lines = [json.dumps({**json.loads(row), "retryable": "@m" in row}) + "\n" for row in lines]
+    (out / "verdicts.jsonl").write_text("".join(lines))
+
+    def interrupt(request):
+        asked.append(request)
+        raise KeyboardInterrupt
+
+    model = FunctionLLM(interrupt)
+    model.name = "m"
+    counts = Study.open(out).info["counts"]
+    with pytest.raises(KeyboardInterrupt):
+        run_study(out, judging("m"), models={"m": model})
+    study = Study.open(out)
+    assert study.info["status"] == "stopped"
+    assert study.info["counts"] == counts
+    assert len(study.verdicts) == len(lines)
+    assert {row.outcome for row in of(study, "m").values()} == {"error"}
+    assert "the same command continues it" in (out / "report.html").read_text("utf-8")
+    answering = ConstantAnswerer("stop")
+    answering.name, answering.kind = "m", "model"
+    study = run_study(out, judging("m"), models={"m": answering})
+    assert tally(study, "m") == {"answered": len(study.episodes)}
+
+
+def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "mine", "model"
+    traffic = Traffic(strikes=1)
+    config = judging("mine").model_copy(update={"judge": "m"})
+    models = {"mine": model, "m": server_gone(traffic)}
+    study = run_study(out, config, models=models, traffic=traffic)
+    assert tally(study, "mine") == {"answered": len(study.episodes)}
+    assert study.info["status"] != "stopped"
