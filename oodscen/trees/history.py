@@ -1,6 +1,7 @@
 """The log of a tree as time: earlier moments, replay, undo."""
 
 from collections.abc import Container, Iterator, Sequence
+from functools import cached_property
 
 from oodscen.edits import Node, TreeEdit
 from oodscen.errors import UsageError
@@ -58,25 +59,23 @@ def undo(tree: ScenarioTree, index: int | None = None) -> ScenarioTree:
 
 def undo_round(tree: ScenarioTree, round: int, *, origin: str = "") -> ScenarioTree:
     """Take back what a round did, as far as it still stands; see `ScenarioTree.undo`."""
-    edits = tree.edits
-    found = [
-        index
-        for index in _standing(tree)
-        if edits[index].round == round and edits[index].origin == origin
-    ]
-    if not found:
+    edits, undone = tree.edits, undone_edits(tree.edits)
+    now = _Now(tree)
+    inverses: list[TreeEdit] = []
+    for index in range(len(edits) - 1, -1, -1):
+        edit = edits[index]
+        is_meant = edit.round == round and edit.origin == origin and edit.undoes is None
+        # What another edit of the round removed can be taken back once that one was.
+        if is_meant and index not in undone and now.is_effective(edit):
+            some = _inverse(tree, now, index)
+            for step in some:
+                now.play(step)
+            inverses += some
+    if not inverses:
         others = {edit.origin for edit in edits if edit.round == round and edit.origin != origin}
         known = f" (others have one: {', '.join(sorted(map(repr, others)))})" if others else ""
         of = f" of {origin!r}" if origin else ""
         raise UsageError(f"no edit of round {round}{of} is left to be undone{known}")
-    now = _Now(tree)
-    inverses: list[TreeEdit] = []
-    for index in reversed(found):
-        if now.is_effective(edits[index]):
-            some = _inverse(tree, now, index)
-            for edit in some:
-                now.play(edit)
-            inverses += some
     return tree.apply(*inverses)
 
 
@@ -109,12 +108,10 @@ class _Now:
 
     def __init__(self, tree: ScenarioTree) -> None:
         self.nodes: dict[str, Node] = dict(tree.by_id)
-        self._children = {key: dict.fromkeys(value) for key, value in tree.children.items()}
-        self._removed = {
-            edit.node: tree.before(index)
-            for index, edit in enumerate(tree.edits)
-            if edit.op == "remove"
-        }
+        self._tree = tree
+        self._children: dict[str, dict[str, None]] = {}
+        """Of the nodes that were looked at."""
+        self._gone: dict[str, Node | None] = {}
 
     def is_effective(self, edit: TreeEdit) -> bool:
         """Tell whether what an edit did can be seen."""
@@ -125,7 +122,7 @@ class _Now:
         found = {node_id: None}
         order = [node_id]
         for current in order:
-            for child in self._children.get(current, ()):
+            for child in self._below(current):
                 if child not in found:
                     found[child] = None
                     order.append(child)
@@ -133,13 +130,27 @@ class _Now:
 
     def removed(self, node_id: str) -> Node | None:
         """Return a node that is gone as it last was."""
-        return self._removed.get(node_id)
+        return self._gone[node_id] if node_id in self._gone else self._removed.get(node_id)
+
+    @cached_property
+    def _removed(self) -> dict[str, Node | None]:
+        """By id: what the log removed, as it last was."""
+        return {
+            edit.node: self._tree.before(index)
+            for index, edit in enumerate(self._tree.edits)
+            if edit.op == "remove"
+        }
+
+    def _below(self, node_id: str) -> dict[str, None]:
+        if node_id not in self._children:
+            self._children[node_id] = dict.fromkeys(self._tree.children.get(node_id, ()))
+        return self._children[node_id]
 
     def play(self, edit: TreeEdit) -> None:
         """Follow an edit that takes another one back; whether it fits is not asked."""
         old = self.nodes.get(edit.node)
         if edit.op == "remove":
-            self._removed[edit.node] = old
+            self._gone[edit.node] = old
             self._hang(old, None)
         elif edit.op == "add":
             self._hang(
@@ -157,10 +168,10 @@ class _Now:
     def _hang(self, old: Node | None, new: Node | None) -> None:
         if old is not None:
             self.nodes.pop(old.id)
-            self._children.get(old.parent or "", {}).pop(old.id, None)
+            self._below(old.parent or "").pop(old.id, None)
         if new is not None:
             self.nodes[new.id] = new
-            self._children.setdefault(new.parent or "", {})[new.id] = None
+            self._below(new.parent or "")[new.id] = None
 
 
 def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
