@@ -86,6 +86,40 @@ def test_an_exception_surfaces_and_nothing_new_is_begun(threads):
     assert len(begun) < 50
 
 
+def test_an_interruption_cancels_and_loses_no_result_that_still_comes():
+    cancelled = threading.Event()
+
+    def work(item):
+        if item == "interrupt":
+            raise KeyboardInterrupt
+        assert cancelled.wait(PATIENCE)
+        if item == "left":
+            raise KeyError(item)
+        return item
+
+    got = []
+    with pytest.raises(KeyboardInterrupt):
+        got.extend(
+            as_finished(
+                work, ["kept", "left", "interrupt", "never"], threads=3, cancel=cancelled.set
+            )
+        )
+    assert got == [("kept", "kept")]
+
+
+def test_results_that_nobody_wants_are_cancelled():
+    cancelled = threading.Event()
+
+    def work(item):
+        assert item == 0 or cancelled.wait(PATIENCE)
+        return item
+
+    results = as_finished(work, range(9), threads=2, cancel=cancelled.set)
+    assert next(results) == (0, 0)
+    results.close()
+    assert cancelled.is_set()
+
+
 def test_what_finished_beside_a_failure_is_not_lost(monkeypatch):
     wait = concurrency.wait
     monkeypatch.setattr(concurrency, "wait", lambda running, return_when: wait(running))

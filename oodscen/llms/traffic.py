@@ -30,7 +30,7 @@ STRIKES = 5
 JUDGING = 4.0
 """Leniency with models that are judged: an item that fails says little about the next one."""
 
-GRACE_S = 4.0
+GRACE_S = 2.0
 """How long requests that are under way may still take once a run is interrupted."""
 
 ANSWER_TOKENS = 4_096

@@ -34,6 +34,8 @@ Fault = Literal[
     "slow_head",
     "huge",
     "packed",
+    "filtered",
+    "withheld",
 ]
 """What a server can do wrong.
 
@@ -41,6 +43,7 @@ The answer: `malformed` is prose, `truncated` its first half, `wrong_schema` ano
 The response: an HTTP status with the usual error body (`http429` with `Retry-After: 7`), a web page,
 an empty body, a body shorter than announced, a connection closed without a word, a body or a head that comes byte
 by byte and does not end (`slow`, `slow_head`), a body without an end (`huge`), a compressed one (`packed`).
+The content filter: the question is refused with status 400 (`filtered`), the answer is left out (`withheld`).
 """
 
 Faults = Callable[[int, Request | None], Fault | None]
@@ -224,7 +227,9 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
                 text = server.llm.complete(request).text
             except LLMError as error:
                 return self._error(400, str(error))
-            document = _chat_completion(body["model"], body["messages"], _spoil(text, fault))
+            ending = "content_filter" if fault == "withheld" else "stop"
+            spoilt = _spoil(text, fault)
+            document = _chat_completion(body["model"], body["messages"], spoilt, ending)
             if fault == "cut":
                 return self._send(200, document, announced=len(document) + 999)
             return self._send(200, document)
@@ -234,6 +239,8 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
                 self._error(429, "slow down", {"retry-after": "7"})
             elif fault.startswith("http"):
                 self._error(int(fault[4:]), "injected fault")
+            elif fault == "filtered":
+                self._error(400, "rejected by our safety system", code="content_policy_violation")
             elif fault == "html":
                 self._send(200, b"<!doctype html><html><body>Bad gateway</body></html>")
             elif fault == "empty":
@@ -258,8 +265,14 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             except OSError:
                 return
 
-        def _error(self, status: int, message: str, headers: dict[str, str] | None = None) -> None:
-            document = {"error": {"message": message, "type": "injected", "code": status}}
+        def _error(
+            self,
+            status: int,
+            message: str,
+            headers: dict[str, str] | None = None,
+            code: str | None = None,
+        ) -> None:
+            document = {"error": {"message": message, "type": "injected", "code": code or status}}
             self._send(status, json.dumps(document).encode(), headers)
 
         def _send(
@@ -296,6 +309,7 @@ _RESPONSES = (
     "slow_head",
     "huge",
     "packed",
+    "filtered",
 )
 
 _PAUSE_S = 0.02
@@ -309,10 +323,12 @@ def _spoil(text: str, fault: Fault | None) -> str | None:
         return text[: len(text) // 2]
     if fault == "wrong_schema":
         return json.dumps({"unexpected": [1, 2, 3]})
-    return None if fault == "null" else text
+    return None if fault in ("null", "withheld") else text
 
 
-def _chat_completion(model: str, messages: list[dict[str, Any]], text: str | None) -> bytes:
+def _chat_completion(
+    model: str, messages: list[dict[str, Any]], text: str | None, ending: str
+) -> bytes:
     asked = sum(len(_content(message)[0]) for message in messages) // 4
     answered = len(text or "") // 4
     document = {
@@ -323,7 +339,7 @@ def _chat_completion(model: str, messages: list[dict[str, Any]], text: str | Non
         "choices": [
             {
                 "index": 0,
-                "finish_reason": "stop",
+                "finish_reason": ending,
                 "message": {"role": "assistant", "content": text},
             }
         ],

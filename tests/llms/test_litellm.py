@@ -13,7 +13,17 @@ import numpy as np
 import pytest
 
 from oodscen.ask import ask
-from oodscen.errors import AnswerError, LLMError, MissingExtra, UnknownComponent, UsageError
+from oodscen.errors import (
+    AnswerError,
+    LateError,
+    LLMError,
+    MissingExtra,
+    RefusedError,
+    UnknownComponent,
+    UsageError,
+)
+from oodscen.llms.bounds import Bounds
+from oodscen.llms.failures import diagnose
 from oodscen.llms.failures import retry_after as seconds_to_wait
 from oodscen.llms.litellm import (
     LiteLLM,
@@ -22,6 +32,7 @@ from oodscen.llms.litellm import (
     provider_seed,
     wire_message,
 )
+from oodscen.llms.traffic import Traffic
 from oodscen.messages import Image, Message
 from oodscen.prompts import DescribeFrame, ImagineScenario
 from oodscen.protocols import LLM, Request
@@ -200,6 +211,39 @@ def test_nobody_listening_is_a_retryable_error():
     with pytest.raises(LLMError) as caught:
         llm.complete(request())
     assert caught.value.retryable
+
+
+@pytest.mark.parametrize("fault", ["filtered", "withheld"])
+def test_a_content_filter_is_a_refusal_and_not_asked_twice(fault):
+    with serving(*[fault] * 9) as server, pytest.raises(RefusedError) as caught:
+        server.client("m").complete(request())
+    assert not caught.value.retryable
+    assert len(server.received) == 1
+
+
+@pytest.mark.parametrize(
+    "words", ["ResponsibleAIPolicyViolation", "content_filter", "Azure's content management policy"]
+)
+def test_a_filter_is_known_by_its_words(words):
+    error = Answered()
+    error.status_code = 400
+    error.args = (f"Error: {words}",)
+    failure = diagnose("m", error, Bounds(1, 1))
+    assert (failure.kind, failure.retryable, failure.may_refuse_form) == ("filtered", False, False)
+
+
+def test_what_hangs_is_tried_once_more_and_no_oftener():
+    with serving(*["slow"] * 9) as server, pytest.raises(LateError) as caught:
+        server.client("m", timeout_s=0.04).complete(request())
+    assert (caught.value.retryable, caught.value.requests) == (True, 2)
+    assert len(server.received) == 2
+
+
+def test_the_time_for_an_answer_is_that_of_the_run_unless_the_model_has_its_own():
+    traffic = Traffic(timeout_s=7.0)
+    with serving() as server:
+        assert server.client("m", traffic=traffic).client.timeout_s == 7.0
+        assert server.client("m", traffic=traffic, timeout_s=3.0).client.timeout_s == 3.0
 
 
 class Answered(Exception):

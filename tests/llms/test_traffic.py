@@ -1,16 +1,30 @@
 """Caps are never exceeded, rates are followed, dead endpoints are given up."""
 
+import math
 import threading
+from contextlib import suppress
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.concurrency import as_finished
-from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, UsageError
+from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
 from oodscen.llms.failures import Failure
 from oodscen.llms.litellm import LiteLLM, estimate_tokens
-from oodscen.llms.traffic import ANSWER_TOKENS, Budget, Caps, Endpoint, Price, Spent, Traffic
+from oodscen.llms.traffic import (
+    ANSWER_TOKENS,
+    GRACE_S,
+    JUDGING,
+    PATIENCE_S,
+    STRIKES,
+    Budget,
+    Caps,
+    Endpoint,
+    Price,
+    Spent,
+    Traffic,
+)
 from oodscen.prompts import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
@@ -279,6 +293,129 @@ def test_those_who_wait_for_a_place_are_told():
         endpoint.failed(of_kind("denied"), begun=0.0)
         thread.join(5)
     assert told == ["down"]
+
+
+def calls_until_given_up(endpoint, kind, most=200):
+    """Give up one call after the other; return how many it took, `most` if it never was enough."""
+    for count in range(1, most):
+        endpoint.failed(of_kind(kind), begun=0.0, model="bad")
+        endpoint.given_up(of_kind(kind), "bad")
+        try:
+            endpoint.check("bad")
+        except EndpointDown:
+            return count
+    return most
+
+
+@pytest.mark.parametrize(
+    ("kind", "strict", "judging", "again"),
+    [
+        ("erring", STRIKES, JUDGING * STRIKES, math.inf),
+        ("late", STRIKES, JUDGING * STRIKES, math.inf),
+        ("unreachable", STRIKES, 2 * STRIKES, 2 * STRIKES),
+        ("limit", STRIKES, STRIKES, STRIKES),
+        ("denied", 1, 1, 1),
+        ("item", math.inf, math.inf, math.inf),
+        ("filtered", math.inf, math.inf, math.inf),
+    ],
+)
+def test_how_long_failures_count_as_the_item_s_own(kind, strict, judging, again):
+    for leniency, wanted in ((1.0, strict), (JUDGING, judging), (math.inf, again)):
+        endpoint = Endpoint("e", leniency=leniency, clock=lambda: 0.0)
+        assert calls_until_given_up(endpoint, kind) == min(wanted, 200)
+        endpoint.check("good")
+
+
+def test_a_model_that_is_given_up_blocks_no_other_at_its_address():
+    def faults(index, asked):
+        return "http500" if asked.sample else None
+
+    traffic = Traffic()
+    with AnsweringServer(AUTHOR, faults=faults) as server:
+        bad = server.client("bad", traffic=traffic, retries=0)
+        for sample in range(1, STRIKES):
+            with pytest.raises(LLMError):
+                bad.complete(request(sample))
+        with pytest.raises(EndpointDown, match="bad at "):
+            bad.complete(request(STRIKES))
+        assert server.client("good", traffic=traffic).complete(request()).text
+
+
+def test_a_doubted_model_gets_one_try_until_it_answers():
+    def faults(index, asked):
+        return "http500" if asked.sample else None
+
+    traffic = Traffic()
+    with AnsweringServer(AUTHOR, faults=faults) as server, traffic.lenient(math.inf):
+        llm = server.client("m", traffic=traffic, retries=2)
+        tries = []
+        for sample in (*range(1, STRIKES + 3), 0, 9):
+            before = len(server.received)
+            with suppress(LLMError):
+                llm.complete(request(sample))
+            tries.append(len(server.received) - before)
+    assert tries == [3] * STRIKES + [1, 1, 1, 3]
+
+
+@given(st.lists(st.sampled_from(["late", "erring", "answer", "unreachable"]), max_size=40))
+def test_silence_counts_from_the_last_response_of_anybody(events):
+    clock = Clock()
+    endpoint = Endpoint("e", leniency=math.inf, strikes=1_000, clock=clock)
+    heard, waiting = -math.inf, []
+    for event in events:
+        begun, clock.now = clock.now - 5.0, clock.now + 15.0
+        if event == "answer":
+            endpoint.succeeded()
+        else:
+            endpoint.failed(of_kind(event), begun)
+        if event == "unreachable":
+            waiting.append(begun)
+        else:
+            heard, waiting = clock.now, []
+        if waiting and clock.now - max(heard, waiting[0]) >= PATIENCE_S:
+            with pytest.raises(EndpointDown, match="no response"):
+                endpoint.check("anybody")
+            return
+        endpoint.check("anybody")
+
+
+def test_what_hangs_while_others_are_answered_stops_nobody():
+    def faults(index, asked):
+        return "slow" if asked.sample % 3 == 0 else None
+
+    traffic = Traffic()
+    with AnsweringServer(AUTHOR, faults=faults) as server, traffic.lenient(JUDGING):
+        llm = server.client("m", traffic=traffic, timeout_s=0.05, retries=0)
+
+        def ask(sample):
+            try:
+                return llm.complete(request(sample)).text
+            except LLMError as error:
+                return type(error).__name__
+
+        found = dict(as_finished(ask, range(15), threads=4))
+    late = {sample for sample, said in found.items() if said == "LateError"}
+    assert late >= set(range(0, 15, 3))
+    assert "EndpointDown" not in found.values()
+
+
+def test_an_interrupted_run_begins_nothing_waits_for_nothing_and_can_go_on():
+    clock = Clock()
+    traffic = Traffic(clock=clock)
+    with AnsweringServer(AUTHOR) as server:
+        llm = server.client("m", traffic=traffic)
+        traffic.close()
+        with pytest.raises(RunStopped):
+            llm.complete(request())
+        assert not server.received
+        traffic.sleep(1e6)
+        assert not traffic.is_over()
+        clock.now += GRACE_S
+        traffic.close()
+        assert traffic.is_over()
+        traffic.reopen()
+        assert not traffic.is_over()
+        assert llm.complete(request()).text
 
 
 def test_models_of_one_address_share_their_endpoint():

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from oodscen.errors import EndpointDown, LLMError, ResponseError
+from oodscen.errors import EndpointDown, LateError, LLMError, ResponseError, RunStopped
 from oodscen.llms.bounds import Bounds
 from oodscen.llms.litellm import LiteLLM
 from oodscen.llms.traffic import Traffic
@@ -85,6 +85,38 @@ def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout():
         llm = LiteLLM("m", api_base=address, timeout_s=600, traffic=traffic, sleep=lambda s: None)
         with pytest.raises(EndpointDown, match="says nothing"):
             llm.complete(REQUEST)
+
+
+def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
+    traffic = Traffic(patience_s=20.0)
+    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    with AnsweringServer(author, faults=lambda index, asked: "slow_head") as server:
+        llm = server.client("m", traffic=traffic, timeout_s=0.05, retries=0)
+        with pytest.raises(LateError):
+            llm.complete(REQUEST)
+    with silent() as address:
+        llm = LiteLLM(
+            "m", api_base=address, timeout_s=0.05, retries=0, traffic=Traffic(patience_s=0.2)
+        )
+        with pytest.raises(LLMError) as caught:
+            llm.complete(REQUEST)
+    assert type(caught.value) is LLMError
+
+
+def test_an_interruption_ends_what_is_under_way(monkeypatch):
+    monkeypatch.setattr("oodscen.llms.bounds.LOOK_S", 0.01)
+    now = [0.0]
+    traffic = Traffic(clock=lambda: now[0])
+
+    def faults(index, asked):
+        traffic.close()
+        now[0] += 60.0
+        return "slow"
+
+    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    with AnsweringServer(author, faults=faults) as server, pytest.raises(RunStopped):
+        server.client("m", traffic=traffic, timeout_s=600).complete(REQUEST)
+    assert len(server.received) == 1
 
 
 def test_a_slow_server_that_responds_to_others_is_waited_for():

@@ -294,7 +294,8 @@ def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, 
     with AnsweringServer(model, faults=by_picture("~twin", fault)) as server:
         for _ in range(2):
             traffic = Traffic(strikes=1)
-            client = server.client("m", traffic=traffic, timeout_s=0.5, retries=0)
+            seconds = 1.0 if fault == "slow" else 60.0
+            client = server.client("m", traffic=traffic, timeout_s=seconds, retries=0)
             study = run_study(out, judging("m"), models={"m": client}, traffic=traffic)
             assert tally(study, "m") == wanted
             assert study.info["status"] == "incomplete"
