@@ -38,8 +38,8 @@ _WORD = (
 _WHEN = re.compile(
     r"\b(?:(?:late|early) (?:at|in|on)|shortly (?:after|before)|just (?:after|before)|on|in|at|during|under|amid|amidst|"
     r"through|despite|by|after|before|around|given|with)\s"
-    rf"(?:(?:an?|the|this|that)\s)?(?:(?:\w+ and )?{_WORD},?\s){{0,4}}?(?:{_WEATHER}|{_HOURS}|(?<=[yt]\s)conditions)(?:\s{_HOURS})?(?:\s(?:day|drive|conditions?|"
-    rf"rush hour|thunderstorm|storm))?(?:\s(?:and|in)\s(?:{_WORD}\s){{0,2}}{_WEATHER})?(?![\w-])",
+    rf"(?:(?:an?|the|this|that)\s)?(?:(?:\w+ and )?{_WORD}\s){{0,4}}?(?:{_WEATHER}|{_HOURS}|(?<=[yt]\s)conditions)(?:\s{_HOURS})?(?:\s(?:day|drive|conditions?|"
+    rf"rush hour|thunderstorm|storm))?(?:\s(?:and|in)\s(?:{_WORD}\s){{0,2}}{_WEATHER})?(?![\w'\u2019-]|\s(?:glare|sandstorm|hailstorm|light\b))",
     re.IGNORECASE,
 )
 _IS_SO = re.compile(
@@ -157,6 +157,7 @@ def framed(text: str, leave_out: frozenset[str] = frozenset()) -> Frame:
         text: Any.
         leave_out: Words of the event; a phrase for the weather that has one of them is part of it.
     """
+    leave_out = frozenset(word for word in leave_out if not re.fullmatch(_HOURS, word))
     before: list[str] = []
     after: list[str] = []
     ride = ""
@@ -221,6 +222,8 @@ def _phrases(sentence: str, leave_out: frozenset[str]) -> Iterator[tuple[int, st
         if not is_known and not (leave_out | _VAGUE) & set(plain(match[0]).split()):
             found.append((*match.span(), f"in {_uncapped(match[0])}"))
     for match in (*_WHERE.finditer(sentence), *_BARE.finditer(sentence)):
+        if (match["prep"] or "").casefold() == "from":
+            continue
         if any(start < match.end() and match.start() < end for start, end, _ in found):
             continue
         found.append((*match.span(), _placed(match["prep"] or "", match["thing"])))

@@ -60,6 +60,7 @@ _ANYWHERE = (
 )
 """What is ordinary on any road."""
 _SUBJECT = "the ego vehicle "
+_HOUR = re.compile(r"\b(?:night|winter|sun|rain)\b", re.IGNORECASE)
 _ALONE = re.compile(r"the ego vehicle (?!and )")
 _PEOPLE = frozenset({"I", "we", "you"})
 _LINE = ": "
@@ -162,7 +163,7 @@ class OrdinaryAuthor:
         clause = _not_twice(frame.text, clause)
         told = _cap(_put(frame, told_by(clause, name or "the ego vehicle")))
         said: list[str] = []
-        is_mentioned = bool(name) and name.casefold() in told.casefold()
+        is_it = False
         while len(said) < _SENTENCES_ADDED:
             missing = length - len(plain(told).split())
             if missing <= max(1, _SHORT * length):
@@ -171,10 +172,10 @@ class OrdinaryAuthor:
             if not more:
                 break
             said.append(more)
-            is_again = is_mentioned and name not in _PEOPLE and _ALONE.match(more) is not None
-            subject = "it" if is_again and len(said) % 2 == 0 else name or "the ego vehicle"
+            follows = len(said) > 1 and _ALONE.match(said[-2]) is not None and not is_it
+            is_it = follows and name not in _PEOPLE and _ALONE.match(more) is not None
+            subject = "it" if is_it else name or "the ego vehicle"
             told = f"{told} {_cap(told_by(more, subject))}."
-            is_mentioned = is_mentioned or _SUBJECT in f"{more} "
         return told
 
     def _clause(
@@ -189,6 +190,11 @@ class OrdinaryAuthor:
         """Return a counterpart that is no longer than there is room for."""
         room = max(length - len(plain(frame.text).split()), 0.3 * length)
         known = self._agreement.suiting(hazard.ordinary if hazard else (), setting)
+        known = [
+            clause
+            for clause in known
+            if set(_HOUR.findall(clause)) <= set(_HOUR.findall(frame.text))
+        ]
         fitting = [clause for clause in known if len(clause.split()) <= room + 0.2 * length]
         if fitting:
             return fitting[0] if frame.ride or not name else _to_whom(fitting[0])
