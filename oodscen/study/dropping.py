@@ -12,10 +12,11 @@ from oodscen.study.study import Study
 
 
 def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
-    """Remove judged models: their verdicts, and their place in the configuration and the report.
+    """Remove judged models: their verdicts, and their place in the configuration and the leaderboard.
 
     Nobody is asked. Their answers stay in `answers.jsonl`, so judging one again asks only what it did not
-    answer. Reference answerers that every study has keep their verdicts.
+    answer, and their calls in `calls.jsonl`, since they were paid for. Reference answerers that every study has
+    keep their verdicts.
 
     Args:
         study: On disk.
@@ -28,13 +29,19 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
         UnknownComponent: When a name was never judged, with close matches.
     """
     config, verdicts = study.config, study.verdicts
-    called = {name: _called(name, config) for name in config.vlms}
+    made = {name: _called(name, config) for name in config.vlms}
+    called = {name: other or name for name, other in made.items()}
     known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}
     for name in names:
         if name not in known:
             raise UnknownComponent("judged model", name, known)
     gone = {name for name in called if name in names or called[name] in names}
-    models = {called.get(name, name) for name in (*names, *gone)} - {*ALWAYS}
+    models = {called.get(name, name) for name in (*names, *gone)}
+    if all(made[name] for name in called if name not in gone):
+        # One that cannot be made any more may have judged under another name: nobody else's are left.
+        judging = {called[name] for name in called if name not in gone}
+        models |= {one.model for one in verdicts} - judging
+    models -= {*ALWAYS}
     kept = [one for one in verdicts if one.model not in models]
     counts = {
         name: sum(one.model in models and one.model == called.get(name, name) for one in verdicts)
@@ -70,9 +77,9 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
     return counts
 
 
-def _called(name: str, config: StudyConfig) -> str:
-    """Return what verdicts call a model of the configuration, as far as it can still be made."""
+def _called(name: str, config: StudyConfig) -> str | None:
+    """Return what verdicts call a model of the configuration; `None` where it cannot be made any more."""
     try:
         return make_llm(name, api_base=config.servers.get(name, config.api_base)).name
     except OodscenError:
-        return name
+        return None

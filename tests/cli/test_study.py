@@ -6,7 +6,11 @@ from click.testing import CliRunner
 
 from oodscen import Study
 from oodscen.cli import EXIT_CODES, main
+from oodscen.cli.output import left_out
+from oodscen.errors import LLMError
 from oodscen.study import run_study
+from oodscen.testing import FunctionLLM
+from oodscen.verdict import Verdict
 from tests.study.quick import QUICK
 
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
@@ -67,3 +71,58 @@ def test_a_folder_without_a_study_exits_with_2(tmp_path, command) -> None:
 def test_the_help_lists_the_exit_codes() -> None:
     words = invoke("--help").output
     assert all(f"{code}  {said}" in words for code, said in EXIT_CODES.items())
+
+
+def judged(study, name):
+    def answer(request):
+        raise LLMError("boom")
+
+    model = FunctionLLM(answer)
+    model.name = name
+    config = SMALL.model_copy(update={"vlms": (name,), "servers": {name: "http://127.0.0.1:1/v1"}})
+    run_study(study, config, models={name: model})
+
+
+def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_once(study) -> None:
+    judged(study, "bad")
+    found = invoke("evaluate", study, "--drop", "bad")
+    assert found.exit_code == 0
+    assert "bad is taken out with 2 verdicts" in found.output
+    assert Study.open(study).config.vlms == ()
+    judged(study, "bad")
+    found = invoke("evaluate", study, "--drop", "bad", "--vlm", "random")
+    assert found.exit_code == 0
+    assert Study.open(study).config.vlms == ("random",)
+    assert invoke("evaluate", study, "--drop", "bad").exit_code == 2
+    assert invoke("evaluate", study).exit_code == 2
+
+
+def test_items_that_were_not_asked_are_told_per_model() -> None:
+    verdict = Verdict(
+        id="x@m",
+        scene_id="x",
+        model="m",
+        status="failed",
+        outcome="unasked",
+        error="not asked: down",
+    )
+    lines = left_out([verdict, verdict, verdict.model_copy(update={"outcome": "error"})])
+    assert lines == [
+        "m: 2 items not asked: down; the same command asks them, --drop m takes the model out of "
+        "the study"
+    ]
+
+
+@pytest.mark.parametrize("command", ["evaluate", "report"])
+def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch, command) -> None:
+    def interrupt(*args, **more):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("oodscen.study.run_study", interrupt)
+    monkeypatch.setattr("oodscen.report.write_report", interrupt)
+    order = ("evaluate", study, "--vlm", "a b") if command == "evaluate" else ("report", study)
+    found = invoke(*order)
+    assert found.exit_code == 130
+    assert "interrupted" in found.output
+    again = f"this command continues: oodscen evaluate {study} --vlm 'a b'"
+    assert (again in found.output) is (command == "evaluate")
