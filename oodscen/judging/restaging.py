@@ -1,8 +1,10 @@
 """Re-stage scenes in which every choice, or no choice, is safe: they say nothing about a driver."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from oodscen.catalogue import Catalogue
+from oodscen.episode import Episode
 from oodscen.errors import OodscenError
 from oodscen.protocols import Simulator
 from oodscen.scene import Actor, Behaviour, Placement, Scene
@@ -12,13 +14,30 @@ COMPANION = "companion"
 """Id of the car that re-staging puts beside or behind the ego."""
 
 
+class Attempt(NamedTuple):
+    """One variant of a scene that was tried, and why it was not taken."""
+
+    how: str
+    why: str
+
+
+class Restaging(NamedTuple):
+    """What re-staging a scene came to."""
+
+    scene: Scene
+    """The variant that was taken, or the scene as it was."""
+    simulated: Simulated
+    tried: tuple[Attempt, ...] = ()
+    """What was tried before, or in vain."""
+
+
 def restaged(
     scene: Scene, simulated: Simulated, simulator: Simulator, seed: int, traces: bool = False
-) -> tuple[Scene, Simulated]:
+) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
     Others behave as they did: nobody yields who did not. Where no variant helps, the scene and its
-    run are returned as they were.
+    run are returned as they were, with what was tried and why it did not help.
 
     Args:
         scene: In which all or none of the actions are safe.
@@ -28,24 +47,38 @@ def restaged(
         traces: Whether the ground truth of every action's rollout is kept.
     """
     if not simulated.episode.is_deterministic:
-        return scene, simulated
+        why = "replaying the approach gave another trace, so that no action can be called safe"
+        return Restaging(scene, simulated, (Attempt("nothing", why),))
+    tried: list[Attempt] = []
     is_too_easy = bool(simulated.episode.safe_set)
     for variant, how in variants(scene, simulator.catalogue(), is_too_easy):
         try:
             probe = simulate(variant, simulator, seed=seed, render=False).episode
-            if (
-                not probe.is_decidable
-                or probe.decision_fired is not simulated.episode.decision_fired
-            ):
+            if why := _refusal(probe, simulated.episode):
+                tried.append(Attempt(how, why))
                 continue
             again = simulate(variant, simulator, seed=seed, traces=traces)
-        except OodscenError:
+        except OodscenError as error:
+            tried.append(Attempt(how, f"it cannot be run: {error}"))
             continue
         if simulated.episode.hazard_visible and not again.episode.hazard_visible:
+            tried.append(Attempt(how, "the hazard would be in no frame"))
             continue
         episode = again.episode.model_copy(update={"restaged": how})
-        return variant, Simulated(episode, again.states, again.frames, again.trace, again.rollouts)
-    return scene, simulated
+        run = Simulated(episode, again.states, again.frames, again.trace, again.rollouts)
+        return Restaging(variant, run, tuple(tried))
+    return Restaging(scene, simulated, tuple(tried))
+
+
+def _refusal(probe: Episode, before: Episode) -> str:
+    """Say why a variant does not help; empty where it does."""
+    if not probe.is_decidable:
+        if not probe.is_deterministic:
+            return "replaying the approach gave another trace"
+        return "every action is safe" if probe.safe_set else "no action is safe"
+    if probe.decision_fired is not before.decision_fired:
+        return "the moment of decision comes about otherwise"
+    return ""
 
 
 def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:

@@ -12,7 +12,7 @@ from typing import Literal
 from oodscen.annotations import annotate, encode_annotations, semantic_map
 from oodscen.episode import Episode
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
-from oodscen.judging.restaging import restaged
+from oodscen.judging.restaging import Attempt, restaged
 from oodscen.protocols import Frame, Simulator
 from oodscen.recording import View, record
 from oodscen.registry import make_simulator
@@ -69,6 +69,8 @@ class SweepResult:
     """What else was asked for, by its path in the study."""
     restaged: Scene | None = None
     """The scene that was run instead of the one that was given."""
+    tried: tuple[Attempt, ...] = ()
+    """Other stagings of the scene that were tried in vain."""
 
     def save(self, store: Store) -> None:
         """Write the frames, and what else was asked for, to the files that the episode names."""
@@ -161,12 +163,14 @@ def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
 
 def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     try:
-        given = scene
+        given, tried = scene, tuple[Attempt, ...]()
         simulated = simulate(
             scene, simulator, seed=job.seed, traces=job.extras.traces, protocol=job.protocol
         )
         if job.restages and not scene.is_twin and not simulated.episode.is_decidable:
-            scene, simulated = restaged(scene, simulated, simulator, job.seed, job.extras.traces)
+            scene, simulated, tried = restaged(
+                scene, simulated, simulator, job.seed, job.extras.traces
+            )
         extra = _extra_files(job, simulator, scene, simulated)
     except MissingExtra:
         raise
@@ -180,7 +184,7 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     files = {moment: f"frames/{scene.id}/{prefix}{moment}.jpg" for moment in frames}
     named = {"frames": files, "files": tuple(sorted(extra))}
     changed = scene if scene is not given else None
-    return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed)
+    return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed, tried)
 
 
 def _extra_files(

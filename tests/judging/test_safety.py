@@ -206,9 +206,14 @@ def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
     easy = scene.model_copy(update={"actors": (aside, *scene.actors[1:])})
     run = simulate(easy, simulator)
     assert not run.episode.is_decidable
-    changed, again = restaged(easy, run, simulator, 0)
+    changed, again, tried = restaged(easy, run, simulator, 0)
     assert again.episode.is_decidable is bool(again.episode.restaged)
     assert (changed is easy) is (not again.episode.restaged)
+    all_variants = list(variants(easy, simulator.catalogue(), bool(run.episode.safe_set)))
+    assert [one.how for one in tried] == [how for _, how in all_variants][: len(tried)]
+    assert all(one.why for one in tried)
+    if changed is easy:
+        assert len(tried) == len(all_variants)
 
 
 def test_figures_list_what_tells_nothing():

@@ -207,6 +207,22 @@ def test_malformed_answers_are_repaired_or_cost_one_item(folder, tmp_path, autho
     assert len(study.episodes) == 2 * len(study.scenes)
 
 
+def test_every_scene_that_tells_no_actions_apart_says_what_was_tried(folder, study):
+    lines = {line["id"]: line for line in study.store.lines("restaged.jsonl")}
+    scenes = {scene.id: scene.model_dump(mode="json") for scene in study.scenes}
+    for episode in study.episodes:
+        if episode.is_twin or episode.status == "failed":
+            continue
+        line = lines.get(episode.id)
+        if episode.restaged:
+            assert (line["how"], line["scene"]) == (episode.restaged, scenes[episode.id])
+        elif not episode.is_decidable:
+            assert line["tried"]
+            assert "scene" not in line
+        else:
+            assert line is None
+
+
 def test_images_arrive_as_jpeg_and_a_model_is_judged(folder, tmp_path):
     answers = {
         "describe-frame": {"description": "a road"},

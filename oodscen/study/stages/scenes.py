@@ -15,7 +15,8 @@ from oodscen.study.sweep import Job, SweepResult, sweep
 from oodscen.twins import twin_id
 
 RESTAGED = "restaged.jsonl"
-"""One line per scene that was re-staged: its id, how, and the scene that was run."""
+"""One line per scene that told no actions apart: its id, how it was staged anew with the scene that was run (`how`
+is empty where nothing helped), and what was tried in vain and why."""
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
@@ -83,8 +84,8 @@ def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     """Run every scene and its ordinary twin in worker processes; only this process writes.
 
     Scenes in which all or none of the actions are safe say nothing about a choice: they are
-    re-staged where that helps. `restaged.jsonl` says which and how, and `scenes.jsonl` then holds
-    what was run.
+    re-staged where that helps. `restaged.jsonl` says which and how, and what was tried in vain;
+    `scenes.jsonl` then holds what was run.
     """
     job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
     scenes = _as_run(run, scenes)
@@ -103,7 +104,7 @@ def simulate(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
             if result.episode.id not in todo:
                 continue
             result.save(run.store)
-            if result.restaged:
+            if result.restaged or result.tried:
                 run.store.append(RESTAGED, _restaged_line(result))
             yield result.episode
 
@@ -127,25 +128,27 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
 
 
 def _restaged_line(result: SweepResult) -> dict[str, Any]:
-    assert result.restaged is not None
-    return {
+    line: dict[str, Any] = {
         "id": result.episode.id,
         "how": result.episode.restaged,
-        "scene": result.restaged.model_dump(mode="json"),
+        "tried": [attempt._asdict() for attempt in result.tried],
     }
+    if result.restaged:
+        line["scene"] = result.restaged.model_dump(mode="json")
+    return line
 
 
 def _as_run(run: Context, scenes: Sequence[Scene]) -> list[Scene]:
     """Put re-staged scenes in the place of the given ones, here and in `scenes.jsonl`."""
-    changed = {line["id"]: line for line in run.store.lines(RESTAGED)}
-    changed = {name: changed[name] for name in sorted(changed)}
+    lines = {line["id"]: line for line in run.store.lines(RESTAGED)}
+    lines = {name: lines[name] for name in sorted(lines)}
+    if not lines:
+        return list(scenes)
+    run.store.write_lines(RESTAGED, lines.values())
+    changed = {name: line["scene"] for name, line in lines.items() if "scene" in line}
     if not changed:
         return list(scenes)
-    run.store.write_lines(RESTAGED, changed.values())
     rows = list(run.store.lines("scenes.jsonl"))
-    rows = [changed[row["id"]]["scene"] if row["id"] in changed else row for row in rows]
+    rows = [changed.get(row["id"], row) for row in rows]
     run.store.write_lines("scenes.jsonl", rows)
-    return [
-        Scene.parse(changed[scene.id]["scene"]) if scene.id in changed else scene
-        for scene in scenes
-    ]
+    return [Scene.parse(changed[scene.id]) if scene.id in changed else scene for scene in scenes]
