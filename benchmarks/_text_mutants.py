@@ -55,6 +55,7 @@ _ROLLS = {"vehicle": "follow_lane", "cyclist": "follow_lane", "work_zone": "roll
 OPEN_STANDING: tuple[tuple[str, str], ...] = (
     (r"\bhalts in\b", "it comes to a halt: at first it may move"),
     (r"\bcheckpoint appears\b", "a checkpoint appears: nothing is said of who stands in it"),
+    (r"\bround in small steps\b", "it is said to move"),
     (r"\bhas turned a car round\b", "whether the car still slides is not told"),
 )
 """Words of texts that do not say that what stands in their scene stands, and why."""

@@ -174,7 +174,7 @@ LEADS = _patterns(
     r"""
     motion stationary   stationary|immobile|disabled|parked|double-parked|stopped|halted|motionless|standing|abandoned|stranded|broken-down|stalled|crashed|wrecked|overturned|fallen|downed|uprooted
     motion slow         slow cordon|far below the (?:speed limit|limit|speed of)|far slower than|dawdl(?:es|ing)|inch(?:es|ing) (?:forward|along)|at a fraction of (?:its|the|{own}) speed|at low speed|at (?:a )?walking (?:pace|speed)|slow|slow-moving|slowly moving|crawling|creeping
-    motion moving       snaking|swaying|swinging|weaving|speeding|moving|slowly moving|slow-moving|running|galloping|rolling|reversing
+    motion moving       slower|snaking|swaying|swinging|weaving|speeding|moving|slowly moving|slow-moving|running|galloping|rolling|reversing
     motion oncoming     against the flow|against traffic|(?:heading|drives|driving|comes|coming) back along|oncoming|towards us|(?:in|from) the opposite direction|us(?:es|ing) {lane} in the opposite direction|wrong side of the road(?! (?:of|works))|(?:straight|directly|right) for {ego}|approaching|wrong-way
     motion reversing    reversing
     motion crossing     crossing
@@ -404,6 +404,8 @@ CYCLES = frozenset({"cyclist", "bicycle", "cargo bike", "e-scooter"})
 BY_NATURE = {
     "wrong-way driver": "oncoming",
     "ghost driver": "oncoming",
+    "peloton": "moving",
+    "bunch of riders": "moving",
     "march": "moving",
     "parade": "moving",
     "procession": "moving",
