@@ -199,15 +199,18 @@ def evaluate(
     Prints the leaderboard, or with --json what leaderboard.json holds. The exit code is 1 if a model judged
     here left an item without a usable answer. What no answer came to is asked again, of earlier models
     too, after all that is new; a model that is given up costs its own items only. With --drop alone nobody is
-    asked.
+    asked. --judge scores the open aspects of all models and references, those of earlier runs too.
     """
     from oodscen.judging.leaderboard import Leaderboard
     from oodscen.study import Study, StudyConfig, run_study
     from oodscen.study.dropping import drop_models
 
     before = Study.open(out)
-    if not vlms and not dropped:
-        raise UsageError("name a model to judge (--vlm MODEL) or one to take out (--drop MODEL)")
+    if not vlms and not dropped and not judge:
+        raise UsageError(
+            "name a model to judge (--vlm MODEL), one to take out (--drop MODEL), or who scores what was said "
+            "(--judge MODEL)"
+        )
     for name, count in drop_models(before, dropped).items() if dropped else ():
         kept = "its answers stay in answers.jsonl and are used if it is judged again"
         say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
@@ -220,7 +223,7 @@ def evaluate(
     }
     traffic = traffic_from(choices)
     study = before
-    if vlms:
+    if vlms or judge:
         with bars() as progress:
             study = run_study(
                 out,

@@ -59,7 +59,8 @@ def restaged(
                 continue
             again = simulate(variant, simulator, seed=seed, traces=traces)
         except OodscenError as error:
-            tried.append(Attempt(how, f"it cannot be run: {error}"))
+            fault = str(error).strip().splitlines()[-1].strip(" -")
+            tried.append(Attempt(how, f"it cannot be run: {fault}"))
             continue
         if simulated.episode.hazard_visible and not again.episode.hazard_visible:
             tried.append(Attempt(how, "the hazard would be in no frame"))
