@@ -49,7 +49,7 @@ class _Group(click.Group):
         except KeyboardInterrupt:
             again = ""
             if ctx.invoked_subcommand in ("run", "evaluate"):
-                command = redact(shlex.join(["oodscen", *order]))
+                command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
                 again = f"; what is done is written, and this command continues: {command}"
             say(f"oodscen: interrupted{again}", err=True)
             ctx.exit(130)
@@ -60,6 +60,18 @@ class _Group(click.Group):
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )
+
+
+def _without(order: list[str], option: str) -> list[str]:
+    """Leave out an option that is done once and for all, with its value."""
+    kept: list[str] = []
+    words = iter(order)
+    for word in words:
+        if word == option:
+            next(words, None)
+        elif not word.startswith(f"{option}="):
+            kept.append(word)
+    return kept
 
 
 EXIT_CODES = {

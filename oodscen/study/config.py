@@ -145,4 +145,4 @@ JUDGING = ("vlms", "protocols", "judge", "servers")
 """Fields that a finished study may be given anew: who judges and who is judged."""
 
 Status = Literal["running", "stopped", "success", "incomplete"]
-"""`stopped`: a cap was reached or an endpoint given up; `incomplete`: the run ended, but some items failed."""
+"""`stopped`: a cap was reached, an author's endpoint given up, or it was interrupted; `incomplete`: the run ended, but some items failed."""

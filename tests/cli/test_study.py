@@ -120,7 +120,12 @@ def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch
 
     monkeypatch.setattr("oodscen.study.run_study", interrupt)
     monkeypatch.setattr("oodscen.report.write_report", interrupt)
-    order = ("evaluate", study, "--vlm", "a b") if command == "evaluate" else ("report", study)
+    monkeypatch.setattr("oodscen.study.dropping.drop_models", lambda study, names: {})
+    order = (
+        ("evaluate", study, "--drop", "x", "--vlm", "a b")
+        if command == "evaluate"
+        else ("report", study)
+    )
     found = invoke(*order)
     assert found.exit_code == 130
     assert "interrupted" in found.output
