@@ -9,7 +9,7 @@ import json
 import shutil
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,6 +21,7 @@ import numpy as np
 from oodscen.episode import ACTIONS, Episode
 from oodscen.errors import BudgetExceeded
 from oodscen.judging.closed_loop import RuleBasedDriver, drive
+from oodscen.judging.items import CAUTIOUS
 from oodscen.judging.safety import safety_figures
 from oodscen.llms.reference import ConstantAnswerer
 from oodscen.llms.traffic import Caps, Traffic
@@ -79,6 +80,11 @@ def references(study: Study) -> list[Row]:
     spread = (sum(p * (1 - p) for p in chance)) ** 0.5 / len(chance)
     scored = sum(v.action_is_safe is True for v in drawn) / len(drawn)
     balanced = {name: _balanced(found) for name, found in rows.items()}
+    constants = {name: _safe_in_scenes(rows[name]) for name in rows if name.startswith("constant:")}
+    blind, best = _safe_in_scenes(rows["blind"]), max(constants.values())
+    in_scenes = [e for e in episodes.values() if not e.is_twin]
+    drawn_in_scenes = sum(len(e.safe_set) / len(e.actions) for e in in_scenes) / len(in_scenes)
+    needless = _needless(rows["oracle"], episodes)
     return [
         row("oracle, task 1 (detection and closed choice)", seen_share, "share", "1", seen_share == 1.0),
         row("oracle, task 2 where any action is safe", safe, "share", "1", safe == 1.0),
@@ -89,8 +95,27 @@ def references(study: Study) -> list[Row]:
             abs(balanced["random"] - 0.5) <= 0.05),
         row("blind, balanced accuracy", balanced["blind"], "share", "0.45..0.55",
             abs(balanced["blind"] - 0.5) <= 0.05),
+        row("blind, task 2: is the best constant known a priori, not chance", blind, "share",
+            f"{best:.3f} +-0.02 (best constant; chance is {drawn_in_scenes:.3f})",
+            abs(blind - best) <= 0.02),
+        row("oracle, needless stops", needless, "share", "<= 0.01", needless <= 0.01),
         row("novelty, balanced accuracy", balanced["novelty"], "share", "reported", True),
     ]  # fmt: skip
+
+
+def _safe_in_scenes(verdicts: Sequence[Verdict]) -> float:
+    found = [v.action_is_safe is True for v in verdicts if not v.is_twin]
+    return sum(found) / max(1, len(found))
+
+
+def _needless(verdicts: Sequence[Verdict], episodes: Mapping[str, Episode]) -> float:
+    """Return how often it stops in twins in which keeping the speed is safe, with whatever margin."""
+    found = [
+        v.action in CAUTIOUS
+        for v in verdicts
+        if v.is_twin and episodes[v.scene_id].actions["keep_speed"].safe
+    ]
+    return sum(found) / max(1, len(found))
 
 
 def _balanced(verdicts: Sequence[Verdict]) -> float:
