@@ -39,7 +39,7 @@ class Naming:
     words: tuple[str, ...]
     """All words, in the form the table has of them."""
     rest: tuple[str, ...]
-    """The words that belong to no expression."""
+    """The words that belong to no expression, without prepositions."""
 
 
 @cache
@@ -70,6 +70,7 @@ def concepts() -> Mapping[str, Concept]:
     return found
 
 
+@cache
 def widened(name: str) -> frozenset[str]:
     """Return a concept's name and those of everything that it is a kind of."""
     found, ahead = set[str](), [name]
@@ -94,13 +95,14 @@ def named(text: str) -> Naming:
                 used.update(places)
                 found.append((start, concept))
                 break
-    denied = _denied(words, parts, used, [start for start, _ in found])
-    told = [(start, one) for start, one in found if start not in denied and one.kind != "aside"]
+    told = [(start, one) for start, one in found if one.kind != "aside"]
+    denied = _denied(words, parts, used, [start for start, _ in told])
+    told = [(start, one) for start, one in told if start not in denied]
     return Naming(
         tuple(one for _, one in told),
         tuple(_heads(told, words, used)),
         tuple(words),
-        tuple(one for index, one in enumerate(words) if index not in used),
+        tuple(one for i, one in enumerate(words) if i not in used and one not in _LINKS),
     )
 
 
@@ -148,14 +150,14 @@ _DENIALS = frozenset({"no", "not", "without", "never", "neither", "nor", "free",
 def _heads(
     told: Sequence[tuple[int, Concept]], words: Sequence[str], used: set[int]
 ) -> Iterator[Concept]:
-    things = [start for start, one in told if one.kind in ("odd", "ordinary")]
+    things = [(start, one) for start, one in told if one.kind in ("odd", "ordinary")]
     if not things:
         return
-    first = things[0]
+    first = things[0][0]
     ends = [i for i, word in enumerate(words) if i > first and i not in used and word in _LINKS]
     ends += [start for start, one in told if start > first and one.kind in ("state", "act")]
     end = min(ends, default=len(words))
-    yield from (one for start, one in told if start in things and start < end)
+    yield from (one for start, one in things if start < end)
 
 
 _LINKS = frozenset(

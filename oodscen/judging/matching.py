@@ -21,15 +21,16 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     1. it is the label itself, or
     2. it names a head that is odd in itself, or a wider word for it ("an animal" for a dog) and
        nothing else of that wider kind, or
-    3. it names a head that is ordinary, or a wider or narrower word for it, or leaves the thing
-       out, and also a state of the label ("a car on its roof"), or another odd thing of it. Where
-       the label has neither, an act, a place or a word of its own must be shared. A wider state
-       ("stopped" for "broken down") is enough beside the very head, unless that is `GENERAL`, or
-    4. the label is made of words that the table does not have, and it names their head word.
+    3. it names a head, or a wider or narrower word for it, or leaves the thing out, and also a
+       state of the label ("a car on its roof") or another odd thing of it. If the thing is more
+       than just one of `GENERAL`, a wider state ("stopped" for "broken down"), an act or a place
+       is enough, or
+    4. the label has no state and no other odd thing, and the answer names its head with an act, a
+       place or a word of its own; of places, those of the label count first, or
+    5. the label is made of words that the table does not have, and it names their head word.
 
     What is denied does not count, and an answer that lists more than `MOST_THINGS` things names
-    none. Adjectives such as "heavy" and times such as "night" are no concepts: alone they never
-    make an answer right.
+    none. Modifiers such as "heavy" and "night" are set aside: alone they make no answer right.
 
     Args:
         aspect: The answer.
@@ -62,39 +63,65 @@ def _names_oddity(said: Naming, head: Concept) -> bool:
 
 
 def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
-    """Rule 3: whether an answer names an ordinary thing with what makes it unusual."""
-    things = [one for one in said.concepts if one.kind in ("odd", "ordinary")]
-    things += [] if things else _implied(said.concepts)
-    is_very = any(head.name in widened(one.name) for one in things)
-    is_wider = any(one.name in widened(head.name) for one in things)
-    if not (is_very or is_wider):
+    """Rules 3 and 4: whether an answer names a thing with what makes it unusual."""
+    things = _things(said)
+    kinds = widened(head.name)
+    is_narrow = any(head.name in widened(one.name) for one in things)
+    is_special = (is_narrow and head.name not in GENERAL) or any(
+        one.name in kinds - GENERAL for one in things
+    )
+    if not is_narrow and not any(one.name in kinds for one in things):
         return False
     others = [one for one in label.concepts if one != head]
-    given = {name for one in said.concepts for name in widened(one.name)}
     telling = {one.name for one in others if one.kind in ("odd", "state")}
+    given = _widened(said.concepts)
     if telling & given:
         return True
-    acts = {one.name for one in others if one.kind in ("act", "ordinary")}
+    mere = _widened(one for one in others if one.kind != "place") - GENERAL
     places = {one.name for one in others if one.kind == "place"}
     if telling:
-        loose = {name for one in telling for name in widened(one)} - GENERAL
-        is_close = any(one.name in widened(head.name) and one.name not in GENERAL for one in things)
-        is_close |= is_very and head.name != "vehicle"
-        return is_close and bool((loose | acts | places) & given)
+        return is_special and bool((mere | places) & given)
     words = telling_words(" ".join(label.rest))
-    own = words & telling_words(" ".join(said.rest))
-    if not is_very:
-        return len((acts | places) & given) + len(own) >= 2
-    if head.name in GENERAL and places:
-        has_act = head.name == "person" or not acts or acts & given
-        return bool(places & given and has_act)
-    return bool((acts | places) & given or own) or not (acts | places | words)
+    shared = (mere | places) & given | (words & telling_words(" ".join(said.rest)))
+    if not is_narrow:
+        return len(shared) >= ENOUGH_SHARED
+    if head.name in GENERAL:
+        return _is_just(things, head) and _names_circumstance(shared, mere, places, words, head)
+    return bool(shared) or not (mere | places | words)
+
+
+ENOUGH_SHARED = 2
+"""So many acts, places and words make up for a thing that is named by a wider word only."""
+
+
+def _is_just(things: Iterable[Concept], head: Concept) -> bool:
+    """Whether a thing of a general kind is named, and not one that is odd in itself."""
+    return any(one.kind == "ordinary" and head.name in widened(one.name) for one in things)
+
+
+def _names_circumstance(
+    shared: set[str], mere: set[str], places: set[str], words: set[str], head: Concept
+) -> bool:
+    """Whether what is shared tells a person or a vehicle from any other."""
+    if places:
+        return bool(places & shared) and (head.name == "person" or not mere or bool(mere & shared))
+    return bool(shared) or not (mere | words)
+
+
+def _things(said: Naming) -> list[Concept]:
+    """Return the things named; where there are none and no unknown word, those that are implied."""
+    found = [one for one in said.concepts if one.kind in ("odd", "ordinary")]
+    is_clear = not telling_words(" ".join(said.rest))
+    return found or (_implied(said.concepts) if is_clear else [])
+
+
+def _widened(found: Iterable[Concept]) -> set[str]:
+    return {name for one in found for name in widened(one.name)}
 
 
 def _names_state(said: Naming, label: Naming) -> bool:
     return bool(
-        {one.name for one in label.concepts if one.kind == "state"}
-        & {name for one in said.concepts for name in widened(one.name)}
+        {one.name for one in label.concepts if one.kind == "state"} & _widened(said.concepts)
     )
 
 
@@ -104,7 +131,7 @@ def _implied(found: Iterable[Concept]) -> list[Concept]:
 
 
 def _names_word(aspect: str, label: str) -> bool:
-    """Rule 4: whether an answer has the last word of the label's first phrase."""
+    """Rule 5: whether an answer has the last word of the label's first phrase."""
     phrase = _PHRASE_END.split(label.casefold(), maxsplit=1)[0]
     head = [word for word in re.findall(r"[a-z]+", phrase) if word not in COMMON][-1:]
     return bool(head) and stem(head[0]) in affirmed_words(aspect)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from oodscen._data import Data
 from oodscen.judging.matching import MOST_THINGS, names_aspect
+from oodscen.llms.author.shelf import load_knowledge
 from oodscen.llms.reference import ASPECT
 
 
@@ -34,12 +35,16 @@ def labels() -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.label for one in answers()))
 
 
-def share_right(*, is_right: bool) -> float:
+HELD_OUT = (4, 5)
+"""Rounds for which nothing was added to the table."""
+
+
+def share_right(*, is_right: bool, is_held_out: bool = False) -> float:
     """Return the share of the right answers, or of the wrong ones, that count as right."""
     found = [
         names_aspect(one.answer, ("OOD", one.label))
         for one in answers()
-        if one.is_right == is_right
+        if one.is_right == is_right and (one.round in HELD_OUT) == is_held_out
     ]
     return sum(found) / len(found)
 
@@ -77,6 +82,27 @@ def test_of_the_right_answers_nine_tenths_count_and_of_the_wrong_ones_three_hund
     assert share_right(is_right=False) <= 0.03
 
 
+def test_answers_that_the_table_was_not_made_for_are_mostly_judged_as_a_person_would():
+    assert share_right(is_right=True, is_held_out=True) >= 0.8
+    assert share_right(is_right=False, is_held_out=True) <= 0.05
+
+
+def test_clauses_and_wider_labels_of_a_hazard_mostly_name_it_and_rarely_another():
+    hazards = load_knowledge().hazards
+    told = [(clause.replace("{where}", ""), one) for one in hazards for clause in one.events[:2]]
+    own = [names_aspect(clause, ("OOD", one.label)) for clause, one in told]
+    assert sum(own) >= 0.75 * len(own)
+    wider = [names_aspect(one.wider, ("OOD", one.label)) for one in hazards if one.wider]
+    assert sum(wider) >= 0.8 * len(wider)
+    foreign = [
+        names_aspect(clause, ("OOD", other.label))
+        for clause, one in told[::20]
+        for other in hazards
+        if other is not one and other.id not in one.kin
+    ]
+    assert sum(foreign) <= 0.015 * len(foreign)
+
+
 def test_the_corpus_has_right_and_wrong_answers_to_every_label_of_a_default_study():
     assert len(labels()) >= 72
     assert sum(one.is_right for one in answers()) >= 250
@@ -102,10 +128,9 @@ def test_modifiers_and_what_every_road_has_name_nothing(empty):
     assert not taken
 
 
-def test_the_constant_answer_is_right_for_a_pedestrian_who_crosses_and_little_else():
+def test_the_constant_answer_is_right_for_a_pedestrian_who_crosses_and_nothing_else():
     taken = [label for label in labels() if names_aspect(ASPECT, ("OOD", label))]
-    assert "Pedestrian crossing where no crossing is expected" in taken
-    assert len(taken) <= 2
+    assert taken == ["Pedestrian crossing where no crossing is expected"]
 
 
 @given(st.text(min_size=1).filter(str.strip), st.sampled_from([str.upper, str.title, str]))
@@ -132,3 +157,15 @@ def test_a_label_that_denies_something_is_right_too():
         "A car, a van, no light, a dog, x, y, z",
     ):
         assert names_aspect(label.lower(), ("OOD", label))
+
+
+@pytest.mark.parametrize(
+    ("aspect", "label"),
+    [
+        ("a broken fence", "Traffic lights failing in rush hour"),
+        ("an overturned wheelbarrow", "Overturned vehicle ahead in the lane"),
+        ("a wandering fox", "Disoriented person roaming the road"),
+    ],
+)
+def test_a_state_of_something_unknown_is_not_taken_for_that_of_the_thing_it_implies(aspect, label):
+    assert not names_aspect(aspect, ("OOD", label))
