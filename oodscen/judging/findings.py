@@ -121,8 +121,21 @@ def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
         "unknown": f"{aim}, the best is {best.model}",
         "incomplete": "",
     }[grade]
+    if grade == "unclear" and _is_ahead_of_floor(board, best, task):
+        verdict = (
+            f"{aim}, {best.model} is better than not looking in what it answered, but not if what it left "
+            "unanswered counts as wrong"
+        )
     text = f"{verdict}. {_score(board, best, task)}{_at_worst(best, task)}"
-    return f"{text}{_lead(board, best, task)}{left}"
+    return f"{text}{_lead(board, ranked, task)}{left}"
+
+
+def _is_ahead_of_floor(board: Leaderboard, row: Standing, task: Task) -> bool:
+    """Whether a model is shown to beat not looking, missing answers left out."""
+    if task == "detection" and row.detection.balanced_accuracy.interval is not None:
+        return _against(row.detection.balanced_accuracy, 0.5) == "yes"
+    found = _floor_comparison(board, row, task)
+    return found is not None and is_shown(found) and found.test.difference > 0
 
 
 def _at_worst(row: Standing, task: Task) -> str:
@@ -157,18 +170,25 @@ def _score(board: Leaderboard, row: Standing, task: Task) -> str:
     return text
 
 
-def _lead(board: Leaderboard, best: Standing, task: Task) -> str:
-    rivals = [
-        c
-        for c in board.comparisons
-        if c.task == task and c.against == "model" and best.model in (c.first, c.second)
-    ]
-    if not rivals:
-        return ""
-    open_ = [c.second if c.first == best.model else c.first for c in rivals if not is_shown(c)]
-    if open_:
-        return f" It is not shown to beat {_listed(open_)}."
-    return " It is shown to beat every other model."
+def _lead(board: Leaderboard, ranked: Sequence[Standing], task: Task) -> str:
+    """Say whether the first of the models ranked in a task is shown to beat the others."""
+    best, others = ranked[0].model, {row.model for row in ranked[1:]}
+    open_, behind, ahead = list[str](), list[str](), list[str]()
+    for one in board.comparisons:
+        if one.task != task or one.against != "model" or best not in (one.first, one.second):
+            continue
+        is_first = one.first == best
+        rival = one.second if is_first else one.first
+        if rival not in others:
+            continue
+        is_better = (one.test.difference > 0) is is_first
+        (open_ if not is_shown(one) else ahead if is_better else behind).append(rival)
+    text = f" It is not shown to beat {_listed(open_)}." if open_ else ""
+    if behind:
+        text += f" On the items that both answered {_listed(behind)} does better."
+    if ahead and not open_ and not behind:
+        text = " It is shown to beat every other model that is ranked."
+    return text
 
 
 def _unfinished(board: Leaderboard, row: Standing) -> str:
@@ -264,14 +284,7 @@ def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
     """Grade a model by its comparison with the best reference, also with its missing answers as wrong."""
     if missing_share(row, task) > MOST_MISSING:
         return "incomplete"
-    found = next(
-        (
-            c
-            for c in board.comparisons
-            if c.task == task and c.against == "floor" and c.first == row.model
-        ),
-        None,
-    )
+    found = _floor_comparison(board, row, task)
     if found is None:
         return "unknown"
     if not is_shown(found):
@@ -281,6 +294,17 @@ def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
     is_ahead = found.worst_difference is None or found.worst_difference > 0
     is_shown_at_worst = found.p_worst_holm is None or found.p_worst_holm < ALPHA
     return "yes" if is_ahead and is_shown_at_worst else "unclear"
+
+
+def _floor_comparison(board: Leaderboard, row: Standing, task: Task) -> Comparison | None:
+    return next(
+        (
+            c
+            for c in board.comparisons
+            if c.task == task and c.against == "floor" and c.first == row.model
+        ),
+        None,
+    )
 
 
 def _detection_grade(board: Leaderboard, row: Standing) -> Grade:

@@ -101,6 +101,8 @@ def test_a_model_that_answers_only_what_is_easy_is_not_recommended() -> None:
     assert "trust picky" not in said
     assert "best is picky" not in said
     assert "picky left 50" in said
+    assert "beat picky" not in said
+    assert "beat every other" not in said
     assert "To choose an action, trust fair" in said
     grades = {(one.model, one.task): one.grade for one in findings(found)}
     assert {grades["picky", task] for task in ("notice", "name", "act")} == {"incomplete"}
@@ -134,6 +136,25 @@ def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wr
     assert shy.control.needless.worst == pytest.approx(
         (shy.control.needless.hits + shy.control.needless.missing) / 16
     )
+
+
+def test_a_lead_that_rests_on_missing_answers_is_said_to_do_so() -> None:
+    case = Case(paths=12)
+
+    def lucky(index: int, twin: bool) -> dict[str, Any]:
+        if index % 6 == 0:
+            return {"status": "failed", "outcome": "refused", "error": "no"}
+        return {**knows(index, twin), "action": "keep_speed" if index % 6 == 1 else "stop"}
+
+    def floor(index: int, twin: bool) -> dict[str, Any]:
+        return {**stubborn(index, twin), "action": "keep_speed" if index % 6 < 2 else "stop"}
+
+    found = board(
+        case, case.verdicts("lucky", lucky), case.verdicts("constant:stop", floor, "reference")
+    )
+    acts = next(one for one in findings(found) if one.task == "act")
+    assert acts.grade == "unclear"
+    assert "trust lucky" not in next(s for s in answer(found) if s.startswith("To choose an"))
 
 
 def test_models_are_compared_pairwise_and_with_the_best_reference() -> None:
