@@ -86,13 +86,13 @@ def test_a_replay_goes_by_either_name_and_when_its_file_is_gone(made, tmp_path) 
     recording = shutil.copy(made / "judged" / "answers.jsonl", tmp_path / "a.jsonl")
     name = f"replay:{recording}#good"
     config = SMALL.model_copy(update={"vlms": (name,)})
-    for asked in (name, "replay:a.jsonl#good"):
-        study = run_study(folder, config)
-        assert drop_models(study, [asked]) == {asked: len(study.episodes)}
-        assert study.config.vlms == ()
-        assert {row.model for row in study.verdicts} == {*ALWAYS}
     study = run_study(folder, config)
+    copies = [Study.open(shutil.copytree(folder, tmp_path / f"copy{n}")) for n in range(2)]
+    called = "replay:a.jsonl#good"
+    assert drop_models(copies[0], [name]) == {name: len(study.episodes)}
+    assert drop_models(copies[1], [called]) == {called: len(study.episodes)}
     recording.unlink()
     drop_models(study, [name])
-    assert study.config.vlms == ()
-    assert {row.model for row in study.verdicts} == {*ALWAYS}
+    for one in (study, *copies):
+        assert one.config.vlms == ()
+        assert {row.model for row in one.verdicts} == {*ALWAYS}
