@@ -32,6 +32,11 @@ DEFAULT_ENCODER = "minilm"
 DEFAULT_LLM = "builtin"
 
 
+def is_builtin(name: str) -> bool:
+    """Whether a model's name stands for the built-in author, with or without own knowledge."""
+    return name.partition(":")[0] == DEFAULT_LLM
+
+
 def names(kind: str) -> dict[str, EntryPoint]:
     """Return what is registered for a kind, by name; nothing is imported."""
     return {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}

@@ -9,6 +9,7 @@ from oodscen import paper
 from oodscen.episode import Episode
 from oodscen.evaluation import OPTIONS
 from oodscen.llms.accounting import Account, account, accounts
+from oodscen.registry import is_builtin
 from oodscen.report import charts, gallery, measures, parts, trust, words
 from oodscen.report.outline import outline
 from oodscen.report.reading import Failure, Material, dig, mapping, number
@@ -227,7 +228,7 @@ def _authorship(found: Material) -> list[str]:
     llm = str(config.get("llm") or "unknown")
     red = str(config.get("red_llm") or llm)
     sentences = []
-    if _is_builtin(llm):
+    if is_builtin(llm):
         sentences.append(
             "No language model wrote the tree and the scenes: their author is “builtin”, a deterministic writer over a "
             "knowledge base of hazards that ships with oodscen."
@@ -237,7 +238,7 @@ def _authorship(found: Material) -> list[str]:
             f"The tree, the texts and the scenes were written by the language model “{llm}”."
         )
     if red != llm:
-        what = "the built-in writer, not a language model" if _is_builtin(red) else f"“{red}”"
+        what = "the built-in writer, not a language model" if is_builtin(red) else f"“{red}”"
         sentences.append(f"The situations of the red teaming were imagined by {what}.")
     models = list(dict.fromkeys(row.model for row in found.verdicts if row.kind == "model"))
     if models:
@@ -249,10 +250,6 @@ def _authorship(found: Material) -> list[str]:
             "The reference answerers are shipped with oodscen: constants, chance and others that know or see less, and an oracle that is told the truth. They show what a score is worth."
         )
     return sentences
-
-
-def _is_builtin(name: str) -> bool:
-    return name.partition(":")[0] == "builtin"
 
 
 def _key_figures(found: Material, counts: Counts) -> list[tuple[str, str]]:

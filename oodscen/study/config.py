@@ -14,6 +14,7 @@ from oodscen.registry import (
     DEFAULT_ENCODER,
     DEFAULT_LLM,
     DEFAULT_SIMULATOR,
+    is_builtin,
     names,
 )
 
@@ -92,6 +93,8 @@ class StudyConfig(Data):
             raise ValueError("band: the lower bound must be below the upper one")
         if any(size < 1 for size in self.sets):
             raise ValueError("sets: sizes are positive")
+        if self.judge is not None and is_builtin(self.judge):
+            raise ValueError("judge: the built-in author writes texts; it judges no answers")
         for address in filter(None, (self.api_base, *self.servers.values())):
             if redact(address) != address:
                 raise ValueError(
@@ -116,9 +119,8 @@ class StudyConfig(Data):
     def compared(self) -> tuple[str, ...]:
         """The catalogues that are compared with the simulator's."""
         if self.catalogues is None:
-            is_free = self.llm.partition(":")[0] == DEFAULT_LLM
             there = set(names("catalogue"))
-            return tuple(n for n in DEFAULT_CATALOGUES if is_free and n in there)
+            return tuple(n for n in DEFAULT_CATALOGUES if is_builtin(self.llm) and n in there)
         return tuple(name for name in self.catalogues if name != self.simulator)
 
     def judging_too(self, other: Self) -> Self:

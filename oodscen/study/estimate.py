@@ -15,10 +15,9 @@ from oodscen.messages import Image, Message
 from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
 from oodscen.prompts.base import Prompt
 from oodscen.protocols import LLM, Completion, Request, Usage
-from oodscen.registry import make_llm
+from oodscen.registry import is_builtin, make_llm
 from oodscen.study.config import StudyConfig
 from oodscen.study.pipeline import Pipeline
-from oodscen.study.record import is_builtin
 from oodscen.study.store import Store
 from oodscen.twins import twin_id
 from oodscen.verdict import verdict_id

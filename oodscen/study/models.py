@@ -10,9 +10,8 @@ from oodscen.llms.metered import MeteredLLM
 from oodscen.llms.replay import Recording, RecordingLLM, ReplayLLM
 from oodscen.llms.traffic import Traffic
 from oodscen.protocols import LLM
-from oodscen.registry import make_llm
+from oodscen.registry import is_builtin, make_llm
 from oodscen.study.config import StudyConfig
-from oodscen.study.record import is_builtin
 from oodscen.study.store import Store
 
 ANSWERS = "answers.jsonl"

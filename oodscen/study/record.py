@@ -6,7 +6,7 @@ from typing import Any
 
 from oodscen._version import __version__
 from oodscen.prompts import prompt_versions
-from oodscen.registry import DEFAULT_LLM
+from oodscen.registry import is_builtin
 from oodscen.study.config import Status, StudyConfig
 
 _BUILTIN = (
@@ -39,11 +39,6 @@ def authors(config: StudyConfig) -> dict[str, str]:
     """Say who wrote the texts, in words that cannot be mistaken for a model."""
     names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
     return {role: _BUILTIN if is_builtin(name) else name for role, name in names.items()}
-
-
-def is_builtin(name: str) -> bool:
-    """Whether a model's name stands for the built-in author, with or without own knowledge."""
-    return name.partition(":")[0] == DEFAULT_LLM
 
 
 def versions() -> dict[str, str]:

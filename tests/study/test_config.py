@@ -45,3 +45,8 @@ def test_no_key_gets_into_a_study_by_an_address(field):
         StudyConfig.parse({field: address if field == "api_base" else {"model": address}})
     assert "OPENAI_API_KEY" in str(caught.value)
     assert "planted" not in str(caught.value)
+
+
+def test_the_built_in_author_is_no_judge():
+    with pytest.raises(DataError, match="judges no answers"):
+        StudyConfig.parse({"judge": "builtin"})

@@ -9,9 +9,9 @@ from oodscen.describe import Describer, spread, spread_subset
 from oodscen.errors import LLMError, UsageError
 from oodscen.metrics import Metrics
 from oodscen.metrics.guard import is_calibrated
+from oodscen.registry import is_builtin
 from oodscen.scenario import Scenario
 from oodscen.study.context import Context, failed
-from oodscen.study.record import is_builtin
 from oodscen.tree import ScenarioTree
 
 
