@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from oodscen.baselines import Baseline
 from oodscen.study import StudyConfig, run_study
+from tests.study.quick import ORDINARY
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -24,6 +26,9 @@ def study(tmp_path_factory):
 
 @pytest.fixture
 def workplace(tmp_path, monkeypatch, study):
+    """Have `out`, and fifty ordinary texts where `Metrics()` would have thousands encoded."""
+    few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
+    monkeypatch.setattr("oodscen.metrics.metrics.ordinary_driving", lambda: few)
     (tmp_path / "out").symlink_to(study)
     monkeypatch.chdir(tmp_path)
 

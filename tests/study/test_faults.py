@@ -65,7 +65,7 @@ def test_faults_cost_at_most_their_own_items(tmp_path, author, quiet):
         return draw.choice(FAULTS) if draw.random() < 0.3 else None
 
     with AnsweringServer(author, faults=faults) as server:
-        study = run(tmp_path, server, timeout_s=0.25, max_bytes=1_000_000)
+        study = run(tmp_path, server, timeout_s=1.0, max_bytes=1_000_000)
     assert study.info["status"] in ("success", "incomplete")
     wanted = {line["id"]: line for line in Study.open(quiet).table("scenarios")}
     for line in study.table("scenarios"):
