@@ -4,7 +4,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -56,7 +56,7 @@ class Shelf:
     def read(self, name: str, text: str) -> None:
         """Add the content of a file."""
         try:
-            content = tomllib.loads(text)
+            content = _content(text)
         except tomllib.TOMLDecodeError as error:
             self.issues.append(Issue(name, str(error)))
             return
@@ -181,6 +181,12 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
         inner.pop(steps[-1], None)
     elif steps and isinstance(inner, list) and isinstance(steps[-1], int):
         inner[steps[-1]] = f"Without a name {steps[-1]}"
+
+
+@lru_cache(maxsize=8)
+def _content(text: str) -> Mapping[str, Any]:
+    """Return what a file says; the shipped ones are read again with every file of somebody's own."""
+    return tomllib.loads(text)
 
 
 def _lines(text: str, key: str) -> list[int]:

@@ -38,7 +38,7 @@ def test_drafts_pass_the_check_at_once_or_after_a_refusal(
     rich_digest: CatalogueDigest,
 ) -> None:
     refused = []
-    texts = texts_of(knowledge, rich_digest, 2)
+    texts = texts_of(knowledge, rich_digest, 1)
     assert len({name for name, _ in texts}) >= 120
     for name, text in texts:
         for attempt in (1, 2, 3):
