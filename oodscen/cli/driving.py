@@ -11,7 +11,8 @@ from oodscen.cli.options import json_option
 from oodscen.cli.output import say
 
 if TYPE_CHECKING:
-    from oodscen.judging.drives import DriveRow, Mean, Share
+    from oodscen.judging.board import Figure
+    from oodscen.judging.drives import DriveRow, Share
 
 
 @click.command()
@@ -89,7 +90,7 @@ def _range(share: "Share") -> str:
     return f" [{share.interval.low:.0%}, {share.interval.high:.0%}]" if share.interval else ""
 
 
-def _mean(mean: "Mean", unit: str, *, percent: bool = False) -> str:
+def _mean(mean: "Figure", unit: str, *, percent: bool = False) -> str:
     if mean.value is None:
         return "-"
     form = ".0%" if percent else ".1f"

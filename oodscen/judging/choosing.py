@@ -12,6 +12,7 @@ from oodscen.judging.reading import (
     LONGEST,
     TWO_ANSWERS,
     Reading,
+    disputed,
     is_refusal,
     member,
     tail,
@@ -44,7 +45,7 @@ class Question:
             return too_long(text)
         given = told(text, self._in_object, self.keys)
         if given.is_disputed:
-            return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
+            return disputed()
         if given.value:
             later = self._in_words(given.corrected) if given.corrected else None
             return later if later and later.value else Reading(given.value, "answered", "JSON")

@@ -10,8 +10,8 @@ from oodscen.judging.descriptions import joined
 from oodscen.judging.patterns import compiled
 from oodscen.judging.reading import (
     LONGEST,
-    TWO_ANSWERS,
     Reading,
+    disputed,
     is_refusal,
     member,
     tail,
@@ -47,7 +47,7 @@ def read_aspect(text: str) -> Reading[Detected]:
         return too_long(text)
     given = told(text, _from_object, _OOD_KEYS)
     if given.is_disputed:
-        return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
+        return disputed()
     if given.value:
         later = uncorrected_verdict(given.corrected)[0] if given.corrected else None
         if later in (None, given.value.is_ood):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._data import Data
+from oodscen.judging.board import Figure
 from oodscen.judging.closed_loop import DriveResult
 from oodscen.judging.statistics import (
     FEWEST_CLUSTERS,
@@ -41,18 +42,6 @@ class Share(Data):
     """Resampled over whole paths; with fewer than five, Wilson's over drives."""
 
 
-class Mean(Data):
-    """A mean over drives."""
-
-    noun: ClassVar[str] = "mean"
-
-    value: float | None = None
-    n: int = 0
-    """Drives in which there was anything to measure."""
-    interval: Bounds | None = None
-    """Resampled over whole paths; `None` with fewer than five of them."""
-
-
 class Pairing(Data):
     """Scenes and their twins, driven by the same driver."""
 
@@ -68,7 +57,7 @@ class Pairing(Data):
     drives_and_passes: Share = Share()
     """Passed in both, and came at least `HARDLY_DRIVES` of the way in the twin: who stands still passes many
     scenes, and has no part in this."""
-    progress_lost: Mean = Mean()
+    progress_lost: Figure = Figure()
     """Progress in the twin less progress in the scene."""
     brakes_needlessly: Share = Share()
     """Braked harder than 4 m/s^2 in a twin in which keeping the speed is safe."""
@@ -94,7 +83,7 @@ class DriveRow(Data):
     shares: dict[str, Share] = {}
     """Of the drives that ran: `passed`, `collisions`, `off_road`, and `critical`, in which the time to collision
     fell below `CRITICAL_TTC_S`."""
-    means: dict[str, Mean] = {}
+    means: dict[str, Figure] = {}
     """`min_ttc_s`, `min_headway_s`, `median_headway_s`, `progress` (1 is keeping the first speed all the
     time), `peak_deceleration` (m/s^2), `peak_jerk` (m/s^3)."""
     paired: Pairing | None = None
@@ -287,14 +276,14 @@ class _Sums:
 
     def mean(
         self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], float | None]
-    ) -> Mean:
+    ) -> Figure:
         known = [(one, value) for one in drives if (value := tell(one)) is not None]
         if not known:
-            return Mean()
+            return Figure()
         values = np.array([value for _, value in known], np.float64)
         replicates, units = self._resampled([one for one, _ in known], values)
         interval = None if replicates is None else percentiles(replicates, units)
-        return Mean(value=round(float(values.mean()), 6), n=len(values), interval=interval)
+        return Figure(value=round(float(values.mean()), 6), n=len(values), interval=interval)
 
     def _resampled(
         self, drives: Sequence[DriveResult], values: NDArray[np.float64]

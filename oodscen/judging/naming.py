@@ -7,7 +7,7 @@ from typing import Any
 from oodscen.judging.descriptions import joined
 from oodscen.judging.detection import read_aspect
 from oodscen.judging.patterns import compiled
-from oodscen.judging.reading import LONGEST, TWO_ANSWERS, Reading, member, told, too_long
+from oodscen.judging.reading import LONGEST, Reading, disputed, member, told, too_long
 
 _KEYS = ("aspect", "ood_aspect", "unusual_aspect", "answer", "label")
 _MOST_WORDS = 20
@@ -32,7 +32,7 @@ def read_named_aspect(text: str) -> Reading[str]:
         return too_long(text)
     given = told(text, _from_object, _KEYS)
     if given.is_disputed:
-        return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
+        return disputed()
     if given.value is not None:
         return _named(given.value, "JSON")
     if given.is_void:

@@ -34,6 +34,11 @@ class Reading(Generic[Value]):
     """How it was found, or why there is none: `JSON`, `prose: chosen`, `two answers: ...`."""
 
 
+def disputed() -> Reading[Any]:
+    """Return the reading of an answer whose objects contradict each other (see `Told`)."""
+    return Reading(None, "unparsed", f"{TWO_ANSWERS}, each in JSON")
+
+
 def too_long(text: str) -> Reading[Any]:
     """Return what becomes of an answer that is too long to be read."""
     return Reading(None, "unparsed", f"{len(text):,} characters; {LONGEST:,} at most are read")

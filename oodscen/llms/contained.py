@@ -1,26 +1,16 @@
 """A model that is given up costs the items that need it, and does not end the run."""
 
-from typing import Any
-
 from oodscen.errors import EndpointDown, NotAskedError
-from oodscen.protocols import LLM, Completion, Request
+from oodscen.llms.wrapper import Wrapper
+from oodscen.protocols import Completion, Request
 
 
-class ContainedLLM:
+class ContainedLLM(Wrapper):
     """Fails the question instead of the run where another model is given up.
 
     Args:
         llm: Who answers; its other attributes are reachable through this object.
     """
-
-    def __init__(self, llm: LLM) -> None:
-        self.name = llm.name
-        self._llm = llm
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return getattr(self._llm, name)
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on.

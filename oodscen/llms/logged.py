@@ -3,10 +3,11 @@
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from oodscen._data import Data
 from oodscen.llms.redaction import redact
+from oodscen.llms.wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
 
 
@@ -40,7 +41,7 @@ class Call(Data):
     """Until the answer, waiting and retries included."""
 
 
-class LoggedLLM:
+class LoggedLLM(Wrapper):
     """Reports every `complete` of another model, also those that fail.
 
     Args:
@@ -49,15 +50,9 @@ class LoggedLLM:
     """
 
     def __init__(self, llm: LLM, log: Callable[[Call], None]) -> None:
-        self.name = llm.name
-        self._llm = llm
+        super().__init__(llm)
         self._log = log
         self._lock = threading.Lock()
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return getattr(self._llm, name)
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on and report what it took."""

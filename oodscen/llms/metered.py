@@ -1,14 +1,13 @@
 """Caps for models that are not asked through litellm."""
 
-from typing import Any
-
 from oodscen.errors import UsageError
 from oodscen.llms.litellm import estimate_tokens
 from oodscen.llms.traffic import Spent, Traffic
+from oodscen.llms.wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
 
 
-class MeteredLLM:
+class MeteredLLM(Wrapper):
     """Holds another model to the caps of a run; every call counts as one request.
 
     Args:
@@ -20,9 +19,8 @@ class MeteredLLM:
     """
 
     def __init__(self, llm: LLM, traffic: Traffic) -> None:
-        self.name = llm.name
+        super().__init__(llm)
         self.traffic = traffic
-        self._llm = llm
         self._price = traffic.prices.get(llm.name)
         if traffic.budget.caps.cost_usd is not None and self._price is None:
             raise UsageError(
@@ -30,11 +28,6 @@ class MeteredLLM:
                 f"USD per million tokens of input and output, e.g. --price {llm.name}=0,0"
             )
         self._endpoint = traffic.endpoint(f"model {llm.name}")
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return getattr(self._llm, name)
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on if the caps allow it.

@@ -10,11 +10,12 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from oodscen._data import Data, canonical_json
 from oodscen.errors import DataError, Issue, ReplayMiss, UsageError
 from oodscen.llms.redaction import redact_keys
+from oodscen.llms.wrapper import Wrapper
 from oodscen.messages import Message
 from oodscen.protocols import LLM, Completion, Request, Usage
 
@@ -189,7 +190,7 @@ class Recording:
         return Exchange.parse(line, source=f"{self.path}, byte {start}")
 
 
-class RecordingLLM:
+class RecordingLLM(Wrapper):
     """Records every answer of another model; what is recorded already is not asked again.
 
     Args:
@@ -201,15 +202,9 @@ class RecordingLLM:
     def __init__(
         self, llm: LLM, recording: Recording | str | Path, *, is_reading: bool = True
     ) -> None:
-        self.name = llm.name
-        self._llm = llm
+        super().__init__(llm)
         self._recording = recording if isinstance(recording, Recording) else Recording(recording)
         self._is_reading = is_reading
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return getattr(self._llm, name)
 
     def complete(self, request: Request) -> Completion:
         """Give the recorded answer, or ask and record."""

@@ -2,7 +2,8 @@
 
 from markupsafe import Markup
 
-from oodscen.judging.drives import DriveBoard, DriveRow, Mean, Share, drive_board, remarks
+from oodscen.judging.board import Figure
+from oodscen.judging.drives import DriveBoard, DriveRow, Share, drive_board, remarks
 from oodscen.report import charts
 from oodscen.report.reading import Material
 from oodscen.study import Study
@@ -124,7 +125,7 @@ def _share(share: Share) -> Markup:
     )
 
 
-def _mean(mean: Mean, percent: bool = False) -> Markup:
+def _mean(mean: Figure, percent: bool = False) -> Markup:
     if mean.value is None:
         return _none()
     scale, unit, digits = (100, " %", 0) if percent else (1, "", 1)
