@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 from oodscen._data import issues_of
 from oodscen.errors import AnswerError, Issue, LLMError, OodscenError
 from oodscen.extraction import find_objects, is_cut_off
+from oodscen.llms.redaction import redact, redact_keys
 from oodscen.messages import Message
 from oodscen.prompts.base import Prompt
 from oodscen.protocols import LLM, Request
@@ -78,14 +79,14 @@ def ask(
 
 
 def _said(llm: LLM, request: Request) -> str:
-    """Return the words of a model; whatever else its object raises is a model that failed."""
+    """Return the words of a model, without credentials; whatever else its object raises is a failure."""
     try:
-        return llm.complete(request).text
+        return redact_keys(llm.complete(request).text)
     except OodscenError:
         raise
     except Exception as error:
         raise LLMError(
-            f"{llm.name} broke down: {type(error).__name__}: {str(error)[:500]}",
+            f"{llm.name} broke down: {type(error).__name__}: {redact(str(error))[:500]}",
             model=llm.name,
             retryable=isinstance(error, TimeoutError | ConnectionError),
         ) from error

@@ -25,6 +25,7 @@ from oodscen.cli import (
 )
 from oodscen.cli.output import say
 from oodscen.errors import OodscenError, RunStopped, UsageError
+from oodscen.llms.offline import enforce
 from oodscen.llms.redaction import redact
 
 # Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
@@ -91,6 +92,7 @@ _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in 
 @click.pass_context
 def main(context: click.Context, debug: bool) -> None:
     """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
+    enforce()
     here = os.getcwd()
     if here not in sys.path:
         sys.path.append(here)

@@ -1,5 +1,6 @@
 """Options that several commands share."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from oodscen.errors import UsageError
-from oodscen.llms.traffic import PATIENCE_S, TIMEOUT_S
+from oodscen.llms.traffic import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 
@@ -17,6 +18,19 @@ if TYPE_CHECKING:
 Command = Callable[..., Any]
 
 READABLE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+class Finite(click.FloatRange):
+    """A number within bounds that is neither infinite nor no number at all."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the number that a word stands for."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
 
 
 def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
@@ -73,7 +87,7 @@ red_options = _options(
     ),
     click.option(
         "--red-coverage",
-        type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+        type=Finite(0.0, 1.0, min_open=True, max_open=True),
         help="Stop red teaming when the Good-Turing coverage is above this.",
     ),
     click.option(
@@ -83,12 +97,12 @@ red_options = _options(
     ),
     click.option(
         "--nearest",
-        type=click.FloatRange(-1.0, 1.01),
+        type=Finite(-1.0, 1.01),
         help=f"Refuse a proposal this similar to an earlier one.  [default: {NEAREST_TEXT}]",
     ),
     click.option(
         "--nearest-label",
-        type=click.FloatRange(-1.0, 1.01),
+        type=Finite(-1.0, 1.01),
         help=f"Refuse a proposal this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
     ),
     click.option(
@@ -120,10 +134,8 @@ traffic_options = _options(
     click.option(
         "--max-tokens", type=click.IntRange(min=0), help="Largest number of tokens, in and out."
     ),
-    click.option("--max-cost", type=click.FloatRange(min=0), help="Largest cost, in USD."),
-    click.option(
-        "--max-seconds", type=click.FloatRange(min=0), help="No request is begun after this time."
-    ),
+    click.option("--max-cost", type=Finite(min=0), help="Largest cost, in USD."),
+    click.option("--max-seconds", type=Finite(min=0), help="No request is begun after this time."),
     click.option(
         "--price",
         "prices",
@@ -135,21 +147,21 @@ traffic_options = _options(
         "--concurrency",
         default=8,
         show_default=True,
-        type=click.IntRange(min=1),
+        type=click.IntRange(1, 1_000),
         help="Requests to one server at once, at most; fewer while it says that there are too many.",
     ),
     click.option(
         "--timeout",
         default=TIMEOUT_S,
         show_default=True,
-        type=click.FloatRange(min=0, min_open=True),
+        type=Finite(0, LONGEST_S, min_open=True),
         help="Seconds for one answer, to its last byte; tried once more, then only its item fails.",
     ),
     click.option(
         "--patience",
         default=PATIENCE_S,
         show_default=True,
-        type=click.FloatRange(min=1),
+        type=Finite(1, LONGEST_S),
         help="Seconds without a response to anything after which a server is given up.",
     ),
 )
@@ -186,9 +198,9 @@ def _price(text: str) -> "tuple[str, Price]":
     try:
         asked, answered = map(float, values.split(","))
     except ValueError:
-        asked = answered = -1.0
-    if not model or min(asked, answered) < 0:
+        model = ""
+    if not model:
         raise UsageError(
             f"{text!r} is no price; write MODEL=IN,OUT in USD per million tokens, e.g. gpt-4o=2.5,10"
         )
-    return model, Price(asked, answered)
+    return model, check_price(model, Price(asked, answered))

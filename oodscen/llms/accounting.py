@@ -2,10 +2,13 @@
 
 import threading
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeGuard
 
 from oodscen._data import Data
 from oodscen.llms.logged import Call
+
+MOST = 1e15
+"""A number beyond this, below 0, infinite or none counts as missing: a file may hold anything."""
 
 
 class Account(Data):
@@ -51,10 +54,10 @@ def accounts(
 
 
 def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
-    """Sum up the calls of one group; fields that are missing or no numbers count as 0."""
+    """Sum up the calls of one group; fields that are missing or no amounts count as 0."""
     requests = [max(1, int(_number(call, "requests"))) for call in calls]
     costs = [call.get("cost_usd") for call in calls if call.get("status") != "failed"]
-    known = [float(cost) for cost in costs if isinstance(cost, (int, float))]
+    known = [float(cost) for cost in costs if _is_amount(cost)]
     times = sorted(_number(call, "seconds") for call in calls)
     return Account(
         group=group,
@@ -106,7 +109,11 @@ class Ledger:
 
 def _number(call: Mapping[str, Any], name: str) -> float:
     value = call.get(name)
-    return float(value) if isinstance(value, (int, float)) else 0.0
+    return float(value) if _is_amount(value) else 0.0
+
+
+def _is_amount(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, (int, float)) and 0 <= value < MOST
 
 
 def _quantile(ordered: Sequence[float], share: float) -> float:

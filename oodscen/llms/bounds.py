@@ -14,8 +14,16 @@ from typing import Literal
 LOOK_S = 0.5
 """How often a call that can be closed looks whether it is, in seconds."""
 
+HEAD = 1_000_000
+"""Most that is read before the body, in bytes: headers, and responses that announce another one."""
+
 KEPT = 20_000
 """How much of a body is kept for the error that it may end in, in bytes."""
+
+
+Break = Literal["time", "size", "encoding", "silence", "closed", "redirect", "proxy", "offline"]
+"""Why a call was ended: it took too long, or its response was too large or compressed, or the server fell
+silent, or nobody waits any more, or it would have gone where it must not."""
 
 
 class BoundReached(Exception):
@@ -30,7 +38,8 @@ class Bounds:
         size: Largest body, in bytes.
         clock: Monotonic seconds.
         silence_s: After how long without a byte the server is looked at.
-        is_alive: Whether the server at an address still responds to anything.
+        is_alive: Whether the server at an address still responds to anything, as far as can be found out
+            in so many seconds.
         is_closed: Whether nobody waits for the answer any more.
     """
 
@@ -41,7 +50,7 @@ class Bounds:
         clock: Callable[[], float] = time.monotonic,
         *,
         silence_s: float = math.inf,
-        is_alive: Callable[[str], bool] = lambda url: True,
+        is_alive: Callable[[str, float], bool] = lambda url, seconds: True,
         is_closed: Callable[[], bool] | None = None,
     ) -> None:
         self.size = size
@@ -56,11 +65,14 @@ class Bounds:
         """The beginning of the body."""
         self.received = 0
         """Bytes of the body so far."""
-        self.broken: Literal["time", "size", "encoding", "silence", "closed"] | None = None
+        self.broken: Break | None = None
         """Which bound was reached."""
+        self.detail = ""
+        """Where the call would have gone."""
         self._is_alive = is_alive
         self._is_closed = is_closed
         self._silent_since = clock()
+        self._read = 0
         self._clock = clock
         self._ends = clock() + seconds
 
@@ -74,9 +86,25 @@ class Bounds:
         """Longest time to read before `endure` is asked, in seconds."""
         return self.silence_s if self._is_closed is None else min(self.silence_s, LOOK_S)
 
-    def heard(self) -> None:
-        """Take note that the server sent something."""
+    def stop(self, broken: Break, detail: str = "") -> None:
+        """Take note of the bound that ends the call."""
+        self.broken, self.detail = broken, detail
+
+    def sending(self, url: str) -> None:
+        """Take note that a request is about to be sent."""
+        self.is_sent, self.url, self.status, self._read = True, url, None, 0
+
+    def heard(self, size: int) -> None:
+        """Take note that the server sent something.
+
+        Raises:
+            BoundReached: When there is too much of it and still no response.
+        """
         self._silent_since = self._clock()
+        self._read += size
+        if self.status is None and self._read > HEAD:
+            self.broken = "size"
+            raise BoundReached(f"more than {HEAD:,} bytes and no response")
 
     def left(self, timeout: float | None) -> float:
         """Return the seconds that the next read or write may take; 0 or less when time is up."""
@@ -93,7 +121,7 @@ class Bounds:
         """Say whether to go on waiting for a server that has sent nothing for `pace_s`."""
         if self._clock() - self._silent_since < self.silence_s:
             return True
-        if self._is_alive(self.url):
+        if self._is_alive(self.url, self.left(None)):
             self._silent_since = self._clock()
             return True
         self.broken = "silence"

@@ -36,6 +36,17 @@ _FILTER = re.compile(
 """How providers call their content filter in an error."""
 
 
+_BROKEN = {
+    "size": "the response has more than {size:,} bytes",
+    "encoding": "the response is compressed although plain text was asked for",
+    "redirect": "the server redirects to {detail}, where neither question nor key is sent; "
+    "if that is the right server, give its address",
+    "proxy": "a proxy is asked over http:// only; mend HTTPS_PROXY or ALL_PROXY",
+    "offline": "OODSCEN_OFFLINE is set, and {detail} is not this machine",
+}
+"""What a call that was ended says, where nothing else about it matters."""
+
+
 class Filtered(Exception):
     """A response says that a content filter withheld the answer; no caller sees it."""
 
@@ -59,7 +70,8 @@ class Failure:
     @property
     def is_no_response(self) -> bool:
         """Whether a response arrived and was none: empty, a web page, too large."""
-        return self.kind == "erring" and (self.status is None or self.status < 400)
+        is_error = self.status is not None and self.status >= 400
+        return self.kind == "erring" and self.retryable and not is_error
 
     @property
     def is_free(self) -> bool:
@@ -67,27 +79,25 @@ class Failure:
         return self.status is not None and self.status >= 400
 
 
-def diagnose(model: str, error: Exception, bounds: Bounds, key: str = "") -> Failure:
+def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
     """Say what an exception of litellm means; no credential is left in the texts.
 
     Args:
         model: Its name in the message.
         error: What was raised.
         bounds: Of the call: what really arrived, since litellm gives a status to everything.
-        key: A credential that no environment variable holds.
     """
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
     text = str(error)[:_READ].partition("Traceback (most recent call last)")[0]
-    text = " ".join(redact(text, [key]).split())
+    text = " ".join(redact(text).split())
     text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
     reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
     kind = _kind(status, text, error)
     if isinstance(error, Filtered) or type(error).__name__ == "ContentPolicyViolationError":
         kind = "filtered"
-    if bounds.broken == "size":
-        kind, reason = "erring", f"the response has more than {bounds.size:,} bytes"
-    elif bounds.broken == "encoding":
-        kind, reason = "erring", "the response is compressed although plain text was asked for"
+    if bounds.broken in _BROKEN:
+        kind = "erring"
+        reason = _BROKEN[bounds.broken].format(size=bounds.size, detail=bounds.detail)
     elif bounds.broken == "silence":
         kind, reason = "unreachable", "the server accepts connections and says nothing"
     elif bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):
@@ -103,6 +113,7 @@ def diagnose(model: str, error: Exception, bounds: Bounds, key: str = "") -> Fai
         message=f"{model} gave no answer: {reason}",
         kind=kind,
         retryable=kind in ("limit", "late", "unreachable", "erring")
+        and bounds.broken not in ("redirect", "proxy", "offline")
         and not isinstance(error, ImportError)
         and status not in (403, 404),
         may_refuse_form=status in (400, 422)
@@ -110,7 +121,7 @@ def diagnose(model: str, error: Exception, bounds: Bounds, key: str = "") -> Fai
         and type(error).__name__ not in _ABOUT_CONTENT,
         retry_after=retry_after(error),
         status=status,
-        raw=redact(bounds.head.decode("utf-8", "replace"), [key])[:_RAW] if is_unreadable else "",
+        raw=redact(bounds.head.decode("utf-8", "replace"))[:_RAW] if is_unreadable else "",
     )
 
 

@@ -1,16 +1,13 @@
 """Any language model that litellm reaches: hosted, local, or behind an OpenAI-compatible address."""
 
 import base64
-import json
 import os
 import threading
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from ipaddress import ip_address
 from types import ModuleType
 from typing import Any
-from urllib.parse import urlsplit
 
 from oodscen.errors import (
     LateError,
@@ -23,8 +20,10 @@ from oodscen.errors import (
 )
 from oodscen.llms.bounds import Bounds, bounded
 from oodscen.llms.failures import Failure, Filtered, diagnose
-from oodscen.llms.redaction import redact, redact_keys
-from oodscen.llms.traffic import Price, Spent, Traffic
+from oodscen.llms.offline import SWITCH, enforce, is_loopback, is_offline
+from oodscen.llms.redaction import hide, redact, redact_keys, secrets_in, secrets_of
+from oodscen.llms.traffic import Price, Spent, Traffic, check_seconds
+from oodscen.llms.usage import believed, count, estimate_tokens
 from oodscen.messages import Image, Message
 from oodscen.protocols import Completion, Request, Usage
 from oodscen.seeding import stream
@@ -32,11 +31,11 @@ from oodscen.seeding import stream
 NO_KEY = "none"
 """Sent as the key to an own address where no key is set: such servers seldom want one."""
 
-IMAGE_TOKENS = 1_500
-"""What a picture of a study costs at most with the known providers."""
-
 ALONE = 1_000
 """Requests at once of a model that is no part of a run: as many as its caller has threads."""
+
+LOOKUP_S = 10.0
+"""Longest time for what litellm asks a server about a model before anything is asked of the model itself."""
 
 LATE_RETRIES = 1
 """Further tries after one that was not answered in time; what hangs once hangs again, as a rule."""
@@ -105,16 +104,21 @@ class LiteLLM:
         self.max_wait_s = max_wait_s
         self.max_bytes = max_bytes
         self.traffic = traffic or Traffic(concurrency=ALONE, patience_s=None)
-        self.timeout_s = self.traffic.timeout_s if timeout_s is None else timeout_s
+        self.timeout_s = (
+            self.traffic.timeout_s if timeout_s is None else check_seconds("timeout_s", timeout_s)
+        )
+        hide([*secrets_in(options or {}), *secrets_of(api_base or "")])
         self._sleep = sleep or self.traffic.sleep
         self._sdk = sdk = load_litellm()
-        self._model, provider, address = _resolve(sdk, model, api_base)
-        _permit(model, api_base, address)
-        self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
-        """`None` where it is not known."""
+        # Of some models litellm asks their server what they can do.
+        with bounded(Bounds(LOOKUP_S, max_bytes)):
+            self._model, provider, address = _resolve(sdk, model, api_base)
+            _permit(model, api_base, address)
+            self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
+            """`None` where it is not known."""
+            self._json = _json_ability(sdk, self._model)
         _afford(model, self.price, self.traffic)
         self._endpoint = self.traffic.endpoint(redact(api_base) if api_base else provider)
-        self._json = _json_ability(sdk, self._model)
         self._refused: set[str] = set()
         self._arguments: dict[str, Any] = {
             "model": self._model,
@@ -151,7 +155,8 @@ class LiteLLM:
         if pause := self._endpoint.pause():
             self._sleep(min(pause, self.max_wait_s))
         while True:
-            outcome = self._try({**arguments, "response_format": form} if form else arguments, most)
+            sent = {**arguments, "response_format": form} if form else arguments
+            outcome = self._try(sent, request, most)
             requests += 1
             if isinstance(outcome, Completion):
                 if refused:
@@ -168,7 +173,9 @@ class LiteLLM:
             tries += 1
             self._sleep(wait)
 
-    def _try(self, arguments: dict[str, Any], most: Spent) -> Completion | Failure:
+    def _try(
+        self, arguments: dict[str, Any], request: Request, most: Spent
+    ) -> Completion | Failure:
         self.traffic.check()
         with self._endpoint.slot(self.name) as begun:
             self.traffic.check()
@@ -178,19 +185,18 @@ class LiteLLM:
                 self.timeout_s,
                 self.max_bytes,
                 silence_s=self._endpoint.silence_s,
-                is_alive=lambda url: self._endpoint.is_alive(url, _responds),
+                is_alive=lambda url, seconds: self._endpoint.is_alive(url, _responds, seconds),
                 is_closed=self.traffic.is_over,
             )
             try:
                 with bounded(bounds):
                     response = self._sdk.completion(**arguments)
-                completion = self._completion(response)
+                completion = self._completion(response, request)
                 answered = completion.usage.output_tokens
                 used = self._used(completion.usage, most)
             # Servers send anything, and litellm passes on whatever its parsing of it raised.
             except Exception as error:
-                key = str(arguments.get("api_key", ""))
-                failure = diagnose(self.name, error, bounds, key)
+                failure = diagnose(self.name, error, bounds)
                 used = Spent(1) if failure.is_free else most
             else:
                 self._endpoint.succeeded(self.name)
@@ -236,27 +242,29 @@ class LiteLLM:
 
     def _used(self, usage: Usage, most: Spent) -> Spent:
         tokens = usage.input_tokens + usage.output_tokens
-        return Spent(
-            1, tokens or most.tokens, most.cost_usd if not tokens else usage.cost_usd or 0.0
-        )
+        if not tokens:
+            return most
+        cost = usage.cost_usd
+        if cost is None and self.price is not None:
+            cost = self.price.of(usage.input_tokens, usage.output_tokens)
+        return Spent(1, tokens, cost or 0.0)
 
-    def _completion(self, response: Any) -> Completion:
+    def _completion(self, response: Any, request: Request) -> Completion:
         message = response.choices[0].message
         text = message.content or getattr(message, "refusal", None) or ""
         if not text and getattr(response.choices[0], "finish_reason", "") == "content_filter":
             raise Filtered("the answer was withheld")
-        usage = getattr(response, "usage", None)
-        details = getattr(usage, "prompt_tokens_details", None)
-        asked = getattr(usage, "prompt_tokens", None) or 0
-        answered = getattr(usage, "completion_tokens", None) or 0
+        said = getattr(response, "usage", None)
+        details = getattr(said, "prompt_tokens_details", None)
+        usage = Usage(
+            input_tokens=count(getattr(said, "prompt_tokens", None)),
+            output_tokens=count(getattr(said, "completion_tokens", None)),
+            cached_tokens=count(getattr(details, "cached_tokens", None)),
+        )
+        cost = self._cost(response, usage.input_tokens, usage.output_tokens)
         return Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
-            usage=Usage(
-                input_tokens=asked,
-                output_tokens=answered,
-                cached_tokens=getattr(details, "cached_tokens", None) or 0,
-                cost_usd=self._cost(response, asked, answered),
-            ),
+            usage=believed(usage.model_copy(update={"cost_usd": cost}), request),
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
@@ -293,6 +301,7 @@ def load_litellm() -> ModuleType:
     Raises:
         MissingExtra: When it is not installed.
     """
+    enforce()
     with _import_lock:
         os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
         # Its own type definitions make pydantic warn, some of them only when they are first used.
@@ -331,13 +340,6 @@ def known_price(sdk: ModuleType, model: str) -> Price | None:
     except Exception:
         return None
     return Price(float(asked), float(answered))
-
-
-def estimate_tokens(request: Request) -> int:
-    """Estimate the input tokens of a request from its characters, rather too many than too few."""
-    texts = sum(len(message.text) for message in request.messages)
-    images = sum(len(message.images) for message in request.messages)
-    return (texts + len(json.dumps(request.schema))) // 3 + IMAGE_TOKENS * images
 
 
 def _afford(model: str, price: Price | None, traffic: Traffic) -> None:
@@ -407,22 +409,13 @@ def _responds(url: str, timeout_s: float) -> bool:
 
 def _permit(model: str, api_base: str | None, address: str | None) -> None:
     """Refuse an address outside this machine where the environment forbids the network."""
-    if os.environ.get("OODSCEN_OFFLINE", "") in ("", "0") or is_loopback(address):
+    if not is_offline() or is_loopback(address):
         return
     where = redact(api_base) if api_base else "its provider"
     raise UsageError(
-        f"OODSCEN_OFFLINE is set, and {model!r} would be asked at {where}; only addresses on this "
-        "machine are allowed (127.0.0.1, localhost), or unset OODSCEN_OFFLINE"
+        f"{SWITCH} is set, and {model!r} would be asked at {where}; only addresses on this "
+        f"machine are allowed (127.0.0.1, localhost), or unset {SWITCH}"
     )
-
-
-def is_loopback(address: str | None) -> bool:
-    """Whether an address is certain to be on this machine."""
-    try:
-        host = urlsplit(address or "").hostname or ""
-        return host == "localhost" or ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _json_ability(sdk: ModuleType, model: str) -> str:

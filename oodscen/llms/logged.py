@@ -7,8 +7,9 @@ from typing import ClassVar, Literal
 
 from oodscen._data import Data
 from oodscen.llms.redaction import redact
+from oodscen.llms.usage import believed
 from oodscen.llms.wrapper import Wrapper
-from oodscen.protocols import LLM, Completion, Request
+from oodscen.protocols import LLM, Completion, Request, Usage
 
 
 class Call(Data):
@@ -77,7 +78,7 @@ class LoggedLLM(Wrapper):
         failure: BaseException | None,
         seconds: float,
     ) -> Call:
-        usage = completion.usage if completion else None
+        usage = believed(completion.usage, request) if completion else Usage()
         return Call(
             purpose=request.prompt.purpose,
             prompt_version=request.prompt.version(),
@@ -86,10 +87,10 @@ class LoggedLLM(Wrapper):
             attempt=request.attempt,
             status="ok" if completion else "failed",
             error=None if failure is None else redact(f"{type(failure).__name__}: {failure}"),
-            input_tokens=usage.input_tokens if usage else 0,
-            output_tokens=usage.output_tokens if usage else 0,
-            cached_tokens=usage.cached_tokens if usage else 0,
-            cost_usd=usage.cost_usd if usage else None,
+            input_tokens=usage.input_tokens,
+            output_tokens=usage.output_tokens,
+            cached_tokens=usage.cached_tokens,
+            cost_usd=usage.cost_usd,
             requests=completion.requests if completion else getattr(failure, "requests", 0),
             seconds=round(seconds, 6),
         )

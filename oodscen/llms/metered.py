@@ -1,8 +1,8 @@
 """Caps for models that are not asked through litellm."""
 
 from oodscen.errors import UsageError
-from oodscen.llms.litellm import estimate_tokens
 from oodscen.llms.traffic import Spent, Traffic
+from oodscen.llms.usage import believed, estimate_tokens
 from oodscen.llms.wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
 
@@ -44,11 +44,12 @@ class MeteredLLM(Wrapper):
             used, answered = most, 0
             try:
                 completion = self._llm.complete(request)
-                usage = completion.usage
-                answered = usage.output_tokens
-                cost = usage.cost_usd or self._cost(usage.input_tokens, answered)
-                used = Spent(1, usage.input_tokens + answered, cost)
-                return completion
+                usage = believed(completion.usage, request)
+                if usage.input_tokens + usage.output_tokens:
+                    answered = usage.output_tokens
+                    cost = usage.cost_usd or self._cost(usage.input_tokens, answered)
+                    used = Spent(1, usage.input_tokens + answered, cost)
+                return completion.model_copy(update={"usage": usage})
             finally:
                 budget.settle(most, used, answered)
 

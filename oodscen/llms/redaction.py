@@ -1,12 +1,28 @@
 """Keep credentials out of everything that is shown or written."""
 
+import base64
+import html
+import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any
+from urllib.parse import parse_qsl, quote, quote_plus, urlsplit
 
 HIDDEN = "[redacted]"
 
-_SECRET_VARIABLE = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD|CREDENTIALS?)$", re.IGNORECASE)
+SHORTEST = 8
+"""A value shorter than this is no credential, and replacing it would garble ordinary text."""
+
+_SECRET_NAME = re.compile(
+    r"(?: KEY | TOKEN | SECRET | PASSWORD | PASSWD | PASSPHRASE | CREDENTIAL | JWT | BEARER"
+    r"  | (?<![A-Z0-9]) (?: PAT | PASS | AUTHORIZATION ) ) S? (?![A-Z])"
+    r"(?! .* [_-] (?: FILE | PATH | DIR | URL | URI | NAME | TYPE ) $ )",
+    re.IGNORECASE | re.VERBOSE,
+)
+"""Names of variables, arguments and headers that hold a credential, rather than say where one is."""
+
 _SHAPES = re.compile(
     r"""
       (?<![A-Za-z0-9]) (?: sk | pk | rk | gsk | xai | hf | r8 | pplx | nvapi ) [-_] [\w-]{8,}
@@ -14,36 +30,91 @@ _SHAPES = re.compile(
     | (?<![A-Za-z0-9]) (?: AKIA | ASIA ) [A-Z0-9]{12,}
     | (?<![A-Za-z0-9]) eyJ [\w-]{8,} \. [\w-]{8,} \. [\w-]*
     | (?<= :// ) [^/\s@]+ (?= @ )
-    | (?i: (?<= bearer\s ) [^\s"',;]{6,} )
-    | (?i: (?<= [?&]key= ) [^\s&"']+ )
+    | (?P<query> [?&] (?i: (?: api [-_]? | access [-_]? )? (?: key | token ) ) = ) [^\s&"']+
+    | (?P<header>
+        (?i: (?: authorization | (?: x [-_] )? (?: goog [-_] )? api [-_] key ) ["']? \s* [:=] \s* ["']?
+             (?: (?: bearer | basic ) \s+ )?
+           | bearer \s )
+      ) [^\s"',;]{6,}
     """,
     re.VERBOSE,
 )
 
-_SHORTEST = 8
-"""A value shorter than this is no credential, and replacing it would garble ordinary text."""
+_told: set[str] = set()
+"""Credentials that no environment variable holds."""
 
 
 def redact(text: str, known: Iterable[str] = ()) -> str:
     """Replace credentials in a text.
 
-    Hidden are the given values, the values of environment variables whose names end in KEY, TOKEN,
-    SECRET, PASSWORD or CREDENTIALS, and what is shaped like a provider's key or a bearer token.
+    Hidden are those that `redact_keys` hides, and what is shaped like a provider's key, a bearer token,
+    or a password or key in an address or a header.
     """
-    return _SHAPES.sub(HIDDEN, _without({*_secrets(), *known}, text, _SHORTEST))
+    return _SHAPES.sub(_hidden, redact_keys(text, known))
 
 
 def redact_keys(text: str, known: Iterable[str] = ()) -> str:
-    """Replace only credentials that are known, and long: for what a model says, which is content."""
-    return _without({*_secrets(), *known}, text, 2 * _SHORTEST)
+    """Replace only credentials that are known: for what a model says, which is content.
+
+    Known are the given values, what was told to `hide`, and the values of environment variables whose names
+    have KEY, TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT for a word; also escaped for JSON,
+    HTML or an address, or in Base64. Values of fewer than `SHORTEST` characters stay.
+    """
+    held = (value for name, value in os.environ.items() if _SECRET_NAME.search(name))
+    values = {value for value in (*held, *_told, *known) if len(value) >= SHORTEST}
+    return _any_of(frozenset(values - {HIDDEN, HIDDEN[1:-1]})).sub(HIDDEN, text)
 
 
-def _secrets() -> list[str]:
-    return [value for name, value in os.environ.items() if _SECRET_VARIABLE.search(name)]
+def hide(values: Iterable[str]) -> None:
+    """Make credentials known to this process, so that they are replaced from now on."""
+    _told.update(value for value in values if len(value) >= SHORTEST)
 
 
-def _without(values: Iterable[str], text: str, shortest: int) -> str:
-    for value in sorted(values, key=len, reverse=True):
-        if len(value) >= shortest:
-            text = text.replace(value, HIDDEN)
-    return text
+def secrets_in(arguments: Mapping[str, Any]) -> list[str]:
+    """Return the credentials among named arguments or headers, also nested ones."""
+    found = []
+    for name, value in arguments.items():
+        if isinstance(value, Mapping):
+            found += secrets_in(value)
+        elif isinstance(value, str) and _SECRET_NAME.search(str(name)):
+            # A header may name its scheme before the credential.
+            found += [value, value.split()[-1]] if value.strip() else []
+    return found
+
+
+def secrets_of(address: str) -> list[str]:
+    """Return the password and the keys in an address."""
+    try:
+        parts = urlsplit(address)
+        return [*filter(None, [parts.password]), *secrets_in(dict(parse_qsl(parts.query)))]
+    except ValueError:
+        return []
+
+
+@lru_cache(maxsize=64)
+def _any_of(values: frozenset[str]) -> re.Pattern[str]:
+    """Return a pattern that finds credentials however they are written, and nothing where there are none."""
+    forms = sorted({form for value in values for form in _forms(value)}, key=len, reverse=True)
+    return re.compile("|".join(map(re.escape, forms)) or "(?!)")
+
+
+def _forms(value: str) -> set[str]:
+    data = value.encode("utf-8", "replace")
+    quoted = {quote(data, safe=""), quote(data), quote_plus(data)}
+    lower = {re.sub("%[0-9A-F]{2}", lambda code: code[0].lower(), text) for text in quoted}
+    escaped = {json.dumps(value)[1:-1], json.dumps(value, ensure_ascii=False)[1:-1]}
+    return {value, html.escape(value), *quoted, *lower, *escaped, *_encoded(data)}
+
+
+def _encoded(data: bytes) -> set[str]:
+    """Return what Base64 makes of a value wherever it stands, without characters shared with neighbours."""
+    forms = set()
+    for before in range(3):
+        first, end = -(-8 * before // 6), 8 * (before + len(data)) // 6
+        for encode in (base64.b64encode, base64.urlsafe_b64encode):
+            forms.add(encode(b"\0" * before + data).decode("ascii")[first:end])
+    return forms
+
+
+def _hidden(found: re.Match[str]) -> str:
+    return f"{found['query'] or found['header'] or ''}{HIDDEN}"

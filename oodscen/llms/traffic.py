@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 from pydantic import Field
 
 from oodscen._data import Data
-from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped
+from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
 from oodscen.llms.failures import Failure
 
 CONCURRENCY = 8
@@ -33,6 +33,12 @@ JUDGING = 4.0
 GRACE_S = 2.0
 """How long requests that are under way may still take once a run is interrupted."""
 
+LONGEST_S = 1_000_000.0
+"""Longest time that can be set, in seconds: eleven days. Sockets take little more."""
+
+DEAREST_USD = 1e6
+"""Highest price that is taken for one, per million tokens."""
+
 ANSWER_TOKENS = 4_096
 """Answer that a call is expected to cost at most, where `max_tokens` does not say it."""
 
@@ -48,6 +54,23 @@ class Price(NamedTuple):
     def of(self, input_tokens: int, output_tokens: int) -> float:
         """Return the cost of one call in USD."""
         return (self.input_usd * input_tokens + self.output_usd * output_tokens) / 1e6
+
+
+def check_price(model: str, price: Price) -> Price:
+    """Return a price; raise `UsageError` when it is none: negative, infinite, not a number."""
+    if not all(0 <= value <= DEAREST_USD for value in price):
+        raise UsageError(
+            f"{price[0]:g} and {price[1]:g} are no price of {model!r}: give USD per million tokens of input "
+            f"and output, each from 0 to {DEAREST_USD:,.0f}"
+        )
+    return price
+
+
+def check_seconds(name: str, seconds: float) -> float:
+    """Return a time limit; raise `UsageError` when it is none: negative, infinite, not a number."""
+    if not 0 < seconds <= LONGEST_S:
+        raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
+    return seconds
 
 
 class Caps(Data):
@@ -207,20 +230,28 @@ class Endpoint:
         with self._free:
             return max(0.0, self._not_before - self._clock())
 
-    def is_alive(self, url: str, probe: Callable[[str, float], bool]) -> bool:
+    def is_alive(
+        self, url: str, probe: Callable[[str, float], bool], within_s: float = math.inf
+    ) -> bool:
         """Look whether the server responds to anything; calls that wait together look once.
 
         Args:
             url: Where the call that waits was sent.
             probe: Told the address and the seconds that it may take.
+            within_s: How long the call goes on at most; with too little for a look, the server passes.
         """
         if self.patience_s is None:
             return True
-        with self._looking:
-            if self._looked is None or self._clock() - self._looked[0] > 0.25 * self.patience_s:
-                found = probe(url, 0.25 * self.patience_s)
+        seconds = 0.25 * self.patience_s
+        if within_s < seconds or not self._looking.acquire(timeout=seconds):
+            return True
+        try:
+            if self._looked is None or self._clock() - self._looked[0] > seconds:
+                found = probe(url, seconds)
                 self._looked = (self._clock(), found)
             return self._looked[1]
+        finally:
+            self._looking.release()
 
     def succeeded(self, model: str = "") -> None:
         """Take note of an answer."""
@@ -307,6 +338,9 @@ class Traffic:
         strikes: As for `Endpoint`.
         timeout_s: Longest time for one try, of models that have none of their own.
         clock: Monotonic seconds.
+
+    Raises:
+        UsageError: When a price or a time cannot be one.
     """
 
     def __init__(
@@ -320,9 +354,11 @@ class Traffic:
         timeout_s: float = TIMEOUT_S,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.timeout_s = timeout_s
+        self.timeout_s = check_seconds("timeout_s", timeout_s)
+        if patience_s is not None:
+            check_seconds("patience_s", patience_s)
         self.budget = Budget(caps, clock=clock)
-        self.prices = dict(prices or {})
+        self.prices = {model: check_price(model, price) for model, price in (prices or {}).items()}
         self.concurrency = concurrency
         self._settings = (patience_s, strikes, clock)
         self._leniency = 1.0

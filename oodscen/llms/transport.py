@@ -3,18 +3,27 @@
 Outside `bounded` nothing changes for whoever else uses litellm in the same process.
 """
 
+import socket
 import ssl
+import threading
+import time
 from collections.abc import Iterable, Iterator
+from contextvars import copy_context
+from queue import Empty, SimpleQueue
 from types import ModuleType
 from typing import Any
 
 import httpcore
 import httpx
 
-from oodscen.llms.bounds import Bounds, active
+from oodscen.llms.bounds import HEAD, BoundReached, Bounds, active, bounded
+from oodscen.llms.offline import is_loopback, is_offline
 
 CONNECT_S = 10.0
-"""Longest time to reach a server, in seconds; what it takes to answer is another matter."""
+"""Longest time to find and reach a server, in seconds; what it takes to answer is another matter."""
+
+PIECE = 16_384
+"""How much is handed to a connection at once, in bytes: a piece is taken whole or not at all in time."""
 
 _TOO_LONG = "the call took too long as a whole"
 
@@ -22,13 +31,17 @@ _TOO_LONG = "the call took too long as a whole"
 def responds(url: str, timeout_s: float) -> bool:
     """Whether a server says anything at all, be it an error, when its front page is asked for.
 
-    Nothing secret is sent, so its certificate does not matter.
+    Nothing secret is sent, so its certificate does not matter, and the page itself is not read.
     """
-    try:
-        httpx.get(httpx.URL(url).join("/"), timeout=timeout_s, verify=False)
-    except httpx.TransportError:
-        return False
-    return True
+    asked = httpx.URL(url)
+    page = httpx.URL(scheme=asked.scheme, host=asked.host, port=asked.port, path="/")
+    with bounded(Bounds(timeout_s, HEAD)) as bounds:
+        try:
+            with guard(httpx.Client(verify=False, timeout=timeout_s)) as client:
+                client.send(client.build_request("GET", page), stream=True).close()
+        except (httpx.HTTPError, BoundReached):
+            pass
+    return bounds.status is not None
 
 
 def guard(client: httpx.Client) -> httpx.Client:
@@ -40,6 +53,9 @@ def guard(client: httpx.Client) -> httpx.Client:
         backend = getattr(pool, "_network_backend", None)
         if backend is not None and not isinstance(backend, _Backend):
             pool._network_backend = _Backend(backend)
+    for pattern, proxy in client._mounts.items():
+        if proxy is not None and not isinstance(proxy, _Tunnel):
+            client._mounts[pattern] = _Tunnel(proxy, client._transport)
     hooks = client.event_hooks
     if _watch not in hooks["response"]:
         hooks["request"].append(_ask_for_plain_text)
@@ -75,8 +91,7 @@ def install(handlers: ModuleType, openai: ModuleType) -> None:
 
 def _ask_for_plain_text(request: httpx.Request) -> None:
     if (bounds := active()) is not None:
-        bounds.is_sent = True
-        bounds.url = str(request.url)
+        bounds.sending(str(request.url))
         # What is compressed has no size before it is unpacked.
         request.headers["accept-encoding"] = "identity"
 
@@ -86,13 +101,55 @@ def _watch(response: httpx.Response) -> None:
     if bounds is None:
         return
     bounds.status = response.status_code
+    if response.has_redirect_location and (elsewhere := _elsewhere(response)):
+        bounds.stop("redirect", elsewhere)
+        raise httpx.RemoteProtocolError(f"the server redirects to {elsewhere}")
     if response.headers.get("content-encoding", "identity").strip().casefold() != "identity":
-        bounds.broken = "encoding"
+        bounds.stop("encoding")
         raise httpx.DecodingError("the response is compressed although plain text was asked for")
     announced = response.headers.get("content-length", "")
     bounds.refuse(int(announced) if announced.isdecimal() else 0)
     if isinstance(response.stream, httpx.SyncByteStream):
         response.stream = _Counted(response.stream, bounds)
+
+
+def _elsewhere(response: httpx.Response) -> str:
+    """Return the origin that a redirect leads to; empty where it stays with the same one."""
+    origins = []
+    try:
+        for url in (response.request.url, response.request.url.join(response.headers["location"])):
+            port = url.port or {"http": 80, "https": 443}.get(url.scheme)
+            origins.append(f"{url.scheme}://{url.host}:{port}")
+    except httpx.InvalidURL:
+        return "an address that is none"
+    return origins[1] if origins[0] != origins[1] else ""
+
+
+class _Tunnel(httpx.BaseTransport):
+    """A proxy that learns no more than the names of servers, and nothing while the network is forbidden.
+
+    What is not encrypted on its way goes past it, or it would read questions and keys.
+    """
+
+    def __init__(self, proxy: httpx.BaseTransport, direct: httpx.BaseTransport) -> None:
+        self._proxy = proxy
+        self._direct = direct
+
+    def handle_request(self, request: httpx.Request) -> httpx.Response:
+        if (bounds := active()) is None:
+            return self._proxy.handle_request(request)
+        url = request.url
+        if is_offline() or url.scheme != "https" or is_loopback(str(url)):
+            return self._direct.handle_request(request)
+        asked = getattr(getattr(self._proxy, "_pool", None), "_proxy_url", None)
+        if getattr(asked, "scheme", b"http") == b"https":
+            # Encryption within encryption is read in records, for which no time can be set.
+            bounds.stop("proxy")
+            raise httpx.ProxyError("a proxy is asked over http:// only")
+        return self._proxy.handle_request(request)
+
+    def close(self) -> None:
+        self._proxy.close()
 
 
 class _Counted(httpx.SyncByteStream):
@@ -127,11 +184,13 @@ class _Stream(httpcore.NetworkStream):
                 if left > bounds.pace_s and not bounds.endure():
                     raise
             else:
-                bounds.heard()
+                bounds.heard(len(data))
                 return data
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
-        self._inner.write(buffer, _left(timeout))
+        view = memoryview(buffer)
+        for start in range(0, len(view), PIECE):
+            self._inner.write(bytes(view[start : start + PIECE]), _left(timeout))
 
     def close(self) -> None:
         self._inner.close()
@@ -160,10 +219,24 @@ class _Backend(httpcore.NetworkBackend):
         local_address: str | None = None,
         socket_options: Iterable[Any] | None = None,
     ) -> httpcore.NetworkStream:
-        left = _left(timeout)
-        if active() is not None and left is not None:
-            left = min(left, CONNECT_S)
-        return _Stream(self._inner.connect_tcp(host, port, left, local_address, socket_options))
+        if active() is None:
+            return _Stream(
+                self._inner.connect_tcp(host, port, timeout, local_address, socket_options)
+            )
+        ends = time.monotonic() + min(CONNECT_S, _left(timeout) or CONNECT_S)
+        addresses = _addresses(host, port, ends - time.monotonic())
+        failed: Exception = httpcore.ConnectTimeout(f"{host} was not reached in time")
+        for number, address in enumerate(addresses):
+            share = (ends - time.monotonic()) / (len(addresses) - number)
+            if share <= 0:
+                break
+            try:
+                return _Stream(
+                    self._inner.connect_tcp(address, port, share, local_address, socket_options)
+                )
+            except (httpcore.ConnectError, httpcore.ConnectTimeout) as error:
+                failed = error
+        raise failed
 
     def connect_unix_socket(
         self, path: str, timeout: float | None = None, socket_options: Iterable[Any] | None = None
@@ -172,6 +245,27 @@ class _Backend(httpcore.NetworkBackend):
 
     def sleep(self, seconds: float) -> None:
         self._inner.sleep(seconds)
+
+
+def _addresses(host: str, port: int, seconds: float) -> list[str]:
+    """Return the addresses of a host; the system's look-up has no time limit of its own."""
+    found: SimpleQueue[list[str] | Exception] = SimpleQueue()
+
+    def look() -> None:
+        try:
+            lines = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+            found.put(list(dict.fromkeys(str(line[4][0]) for line in lines)))
+        except (OSError, UnicodeError) as error:
+            found.put(error)
+
+    threading.Thread(target=copy_context().run, args=(look,), daemon=True).start()
+    try:
+        result = found.get(timeout=seconds)
+    except Empty:
+        raise httpcore.ConnectTimeout(f"the address of {host} was not found in time") from None
+    if isinstance(result, Exception):
+        raise httpcore.ConnectError(str(result)) from result
+    return result
 
 
 def _left(timeout: float | None) -> float | None:

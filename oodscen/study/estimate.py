@@ -9,8 +9,9 @@ from typing import Any
 from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.evaluation import OPTIONS
 from oodscen.llms.accounting import Account, accounts
-from oodscen.llms.litellm import IMAGE_TOKENS, known_price, load_litellm
+from oodscen.llms.litellm import known_price, load_litellm
 from oodscen.llms.traffic import Price
+from oodscen.llms.usage import IMAGE_TOKENS
 from oodscen.messages import Image, Message
 from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
 from oodscen.prompts.base import Prompt

@@ -7,7 +7,7 @@ from oodscen.llms.accounting import Ledger
 from oodscen.llms.fallback import FallbackLLM
 from oodscen.llms.logged import Call, LoggedLLM
 from oodscen.llms.metered import MeteredLLM
-from oodscen.llms.replay import Recording, RecordingLLM, ReplayLLM
+from oodscen.llms.replay import RecordingLLM, ReplayLLM
 from oodscen.llms.traffic import Traffic
 from oodscen.protocols import LLM
 from oodscen.registry import is_builtin, make_llm
@@ -51,7 +51,6 @@ class Models:
         self._given = given or {}
         self._ledger = ledger or Ledger()
         self._is_retry = is_retry
-        self._recording: Recording | None = None
         self._made: dict[str, LLM] = {}
 
     def author(self, name: str) -> LLM:
@@ -82,9 +81,7 @@ class Models:
             logged = FallbackLLM(logged, LoggedLLM(self._make(fallback), self._log))
         if fallback is None and (is_builtin(name) or isinstance(made, ReplayLLM)):
             return logged
-        if self._recording is None:
-            self._recording = Recording(self._store.path(ANSWERS))
-        return RecordingLLM(logged, self._recording, is_reading=not self._is_retry)
+        return RecordingLLM(logged, self._store.path(ANSWERS), is_reading=not self._is_retry)
 
     def _make(self, name: str) -> LLM:
         given = self._given.get(name)

@@ -27,11 +27,11 @@ from oodscen.llms.failures import diagnose
 from oodscen.llms.failures import retry_after as seconds_to_wait
 from oodscen.llms.litellm import (
     LiteLLM,
-    is_loopback,
     load_litellm,
     provider_seed,
     wire_message,
 )
+from oodscen.llms.offline import is_loopback
 from oodscen.llms.traffic import Traffic
 from oodscen.messages import Image, Message
 from oodscen.prompts import DescribeFrame, ImagineScenario

@@ -1,16 +1,18 @@
 """What was recorded is given again, byte for byte; what was not is explained."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import make_llm
+from oodscen._lock import locked
 from oodscen.ask import ask
 from oodscen.concurrency import as_finished
-from oodscen.errors import DataError, LLMError, ReplayMiss, UsageError
-from oodscen.llms.replay import Exchange, Recording, RecordingLLM, ReplayLLM
+from oodscen.errors import DataError, InUse, LLMError, ReplayMiss, StudyError, UsageError
+from oodscen.llms.replay import Exchange, Recorder, Recording, RecordingLLM, ReplayLLM
 from oodscen.messages import Image
 from oodscen.prompts import DescribeFrame, ImagineScenario
 from oodscen.protocols import Completion, Request, Usage
@@ -95,29 +97,120 @@ def test_a_failure_is_not_recorded(file):
     assert not file.exists()
 
 
-def test_a_torn_last_line_is_dropped(file):
-    llm = RecordingLLM(FunctionLLM(by_sample), file)
-    for sample in range(3):
-        llm.complete(request(sample=sample))
-    whole = file.read_bytes()
-    file.write_bytes(whole[:-30])
-    recording = Recording(file)
-    assert len(recording) == 2
-    again = RecordingLLM(FunctionLLM(by_sample), recording)
-    again.complete(request(sample=2))
-    assert len(Recording(file)) == 3
-    file.write_bytes(whole[:-1])
-    RecordingLLM(FunctionLLM(by_sample), file).complete(request(sample=7))
-    assert len(Recording(file)) == 4
+LINES = tuple(
+    Exchange.of(request(sample=n), by_sample(request(sample=n)), "m\u2028\x85", 0.5)
+    .to_json()
+    .encode()
+    + b"\n"
+    for n in range(3)
+)
 
 
-def test_a_fault_in_the_middle_is_named(tmp_path):
+def untouched(file, work):
+    """Do something and check that it leaves the file and its folder as they are."""
+    before = file.read_bytes(), file.stat().st_mtime_ns, sorted(file.parent.iterdir())
+    try:
+        return work()
+    finally:
+        assert before == (file.read_bytes(), file.stat().st_mtime_ns, sorted(file.parent.iterdir()))
+
+
+@settings(max_examples=40)
+@given(st.integers(0, sum(map(len, LINES))))
+def test_a_recording_that_is_cut_anywhere_keeps_its_whole_lines(tmp_path_factory, cut):
+    file = tmp_path_factory.mktemp("cut") / "a.jsonl"
+    file.write_bytes(b"".join(LINES)[:cut])
+    ends = [sum(map(len, LINES[: n + 1])) - 1 for n in range(3)]
+    whole = sum(cut >= end for end in ends)
+    assert len(untouched(file, lambda: Recording(file))) == whole
+    llm = RecordingLLM(FunctionLLM(by_sample, name="m\u2028\x85"), file)
+    assert [llm.complete(request(sample=n)).requests for n in range(3)] == [
+        0 if n < whole else 2 for n in range(3)
+    ]
+    assert sorted(Recording(file)._places) == sorted(Exchange.parse(line).key() for line in LINES)
+    assert file.read_bytes().count(b"\n") == 3
+
+
+@settings(max_examples=40)
+@given((st.binary() | st.text().map(str.encode)).filter(lambda content: b"{" not in content))
+def test_what_is_no_recording_is_refused_and_left_alone(tmp_path_factory, content):
+    file = tmp_path_factory.mktemp("any") / "a.jsonl"
+    file.write_bytes(content)
+    with pytest.raises(DataError, match="line"):
+        untouched(file, lambda: ReplayLLM(file))
+    if content.strip():
+        with pytest.raises(DataError, match="line"):
+            untouched(file, lambda: RecordingLLM(ScriptedLLM(["x"]), file).complete(request()))
+
+
+@pytest.mark.parametrize(
+    "content", ["my notes\nof today", "{}", "[1]\n", '{"purpose": 1}\n{}\n', "[" * 9_999]
+)
+def test_a_file_that_is_no_recording_is_refused_with_its_line(tmp_path, content):
     file = tmp_path / "a.jsonl"
-    file.write_text('{"purpose": 1}\n{}\n')
-    with pytest.raises(DataError, match="byte 0"):
-        ReplayLLM(file)
+    file.write_text(content)
+    with pytest.raises(DataError, match="line 1"):
+        untouched(file, lambda: make_llm(f"replay:{file}"))
+
+
+def test_what_cannot_be_read_is_refused(tmp_path):
     with pytest.raises(DataError, match="no such file"):
         ReplayLLM(tmp_path / "nowhere")
+    with pytest.raises(DataError, match="directory"):
+        Recording(tmp_path)
+
+
+def test_a_file_is_recorded_by_one_at_a_time(file):
+    mine = RecordingLLM(FunctionLLM(by_sample), file)
+    mine.complete(request())
+    mine._recorder.close()
+    with ThreadPoolExecutor(1) as other:
+        held = locked(file, "recording")
+        other.submit(held.__enter__).result()
+        asked = ScriptedLLM(["never asked"])
+        theirs = RecordingLLM(asked, file)
+        with pytest.raises(InUse, match="since 2"):
+            untouched(file, lambda: theirs.complete(request(sample=1)))
+        assert mine.complete(request()).requests == 0
+        other.submit(held.__exit__, None, None, None).result()
+    assert mine.complete(request(sample=1)).requests == 2
+
+
+def test_recorders_of_one_file_in_one_process_are_one(file):
+    llms = [RecordingLLM(FunctionLLM(by_sample), file) for _ in range(4)]
+    list(as_finished(lambda n: llms[n % 4].complete(request(sample=n)), range(80), threads=8))
+    assert len(Recording(file)) == 80
+    file.unlink()
+    RecordingLLM(FunctionLLM(by_sample), file).complete(request())
+    assert len(Recording(file)) == 1
+
+
+def test_what_others_add_meanwhile_is_found_before_anybody_is_asked(file):
+    late = RecordingLLM(FunctionLLM(by_sample, name="m"), Recorder(file))
+    RecordingLLM(FunctionLLM(by_sample, name="m"), Recorder(file)).complete(request())
+    assert late.complete(request()).requests == 0
+
+
+def test_a_full_disk_is_an_error_and_leaves_whole_lines(file, monkeypatch):
+    recorder = Recorder(file)
+    llm = RecordingLLM(FunctionLLM(by_sample), recorder)
+    llm.complete(request())
+    whole = file.read_bytes()
+    append = recorder._append
+
+    def full(line):
+        with file.open("ab") as behind:
+            behind.write(line[:20])
+        recorder._file = None
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recorder, "_append", full)
+    with pytest.raises(StudyError, match="No space left"):
+        llm.complete(request(sample=1))
+    monkeypatch.setattr(recorder, "_append", append)
+    llm.complete(request(sample=2))
+    assert file.read_bytes().startswith(whole)
+    assert len(Recording(file)) == 2
 
 
 def test_many_threads_record_whole_lines(file):

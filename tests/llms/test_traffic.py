@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oodscen.concurrency import as_finished
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
 from oodscen.llms.failures import Failure
-from oodscen.llms.litellm import LiteLLM, estimate_tokens
+from oodscen.llms.litellm import LiteLLM
 from oodscen.llms.traffic import (
     ANSWER_TOKENS,
     GRACE_S,
@@ -25,6 +25,7 @@ from oodscen.llms.traffic import (
     Spent,
     Traffic,
 )
+from oodscen.llms.usage import estimate_tokens
 from oodscen.prompts import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
