@@ -242,10 +242,12 @@ class Recorder(Recording):
         place = Path(path).resolve()
         with _sharing:
             recorder = _recorders.get(place)
-            if recorder is not None and recorder._is_outdated():
+            if recorder is not None:
+                if not recorder._is_outdated():
+                    return recorder
                 recorder.close()
-                recorder = None
-            return recorder or _recorders.setdefault(place, cls(path))
+            recorder = _recorders[place] = cls(path)
+            return recorder
 
     def open(self) -> None:
         """Lock the file, and take in what others have added meanwhile.
