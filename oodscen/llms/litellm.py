@@ -300,6 +300,7 @@ def load_litellm() -> ModuleType:
 
     Raises:
         MissingExtra: When it is not installed.
+        UsageError: When it is, and cannot be loaded.
     """
     enforce()
     with _import_lock:
@@ -320,6 +321,12 @@ def load_litellm() -> ModuleType:
                 from oodscen.llms.transport import guard, install
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise UsageError(
+                f"litellm cannot be loaded: {reason}; it needs a temporary folder that it can write, such as "
+                "TMPDIR may name"
+            ) from None
         litellm.suppress_debug_info = True
         litellm.telemetry = False
         install(http_handler, common_utils)

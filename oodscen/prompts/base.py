@@ -119,7 +119,8 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-_FENCE = re.compile(r"<(?=[\s/]*data\b)", re.IGNORECASE)
+_FENCE = re.compile(r"[<＜﹤‹〈](?=[^\w<]*d[^\w<]*a[^\w<]*t[^\w<]*a)", re.IGNORECASE)
+"""The beginning of what could be read as the end of a fence, whatever is strewn between its letters."""
 
 
 def data_block(value: object) -> str:

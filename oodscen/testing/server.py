@@ -32,8 +32,10 @@ Fault = Literal[
     "reset",
     "slow",
     "slow_head",
+    "processing",
     "huge",
     "packed",
+    "redirect",
     "filtered",
     "withheld",
 ]
@@ -42,7 +44,8 @@ Fault = Literal[
 The answer: `malformed` is prose, `truncated` its first half, `wrong_schema` another object, `null` none.
 The response: an HTTP status with the usual error body (`http429` with `Retry-After: 7`), a web page,
 an empty body, a body shorter than announced, a connection closed without a word, a body or a head that comes byte
-by byte and does not end (`slow`, `slow_head`), a body without an end (`huge`), a compressed one (`packed`).
+by byte and does not end (`slow`, `slow_head`), responses without an end that announce another (`processing`), a
+body without an end (`huge`), a compressed one (`packed`), a redirect to this server under another name (`redirect`).
 The content filter: the question is refused with status 400 (`filtered`), the answer is left out (`withheld`).
 """
 
@@ -247,6 +250,11 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
                 self._send(200, b"")
             elif fault == "packed":
                 self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
+            elif fault == "redirect":
+                address = f"http://localhost:{self.server.server_address[1]}{self.path}"
+                self._send(307, b"", {"location": address})
+            elif fault == "processing":
+                self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
             elif fault == "slow_head":
                 self._pour(b"HTTP/1.1 200 OK\r\nx-slow: ", b"a", _PAUSE_S)
             elif fault in ("slow", "huge"):
@@ -307,8 +315,10 @@ _RESPONSES = (
     "reset",
     "slow",
     "slow_head",
+    "processing",
     "huge",
     "packed",
+    "redirect",
     "filtered",
 )
 

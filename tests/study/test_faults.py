@@ -3,22 +3,24 @@
 import json
 import random
 from contextlib import suppress
+from urllib.parse import quote
 
 import pytest
 from click.testing import CliRunner
 
 from oodscen import Study, make_llm
 from oodscen.cli import main
-from oodscen.errors import BudgetExceeded, EndpointDown
+from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
 from oodscen.llms.traffic import Caps, Price, Traffic
 from oodscen.study import estimate, run_study
-from oodscen.testing import AnsweringServer
+from oodscen.testing import AnsweringServer, FunctionLLM
+from tests.llms.rogue import dripping, talking
 from tests.study.quick import QUICK
 
 KEY = "sk-test-planted-0123456789abcdef"
 CONFIG = QUICK.model_copy(update={"llm": "served", "max_paths": 2, "iterations": 6})
 FAULTS = (
-    "http429 http500 http503 reset slow truncated wrong_schema malformed html empty huge packed cut"
+    "http429 http500 http503 reset slow processing truncated wrong_schema malformed html empty huge packed cut"
 ).split()
 RESULTS = ("tree.simulatable.json", "scenarios.jsonl", "scenes.jsonl", "redteam.jsonl")
 
@@ -77,6 +79,43 @@ def test_faults_cost_at_most_their_own_items(tmp_path, author, quiet):
     usage = study.info["usage"]
     assert sum(row["retries"] for row in usage) > 5
     assert_clean(tmp_path)
+
+
+KEYS = {"X_JWT": "Zq7x+9/K", "A_TOKEN": "k3y-0f-thirt!", "OPENAI_API_KEY": KEY + "Zq7x+9K8"}
+
+
+def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
+    tmp_path, author, monkeypatch, capfd
+):
+    for name, key in KEYS.items():
+        monkeypatch.setenv(name, key)
+    forms = {key: (key, json.dumps(key)[1:-1], quote(key, safe="")) for key in KEYS.values()}
+    forms = {form.encode() for found in forms.values() for form in found}
+    told = " and ".join(form.decode() for form in forms)
+
+    def repeat(request):
+        text = author.complete(request).text
+        if request.sample % 5 == 4:
+            raise LLMError(f"your keys are {told}")
+        return text.replace('"text": "', f'"text": "{KEYS["X_JWT"]} ') + f" Your keys are {told}."
+
+    def faults(index, request):
+        return "redirect" if index % 9 == 8 else None
+
+    with (
+        talking(dripping(b"HTTP/1.1 200 OK\r\n\r\n", b" ")) as proxy,
+        AnsweringServer(FunctionLLM(repeat), faults=faults) as server,
+    ):
+        monkeypatch.setenv("http_proxy", f"http://127.0.0.1:{proxy.port}")
+        study = run(tmp_path, server, Traffic(concurrency=4, patience_s=None), retries=0)
+    assert b"[redacted]" in (tmp_path / "answers.jsonl").read_bytes()
+    assert any("redirects to" in (call.get("error") or "") for call in study.table("calls"))
+    hosts = {received.headers["host"].partition(":")[0] for received in server.received}
+    assert (hosts, proxy.heard) == ({"127.0.0.1"}, b"")
+    files = {path.name: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    files["output"] = "".join(capfd.readouterr()).encode()
+    files["questions"] = json.dumps([received.body for received in server.received]).encode()
+    assert not [(name, form) for name, data in files.items() for form in forms if form in data]
 
 
 def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, quiet):
