@@ -235,7 +235,7 @@ def record(
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S
-                or is_due(scene.decision, scene.decision_actor, state, corridor)
+                or is_due(scene.decision, None, state, corridor)
             ):
                 is_decided, end = True, min(end, state.time + scene.horizon_s)
                 now = later or now

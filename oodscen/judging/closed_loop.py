@@ -185,7 +185,7 @@ def _horizon(
     while len(states) <= last:
         if decision_s is None and (
             state.time >= MAX_APPROACH_S
-            or is_due(scene.decision, scene.decision_actor, state, corridor)
+            or is_due(scene.decision, None, state, corridor)
         ):
             decision_s = state.time
             if steps is None:
