@@ -10,7 +10,6 @@ from oodscen.scene import Behaviour, Hazard, Trigger, Weather
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
 
-
 def staged(*actors, **fields):
     near = Trigger(kind="distance", value=25.0, actor=actors[0].id)
     unusual = Hazard(actors={actors[0].id: None})
