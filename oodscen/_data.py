@@ -52,7 +52,7 @@ class Data(BaseModel):
 
     def digest(self) -> str:
         """Return the SHA-256 of the canonical JSON text."""
-        return hashlib.sha256(self.to_json().encode()).hexdigest()
+        return digest(self.model_dump(mode="json"))
 
 
 def read_text(path: str | Path, noun: str) -> str:
@@ -68,6 +68,11 @@ def canonical_json(value: Any) -> str:
     return json.dumps(
         value, ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
     )
+
+
+def digest(value: Any) -> str:
+    """Return the SHA-256 of plain data: of its canonical JSON text."""
+    return hashlib.sha256(canonical_json(value).encode()).hexdigest()
 
 
 class Faults(ValueError):

@@ -109,6 +109,11 @@ class Augmenter:
 
 
 def _staged(scenario: Scenario, draft: SceneDraft) -> Scene:
+    """Make the scene; a decision that names no actor is measured to the first of the hazard's."""
+    decision = draft.decision
+    if decision.kind != "time" and decision.actor is None:
+        first = next(iter(draft.hazard.actors), None)
+        decision = decision.model_copy(update={"actor": first})
     return Scene(
         id=scenario.id,
         scenario_id=scenario.id,
@@ -117,6 +122,6 @@ def _staged(scenario: Scenario, draft: SceneDraft) -> Scene:
         weather=draft.weather,
         actors=tuple(draft.actors),
         hazard=draft.hazard,
-        decision=draft.decision,
+        decision=decision,
         horizon_s=draft.horizon_s,
     )

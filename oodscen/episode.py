@@ -96,6 +96,8 @@ class Episode(Data):
     camera never shows them."""
     restaged: str = ""
     """How the scene was re-staged so that some action is safe and some is not; empty where it was not."""
+    made_from: str = ""
+    """In a study: SHA-256 of the scene as it was run, also for its twin."""
 
     @property
     def is_twin(self) -> bool:

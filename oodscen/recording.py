@@ -234,8 +234,7 @@ def record(
     with Video(path, fps=1.0 / (stride * simulator.dt)) as video:
         while True:
             if not is_decided and (
-                state.time >= MAX_APPROACH_S
-                or is_due(scene.decision, scene.decision_actor, state, corridor)
+                state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
             ):
                 is_decided, end = True, min(end, state.time + scene.horizon_s)
                 now = later or now

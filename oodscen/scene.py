@@ -6,7 +6,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are m/s.
 
 from typing import ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from oodscen._data import Data, Faults
 from oodscen.errors import Issue
@@ -48,7 +48,7 @@ class Trigger(Data):
     value: float = Field(default=0.0, ge=0, le=500)
     """Seconds for `time` and `ttc`, metres for `distance`: fires when at or below (time: at or after)."""
     actor: str | None = None
-    """Measured to which actor; `None` is the actor that owns the trigger (decision: the hazard)."""
+    """Measured to which actor; `None` is the actor that owns the trigger. A decision names it."""
 
 
 class Placement(Data):
@@ -78,6 +78,11 @@ class Behaviour(Data):
     """By name, in the units of the catalogue; what is left out has the catalogue's default."""
     other: str | None = None
     """The actor to which this one belongs while it behaves: what tows it, carries it, or its car."""
+
+    @field_validator("parameters")
+    @classmethod
+    def _sorted(cls, parameters: dict[str, float]) -> dict[str, float]:
+        return dict(sorted(parameters.items()))
 
 
 class Actor(Data):
@@ -131,9 +136,14 @@ class Scene(Data):
     actors: tuple[Actor, ...] = ()
     hazard: Hazard
     decision: Trigger
-    """The moment at which the ego must choose."""
+    """The moment at which the ego must choose; a distance or time to collision names its actor."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
     """How long an action is watched, counted from the decision."""
+
+    @field_validator("hazard")
+    @classmethod
+    def _sorted(cls, hazard: Hazard) -> Hazard:
+        return hazard.model_copy(update={"actors": dict(sorted(hazard.actors.items()))})
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -141,13 +151,6 @@ class Scene(Data):
         if issues:
             raise Faults(issues)
         return self
-
-    @property
-    def decision_actor(self) -> str | None:
-        """Id of the actor to which the decision's distance or time to collision is measured."""
-        if self.decision.actor is not None or self.decision.kind == "time":
-            return self.decision.actor
-        return next(iter(self.hazard.actors), None)
 
     @property
     def is_twin(self) -> bool:
@@ -218,6 +221,10 @@ def _misfits(scene: Scene) -> list[Issue]:
                 issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
     if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
-    if scene.decision.kind != "time" and scene.decision_actor not in ids:
-        issues.append(Issue("decision.actor", f"there is no actor {scene.decision_actor!r}"))
+    decision = scene.decision
+    if decision.kind != "time" and decision.actor not in ids:
+        fault = f"there is no actor {decision.actor!r}"
+        if decision.actor is None:
+            fault = f"name the actor to which the {decision.kind} is measured"
+        issues.append(Issue("decision.actor", fault))
     return issues

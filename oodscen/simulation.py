@@ -255,7 +255,7 @@ def _approach(
     while state.time < MAX_APPROACH_S:
         if snapshots:
             snapshots.keep()
-        if is_due(scene.decision, scene.decision_actor, state, corridor):
+        if is_due(scene.decision, None, state, corridor):
             return states, controls, True
         if state.contacts or state.off_road:
             break

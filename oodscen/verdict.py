@@ -80,6 +80,8 @@ class Verdict(Data):
     """Whether it was made with other prompt versions than those of the run that last kept it."""
     judge: str = ""
     """Who scored the open aspect: `<model>@<prompt version>`, empty for the documented matcher."""
+    made_from: str = ""
+    """In a study: SHA-256 of the episode and of what is true of it; for references, of all episodes."""
     judge_error: str = ""
     """Why the judge gave no usable answer about the aspect, so that the matcher decided; empty where it did."""
 

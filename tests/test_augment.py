@@ -106,3 +106,22 @@ def test_claims_that_quote_what_is_not_there_are_put_again():
     llm = ScriptedLLM([false, CLAIMS])
     assert len(Augmenter(llm, CATALOGUE).read(SCENARIO)) == 2
     assert "claims[0].quote" in llm.requests[1].messages[-1].text
+
+
+def test_a_decision_without_an_actor_is_measured_to_the_first_of_the_hazard():
+    scene = example_scene()
+    crate = scene.actors[0].model_copy(
+        update={
+            "id": "crate",
+            "placement": scene.actors[0].placement.model_copy(update={"ahead_m": 75.0}),
+        }
+    )
+    answer = draft(
+        actors=[actor.model_dump(mode="json") for actor in (crate, *scene.actors)],
+        hazard={"actors": {"crate": None, "box": None}},
+        decision={"kind": "distance", "value": 45.0},
+    )
+    augmenter = Augmenter(ScriptedLLM([answer]), CATALOGUE, claims=False)
+    staged = augmenter.run(SCENARIO)
+    assert staged.decision.actor == "crate"
+    assert list(staged.hazard.actors) == ["box", "crate"]

@@ -76,7 +76,7 @@ def scene(**changes):
         "ego": Ego(speed=10),
         "actors": (DEER,),
         "hazard": Hazard(actors={"deer": None}),
-        "decision": Trigger(kind="distance", value=20),
+        "decision": Trigger(kind="distance", value=20, actor="deer"),
     }
     return Scene(**{**parts, **changes})
 

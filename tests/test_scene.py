@@ -45,6 +45,15 @@ def actors(name):
     )
 
 
+def decisions(present):
+    return st.builds(
+        Trigger,
+        kind=st.sampled_from(["time", "distance", "ttc"] if present else ["time"]),
+        value=st.floats(0, 500),
+        actor=st.sampled_from(present) if present else st.none(),
+    )
+
+
 @st.composite
 def drafts(draw):
     """Draw the parts of a scene, mostly consistent ones."""
@@ -61,7 +70,7 @@ def drafts(draw):
             actors={name: draw(st.none() | actors(name)) for name in unusual},
             weather=draw(st.none() | weathers),
         ),
-        "decision": draw(triggers),
+        "decision": draw(decisions(present)),
         "horizon_s": draw(st.floats(0.1, 60)),
     }
 
@@ -91,7 +100,7 @@ def example(**changes):
         "ego": Ego(speed=13),
         "actors": (truck, deer),
         "hazard": Hazard(actors={"deer": None}),
-        "decision": Trigger(kind="distance", value=25),
+        "decision": Trigger(kind="distance", value=25, actor="deer"),
     }
     return {**parts, **changes}
 
@@ -120,14 +129,13 @@ def test_a_twin_differs_only_in_what_the_hazard_declares(scene, decision_s):
     ]
     assert list(twin.actors) == wanted
     if scene.decision.kind != "time":
-        assert scene.decision_actor in {actor.id for actor in scene.actors}
+        assert scene.decision.actor in {actor.id for actor in scene.actors}
     for value in (scene, twin):
         assert Scene.parse(value.to_json()) == value
 
 
 def test_the_example_is_valid():
     scene = Scene.parse(example())
-    assert scene.decision_actor == "deer"
     assert [actor.id for actor in scene.twin(2.0).actors] == ["truck"]
     assert not scene.is_twin
 
@@ -179,7 +187,7 @@ def test_an_actor_that_is_replaced_may_wait_for_one_that_is_removed():
 
 
 def test_a_scene_without_a_hazard_is_none():
-    assert paths(example(hazard=Hazard())) == ["hazard", "decision.actor"]
+    assert paths(example(hazard=Hazard())) == ["hazard"]
 
 
 @pytest.mark.parametrize(
@@ -195,6 +203,8 @@ def test_a_scene_without_a_hazard_is_none():
         ({"actors": [{"id": "Ä", "asset": "car", "placement": {"ahead_m": 1}}]}, "actors[0].id"),
         ({"id": "../up"}, "id"),
         ({"horizon_s": 0}, "horizon_s"),
+        ({"decision": {"kind": "distance", "value": 25}}, "decision.actor"),
+        ({"decision": {"kind": "ttc", "value": 2, "actor": "ego"}}, "decision.actor"),
     ],
 )
 def test_values_out_of_range_are_named(changes, path):

@@ -98,7 +98,9 @@ def test_a_trigger_that_never_fires_is_said_and_the_approach_ends(flat):
         update={"placement": scene.actors[0].placement.model_copy(update={"ahead_m": 250.0})}
     )
     episode = simulate(
-        scene.model_copy(update={"actors": (moved,), "decision": Trigger(kind="ttc", value=1)}),
+        scene.model_copy(
+            update={"actors": (moved,), "decision": Trigger(kind="ttc", value=1, actor="box")}
+        ),
         flat,
         render=False,
         actions=(),

@@ -38,11 +38,11 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
     """
     corridor = load_corridor(find_map(scene.map, catalogue))
     world = KinematicWorld(corridor, scene, catalogue, seed, dt=DT)
-    driver, owner = Cruise(), scene.decision_actor
+    driver = Cruise()
     states = [_state(world)]
     end = np.inf
     while world.time < end:
-        if end == np.inf and (world.time >= APPROACH_S or world.is_due(scene.decision, owner)):
+        if end == np.inf and (world.time >= APPROACH_S or world.is_due(scene.decision)):
             end = world.time + min(after_s, scene.horizon_s)
         world.step(driver.act(world.observe()))
         states.append(_state(world))
@@ -55,12 +55,11 @@ def decision_s(scene: Scene, trace: Trace) -> float:
     Times to collision are taken from the trace, so they may differ by a step from a simulator's.
     """
     trigger, time = scene.decision, trace["time"][:, 0]
-    owner = scene.decision_actor
     if trigger.kind == "time":
         return min(trigger.value, float(time[-1]))
-    if owner not in trace.ids:
+    if trigger.actor not in trace.ids:
         return float(time[-1])
-    row = trace.ids.index(owner)
+    row = trace.ids.index(trigger.actor)
     away = np.abs(trace["s"][:, row] - trace["s"][:, 0])
     value = away if trigger.kind == "distance" else trace["ttc_s"][:, row]
     due = np.flatnonzero(value <= trigger.value)

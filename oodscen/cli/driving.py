@@ -33,23 +33,25 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     """
     from oodscen.judging.closed_loop import DriveResult, RuleBasedDriver
     from oodscen.judging.closed_loop import drive as drive_scenes
-    from oodscen.judging.drives import drive_board, remarks
+    from oodscen.judging.drives import current, drive_board, remarks
     from oodscen.registry import find, make_simulator
     from oodscen.report import write_report
     from oodscen.study import Study
     from oodscen.twins import scene_of
 
     study = Study.open(out)
-    scenes = study.scenes[:limit]
+    staged = study.scenes
+    scenes = staged[:limit]
     names = drivers or ("rule-based",)
     makers = [(n, RuleBasedDriver if n == "rule-based" else find("driver", n)) for n in names]
-    lines = {line["id"]: line for line in study.store.lines("drives.jsonl")}
+    before = [DriveResult.parse(line) for line in study.store.lines("drives.jsonl")]
+    found = {one.id: one for one in current(before, staged)}
     with make_simulator(study.config.simulator) as simulator:
         for name, make in makers:
             for result in drive_scenes(scenes, make, simulator, name=name, seed=study.config.seed):
-                lines[result.id] = result.model_dump(mode="json")
-    study.store.write_lines("drives.jsonl", lines.values())
-    rows = [DriveResult.parse(line) for line in lines.values()]
+                found[result.id] = result
+    rows = current(found.values(), staged)
+    study.store.write_lines("drives.jsonl", rows)
     board = drive_board(rows, study.scenarios, seed=study.config.seed)
     page = write_report(Study.open(out))
     if as_json:
@@ -59,6 +61,8 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
         click.echo(f"report: {page.resolve()}")
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
+    if lost := len({one.id for one in before} - {row.id for row in rows}):
+        say(f"{lost} results of earlier drives are dropped: their scenes are others now", err=True)
     sys.exit(any(row.status == "failed" for row in here))
 
 

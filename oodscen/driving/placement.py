@@ -146,7 +146,6 @@ def _roll(
     """Drive blindly until the decision; return everybody at every step, and what went wrong."""
     world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
     driver = Cruise()
-    owner = scene.decision_actor
     path: list[tuple[Body, ...]] = []
     while True:
         cast = bodies(scene, catalogue, world.poses())
@@ -156,7 +155,7 @@ def _roll(
         for body in cast[1:]:
             if touch(cast[0], body, is_tall=False):
                 return path, [_early(world, f"{cast[0]} touches {body}")]
-        if world.is_due(scene.decision, owner):
+        if world.is_due(scene.decision):
             return path, []
         if world.time >= within:
             break

@@ -14,7 +14,7 @@ from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, S
 from oodscen.scene import Scene
 from oodscen.simulation import MAX_APPROACH_S, peak_deceleration, peak_jerk
 from oodscen.trace import Course, Trace
-from oodscen.twins import is_twin, twin_id
+from oodscen.twins import is_twin, scene_of, twin_id
 
 MakeDriver = Callable[[], Driver]
 
@@ -62,6 +62,8 @@ class DriveResult(Data):
     """Progress in the twin less progress here: what the hazard cost."""
     brakes_needlessly: bool | None = None
     """In the twin, where keeping the speed is safe, it braked harder than 4 m/s^2."""
+    made_from: str = ""
+    """SHA-256 of the scene, also for its twin."""
 
 
 def drive(
@@ -113,7 +115,13 @@ def drive(
             results += [one, _failed(twin_id(scene.id), label, error)]
             continue
         results += _paired(one, other, ordinary)
-    return results
+    digests = {scene.id: scene.digest() for scene in scenes}
+    return [
+        one.model_copy(
+            update={"made_from": digests.get(one.scene_id, digests.get(scene_of(one.scene_id)))}
+        )
+        for one in results
+    ]
 
 
 class RuleBasedDriver:
@@ -184,8 +192,7 @@ def _horizon(
     last = steps if steps is not None else math.inf
     while len(states) <= last:
         if decision_s is None and (
-            state.time >= MAX_APPROACH_S
-            or is_due(scene.decision, scene.decision_actor, state, corridor)
+            state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
         ):
             decision_s = state.time
             if steps is None:

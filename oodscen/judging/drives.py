@@ -1,7 +1,7 @@
 """What drives come to: outcomes, conflicts, headway, progress and comfort by driver, paired with the twins."""
 
 from collections.abc import Callable, Iterable, Sequence
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from oodscen.judging.statistics import (
     share_bounds,
 )
 from oodscen.scenario import Scenario
+from oodscen.scene import Scene
 from oodscen.twins import scene_of
 
 RULE_BASED = "rule-based"
@@ -28,6 +29,18 @@ HARDLY_DRIVES = 0.5
 """On ordinary roads a stack must come this far, as a share of what keeping the speed would."""
 CRITICAL_TTC_S = 1.5
 """Below this time to collision a conflict counts as critical, s."""
+
+
+def current(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
+    """Return the results that are of scenes as they are now, by driver in the order of the scenes."""
+    order = {scene.id: (place, scene.digest()) for place, scene in enumerate(scenes)}
+    fitting = [
+        (one.driver, place, one.is_twin, one)
+        for one in drives
+        for place, digest in [order.get(scene_of(one.scene_id), (0, None))]
+        if digest == one.made_from
+    ]
+    return [one for *_, one in sorted(fitting, key=itemgetter(0, 1, 2))]
 
 
 class Share(Data):

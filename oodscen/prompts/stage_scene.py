@@ -21,6 +21,7 @@ class SceneDraft(BaseModel):
     actors: list[Actor] = []
     hazard: Hazard
     decision: Trigger
+    """Where it names no actor, a distance or time to collision is that to the first of `hazard.actors`."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
 
 

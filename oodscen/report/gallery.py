@@ -339,7 +339,7 @@ def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, 
         return ""
     if scene.is_twin:
         return f"The ego must choose at {scene.decision.value:.1f} s, as in the scene."
-    target = scene.decision_actor
+    target = scene.decision.actor
     named = scene.decision.model_copy(
         update={"actor": f"the {names.get(target, target)}" if target else None}
     )

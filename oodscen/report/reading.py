@@ -10,6 +10,7 @@ from oodscen._data import Data
 from oodscen.episode import Episode
 from oodscen.errors import DataError
 from oodscen.judging.closed_loop import DriveResult
+from oodscen.judging.drives import current
 from oodscen.prune import PruneDecision
 from oodscen.redteam import Round
 from oodscen.scenario import Scenario
@@ -82,7 +83,11 @@ def read(study: Study) -> Material:
     found.episodes = _rows(store, "episodes", Episode, found)
     found.verdicts = _rows(store, "verdicts", Verdict, found)
     found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)
-    found.drives = _optional(store, "drives.jsonl", DriveResult, found)
+    drives = _optional(store, "drives.jsonl", DriveResult, found)
+    found.drives = current(drives, found.scenes)
+    if lost := len(drives) - len(found.drives):
+        note = f"{lost} results in drives.jsonl are of scenes that are others now and were left out"
+        _note(found, "drives.jsonl", note)
     if store.has("restaged.jsonl"):
         found.restagings = list(_lines(store, "restaged.jsonl", found))
     found.calls = list(_lines(store, TABLES["calls"], found))

@@ -1,7 +1,7 @@
 """What the stages of one run share: the folder, the components, and how items are kept."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -95,21 +95,27 @@ class Context:
         file: str,
         items: Mapping[str, Item],
         work: Callable[[Mapping[str, Item]], Iterable[Data | Mapping[str, Any]]],
+        *,
+        made_from: Callable[[str], str] | None = None,
+        is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
     ) -> list[dict[str, Any]]:
-        """Append one line per item that has none yet; leave the file in the items' order.
+        """Append one line per item that has none that fits; leave the file in the items' order.
 
-        Where the work is interrupted, items that were to be done again and are not keep their old line.
+        A line fits where it was made from what it would be made from now, and all that belongs to it is there.
+        Where the work is interrupted, items that failed and were to be done again keep their old line.
 
         Args:
             stage: Named in the progress.
             file: One line per item, with its `id`.
             items: By id, in the order of the file.
             work: Yields the lines of the items that it is given, in any order.
+            made_from: Returns the digest of what the line of an id is made from; lines keep it as `made_from`.
+            is_whole: Whether everything that belongs to a line is there.
 
         Returns:
             The lines of all items, in their order.
         """
-        before = {line["id"]: line for line in self.store.lines(file) if line["id"] in items}
+        before = self.fitting(file, items, made_from, is_whole)
         done = {name: line for name, line in before.items() if not self.is_again(line)}
         if len(done) < len(items):
             self.store.write_lines(file, done.values())
@@ -117,6 +123,8 @@ class Context:
             self.progress(stage, len(done), len(items))
             for result in work({name: item for name, item in items.items() if name not in done}):
                 row = result.model_dump(mode="json") if isinstance(result, Data) else dict(result)
+                if made_from is not None:
+                    row["made_from"] = made_from(row["id"])
                 self.store.append(file, row)
                 done[row["id"]] = row
                 self.progress(stage, len(done), len(items))
@@ -129,6 +137,26 @@ class Context:
         rows = [done[name] for name in items]
         self.store.write_lines(file, rows)
         return rows
+
+    def fitting(
+        self,
+        file: str,
+        items: Container[str],
+        made_from: Callable[[str], str] | None,
+        is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
+    ) -> dict[str, dict[str, Any]]:
+        """Return the lines of items that need not be made again, by id, those that failed included."""
+        return {
+            line["id"]: line
+            for line in self.store.lines(file)
+            if line["id"] in items
+            and (made_from is None or line.get("made_from") == made_from(line["id"]))
+            and is_whole(line)
+        }
+
+    def has(self, file: str) -> bool:
+        """Whether a file of the study is there; an empty one is as good as none."""
+        return self.store.has(file) and self.store.path(file).stat().st_size > 0
 
     def is_again(self, line: Mapping[str, Any]) -> bool:
         """Whether a line is of an item that is done again."""

@@ -119,9 +119,9 @@ class Pipeline:
         texts = self.write_texts()
         with run.timed("metrics"):
             scenarios = measure(run, texts.scenarios, texts.sets)
-        scenes = self.stage(scenarios)
+        self.stage(scenarios)
         with run.timed("simulate"):
-            episodes = simulate(run, scenes)
+            scenes, episodes = simulate(run)
         with run.timed("evaluate"):
             verdicts = evaluate(run, episodes, scenarios, scenes)
         leaves = texts.simulatable.leaves

@@ -18,5 +18,5 @@ def example_scene() -> Scene:
         ego=Ego(speed=8.0),
         actors=(box,),
         hazard=Hazard(actors={"box": None}),
-        decision=Trigger(kind="distance", value=25.0),
+        decision=Trigger(kind="distance", value=25.0, actor="box"),
     )

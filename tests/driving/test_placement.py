@@ -11,7 +11,7 @@ def paths(staged) -> list[str]:
 
 def test_a_good_scene_has_no_issue() -> None:
     box = actor("box", "cardboard_box", ahead=80.0)
-    near = Trigger(kind="distance", value=25.0)
+    near = Trigger(kind="distance", value=25.0, actor="box")
     good = scene(box, hazard=Hazard(actors={"box": None}), decision=near)
     assert check_scene(good, CATALOGUE) == []
     assert check_scene(good.twin(5.0), CATALOGUE) == []
@@ -89,7 +89,7 @@ def test_faults_of_the_twin_have_their_path_in_the_scene() -> None:
         actor("x", "car", ahead=42.0, lane=1),
         actor("w", "car", "wrong_way", ahead=90.0, speed=8.0),
         hazard=Hazard(actors={"w": ordinary}),
-        decision=Trigger(kind="ttc", value=3.0),
+        decision=Trigger(kind="ttc", value=3.0, actor="w"),
     )
     assert paths(staged) == ["hazard.actors.w.placement"]
 

@@ -9,12 +9,11 @@ from oodscen.driving.truth import bodies, floating, overlapping, seen, touch, tr
 from oodscen.scene import Behaviour, Hazard, Trigger, Weather
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
-NEAR = Trigger(kind="distance", value=25.0)
-
 
 def staged(*actors, **fields):
+    near = Trigger(kind="distance", value=25.0, actor=actors[0].id)
     unusual = Hazard(actors={actors[0].id: None})
-    return scene(*actors, hazard=unusual, decision=fields.pop("decision", NEAR), **fields)
+    return scene(*actors, hazard=unusual, **{"decision": near, **fields})
 
 
 def moments(one, *, lift=0.0):

@@ -120,7 +120,7 @@ def scene_of(scenario: Scenario) -> Scene:
         ego=Ego(speed=13.9, lane=1),
         actors=(follower, hazard),
         hazard=Hazard(actors={"hazard": None}),
-        decision=Trigger(kind="ttc", value=2.5),
+        decision=Trigger(kind="ttc", value=2.5, actor="hazard"),
     )
 
 

@@ -98,8 +98,8 @@ class Stager:
         is_told = is_dense or (traffic is not None and traffic.key == "follower")
         if tailgater is not None and (scene.is_followed or is_told):
             actors += follower(tailgater, scene, actors)
+        decisive = decision.actor or next(iter(unusual), None)
         if traffic is None and recipe.company and attempt < 2:
-            decisive = decision.actor or next(iter(unusual), None)
             actors += company(
                 self.knowledge.company,
                 road,
@@ -122,7 +122,9 @@ class Stager:
             weather=weather,
             actors=actors,
             hazard=Unusual(actors=unusual, weather=ordinary),
-            decision=decision,
+            decision=decision
+            if decision.kind == "time"
+            else decision.model_copy(update={"actor": decisive}),
             horizon_s=recipe.horizon,
         )
 

@@ -17,7 +17,7 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
     simulator are those of the pruning, so a recorded model is not asked them again.
     """
     names = run.config.compared
-    if not names or run.store.has(CATALOGUES):
+    if not names or _is_compared(run, tree):
         return
     offered = {run.config.simulator: run.simulator.catalogue()}
     offered |= {name: make_catalogue(name) for name in names}
@@ -33,3 +33,10 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
             run.progress("compare", done, total)
     if len(offered) > 1:
         run.store.write(CATALOGUES, compare(tree, offered, judged).to_json() + "\n")
+
+
+def _is_compared(run: Context, tree: ScenarioTree) -> bool:
+    """Whether the comparison is there, and of this tree."""
+    if not run.has(CATALOGUES):
+        return False
+    return {line.id: line.path for line in run.study.comparison.lines} == tree.paths

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from oodscen._data import canonical_json
+from oodscen._data import canonical_json, digest
 from oodscen.concurrency import as_finished
 from oodscen.episode import ACTIONS, MOMENTS, Episode
 from oodscen.evaluation import aspect_options, unjudged
@@ -74,7 +74,13 @@ def evaluate(
                     key = verdict_id(episode.scene_id, model.name, protocol)
                     items[key] = Item(episode, name, protocol)
     ask_about = _questions(run, scenarios)
-    earlier = {line["id"]: line for line in run.store.lines("verdicts.jsonl")}
+    truths = _truths(shown, scenarios)
+
+    def made_from(name: str) -> str:
+        episode, model, protocol = items[name]
+        return truths[protocol, "" if is_reference(models[model][0]) else episode.scene_id]
+
+    earlier = run.fitting("verdicts.jsonl", items, made_from)
     traffic = run.models.traffic
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
@@ -91,7 +97,7 @@ def evaluate(
                         is_kept = verdict.outcome == "unasked" and turn == "failed"
                         yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
 
-    rows = run.each("evaluate", "verdicts.jsonl", items, work)
+    rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
     kept = [Verdict.parse(row) for row in rows]
     verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios)]
     if verdicts != kept:
@@ -101,6 +107,24 @@ def evaluate(
     )
     run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     return verdicts
+
+
+def _truths(
+    shown: Mapping[Protocol, Sequence[Episode]], scenarios: Sequence[Scenario]
+) -> dict[tuple[Protocol, str], str]:
+    """Return the digest of all that judging goes by, by protocol and item.
+
+    The empty item stands for all, those of the protocols before included: references may look at every episode.
+    """
+    texts = {one.id: [one.leaf, one.path] for one in scenarios}
+    leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
+    found: dict[tuple[Protocol, str], str] = {}
+    for protocol, episodes in shown.items():
+        for one in episodes:
+            told = [one.digest(), texts.get(scene_of(one.scene_id)), leaves]
+            found[protocol, one.scene_id] = digest(told)
+        found[protocol, ""] = digest(list(found.values()))
+    return found
 
 
 def _turn(line: Mapping[str, Any] | None) -> str:

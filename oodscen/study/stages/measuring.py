@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from oodscen import paper
-from oodscen._data import canonical_json
+from oodscen._data import canonical_json, digest
 from oodscen.baselines import load_baseline
 from oodscen.metrics import Metrics
 from oodscen.metrics.pictured import picture_data
@@ -16,9 +16,13 @@ def measure(
     run: Context, scenarios: list[Scenario], sets: Mapping[int, list[Scenario]]
 ) -> list[Scenario]:
     """Compute the metrics; return the scenarios inside the OOD-ness band."""
-    if not run.store.has("metrics.json"):
+    groups = {**{str(size): chosen for size, chosen in sets.items()}, "simulatable": scenarios}
+    made_from = digest(
+        {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}
+    )
+    if not run.has("metrics.json") or run.study.metrics.get("made_from") != made_from:
         run.progress("metrics", 0, 1)
-        content = _metrics(run, {**{str(k): v for k, v in sets.items()}, "simulatable": scenarios})
+        content = {**_metrics(run, groups), "made_from": made_from}
         run.store.write("metrics.json", canonical_json(content) + "\n")
     run.progress("metrics", 1, 1)
     if run.config.band is None or not scenarios:

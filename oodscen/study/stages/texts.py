@@ -58,7 +58,11 @@ def _describe(
     for line in run.store.lines(file):
         if not run.is_again(line):
             lines.setdefault(line["leaf"], []).append(line)
-    done = {leaf: rows for leaf, rows in lines.items() if _is_whole(rows, counts.get(leaf, 0))}
+    done = {
+        leaf: rows
+        for leaf, rows in lines.items()
+        if leaf in paths and _is_whole(rows, paths[leaf], counts[leaf])
+    }
 
     def work(leaf: str) -> list[dict[str, Any]]:
         try:
@@ -69,7 +73,6 @@ def _describe(
 
     todo = [leaf for leaf in paths if leaf not in done]
     if todo:
-        run.store.remove("metrics.json")
         run.store.write_lines(file, (row for rows in done.values() for row in rows))
     run.progress(stage, len(done), len(paths))
     for leaf, rows in as_finished(work, todo, threads=run.threads):
@@ -111,6 +114,8 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
     return [again.get(row["id"], row) for row in rows]
 
 
-def _is_whole(rows: Sequence[Mapping[str, Any]], count: int) -> bool:
-    """Whether the lines of a path are all there, or say that it failed."""
+def _is_whole(rows: Sequence[Mapping[str, Any]], path: tuple[str, ...], count: int) -> bool:
+    """Whether the lines of a path are all there and about this path, or say that it failed."""
+    if any(tuple(row["path"]) != path for row in rows):
+        return False
     return len(rows) == count or any(row.get("status") == "failed" for row in rows)

@@ -3,7 +3,7 @@
 from oodscen.grow import TreeGrower
 from oodscen.prune import Pruner, all_decisions, pruned
 from oodscen.pruning.restoring import restoration
-from oodscen.redteam import RedTeamer, Round
+from oodscen.redteam import RedTeamer
 from oodscen.redteaming.thresholds import TOKENS
 from oodscen.study.context import Context
 from oodscen.tree import ScenarioTree
@@ -11,7 +11,7 @@ from oodscen.tree import ScenarioTree
 
 def grow(run: Context) -> ScenarioTree:
     """Grow the initial tree."""
-    if not run.store.has("tree.initial.json"):
+    if not run.has("tree.initial.json"):
         run.store.write(
             "tree.initial.json", _tree_text(TreeGrower(run.llm, nodes=run.config.nodes).run())
         )
@@ -20,12 +20,14 @@ def grow(run: Context) -> ScenarioTree:
 
 
 def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
-    """Grow the diverse tree, round by round."""
+    """Grow the diverse tree, round by round.
+
+    A round builds on those before it: what comes after one that is missing is played again, and so is
+    everything where the initial tree is another.
+    """
     total = run.config.iterations
-    done = [Round.parse(line) for line in run.store.lines("redteam.jsonl")]
-    if run.store.has("tree.diverse.json"):
-        run.progress("redteam", len(done), len(done))
-        return run.study.tree("diverse")
+    played = run.study.rounds if _is_grown_from(run, tree) else []
+    done = [item for number, item in enumerate(played, start=1) if item.round == number]
     # What follows a failed round builds on it, so only the last ones can be played again.
     while done and run.is_again(done[-1].model_dump()):
         done.pop()
@@ -47,7 +49,7 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
         broadenings=run.config.broadenings,
         tokens=TOKENS if run.config.context is None else min(TOKENS, run.config.context // 2),
     )
-    for item in teamer.rounds(tree, done):
+    for item in teamer.rounds(tree, done) if teamer.stopped_by(done) is None else ():
         run.store.append("redteam.jsonl", item)
         done.append(item)
         run.progress("redteam", item.round, total)
@@ -58,19 +60,24 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
     return diverse
 
 
+def _is_grown_from(run: Context, tree: ScenarioTree) -> bool:
+    """Whether the rounds were played on this initial tree, as far as that can be told."""
+    if not run.has("tree.diverse.json"):
+        return True
+    return run.study.tree("diverse").edits[: len(tree.edits)] == tree.edits
+
+
 def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
     """Prune to what the simulator's catalogue can show as the texts will say it.
 
     Branches that only substitutes can show go as well: a scene must have what its text names.
     """
     total = len(tree.leaves)
-    leaves = {leaf.id for leaf in tree.leaves}
-    judged = [item for item in run.study.decisions if item.id in leaves]
+    paths = tree.paths
+    judged = [item for item in run.study.decisions if paths.get(item.id) == item.path]
     judged = [item for item in judged if not run.is_again(item.model_dump())]
-    if run.store.has("tree.simulatable.json") and len(judged) == total:
-        run.progress("prune", total, total)
-        return run.study.tree("simulatable")
     run.store.write_lines("pruned.jsonl", judged)
+    run.progress("prune", len(judged), total)
     pruner = Pruner(
         run.llm,
         run.simulator.catalogue(),

@@ -1,0 +1,96 @@
+"""Whether the scenes of a finished study, read from its folder, give its episodes again.
+
+Usage: python benchmarks/reproduce.py STUDY [--json] [--workers N]
+
+Every line of scenes.jsonl is read in this fresh process, its keys in random order, and run again with its twin.
+"""
+
+import argparse
+import json
+import os
+import random
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from oodscen import Study
+from oodscen.episode import Episode
+from oodscen.scene import Scene
+from oodscen.study.sweep import Job, SweepResult, sweep
+
+COMPARED = ("trace_sha256", "frame_sha256", "actions", "decision_s", "status", "error")
+
+
+def shuffled(value: Any, rng: random.Random) -> Any:
+    """Return plain data with the keys of all mappings in random order."""
+    if isinstance(value, dict):
+        return {key: shuffled(value[key], rng) for key in rng.sample(list(value), len(value))}
+    return [shuffled(item, rng) for item in value] if isinstance(value, list) else value
+
+
+def differences(study: Study, result: SweepResult, recorded: Episode | None) -> list[str]:
+    """Name what is other than the study says."""
+    if recorded is None:
+        return ["no episode"]
+    found = [n for n in COMPARED if getattr(result.episode, n) != getattr(recorded, n)]
+    for moment, file in recorded.frames.items():
+        path = study.store.path(file)
+        if not path.is_file() or path.read_bytes() != result.frames.get(moment):
+            found.append(file)
+    return found
+
+
+def reproduce(study: Study, workers: int) -> list[dict[str, Any]]:
+    """Run all scenes and twins of a study again and count those that are as recorded."""
+    rng = random.Random(0)
+    scenes = [
+        Scene.parse(shuffled(line, rng))
+        for line in study.table("scenes")
+        if line.get("status") != "failed"
+    ]
+    recorded = {episode.id: episode for episode in study.episodes}
+    named = sum(recorded[s.id].made_from == s.digest() for s in scenes if s.id in recorded)
+    same: Counter[bool] = Counter()
+    job = Job(study.config.simulator, study.config.seed, twins=True)
+    bar = tqdm(total=2 * len(scenes), desc="reproduce", disable=None)
+    for result in sweep(job, scenes, workers=workers):
+        bar.update()
+        found = differences(study, result, recorded.get(result.episode.id))
+        same[result.episode.is_twin] += not found
+        if found:
+            print(f"{result.episode.id}: other {', '.join(found)}", file=sys.stderr)
+    what = "whose trace, frames and outcomes are as recorded"
+    return [
+        row("scenes whose episode names them as they are", named, "scenes", len(scenes)),
+        row(f"scenes {what}", same[False], "scenes", len(scenes)),
+        row(f"twins {what}", same[True], "twins", len(scenes)),
+    ]
+
+
+def row(name: str, value: int, unit: str, target: int) -> dict[str, Any]:
+    """Return one row of the report."""
+    holds = value == target
+    return {"name": name, "value": value, "unit": unit, "target": target, "holds": holds}
+
+
+def main() -> int:
+    """Run and print; 0 when every target holds."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("study", type=Path, help="folder of a finished study")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--json", action="store_true", help="print the rows as JSON, last line")
+    given = parser.parse_args()
+    rows = reproduce(Study.open(given.study), given.workers)
+    for one in rows:
+        limit = "holds" if one["holds"] else "FAILS"
+        print(f"{one['name']:62} {one['value']:>6} of {one['target']} {one['unit']:8} {limit}")
+    if given.json:
+        print(json.dumps(rows))
+    return 0 if all(one["holds"] for one in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
