@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from itertools import islice
 from typing import TypeVar
 
@@ -44,18 +45,24 @@ def as_finished(
 
         refill()
         try:
-            yield from _results(running, refill)
+            with cancelling(cancel):
+                yield from _results(running, refill)
         except KeyboardInterrupt:
-            if cancel is not None:
-                cancel()
             for future in [*running]:
                 if future.exception() is None:
                     yield running[future], future.result()
             raise
-        except GeneratorExit:
-            if cancel is not None:
-                cancel()
-            raise
+
+
+@contextmanager
+def cancelling(cancel: Callable[[], None] | None) -> Iterator[None]:
+    """Call `cancel` when the block is interrupted, or left as its results are no longer wanted."""
+    try:
+        yield
+    except (KeyboardInterrupt, GeneratorExit):
+        if cancel is not None:
+            cancel()
+        raise
 
 
 def _results(

@@ -64,6 +64,8 @@ class Episode(Data):
     error: str | None = None
     error_type: str | None = None
     """Name of the exception, e.g. `SceneError`, `SpawnError`, `SimulatorCrash`."""
+    retryable: bool = False
+    """Its process died: another time may go well, and the same command tries it."""
     simulator: str = ""
     seed: int = 0
     dt: float = 0.0

@@ -223,9 +223,11 @@ class SpawnError(SimulatorError):
 class SimulatorCrash(SimulatorError):
     """A simulator broke down in the middle of a scene: an error of its own, or a dead process."""
 
-    def __init__(self, simulator: str, reason: str) -> None:
+    def __init__(self, simulator: str, reason: str, *, retryable: bool = False) -> None:
         self.simulator = simulator
         self.reason = reason
+        self.retryable = retryable
+        """Whether another time may go well: a process may die of something outside it."""
         super().__init__(f"the simulator {simulator!r} broke down: {reason}")
 
 

@@ -178,6 +178,7 @@ def unjudged(
         outcome="error",
         error=error,
         error_type=error_type,
+        retryable=episode.retryable,
         protocol=protocol,
         is_twin=episode.is_twin,
     )

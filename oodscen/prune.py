@@ -1,6 +1,6 @@
 """Prune the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from typing import ClassVar, Literal, TypeVar
 
 from oodscen._data import Data
@@ -83,6 +83,7 @@ class Pruner:
         llm: The tree-LLM.
         catalogue: What the simulator offers.
         threads: How many questions may be under way at once.
+        cancel: Called when the wait for answers is interrupted, so that what is under way ends soon.
         substitutes: Whether a branch that is shown with substitute assets survives.
         context: Tokens that the model can read and write, where the whole catalogue is too long for it.
     """
@@ -93,6 +94,7 @@ class Pruner:
         catalogue: Catalogue,
         *,
         threads: int = 1,
+        cancel: Callable[[], None] | None = None,
         substitutes: bool = True,
         context: int | None = None,
     ) -> None:
@@ -100,6 +102,7 @@ class Pruner:
         self.catalogue = CatalogueDigest.of(catalogue)
         self.name = f"{catalogue.simulator}-{catalogue.version}"
         self.threads = threads
+        self.cancel = cancel
         self.substitutes = substitutes
         self.context = context
 
@@ -118,7 +121,10 @@ class Pruner:
         leaves = [leaf for leaf in tree.leaves if leaf.id not in skip]
         paths = tree.paths
         for _, decision in as_finished(
-            lambda leaf: self._judge(leaf, paths[leaf.id]), leaves, threads=self.threads
+            lambda leaf: self._judge(leaf, paths[leaf.id]),
+            leaves,
+            threads=self.threads,
+            cancel=self.cancel,
         ):
             yield decision
 

@@ -1,11 +1,12 @@
 """Red teaming: a red-LLM imagines scenarios, the tree-LLM makes the tree cover them."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import NamedTuple
 
 from oodscen._text import one_line
 from oodscen.ask import ask, speaker
+from oodscen.concurrency import cancelling
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.paper import FEW_SHOTS, ITERATIONS
 from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
@@ -50,6 +51,7 @@ class RedTeamer:
         in_flight: So many proposals are under way at once: the red-LLM sees the tree as it was so
             many rounds ago. Decisions are taken in the order of the rounds.
         threads: Threads that ask; they change no result. As many as `in_flight` if left out.
+        cancel: Called when the wait for answers is interrupted, so that what is under way ends soon.
         broadenings: So often a leaf is broadened before it is split.
         tokens: Room for the tree in a prompt; of a larger one only a part is shown.
     """
@@ -70,6 +72,7 @@ class RedTeamer:
         coverage: float | None = None,
         in_flight: int = 1,
         threads: int | None = None,
+        cancel: Callable[[], None] | None = None,
         broadenings: int = BROADENINGS,
         tokens: int = TOKENS,
     ) -> None:
@@ -91,6 +94,7 @@ class RedTeamer:
         self.nearest_label = nearest_label
         self.in_flight = max(in_flight, 1)
         self.threads = self.in_flight if threads is None else threads
+        self.cancel = cancel
         self.broadenings = broadenings
         self.tokens = tokens
 
@@ -119,7 +123,10 @@ class RedTeamer:
                 attempts = game.progress.attempts()
                 yield game.play(self._imagine(game.questions[number], number, attempts))
             return
-        with ThreadPoolExecutor(min(self.threads, self.in_flight)) as pool:
+        with (
+            ThreadPoolExecutor(min(self.threads, self.in_flight)) as pool,
+            cancelling(self.cancel),
+        ):
             flying: dict[int, Future[_Proposal]] = {}
             while game.progress.stop is None:
                 first = game.progress.round + 1

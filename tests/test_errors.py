@@ -96,7 +96,11 @@ FACTS = {
         "attempts": 3,
     },
     "SceneError": {"scene_id": "deer-001", "issues": ISSUES},
-    "SimulatorCrash": {"simulator": "pybullet", "reason": "its process died"},
+    "SimulatorCrash": {
+        "simulator": "pybullet",
+        "reason": "its process died",
+        "retryable": False,
+    },
     "SpawnError": {
         "actor": "deer",
         "asset": "deer",

@@ -6,7 +6,12 @@
 
 import os
 import shlex
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
 from typing import Any
 
 import click
@@ -46,14 +51,16 @@ class _Group(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         order = ctx.meta.get(_ORDER, [])
         try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
+            with _interruptible():
+                return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
             again = ""
             if ctx.invoked_subcommand in ("run", "evaluate"):
                 command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
                 again = f"; what is done is written, and this command continues: {command}"
-            say(f"oodscen: interrupted{again}", err=True)
-            ctx.exit(130)
+            with suppress(OSError):  # of a terminal that has hung up
+                say(f"oodscen: interrupted{again}", err=True)
+            ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise
@@ -61,6 +68,39 @@ class _Group(click.Group):
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )
+
+
+class _Interrupt(KeyboardInterrupt):
+    """A signal asked the command to end."""
+
+    def __init__(self, number: int) -> None:
+        self.signal = number
+        super().__init__()
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; the second signal ends the process at once.
+
+    A signal that the process was started to ignore, as `nohup` does, stays ignored.
+    """
+    before: dict[int, Any] = {}
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        for one in before:
+            signal.signal(one, signal.SIG_DFL)
+        raise _Interrupt(number)
+
+    try:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                if signal.getsignal(number) is not signal.SIG_IGN:
+                    before[number] = signal.getsignal(number)
+                    signal.signal(number, interrupt)
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
 
 def _without(order: list[str], option: str) -> list[str]:
@@ -80,7 +120,9 @@ EXIT_CODES = {
     1: "some items failed, or a check says no; what succeeded is written",
     2: "the request cannot be met: unknown name, malformed or empty file, folder of another study",
     3: "stopped by a cap or a server that is down; the same command continues",
-    130: "interrupted (Ctrl-C); the same command continues",
+    129: "interrupted by SIGHUP (the terminal is gone); the same command continues",
+    130: "interrupted by Ctrl-C (SIGINT); the same command continues",
+    143: "interrupted by SIGTERM; the same command continues",
 }
 
 _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())

@@ -71,6 +71,8 @@ class Context:
             ledger=ledger,
             is_retry=retry,
         )
+        self.cancel = self.models.traffic.close
+        """Called when the wait for answers is interrupted, so that what is under way ends soon."""
         self.extras = extras or Extras()
         self.seconds: dict[str, float] = {}
         """By stage, of this run."""

@@ -72,7 +72,9 @@ class Pipeline:
         began = time.perf_counter()
         self.prepare()
         try:
+            self._save("running")
             counts = self._stages()
+            self._finish(counts, time.perf_counter() - began)
         except RunStopped as stop:
             self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
             self._report()
@@ -86,7 +88,6 @@ class Pipeline:
             )
             self._report()
             raise
-        self._finish(counts, time.perf_counter() - began)
         return self.study
 
     def prepare(self) -> None:
@@ -149,7 +150,7 @@ class Pipeline:
         return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
     def _claim(self) -> None:
-        """Write `study.json` first, or check that the one there belongs to this run."""
+        """Make the folder, or check that the study there is this one."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
             for name in JUDGING:
@@ -161,7 +162,6 @@ class Pipeline:
                 raise StudyMismatch(str(self.study.folder), differences)
         else:
             self.store.prepare()
-        self._save("running")
 
     def _save(self, status: Status, **more: Any) -> None:
         """Write `study.json`; what it was last counted to be stays in it until it is counted anew."""

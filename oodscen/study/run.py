@@ -11,7 +11,7 @@ from oodscen.study.config import StudyConfig
 from oodscen.study.context import Progress
 from oodscen.study.pipeline import Pipeline
 from oodscen.study.study import Study
-from oodscen.study.sweep import Extras
+from oodscen.study.sweep import Extras, check_workers
 
 
 def run_study(
@@ -32,7 +32,8 @@ def run_study(
     Args:
         out: The folder; made if it does not exist.
         config: What to run; the paper's numbers on the embedded defaults if left out.
-        workers: Processes that simulate; 0 simulates in this one.
+        workers: Processes that simulate; 0 simulates in this one. They never import the script that runs, so it
+            needs no main guard, but a simulator of one's own must be in a module.
         executor: Runs the simulation jobs instead of local processes.
         progress: Told about finished items.
         models: Objects that answer for model names of the configuration; other names are looked
@@ -44,13 +45,16 @@ def run_study(
         retry: Do every failed item again. Without it, only those are that failed because no answer came.
 
     Raises:
-        UsageError: For an unknown component, a missing extra or a folder of another study.
+        UsageError: For an unknown component, a missing extra, a simulator that workers cannot import, or a folder
+            of another study.
         RunStopped: When a cap is reached or an endpoint given up; running again continues.
         StudyError: When the folder cannot be written.
     """
+    config = config or StudyConfig()
+    check_workers(config.simulator, workers, executor)
     pipeline = Pipeline(
         out,
-        config or StudyConfig(),
+        config,
         workers=workers,
         executor=executor,
         progress=progress,

@@ -1,21 +1,22 @@
 """Many scenes in many processes: picklable jobs go out, bytes come back."""
 
-import multiprocessing
-from collections.abc import Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor, as_completed
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal
 
 from oodscen.annotations import annotate, encode_annotations, semantic_map
 from oodscen.episode import Episode
-from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
+from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.judging.restaging import Attempt, restaged
+from oodscen.processes import Processes, is_importable, is_script
 from oodscen.protocols import Frame, Simulator
 from oodscen.recording import View, record
-from oodscen.registry import make_simulator
+from oodscen.registry import find, make_simulator
 from oodscen.scene import Scene
 from oodscen.simulation import Simulated, simulate
 from oodscen.study.store import Store
@@ -98,7 +99,12 @@ def sweep(
         scenes: What to run.
         workers: Local processes; 0 runs here, where a scene that kills its process ends the sweep.
         executor: Used instead of local processes.
+
+    Raises:
+        UsageError: When local processes cannot import the simulator, or nobody can make it.
+        RunStopped: When no process can be started.
     """
+    check_workers(job.simulator, workers, executor)
     chunks = _chunks(scenes)
     if executor is None and workers <= 0:
         for chunk in chunks:
@@ -108,9 +114,28 @@ def sweep(
     if executor is not None:
         yield from _collect(executor, job, chunks, lost)
     else:
-        with _processes(min(workers, max(1, len(chunks)))) as pool:
+        with Processes(min(workers, max(1, len(chunks)))) as pool:
             yield from _collect(pool, job, chunks, lost)
-    yield from _recover(job, lost)
+    if lost:
+        yield from _recover(job, chain.from_iterable(lost))
+
+
+def check_workers(simulator: str, workers: int, executor: Executor | None) -> None:
+    """Refuse what local processes could not do, before any work.
+
+    Raises:
+        UsageError: When they cannot import the simulator.
+    """
+    if workers <= 0 or executor is not None:
+        return
+    if not is_importable(simulator):
+        raise UsageError(
+            f"worker processes cannot import the simulator {simulator!r} from a script or notebook; put it into "
+            "a module of its own and name it module:attr, or use workers=0"
+        )
+    with Processes(1) as pool:
+        if is_script(simulator):
+            pool.submit(find, "simulator", simulator).result()
 
 
 def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
@@ -156,6 +181,7 @@ def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
         status="failed",
         error=str(error),
         error_type=type(error).__name__,
+        retryable=getattr(error, "retryable", False),
         simulator=job.simulator,
         seed=job.seed,
     )
@@ -238,39 +264,28 @@ def _collect(
 ) -> Iterator[SweepResult]:
     """Yield results as they finish; note the chunks that went down with their process."""
     futures = {executor.submit(run_chunk, job, chunk): chunk for chunk in chunks}
-    for future in as_completed(futures):
-        try:
-            results = future.result()
-        except BrokenExecutor:
-            lost.append(futures[future])
-            continue
-        yield from results
+    try:
+        for future in as_completed(futures):
+            try:
+                results = future.result()
+            except BrokenExecutor:
+                lost.append(futures[future])
+                continue
+            yield from results
+    finally:
+        for future in futures:
+            future.cancel()
 
 
-def _recover(job: Job, lost: Sequence[Chunk]) -> Iterator[SweepResult]:
-    """Run lost chunks one at a time, in a fresh process after each death.
-
-    A chunk that kills its process is taken apart; a scene that does so is a failed episode.
-    """
-    waiting = list(reversed(lost))
-    while waiting:
-        with _processes(1) as pool:
-            while waiting:
-                chunk = waiting.pop()
-                try:
-                    yield from pool.submit(run_chunk, job, chunk).result()
-                except BrokenExecutor:
-                    if len(chunk) == 1:
-                        crash = SimulatorCrash(job.simulator, "its process died")
-                        dead = SweepResult(failed_episode(job, chunk[0], crash))
-                        yield dead
-                        if job.twins and not chunk[0].is_twin:
-                            yield SweepResult(_twin_of_none(dead.episode))
-                    else:
-                        waiting.extend((scene,) for scene in reversed(chunk))
-                    break
-
-
-def _processes(count: int) -> ProcessPoolExecutor:
-    """Return processes that inherit no threads and no simulator."""
-    return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+def _recover(job: Job, scenes: Iterable[Scene]) -> Iterator[SweepResult]:
+    """Run scenes whose process died one at a time; one that kills its own is a failed episode."""
+    with Processes(1) as pool:
+        for scene in scenes:
+            try:
+                yield from pool.submit(run_chunk, job, (scene,)).result()
+            except BrokenExecutor as error:
+                crash = SimulatorCrash(job.simulator, str(error), retryable=True)
+                dead = SweepResult(failed_episode(job, scene, crash))
+                yield dead
+                if job.twins and not scene.is_twin:
+                    yield SweepResult(_twin_of_none(dead.episode))

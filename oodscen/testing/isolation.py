@@ -3,12 +3,13 @@
 import gc
 import hashlib
 import importlib
-import multiprocessing
 import os
 import pickle
+import warnings
 from collections.abc import Callable, Sequence
-from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor
 
+from oodscen.processes import Processes, is_importable
 from oodscen.protocols import Simulator
 from oodscen.registry import make_simulator
 from oodscen.scene import Scene
@@ -30,18 +31,22 @@ def process_faults(
 
     Args:
         simulator: An open one.
-        source: Makes another one; what cannot be sent to a process is not checked.
+        source: Makes another one. What a fresh process cannot import is not checked, with a warning.
         scenes: To run.
     """
     if not _travels(source):
+        warnings.warn(
+            f"the part 'process' is left out: a fresh process cannot import {source!r}; give a class of "
+            "a module of its own, or its name as module:attr",
+            stacklevel=2,
+        )
         return []
     here = {scene.id: run_digest(simulator, scene) for scene in scenes}
-    context = multiprocessing.get_context("spawn")
     try:
-        with ProcessPoolExecutor(1, mp_context=context) as pool:
+        with Processes(1) as pool:
             there = pool.submit(run_digests, source, tuple(scenes)[::-1]).result()
-    except BrokenExecutor:
-        return ["process: the simulator does not start in a fresh process"]
+    except BrokenExecutor as error:
+        return [f"process: the simulator does not work in a fresh process: {error}"]
     return [
         f"scene {name}: another result in a fresh process"
         for name, digest in here.items()
@@ -131,10 +136,12 @@ def open_files() -> int:
 def _travels(source: Callable[[], Simulator] | str) -> bool:
     """Tell whether a fresh process can make the same simulator."""
     if isinstance(source, str):
-        return True
+        return is_importable(source)
     try:
         module = importlib.import_module(source.__module__)
         pickle.dumps(source)
     except (ImportError, AttributeError, pickle.PicklingError, TypeError):
+        return False
+    if module.__name__ == "__main__":
         return False
     return getattr(module, getattr(source, "__qualname__", ""), None) is source

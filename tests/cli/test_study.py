@@ -1,5 +1,8 @@
 import json
+import os
 import shutil
+import signal
+from contextlib import contextmanager
 
 import pytest
 from click.testing import CliRunner
@@ -17,6 +20,9 @@ SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 ORDER = (
     "--quick --simulator flat --encoder hash --seed 3 --max-paths 1 --iterations 2 --baseline"
 ).split()
+
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def invoke(*order):
@@ -131,3 +137,43 @@ def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch
     assert "interrupted" in found.output
     again = f"this command continues: oodscen evaluate {study} --vlm 'a b'"
     assert (again in found.output) is (command == "evaluate")
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch, number) -> None:
+    handlers = []
+
+    def stop(stage, done, total):
+        if stage == "prune":
+            try:
+                os.kill(os.getpid(), number)
+            finally:
+                handlers.extend(map(signal.getsignal, SIGNALS))
+
+    @contextmanager
+    def stopping(ledger=None):
+        yield stop
+
+    monkeypatch.setattr("oodscen.cli.study.bars", stopping)
+    before = [*map(signal.getsignal, SIGNALS)]
+    order = ("run", tmp_path / "out", "--quick", "--simulator", "flat", "--encoder", "hash")
+    found = invoke(*order, "--workers", "1")
+    assert found.exit_code == 128 + number
+    assert f"this command continues: oodscen run {tmp_path / 'out'} --quick" in found.output
+    assert Study.open(tmp_path / "out").info["status"] == "stopped"
+    assert handlers == [signal.SIG_DFL] * len(SIGNALS)
+    assert [*map(signal.getsignal, SIGNALS)] == before
+
+
+def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
+    def hang_up(study):
+        os.kill(os.getpid(), signal.SIGHUP)
+        return tmp_path
+
+    (tmp_path / "study.json").write_text("{}")
+    monkeypatch.setattr("oodscen.report.write_report", hang_up)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert invoke("report", tmp_path).exit_code == 0
+    finally:
+        signal.signal(signal.SIGHUP, before)

@@ -1,6 +1,8 @@
 """Sweeps: processes change no byte, a bad scene or a dead process costs only its own items."""
 
 import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import cv2
@@ -9,10 +11,11 @@ import pytest
 
 from oodscen.annotations import FrameAnnotations
 from oodscen.episode import MOMENTS
-from oodscen.errors import MissingExtra, StudyError
-from oodscen.study import Store, Study
+from oodscen.errors import MissingExtra, StudyError, UsageError
+from oodscen.study import Store, Study, StudyConfig, run_study
 from oodscen.study.sweep import Extras, Job, sweep
 from oodscen.testing.scenes import example_scene
+from tests.study.quick import QUICK
 
 JOB = Job(simulator="flat")
 
@@ -93,6 +96,7 @@ def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatc
     assert results["s-001"].episode.status == "failed"
     assert "process died" in results["s-001"].episode.error
     assert results["s-001"].episode.error_type == "SimulatorCrash"
+    assert results["s-001"].episode.retryable
     for name in ("s-000", "s-002"):
         assert results[name].episode == here[name].episode
 
@@ -149,3 +153,74 @@ def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(tmp_path))
     with pytest.raises(MissingExtra):
         list(sweep(Job(simulator="lacking_simulator:Lacking"), scenes(1)))
+
+
+UNGUARDED = """
+from oodscen.study.sweep import Job, sweep
+from oodscen.testing.scenes import example_scene
+
+for result in sweep(Job("flat"), [example_scene()], workers=2):
+    print(result.episode.status)
+"""
+
+
+def ran(*order, **more):
+    return subprocess.run([sys.executable, *order], capture_output=True, text=True, **more)
+
+
+def test_scripts_need_no_main_guard(tmp_path):
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    assert ran(tmp_path / "script.py").stdout == "ok\n"
+    assert ran("-", input=UNGUARDED, cwd=tmp_path).stdout == "ok\n"
+
+
+OWN = """
+from oodscen.study import StudyConfig, run_study
+from oodscen.testing import FlatSimulator
+
+class Mine(FlatSimulator):
+    pass
+
+run_study("out", StudyConfig.quick(simulator="own:Mine", encoder="hash"), workers=2)
+"""
+
+
+def test_a_script_that_is_its_own_simulator_is_refused_before_any_work(tmp_path):
+    (tmp_path / "own.py").write_text(OWN)
+    done = ran("own.py", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "UsageError" in done.stderr
+    assert "if __name__ == '__main__':" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_simulator_of_the_script_itself_is_refused_before_any_work(tmp_path):
+    config = StudyConfig.quick(simulator="__main__:Mine")
+    with pytest.raises(UsageError, match="module of its own"):
+        run_study(tmp_path / "out", config, workers=2)
+    with pytest.raises(UsageError, match="module of its own"):
+        next(sweep(Job("__main__:Mine"), scenes(1), workers=1))
+    assert not (tmp_path / "out").exists()
+
+
+def test_scenes_whose_process_died_are_run_again_by_the_same_command(tmp_path, monkeypatch):
+    (tmp_path / "fragile_simulator.py").write_text(
+        "import os\n"
+        "from pathlib import Path\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Fragile(FlatSimulator):\n"
+        "    def step(self, control):\n"
+        f"        if Path({str(tmp_path / 'bad')!r}).exists():\n"
+        "            os._exit(9)\n"
+        "        return super().step(control)\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    config = QUICK.model_copy(update={"simulator": "fragile_simulator:Fragile", "max_paths": 1})
+    (tmp_path / "bad").touch()
+    study = run_study(tmp_path / "out", config, workers=1)
+    assert study.info["status"] == "incomplete"
+    assert all(line["retryable"] for line in study.failures("episodes"))
+    (tmp_path / "bad").unlink()
+    study = run_study(tmp_path / "out", config, workers=1)
+    assert study.info["status"] == "success"
+    assert {verdict.status for verdict in study.verdicts} == {"ok"}

@@ -25,7 +25,9 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
     judged: dict[str, list[PruneDecision]] = {}
     done = 0
     for name, catalogue in offered.items():
-        pruner = Pruner(run.llm, catalogue, threads=run.threads, context=run.config.context)
+        pruner = Pruner(
+            run.llm, catalogue, threads=run.threads, cancel=run.cancel, context=run.config.context
+        )
         judged[name] = []
         for decision in pruner.decisions(tree):
             judged[name].append(decision)

@@ -92,7 +92,7 @@ def evaluate(
             with traffic.lenient(math.inf if turn == "failed" else JUDGING):
                 for name, (_, threads) in models.items():
                     batch = [item for item in due if item.model == name]
-                    found = as_finished(judge, batch, threads=threads, cancel=traffic.close)
+                    found = as_finished(judge, batch, threads=threads, cancel=run.cancel)
                     for _, verdict in found:
                         is_kept = verdict.outcome == "unasked" and turn == "failed"
                         yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
@@ -249,7 +249,7 @@ def _judged(
                     lambda item: opinion(judge, *item),
                     todo.values(),
                     threads=threads,
-                    cancel=traffic.close,
+                    cancel=run.cancel,
                 ):
                     yield found
 

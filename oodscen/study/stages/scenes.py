@@ -141,7 +141,10 @@ def _asked(
         stage,
         file,
         {scenario.id: scenario for scenario in scenarios},
-        lambda todo: (row for _, row in as_finished(work, todo.values(), threads=run.threads)),
+        lambda todo: (
+            row
+            for _, row in as_finished(work, todo.values(), threads=run.threads, cancel=run.cancel)
+        ),
         made_from=made_from,
     )
 

@@ -75,7 +75,7 @@ def _describe(
     if todo:
         run.store.write_lines(file, (row for rows in done.values() for row in rows))
     run.progress(stage, len(done), len(paths))
-    for leaf, rows in as_finished(work, todo, threads=run.threads):
+    for leaf, rows in as_finished(work, todo, threads=run.threads, cancel=run.cancel):
         for row in rows:
             run.store.append(file, row)
         done[leaf] = rows

@@ -46,6 +46,7 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
         coverage=run.config.red_coverage,
         in_flight=run.config.in_flight,
         threads=run.models.threads(run.config.red_llm or run.config.llm),
+        cancel=run.cancel,
         broadenings=run.config.broadenings,
         tokens=TOKENS if run.config.context is None else min(TOKENS, run.config.context // 2),
     )
@@ -83,6 +84,7 @@ def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
         run.simulator.catalogue(),
         substitutes=False,
         threads=run.threads,
+        cancel=run.cancel,
         context=run.config.context,
     )
     for decision in pruner.decisions(tree, [item.id for item in judged]):

@@ -1,0 +1,134 @@
+"""Processes of one's own: each call's fate is its own, and nobody outlives whom they work for."""
+
+import operator
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from concurrent.futures import BrokenExecutor
+from contextlib import suppress
+
+import pytest
+
+from oodscen.errors import RunStopped, UnknownComponent, UsageError
+from oodscen.processes import Processes
+from oodscen.registry import make_simulator
+
+PATIENCE_S = 60.0
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with Processes(2) as processes:
+        yield processes
+
+
+def test_calls_run_in_other_processes_and_come_back(pool):
+    found = [pool.submit(operator.mul, number, 7) for number in range(20)]
+    assert [future.result() for future in found] == [7 * number for number in range(20)]
+    pids = {pool.submit(os.getpid).result() for _ in range(4)}
+    assert os.getpid() not in pids
+    assert pool.submit(int, "ff", base=16).result() == 255
+
+
+def test_errors_come_back_as_they_are(pool):
+    with pytest.raises(UnknownComponent) as caught:
+        pool.submit(make_simulator, "pybulet").result()
+    assert "pybullet" in caught.value.matches
+    with pytest.raises(ZeroDivisionError) as divided:
+        pool.submit(operator.truediv, 1, 0).result()
+    assert "In a worker process" in divided.value.__notes__[0]
+    with pytest.raises(RuntimeError, match="Stubborn"):
+        pool.submit(exec, STUBBORN).result()
+    with pytest.raises((AttributeError, pickle.PicklingError)):
+        pool.submit(lambda: 1).result()
+
+
+STUBBORN = """
+class Stubborn(Exception):
+    def __init__(self, one, two):
+        super().__init__(one)
+raise Stubborn(1, 2)
+"""
+
+
+def test_a_call_that_kills_its_process_costs_no_other(pool):
+    died = pool.submit(os._exit, 7)
+    assert pool.submit(operator.add, 1, 2).result() == 3
+    with pytest.raises(BrokenExecutor, match="exit code 7"):
+        died.result()
+    killed = pool.submit(exec, "import os; os.kill(os.getpid(), 9)")
+    with pytest.raises(BrokenExecutor, match="SIGKILL"):
+        killed.result()
+    assert pool.submit(operator.add, 1, 2).result() == 3
+
+
+BUSY = "import signal; tell(); signal.pause()"
+DEAF = """
+while True:
+    try:
+        tell()
+        while True:
+            pass
+    except BaseException:
+        tell = int
+"""
+
+
+@pytest.fixture
+def begun(tmp_path):
+    """Make a FIFO by which a call says that it is under way."""
+    path = tmp_path / "begun"
+    os.mkfifo(path)
+    return path
+
+
+def telling(begun, code):
+    return f"tell = lambda: open({str(begun)!r}, 'w').close()\n{code}"
+
+
+def test_an_interruption_ends_what_is_under_way_and_drops_the_rest(begun):
+    with suppress(KeyboardInterrupt), Processes(1) as pool:
+        pid = pool.submit(os.getpid).result()
+        first, *rest = (pool.submit(exec, telling(begun, BUSY)) for _ in range(3))
+        begun.read_text()
+        raise KeyboardInterrupt
+    assert isinstance(first.exception(), BrokenExecutor)
+    assert all(future.cancelled() for future in rest)
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+KILLED = """
+import os, signal
+from pathlib import Path
+from oodscen.processes import Processes
+
+with Processes(2) as pool:
+    pool.submit(os.getpid).result()
+    pool.submit(exec, {code!r})
+    Path({begun!r}).read_text()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.parametrize("code", [BUSY, DEAF], ids=["busy", "deaf"])
+def test_nobody_outlives_a_parent_that_is_killed(begun, code):
+    """The output of the parent ends when the last of its processes has left."""
+    script = KILLED.format(code=telling(begun, code), begun=str(begun))
+    done = subprocess.run(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, timeout=PATIENCE_S
+    )
+    assert done.returncode == -signal.SIGKILL
+
+
+def test_a_process_that_does_not_start_stops_the_run(monkeypatch):
+    monkeypatch.setattr("oodscen.processes._START", "raise SystemExit(3)")
+    with Processes(1) as pool, pytest.raises(RunStopped, match="exit code 3"):
+        pool.submit(os.getpid).result()
+
+
+def test_processes_of_processes_are_refused(pool):
+    with pytest.raises(UsageError, match="__main__"):
+        pool.submit(Processes, 1).result()
