@@ -34,7 +34,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.judging.closed_loop import DriveResult, RuleBasedDriver
     from oodscen.judging.closed_loop import drive as drive_scenes
     from oodscen.judging.drives import drive_board, remarks
-    from oodscen.registry import find, make_simulator
+    from oodscen.registry import driver_maker, make_simulator
     from oodscen.report import write_report
     from oodscen.study import Study
     from oodscen.twins import scene_of
@@ -42,7 +42,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     study = Study.open(out)
     scenes = study.scenes[:limit]
     names = drivers or ("rule-based",)
-    makers = [(n, RuleBasedDriver if n == "rule-based" else find("driver", n)) for n in names]
+    makers = [(n, RuleBasedDriver if n == "rule-based" else driver_maker(n)) for n in names]
     lines = {line["id"]: line for line in study.store.lines("drives.jsonl")}
     with make_simulator(study.config.simulator) as simulator:
         for name, make in makers:

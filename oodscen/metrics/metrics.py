@@ -10,6 +10,7 @@ from oodscen.baselines.baseline import Baseline
 from oodscen.baselines.embedded import EmbeddedBaseline
 from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.texts import check_texts
+from oodscen.conforming import conforming
 from oodscen.encoders import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.metrics.calibration import Calibration, calibrate
@@ -65,7 +66,7 @@ class Metrics:
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        self.encoder: Encoder = encoder if encoder is not None else all_minilm()
+        self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
         self.baseline = _as_baseline(baseline)
         self.seed = seed
         self._space = Space(self.encoder, self.baseline, seed, device)
