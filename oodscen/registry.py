@@ -32,6 +32,8 @@ DEFAULT_CATALOGUES = ("carla-0.9.16",)
 """What a study shows beside its own simulator."""
 DEFAULT_ENCODER = "minilm"
 DEFAULT_LLM = "builtin"
+_LONGEST = 4_096
+"""Longest name, in characters: that of a path."""
 
 
 def is_builtin(name: str) -> bool:
@@ -51,6 +53,7 @@ def find(kind: str, name: str) -> Callable[..., Any]:
         UnknownComponent: With close matches.
         UsageError: When the component exists but cannot be imported, or is not callable.
     """
+    _refuse_long(kind, name)
     registered = names(kind)
     if name in registered:
         point = registered[name]
@@ -108,7 +111,7 @@ def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
         return catalogue
     name = str(catalogue)
     if name not in names("catalogue"):
-        if name.endswith(".json") or Path(name).is_file():
+        if name.endswith(".json") or _is_there(name, Path.is_file):
             return Catalogue.load(name)
         if name not in names("simulator") and not _reads_as_reference(name):
             raise UnknownComponent("catalogue", name, {*names("catalogue"), *names("simulator")})
@@ -137,7 +140,7 @@ def make_encoder(encoder: str | Encoder) -> Encoder:
     """
     if not isinstance(encoder, str):
         return cast(Encoder, conforming("encoder", encoder))
-    if encoder and encoder not in names("encoder") and Path(encoder).is_dir():
+    if encoder and encoder not in names("encoder") and _is_there(encoder, Path.is_dir):
         encoder = f"sentence-transformers:{encoder}"
     return cast(Encoder, conforming("encoder", _made("encoder", encoder), encoder))
 
@@ -176,6 +179,7 @@ def make_llm(
     """
     if not isinstance(llm, str):
         return cast(LLM, conforming("llm", llm))
+    _refuse_long("llm", llm)
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
@@ -222,6 +226,20 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         is_refused = given and isinstance(error, TypeError | ValueError)
         fault = f"{head!r} does not take {argument!r}" if is_refused else f"{name!r} cannot be made"
         raise UsageError(f"the {kind} {fault}: {reason(error)}") from error
+
+
+def _refuse_long(kind: str, name: str) -> None:
+    """Spare whoever compares names the time that endless ones take."""
+    if len(name) > _LONGEST:
+        raise UsageError(f"no {kind} has a name of {len(name):,} characters: {name[:40]!r} ...")
+
+
+def _is_there(name: str, kind: Callable[[Path], bool]) -> bool:
+    """Whether a name is that of a file or folder; one that no file can have is none."""
+    try:
+        return kind(Path(name))
+    except (OSError, ValueError):
+        return False
 
 
 def _reads_as_reference(name: str) -> bool:

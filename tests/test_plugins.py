@@ -1,6 +1,5 @@
 """Plugins that break every promise: by name and as objects, through the library and the commands."""
 
-import json
 import sys
 import types
 from importlib.metadata import EntryPoint
@@ -279,7 +278,7 @@ SIMULATOR_METHODS = ("reset", "step", "render", "observe", "catalogue")
 def test_a_simulator_that_fails_while_it_works(method, fault, tmp_path, module):
     def broken(self, *given):
         if fault == "none":
-            return None
+            return
         raise {"error": KeyError("engine"), "exit": SystemExit(0)}[fault]
 
     module.Simulator = type("Simulator", (FlatSimulator,), {method: broken, "name": "sim"})

@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from oodscen._text import one_line, plain, whole
 from oodscen._version import __version__
 from oodscen.cli import (
     claims,
@@ -23,7 +24,7 @@ from oodscen.cli import (
     study,
     tree,
 )
-from oodscen.cli.output import say
+from oodscen.cli.output import say, shortened
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -39,6 +40,9 @@ class _Group(click.Group):
     """Turns errors of the library into one friendly line and an exit code."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        for word in args:
+            if "\0" in word or whole(word) != word:
+                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is no text in UTF-8.")
         ctx.meta[_ORDER] = list(args)
         return super().parse_args(ctx, args)
 
@@ -46,6 +50,9 @@ class _Group(click.Group):
         order = ctx.meta.get(_ORDER, [])
         try:
             return super().invoke(ctx)
+        except click.ClickException as error:
+            error.message = shortened(error.message)
+            raise
         except KeyboardInterrupt:
             again = ""
             if ctx.invoked_subcommand in ("run", "evaluate"):
@@ -56,7 +63,7 @@ class _Group(click.Group):
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise
-            say(f"oodscen: {redact(str(error))}", err=True)
+            say(f"oodscen: {shortened(redact(str(error)))}", err=True)
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )

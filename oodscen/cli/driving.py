@@ -9,6 +9,7 @@ import click
 
 from oodscen.cli.options import json_option
 from oodscen.cli.output import say
+from oodscen.cli.paths import PathName
 
 if TYPE_CHECKING:
     from oodscen.judging.board import Figure
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 @click.option(
     "--driver",
     "drivers",

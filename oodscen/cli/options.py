@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from oodscen.cli.numbers import SHARE, FiniteRange
+from oodscen.cli.paths import PathName
 from oodscen.errors import UsageError
 from oodscen.llms.traffic import PATIENCE_S, TIMEOUT_S
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
@@ -15,8 +17,6 @@ if TYPE_CHECKING:
     from oodscen.llms.traffic import Price, Traffic
 
 Command = Callable[..., Any]
-
-READABLE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
@@ -44,7 +44,7 @@ simulator_option = click.option(
 out_option = click.option(
     "-o",
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=PathName(dir_okay=False, path_type=Path),
     help="File to write; else standard output.",
 )
 extras_options = _options(
@@ -73,7 +73,7 @@ red_options = _options(
     ),
     click.option(
         "--red-coverage",
-        type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+        type=SHARE,
         help="Stop red teaming when the Good-Turing coverage is above this.",
     ),
     click.option(
@@ -83,12 +83,12 @@ red_options = _options(
     ),
     click.option(
         "--nearest",
-        type=click.FloatRange(-1.0, 1.01),
+        type=FiniteRange(-1.0, 1.01),
         help=f"Refuse a proposal this similar to an earlier one.  [default: {NEAREST_TEXT}]",
     ),
     click.option(
         "--nearest-label",
-        type=click.FloatRange(-1.0, 1.01),
+        type=FiniteRange(-1.0, 1.01),
         help=f"Refuse a proposal this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
     ),
     click.option(

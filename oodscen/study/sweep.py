@@ -10,8 +10,8 @@ from tempfile import TemporaryDirectory
 from typing import Literal
 
 from oodscen.annotations import annotate, encode_annotations, semantic_map
-from oodscen.episode import Episode
 from oodscen.conforming import reason
+from oodscen.episode import Episode
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
 from oodscen.judging.restaging import Attempt, restaged
 from oodscen.protocols import Frame, Simulator
