@@ -7,6 +7,8 @@
 import os
 import shlex
 import sys
+from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -39,6 +41,17 @@ _ORDER = "oodscen.order"
 class _Group(click.Group):
     """Turns errors of the library into one friendly line and an exit code."""
 
+    def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
+        try:
+            return super().main(args, *given, **options)
+        except OSError as error:
+            if "--debug" in (sys.argv if args is None else args):
+                raise
+            with suppress(OSError):
+                say(f"oodscen: {shortened(str(error))}", err=True)
+            _silence()
+            sys.exit(1)
+
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         for word in args:
             if "\0" in word or whole(word) != word:
@@ -67,6 +80,15 @@ class _Group(click.Group):
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )
+
+
+def _silence() -> None:
+    """Drop what an output that is full or gone did not take, or it is tried again, and fails, at exit."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _without(order: list[str], option: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Types of options and arguments that are paths."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,12 @@ class PathName(click.Path):
         """Return the path, or fail with one line."""
         if not str(value):
             self.fail("the name is empty.", param, ctx)
+        try:
+            os.stat(value)
+        except (FileNotFoundError, NotADirectoryError, PermissionError):
+            pass  # Told below, or by whoever makes the folder.
+        except OSError as error:
+            self.fail(f"{value!r}: {error.strerror}.", param, ctx)
         found = super().convert(value, param, ctx)
         if self.exists and not (Path(found).is_file() or Path(found).is_dir()):
             self.fail(f"{self.name.title()} {value!r} is no regular file.", param, ctx)

@@ -261,7 +261,7 @@ def simulate(
 
     A scene that cannot be run gives a failed episode, and the exit code is 1.
     """
-    from oodscen import Scene
+    from oodscen import Scene, make_simulator
     from oodscen.study import Store
     from oodscen.study.sweep import Extras, Job, sweep
 
@@ -270,6 +270,7 @@ def simulate(
     issues = [Issue("id", f"{one!r} occurs more than once") for one in counts if counts[one] > 1]
     if issues:
         raise DataError("scenes", issues, source=str(scenes))
+    make_simulator(simulator).close()
     store = Store(out)
     store.prepare()
     episodes = {}
