@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from oodscen._numbers import whole_number
 from oodscen.conforming import conforming, working
 from oodscen.driving import Cruise, action_driver, find_map, is_available, is_due, load_corridor
 from oodscen.driving.visibility import is_noticeable
@@ -14,6 +15,7 @@ from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.scene import Scene
+from oodscen.seeding import MAX_SEED
 from oodscen.sketch import sketch
 from oodscen.trace import Course, Trace, concatenated
 
@@ -95,6 +97,7 @@ def simulate(
         UsageError: For what is no simulator, or an unknown action.
     """
     conforming("simulator", simulator)
+    whole_number("seed", seed, 0, MAX_SEED)
     for action in actions:
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)

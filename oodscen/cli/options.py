@@ -12,6 +12,7 @@ from oodscen.errors import UsageError
 from oodscen.llms.traffic import PATIENCE_S, TIMEOUT_S
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen.seeding import MAX_SEED
 
 if TYPE_CHECKING:
     from oodscen.llms.traffic import Price, Traffic
@@ -37,7 +38,7 @@ llm_options = _options(
     ),
     click.option("--api-base", help="Address of an OpenAI-compatible server."),
 )
-seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0))
+seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, MAX_SEED))
 simulator_option = click.option(
     "--simulator", default=DEFAULT_SIMULATOR, show_default=True, help="Name, or module:attr."
 )
