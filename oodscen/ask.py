@@ -6,9 +6,10 @@ from typing import TypeVar, cast
 from pydantic import BaseModel, ValidationError
 
 from oodscen._data import issues_of
-from oodscen.errors import AnswerError, Issue, LLMError, OodscenError
+from oodscen.errors import AnswerError, Issue
 from oodscen.extraction import find_objects, is_cut_off
-from oodscen.llms.redaction import redact, redact_keys
+from oodscen.llms.check import complete
+from oodscen.llms.redaction import redact_keys
 from oodscen.messages import Message
 from oodscen.prompts.base import Prompt
 from oodscen.protocols import LLM, Request
@@ -66,7 +67,7 @@ def ask(
     issues: list[Issue] = []
     raw = ""
     for attempt in range(1, max(attempts, 1) + 1):
-        raw = _said(llm, Request(prompt, messages, schema, sample, attempt))
+        raw = redact_keys(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
         answer, issues = read_answer(raw, kind, checks)
         if answer is not None and doubt is not None and (issues := list(doubt(raw, answer))):
             answer = None
@@ -76,20 +77,6 @@ def ask(
             return answer
         messages = (*question, *_repair(raw, issues))
     raise AnswerError(llm.name, prompt.purpose, issues, raw, max(attempts, 1))
-
-
-def _said(llm: LLM, request: Request) -> str:
-    """Return the words of a model, without credentials; whatever else its object raises is a failure."""
-    try:
-        return redact_keys(llm.complete(request).text)
-    except OodscenError:
-        raise
-    except Exception as error:
-        raise LLMError(
-            f"{llm.name} broke down: {type(error).__name__}: {redact(str(error))[:500]}",
-            model=llm.name,
-            retryable=isinstance(error, TimeoutError | ConnectionError),
-        ) from error
 
 
 def speaker(llm: LLM) -> str:

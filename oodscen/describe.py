@@ -8,6 +8,7 @@ import numpy as np
 from oodscen._text import one_line
 from oodscen.ask import ask
 from oodscen.concurrency import as_finished
+from oodscen.encoders.check import encode
 from oodscen.errors import AnswerError, UsageError
 from oodscen.paper import PER_PATH
 from oodscen.prompts import STYLES, DescribeOrdinary, DescribePath, Style
@@ -197,7 +198,7 @@ class Describer:
         """Return the positions of texts that are too near an earlier one."""
         if self.encoder is None or len(texts) < 2:
             return set()
-        vectors = self.encoder.encode(texts)
+        vectors = encode(self.encoder, texts)
         norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
         unit = vectors / np.maximum(norms, np.float32(1e-12))
         cosines = np.tril(unit @ unit.T, k=-1)

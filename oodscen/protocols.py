@@ -189,6 +189,14 @@ class Control:
     steering: float = 0.0
     """Angle of the front wheels, rad, left positive."""
 
+    @property
+    def is_finite(self) -> bool:
+        """Whether both are numbers, and finite."""
+        try:
+            return math.isfinite(self.acceleration) and math.isfinite(self.steering)
+        except TypeError:
+            return False
+
 
 @dataclass(frozen=True, eq=False)
 class State:

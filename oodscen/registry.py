@@ -5,12 +5,14 @@ import inspect
 import sys
 import warnings
 from collections.abc import Callable
+from contextlib import closing
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from oodscen.conforming import conforming, described, reason, working
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
-from oodscen.protocols import LLM, Encoder, Simulator
+from oodscen.protocols import LLM, Driver, Encoder, Simulator
 
 if TYPE_CHECKING:
     from oodscen.catalogue import Catalogue
@@ -30,6 +32,8 @@ DEFAULT_CATALOGUES = ("carla-0.9.16",)
 """What a study shows beside its own simulator."""
 DEFAULT_ENCODER = "minilm"
 DEFAULT_LLM = "builtin"
+_LONGEST = 4_096
+"""Longest name, in characters: that of a path."""
 
 
 def is_builtin(name: str) -> bool:
@@ -42,10 +46,6 @@ def names(kind: str) -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
 
 
-_SIMULATOR = ("name", "dt", "catalogue", "reset", "step", "render", "observe", "close", "__enter__")
-"""What a simulator must have."""
-
-
 def find(kind: str, name: str) -> Callable[..., Any]:
     """Return the factory that is registered under a name, or that `module:attr` points to.
 
@@ -53,6 +53,7 @@ def find(kind: str, name: str) -> Callable[..., Any]:
         UnknownComponent: With close matches.
         UsageError: When the component exists but cannot be imported, or is not callable.
     """
+    _refuse_long(kind, name)
     registered = names(kind)
     if name in registered:
         point = registered[name]
@@ -70,9 +71,9 @@ def find(kind: str, name: str) -> Callable[..., Any]:
         factory = point.load()
     except OodscenError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise UsageError(
-            f"the {kind} {name!r} ({point.value}) cannot be imported: {error}"
+            f"the {kind} {name!r} ({point.value}) cannot be imported: {reason(error)}"
         ) from error
     if not callable(factory):
         raise UsageError(f"the {kind} {name!r} ({point.value}) is neither a class nor a function")
@@ -86,18 +87,12 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
         UsageError: When there is none of that name (with close matches), or it cannot be made.
     """
     if not isinstance(simulator, str):
-        return simulator
-    try:
-        made = _made("simulator", simulator)
-    except OodscenError:
-        raise
-    except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-        raise UsageError(f"the simulator {simulator!r} cannot be started: {reason}") from error
-    missing = [member for member in _SIMULATOR if not hasattr(made, member)]
-    if missing:
-        raise UsageError(f"the simulator {simulator!r} has no {', '.join(missing)}")
-    return cast(Simulator, made)
+        return cast(Simulator, conforming("simulator", simulator))
+    made = cast(Simulator, conforming("simulator", _made("simulator", simulator), simulator))
+    with working("simulator", simulator):
+        catalogue = made.catalogue()
+    _as_catalogue(catalogue, simulator)
+    return made
 
 
 def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
@@ -116,15 +111,21 @@ def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
         return catalogue
     name = str(catalogue)
     if name not in names("catalogue"):
-        if name.endswith(".json") or Path(name).is_file():
+        if name.endswith(".json") or _is_there(name, Path.is_file):
             return Catalogue.load(name)
         if name not in names("simulator") and not _reads_as_reference(name):
             raise UnknownComponent("catalogue", name, {*names("catalogue"), *names("simulator")})
-        with make_simulator(name) as simulator:
+        simulator = make_simulator(name)
+        with working("simulator", name), closing(simulator):
             return simulator.catalogue()
-    made = _made("catalogue", name)
+    return _as_catalogue(_made("catalogue", name), name)
+
+
+def _as_catalogue(made: object, name: str) -> "Catalogue":
+    from oodscen.catalogue import Catalogue
+
     if not isinstance(made, Catalogue):
-        raise UsageError(f"the catalogue {name!r} is a {type(made).__name__}")
+        raise UsageError(f"the catalogue of {name!r} is {described(made)}, not a Catalogue")
     return made
 
 
@@ -138,10 +139,24 @@ def make_encoder(encoder: str | Encoder) -> Encoder:
         UsageError: When there is none of that name (with close matches), or it cannot be made.
     """
     if not isinstance(encoder, str):
-        return encoder
-    if encoder and encoder not in names("encoder") and Path(encoder).is_dir():
+        return cast(Encoder, conforming("encoder", encoder))
+    if encoder and encoder not in names("encoder") and _is_there(encoder, Path.is_dir):
         encoder = f"sentence-transformers:{encoder}"
-    return cast(Encoder, _made("encoder", encoder))
+    return cast(Encoder, conforming("encoder", _made("encoder", encoder), encoder))
+
+
+def driver_maker(name: str) -> Callable[[], Driver]:
+    """Return what makes drivers of this name; the first is made at once, to see whether it can be.
+
+    Raises:
+        UsageError: When there is none of that name (with close matches), or it cannot be made.
+    """
+
+    def made() -> Driver:
+        return cast(Driver, conforming("driver", _made("driver", name), name))
+
+    first = [made()]
+    return lambda: first.pop() if first else made()
 
 
 def make_llm(
@@ -163,12 +178,13 @@ def make_llm(
         UsageError: When nobody knows the name (with close matches), or it cannot be made.
     """
     if not isinstance(llm, str):
-        return llm
+        return cast(LLM, conforming("llm", llm))
+    _refuse_long("llm", llm)
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
         shared = {} if traffic is None else {"traffic": traffic}
-        return cast(LLM, _made("llm", llm, seed=seed, **shared))
+        return cast(LLM, conforming("llm", _made("llm", llm, seed=seed, **shared), llm))
     client = find("llm", "litellm")
     model = llm.removeprefix("litellm:")
     try:
@@ -192,21 +208,38 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         given, settings = (), {**settings, parameter: argument}
     try:
         signature = inspect.signature(factory)
-    except ValueError:
-        return factory(*given, **settings)
-    takes_any = any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values())
-    settings = {k: v for k, v in settings.items() if takes_any or k in signature.parameters}
+    except (TypeError, ValueError):
+        signature = None  # Some that are written in C tell none; calling them shows what they take.
+    if signature is not None:
+        takes_any = any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values())
+        settings = {k: v for k, v in settings.items() if takes_any or k in signature.parameters}
+        try:
+            signature.bind(*given, **settings)
+        except TypeError as error:
+            hint = "it takes no argument after the colon" if given else f"try {name}:ARGUMENT"
+            raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
     try:
-        signature.bind(*given, **settings)
-    except TypeError as error:
-        hint = "it takes no argument after the colon" if given else f"try {name}:ARGUMENT"
-        raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
-    try:
         return factory(*given, **settings)
-    except (TypeError, ValueError) as error:
-        if not given:
-            raise
-        raise UsageError(f"the {kind} {head!r} does not take {argument!r}: {error}") from error
+    except OodscenError:
+        raise
+    except (Exception, SystemExit) as error:
+        is_refused = given and isinstance(error, TypeError | ValueError)
+        fault = f"{head!r} does not take {argument!r}" if is_refused else f"{name!r} cannot be made"
+        raise UsageError(f"the {kind} {fault}: {reason(error)}") from error
+
+
+def _refuse_long(kind: str, name: str) -> None:
+    """Spare whoever compares names the time that endless ones take."""
+    if len(name) > _LONGEST:
+        raise UsageError(f"no {kind} has a name of {len(name):,} characters: {name[:40]!r} ...")
+
+
+def _is_there(name: str, kind: Callable[[Path], bool]) -> bool:
+    """Whether a name is that of a file or folder; one that no file can have is none."""
+    try:
+        return kind(Path(name))
+    except (OSError, ValueError):
+        return False
 
 
 def _reads_as_reference(name: str) -> bool:
@@ -224,6 +257,8 @@ def _is_reference(name: str) -> bool:
         return module in sys.modules or importlib.util.find_spec(module) is not None
     except (ImportError, ValueError):
         return False
+    except (Exception, SystemExit):
+        return True  # There is one, and a package around it breaks down: importing it says how.
 
 
 def survey() -> list[dict[str, str]]:

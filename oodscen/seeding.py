@@ -5,6 +5,10 @@ import hashlib
 import numpy as np
 
 
+MAX_SEED = 2**63 - 1
+"""Largest seed of a run: what columns of tables and other programs can hold."""
+
+
 def stream(seed: int, *keys: object) -> np.random.Generator:
     """Return a generator of its own for (seed, keys).
 

@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from oodscen._numbers import whole_number
+from oodscen.conforming import conforming, working
 from oodscen.driving import Cruise, action_driver, find_map, is_available, is_due, load_corridor
 from oodscen.driving.visibility import is_noticeable
 from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
+from oodscen.errors import UnknownComponent
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.scene import Scene
+from oodscen.seeding import MAX_SEED
 from oodscen.sketch import sketch
 from oodscen.trace import Course, Trace, concatenated
 
@@ -89,8 +93,28 @@ def simulate(
 
     Raises:
         SceneError: When the simulator refuses the scene.
-        SimulatorError: When it fails.
+        SimulatorError: When it fails, whatever it raises.
+        UsageError: For what is no simulator, or an unknown action.
     """
+    conforming("simulator", simulator)
+    whole_number("seed", seed, 0, MAX_SEED)
+    for action in actions:
+        if action not in ACTIONS:
+            raise UnknownComponent("action", str(action), ACTIONS)
+    with working("simulator", simulator.name):
+        return _simulated(scene, simulator, seed, camera, actions, render, traces, protocol)
+
+
+def _simulated(
+    scene: Scene,
+    simulator: Simulator,
+    seed: int,
+    camera: Camera | None,
+    actions: Sequence[str],
+    render: bool,
+    traces: bool,
+    protocol: str,
+) -> Simulated:
     is_paper = protocol == "paper"
     can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
     going_back = _Snapshots(simulator) if can_go_back else None

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from oodscen._data import Data, Faults, canonical_json
+from oodscen._files import read_utf8
 from oodscen.baselines.datasets import (
     Layout,
     LayoutName,
@@ -16,7 +17,7 @@ from oodscen.baselines.datasets import (
     parse,
     recognise,
 )
-from oodscen.baselines.texts import check_texts, decode, read_records, refuse
+from oodscen.baselines.texts import check_texts, read_records, refuse
 from oodscen.errors import DataError, Issue, UsageError
 
 
@@ -102,9 +103,9 @@ def _dataset(file: Path, layout: str) -> tuple[Layout, Any] | None:
     if layout == "plain":
         return None
     if layout == "auto":
-        return recognise(decode(file, Baseline.noun), file.suffix.lower())
+        return recognise(read_utf8(file, Baseline.noun), file.suffix.lower())
     chosen = layout_of(layout)
-    return chosen, parse(decode(file, Baseline.noun), chosen)
+    return chosen, parse(read_utf8(file, Baseline.noun), chosen)
 
 
 def _texts(layout: Layout, document: Any, parts: Sequence[str] | None, source: str) -> list[str]:

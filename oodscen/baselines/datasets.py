@@ -16,13 +16,13 @@ answer that is withheld, an object that nobody described, the unused columns of 
 """
 
 import csv
-import io
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
+from oodscen.baselines.texts import Rows, csv_reader, csv_rows
 from oodscen.errors import Issue, UnknownComponent, UsageError
 
 LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
@@ -42,7 +42,6 @@ class Part(NamedTuple):
 
 
 Found = Iterator[Part | Issue]
-Rows: TypeAlias = "csv.DictReader[str]"
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
         The layout, and the document or the rows that its reader takes; `None` for any other file.
     """
     if suffix == ".csv":
-        rows = _rows(content)
+        rows = csv_reader(content)
         return (LAYOUTS["bdd-x"], rows) if set(_BDD_X) <= set(_header(rows)) else None
     if suffix != ".json":
         return None
@@ -84,7 +83,7 @@ def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
 def parse(content: str, layout: Layout) -> Any:
     """Return what the reader of a layout takes, or an issue where the content is not of its kind."""
     if layout.is_csv:
-        rows = _rows(content)
+        rows = csv_reader(content)
         missing = [column for column in _BDD_X if column not in _header(rows)]
         return Issue("line 1", f"has no column {missing[0]!r}") if missing else rows
     try:
@@ -134,10 +133,6 @@ def _recognise_json(document: Any) -> LayoutName | None:
     if isinstance(first, dict) and "nl" in first:
         return "cityflow-nl"
     return None
-
-
-def _rows(content: str) -> Rows:
-    return csv.DictReader(io.StringIO(content, newline=""))
 
 
 def _header(rows: Rows) -> tuple[str, ...]:
@@ -249,15 +244,10 @@ def _talk2car(document: Any) -> Found:
 def _bdd_x(rows: Rows) -> Found:
     """Read the columns `Answer.<k>action` and `Answer.<k>justification`, k from 1 to 15."""
     columns = [name for name in _header(rows) if re.fullmatch(r"Answer\.\d+action", name)]
-    lines = iter(rows)
-    while True:
-        try:
-            row = next(lines)
-        except StopIteration:
-            return
-        except csv.Error as error:
-            yield Issue(f"line {rows.line_num}", f"is not CSV: {error}")
-            return
+    for _, row in csv_rows(rows):
+        if isinstance(row, Issue):
+            yield row
+            continue
         for column in columns:
             action = (row.get(column) or "").strip()
             reason = (row.get(column.removesuffix("action") + "justification") or "").strip()

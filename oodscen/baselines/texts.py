@@ -3,14 +3,23 @@
 import csv
 import io
 import json
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
+from oodscen._files import read_utf8
+from oodscen._text import whole
 from oodscen.errors import DataError, Issue
 from oodscen.scenario import Scenario
 
+MAX_CHARACTERS = 100_000
+"""Longest text that is measured; what is longer is a file whose lines do not end."""
+
 _MOST_ISSUES = 20
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+Rows: TypeAlias = "csv.DictReader[str]"
 
 
 class Record(NamedTuple):
@@ -49,7 +58,7 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
         DataError: When the file cannot be read or decoded, holds no text, or with one issue per
             line that has none.
     """
-    content = decode(Path(path), noun)
+    content = read_utf8(path, noun)
     suffix = Path(path).suffix.lower()
     issues: list[Issue] = []
     records: list[Record] = []
@@ -65,20 +74,6 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
     return records
 
 
-def decode(path: Path, noun: str) -> str:
-    """Read a file as UTF-8 text; one that is missing or something else is a `DataError`."""
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise DataError(noun, [Issue("", str(error))], source=str(path)) from None
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        issue = Issue(f"line {line}", f"is not UTF-8 text: {error.reason} at byte {error.start}")
-        raise DataError(noun, [issue], source=str(path)) from None
-
-
 def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
     """Yield each value with its place, or an issue instead of a value."""
     start = content.lstrip()[:1]
@@ -89,23 +84,61 @@ def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
     elif start == "{" or suffix in (".jsonl", ".ndjson"):
         yield from _json_lines(content, suffix)
     else:
-        for number, line in enumerate(content.split("\n"), 1):
-            if line.strip():
-                yield f"line {number}", line
+        for number, line in _lines(content):
+            yield f"line {number}", line
+
+
+def _lines(content: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines that are not blank, each with its number.
+
+    Not splitlines(): texts and JSON strings may hold U+0085, U+2028 and the like.
+    """
+    for number, line in enumerate(_LINE_END.split(content), 1):
+        if line.strip():
+            yield number, line
 
 
 def _rows(content: str, delimiter: str) -> Iterator[tuple[str, Any]]:
-    reader = csv.DictReader(io.StringIO(content, newline=""), delimiter=delimiter)
-    try:
-        names = reader.fieldnames or []
-        if names and "text" not in names:
+    reader = csv_reader(content, delimiter)
+    names: Sequence[str] = ()
+    for line, row in csv_rows(reader):
+        names = names or reader.fieldnames or ()
+        if not isinstance(row, Issue) and names.count("text") != 1:
             listed = ", ".join(names)
-            yield "line 1", Issue("line 1", f"has no column 'text' (columns: {listed})")
+            fault = "has no column 'text'" if "text" not in names else "has two columns 'text'"
+            yield "line 1", Issue("line 1", f"{fault} (columns: {listed})")
             return
-        for row in reader:
-            yield f"line {reader.line_num}", row
-    except csv.Error as error:
-        yield "", Issue(f"line {reader.line_num}", f"is not CSV: {error}")
+        yield f"line {line}", row
+
+
+def csv_reader(content: str, delimiter: str = ",") -> Rows:
+    """Return a reader that refuses quotes that are not closed, or not where a field begins and ends."""
+    return csv.DictReader(io.StringIO(content, newline=""), delimiter=delimiter, strict=True)
+
+
+def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
+    """Yield the rows of a CSV file with the lines on which they begin, and an issue after which none is read.
+
+    A row with more fields than the header has a text cut at a comma, and is an issue too.
+    """
+    while True:
+        begins = reader.line_num + 1
+        try:
+            header = reader.fieldnames or ()
+            begins = max(begins, 2)
+            row = next(reader)
+        except StopIteration:
+            return
+        except csv.Error as error:
+            told = "a quote is not closed" if "end of data" in str(error) else str(error)
+            yield begins, Issue(f"line {begins}", f"is not CSV: {told}")
+            return
+        more = row.pop(None, None)  # type: ignore[call-overload]  # Where the reader puts them.
+        if more and any(map(str.strip, more)):
+            fault = f"has {len(header) + len(more)} fields, and the header has {len(header)}; quote texts with a comma"
+            yield begins, Issue(f"line {begins}", fault)
+        else:
+            yield begins, row
 
 
 def _list(content: str) -> Iterator[tuple[str, Any]]:
@@ -127,10 +160,7 @@ def _json_lines(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
         else:
             yield "", value
             return
-    # Not splitlines(): JSON strings may hold U+2028 and the like.
-    for number, line in enumerate(content.split("\n"), 1):
-        if not line.strip():
-            continue
+    for number, line in _lines(content):
         try:
             yield f"line {number}", json.loads(line)
         except (ValueError, RecursionError) as error:
@@ -151,9 +181,9 @@ def _group(fields: dict[str, Any]) -> str | None:
     for name in ("path", "leaf", "group"):
         value = fields.get(name)
         if isinstance(value, list) and value:
-            return " / ".join(map(str, value))
+            return whole(" / ".join(map(str, value)))
         if isinstance(value, str) and value.strip():
-            return value.strip()
+            return whole(value.strip())
     return None
 
 
@@ -163,6 +193,10 @@ def fault_of(text: object) -> str:
         return f"is {type(text).__name__}, not a text"
     if not text.strip():
         return "is blank"
+    if len(text) > MAX_CHARACTERS:
+        return f"has {len(text):,} characters, and a text has at most {MAX_CHARACTERS:,}"
+    if "\0" in text:
+        return "holds a NUL character; is the file UTF-16?"
     try:
         text.encode()
     except UnicodeEncodeError:

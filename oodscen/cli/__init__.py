@@ -9,13 +9,14 @@ import shlex
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
 import click
 
+from oodscen._text import one_line, plain, whole
 from oodscen._version import __version__
 from oodscen.cli import (
     claims,
@@ -28,7 +29,7 @@ from oodscen.cli import (
     study,
     tree,
 )
-from oodscen.cli.output import say
+from oodscen.cli.output import say, shortened
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.offline import enforce
 from oodscen.llms.redaction import redact
@@ -44,7 +45,21 @@ _ORDER = "oodscen.order"
 class _Group(click.Group):
     """Turns errors of the library into one friendly line and an exit code."""
 
+    def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
+        try:
+            return super().main(args, *given, **options)
+        except OSError as error:
+            if "--debug" in (sys.argv if args is None else args):
+                raise
+            with suppress(OSError):
+                say(f"oodscen: {shortened(str(error))}", err=True)
+            _silence()
+            sys.exit(1)
+
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        for word in args:
+            if "\0" in word or whole(word) != word:
+                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is no text in UTF-8.")
         ctx.meta[_ORDER] = list(args)
         return super().parse_args(ctx, args)
 
@@ -53,6 +68,9 @@ class _Group(click.Group):
         try:
             with _interruptible():
                 return super().invoke(ctx)
+        except click.ClickException as error:
+            error.message = shortened(error.message)
+            raise
         except KeyboardInterrupt as interrupt:
             again = ""
             if ctx.invoked_subcommand in ("run", "evaluate"):
@@ -64,7 +82,7 @@ class _Group(click.Group):
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise
-            say(f"oodscen: {redact(str(error))}", err=True)
+            say(f"oodscen: {shortened(redact(str(error)))}", err=True)
             ctx.exit(
                 2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
             )
@@ -101,6 +119,15 @@ def _interruptible() -> Iterator[None]:
     finally:
         for one, handler in before.items():
             signal.signal(one, handler)
+
+
+def _silence() -> None:
+    """Drop what an output that is full or gone did not take, or it is tried again, and fails, at exit."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _without(order: list[str], option: str) -> list[str]:

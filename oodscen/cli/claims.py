@@ -10,8 +10,9 @@ from tqdm import tqdm
 
 from oodscen._data import Data, canonical_json, read_text
 from oodscen.claims.faithful import Faithfulness, Unjudged
-from oodscen.cli.options import READABLE, json_option, llm_options, seed_option, simulator_option
+from oodscen.cli.options import json_option, llm_options, seed_option, simulator_option
 from oodscen.cli.output import say
+from oodscen.cli.paths import READABLE
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 
 Value = TypeVar("Value", bound=Data)

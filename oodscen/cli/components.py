@@ -42,6 +42,10 @@ def doctor(
     """
     from oodscen.doctor import examine, examine_knowledge, examine_llm, examine_simulator
 
+    if name is not None and what not in ("llm", "knowledge"):
+        raise click.UsageError(f"{name!r} is too much: oodscen doctor SIMULATOR")
+    if api_base is not None and what != "llm":
+        raise click.UsageError("--api-base goes with a model: oodscen doctor llm NAME")
     if what == "llm":
         if name is None:
             raise click.UsageError("name a model: oodscen doctor llm NAME")

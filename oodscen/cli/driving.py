@@ -9,6 +9,7 @@ import click
 
 from oodscen.cli.options import json_option
 from oodscen.cli.output import say
+from oodscen.cli.paths import PathName
 
 if TYPE_CHECKING:
     from oodscen.judging.board import Figure
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 @click.option(
     "--driver",
     "drivers",
@@ -34,7 +35,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.judging.closed_loop import DriveResult, RuleBasedDriver
     from oodscen.judging.closed_loop import drive as drive_scenes
     from oodscen.judging.drives import current, drive_board, remarks
-    from oodscen.registry import find, make_simulator
+    from oodscen.registry import driver_maker, make_simulator
     from oodscen.report import write_report
     from oodscen.study import Study
     from oodscen.twins import scene_of
@@ -43,7 +44,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     staged = study.scenes
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
-    makers = [(n, RuleBasedDriver if n == "rule-based" else find("driver", n)) for n in names]
+    makers = [(n, RuleBasedDriver if n == "rule-based" else driver_maker(n)) for n in names]
     before = [DriveResult.parse(line) for line in study.store.lines("drives.jsonl")]
     found = {one.id: one for one in current(before, staged)}
     with make_simulator(study.config.simulator) as simulator:

@@ -4,34 +4,38 @@ import json
 
 import click
 
+from oodscen._numbers import MOST
+from oodscen.cli.numbers import SHARE, FiniteRange
 from oodscen.cli.options import json_option
+
+_COUNT = click.IntRange(1, MOST)
 
 
 @click.command()
-@click.argument("first", type=float)
-@click.argument("second", type=float)
+@click.argument("first", type=SHARE)
+@click.argument("second", type=SHARE)
 @click.option("--unpaired", is_flag=True, help="Each model is judged on scenes of its own.")
 @click.option(
     "--agreement",
-    type=float,
+    type=FiniteRange(-1.0, 1.0),
     default=0.0,
     show_default=True,
     help="Correlation of right and wrong between both models on the same scenes.",
 )
-@click.option("--power", "wanted", type=float, default=0.8, show_default=True)
-@click.option("--alpha", type=float, default=0.05, show_default=True)
+@click.option("--power", "wanted", type=SHARE, default=0.8, show_default=True)
+@click.option("--alpha", type=SHARE, default=0.05, show_default=True)
 @click.option(
-    "--comparisons", type=int, default=1, show_default=True, help="How many are made (Holm)."
+    "--comparisons", type=_COUNT, default=1, show_default=True, help="How many are made (Holm)."
 )
-@click.option("--per-path", type=int, default=10, show_default=True, help="Scenes per path.")
+@click.option("--per-path", type=_COUNT, default=10, show_default=True, help="Scenes per path.")
 @click.option(
     "--icc",
-    type=float,
+    type=FiniteRange(0.0, 1.0),
     default=0.2,
     show_default=True,
     help="Likeness of the scenes of one path, 0 to 1.",
 )
-@click.option("--scenes", type=int, help="Say instead what power so many scenes have.")
+@click.option("--scenes", type=_COUNT, help="Say instead what power so many scenes have.")
 @json_option
 def power(
     first: float,

@@ -5,11 +5,12 @@ from typing import Any
 
 import click
 
+from oodscen.cli.numbers import FINITE
 from oodscen.cli.options import (
-    READABLE,
     json_option,
     seed_option,
 )
+from oodscen.cli.paths import READABLE
 from oodscen.errors import UsageError
 from oodscen.registry import DEFAULT_ENCODER
 
@@ -23,7 +24,7 @@ from oodscen.registry import DEFAULT_ENCODER
 @click.option(
     "--band",
     nargs=2,
-    type=float,
+    type=FINITE,
     metavar="LO HI",
     help="Count only texts inside this OOD-ness band.",
 )

@@ -1,36 +1,23 @@
 """Options that several commands share."""
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from oodscen.cli.numbers import SHARE, FiniteRange
+from oodscen.cli.paths import PathName
 from oodscen.errors import UsageError
 from oodscen.llms.traffic import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 from oodscen.registry import DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen.seeding import MAX_SEED
 
 if TYPE_CHECKING:
     from oodscen.llms.traffic import Price, Traffic
 
 Command = Callable[..., Any]
-
-READABLE = click.Path(exists=True, dir_okay=False, path_type=Path)
-
-
-class Finite(click.FloatRange):
-    """A number within bounds that is neither infinite nor no number at all."""
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """Return the number that a word stands for."""
-        number: float = super().convert(value, param, ctx)
-        if not math.isfinite(number):
-            self.fail(f"{value!r} is not a finite number.", param, ctx)
-        return number
 
 
 def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
@@ -51,14 +38,14 @@ llm_options = _options(
     ),
     click.option("--api-base", help="Address of an OpenAI-compatible server."),
 )
-seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(min=0))
+seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, MAX_SEED))
 simulator_option = click.option(
     "--simulator", default=DEFAULT_SIMULATOR, show_default=True, help="Name, or module:attr."
 )
 out_option = click.option(
     "-o",
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=PathName(dir_okay=False, path_type=Path),
     help="File to write; else standard output.",
 )
 extras_options = _options(
@@ -87,7 +74,7 @@ red_options = _options(
     ),
     click.option(
         "--red-coverage",
-        type=Finite(0.0, 1.0, min_open=True, max_open=True),
+        type=SHARE,
         help="Stop red teaming when the Good-Turing coverage is above this.",
     ),
     click.option(
@@ -97,12 +84,12 @@ red_options = _options(
     ),
     click.option(
         "--nearest",
-        type=Finite(-1.0, 1.01),
+        type=FiniteRange(-1.0, 1.01),
         help=f"Refuse a proposal this similar to an earlier one.  [default: {NEAREST_TEXT}]",
     ),
     click.option(
         "--nearest-label",
-        type=Finite(-1.0, 1.01),
+        type=FiniteRange(-1.0, 1.01),
         help=f"Refuse a proposal this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
     ),
     click.option(
@@ -134,8 +121,8 @@ traffic_options = _options(
     click.option(
         "--max-tokens", type=click.IntRange(min=0), help="Largest number of tokens, in and out."
     ),
-    click.option("--max-cost", type=Finite(min=0), help="Largest cost, in USD."),
-    click.option("--max-seconds", type=Finite(min=0), help="No request is begun after this time."),
+    click.option("--max-cost", type=FiniteRange(min=0), help="Largest cost, in USD."),
+    click.option("--max-seconds", type=FiniteRange(min=0), help="No request is begun after this time."),
     click.option(
         "--price",
         "prices",
@@ -154,14 +141,14 @@ traffic_options = _options(
         "--timeout",
         default=TIMEOUT_S,
         show_default=True,
-        type=Finite(0, LONGEST_S, min_open=True),
+        type=FiniteRange(0, LONGEST_S, min_open=True),
         help="Seconds for one answer, to its last byte; tried once more, then only its item fails.",
     ),
     click.option(
         "--patience",
         default=PATIENCE_S,
         show_default=True,
-        type=Finite(1, LONGEST_S),
+        type=FiniteRange(1, LONGEST_S),
         help="Seconds without a response to anything after which a server is given up.",
     ),
 )

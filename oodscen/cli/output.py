@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 Row = TypeVar("Row", bound=Data)
 
+_LONGEST = 1_000
+
 
 def summary(info: dict[str, Any]) -> str:
     """Say in a few lines what a study has come to."""
@@ -161,6 +163,14 @@ def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = Fal
 def say(text: str, *, err: bool = False) -> None:
     """Print words, some of which a model may have written: nothing in them can steer a terminal."""
     click.echo(plain(text), err=err)
+
+
+def shortened(text: str) -> str:
+    """Leave out the middle of very long lines of a message: somebody gave a very long name."""
+    return "\n".join(
+        line if len(line) <= _LONGEST else f"{line[: _LONGEST - 200]} ... {line[-200:]}"
+        for line in text.split("\n")
+    )
 
 
 def write(out: Path | None, text: str) -> None:

@@ -7,7 +7,6 @@ import click
 from tqdm import tqdm
 
 from oodscen.cli.options import (
-    READABLE,
     json_option,
     llm_options,
     out_option,
@@ -15,6 +14,7 @@ from oodscen.cli.options import (
     simulator_option,
 )
 from oodscen.cli.output import say, write, write_lines
+from oodscen.cli.paths import READABLE, PathName
 from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from oodscen.prune import PruneDecision
     from oodscen.tree import ScenarioTree
 
-_OUT = click.Path(dir_okay=False, path_type=Path)
+_OUT = PathName(dir_okay=False, path_type=Path)
 
 
 @click.command()

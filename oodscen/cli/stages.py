@@ -10,8 +10,8 @@ from tqdm import tqdm
 
 from oodscen import paper
 from oodscen._data import canonical_json
+from oodscen.cli.numbers import FINITE
 from oodscen.cli.options import (
-    READABLE,
     extras_options,
     llm_options,
     out_option,
@@ -21,6 +21,7 @@ from oodscen.cli.options import (
     style_option,
 )
 from oodscen.cli.output import read_lines, rounds_in_words, say, write, write_lines
+from oodscen.cli.paths import READABLE, PathName
 from oodscen.errors import DataError, Issue, LLMError, OodscenError, UsageError
 from oodscen.registry import DEFAULT_ENCODER
 
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 @llm_options
 @seed_option
 @click.option(
-    "--nodes", default=paper.NODES["initial"], show_default=True, type=click.IntRange(min=12)
+    "--nodes", default=paper.NODES["initial"], show_default=True, type=click.IntRange(12, 2_000)
 )
 @out_option
 def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None) -> None:
@@ -51,7 +52,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
 @seed_option
 @click.option(
     "--iterations",
-    type=click.IntRange(min=0),
+    type=click.IntRange(0, 100_000),
     help=f"Rounds, at most.  [default: {paper.ITERATIONS}; with --budget as many as it allows]",
 )
 @click.option("--budget", type=click.IntRange(min=0), help="Model calls, at most.")
@@ -62,7 +63,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     help="Encoder that finds near duplicates, as in a study; `none` refuses literal repetitions alone.",
 )
 @red_options
-@click.option("--log", type=click.Path(dir_okay=False, path_type=Path), help="File of the rounds.")
+@click.option("--log", type=PathName(dir_okay=False, path_type=Path), help="File of the rounds.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the saturation as JSON instead of the tree."
 )
@@ -123,20 +124,20 @@ def redteam(
 @click.argument("tree", type=READABLE)
 @llm_options
 @seed_option
-@click.option("--per-path", default=paper.PER_PATH, show_default=True, type=click.IntRange(min=1))
+@click.option("--per-path", default=paper.PER_PATH, show_default=True, type=click.IntRange(1, 999))
 @click.option("--encoder", help="Encoder that finds near duplicates; none if left out.")
 @style_option
 @click.option(
     "--candidates",
     default=1,
     show_default=True,
-    type=click.IntRange(min=1),
+    type=click.IntRange(1, 100),
     help="Texts written for each that is kept; the most diverse are kept.",
 )
 @click.option(
     "--band",
     nargs=2,
-    type=float,
+    type=FINITE,
     metavar="LO HI",
     help="Keep only texts whose OOD-ness lies in this band.",
 )
@@ -241,11 +242,11 @@ def augment(
 
 @click.command()
 @click.argument("scenes", type=READABLE)
-@click.argument("out", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("out", type=PathName(file_okay=False, path_type=Path))
 @simulator_option
 @seed_option
 @extras_options
-@click.option("--workers", default=1, show_default=True, type=click.IntRange(min=1))
+@click.option("--workers", default=1, show_default=True, type=click.IntRange(1, 256))
 def simulate(
     scenes: Path,
     out: Path,
@@ -260,7 +261,7 @@ def simulate(
 
     A scene that cannot be run gives a failed episode, and the exit code is 1.
     """
-    from oodscen import Scene
+    from oodscen import Scene, make_simulator
     from oodscen.study import Store
     from oodscen.study.sweep import Extras, Job, sweep
 
@@ -269,6 +270,7 @@ def simulate(
     issues = [Issue("id", f"{one!r} occurs more than once") for one in counts if counts[one] > 1]
     if issues:
         raise DataError("scenes", issues, source=str(scenes))
+    make_simulator(simulator).close()
     store = Store(out)
     store.prepare()
     episodes = {}

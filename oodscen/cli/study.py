@@ -9,8 +9,8 @@ from typing import Any
 import click
 
 from oodscen import paper
+from oodscen.cli.numbers import FINITE
 from oodscen.cli.options import (
-    READABLE,
     extras_options,
     json_option,
     judging_options,
@@ -23,12 +23,13 @@ from oodscen.cli.options import (
     traffic_options,
 )
 from oodscen.cli.output import bars, estimated, left_out, say, standings, summary
+from oodscen.cli.paths import READABLE, PathName
 from oodscen.errors import UsageError
 from oodscen.registry import DEFAULT_ENCODER
 
 
 @click.command()
-@click.argument("out", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("out", type=PathName(file_okay=False, path_type=Path))
 @llm_options
 @click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
 @click.option(
@@ -53,22 +54,28 @@ from oodscen.registry import DEFAULT_ENCODER
     "--baseline", type=READABLE, help="Ordinary-driving texts: lines, JSONL, CSV or JSON."
 )
 @click.option(
-    "--nodes", type=int, help=f"Size of the initial tree.  [default: {paper.NODES['initial']}]"
+    "--nodes",
+    type=click.IntRange(12, 2_000),
+    help=f"Size of the initial tree.  [default: {paper.NODES['initial']}]",
 )
 @click.option(
-    "--iterations", type=int, help=f"Rounds of red teaming.  [default: {paper.ITERATIONS}]"
+    "--iterations",
+    type=click.IntRange(0, 100_000),
+    help=f"Rounds of red teaming.  [default: {paper.ITERATIONS}]",
 )
 @click.option(
     "--red-budget", type=click.IntRange(min=0), help="Model calls of the red teaming, at most."
 )
 @red_options
 @click.option(
-    "--per-path", type=int, help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]"
+    "--per-path",
+    type=click.IntRange(1, 999),
+    help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]",
 )
 @style_option
 @click.option(
     "--candidates",
-    type=int,
+    type=click.IntRange(1, 100),
     help="Texts written for each that is kept; the most diverse are kept.  [default: 1]",
 )
 @click.option(
@@ -76,17 +83,17 @@ from oodscen.registry import DEFAULT_ENCODER
     default=None,
     help="Write every text's ordinary twin.  [default: where the built-in author writes]",
 )
-@click.option("--max-paths", type=int, help="Simulate at most this many paths.")
+@click.option("--max-paths", type=click.IntRange(min=1), help="Simulate at most this many paths.")
 @click.option(
     "--band",
     nargs=2,
-    type=float,
+    type=FINITE,
     metavar="LO HI",
     help="Stage only texts whose OOD-ness lies in this band.",
 )
 @click.option(
     "--workers",
-    type=click.IntRange(min=1),
+    type=click.IntRange(1, 256),
     help="Processes that simulate.  [default: number of CPUs]",
 )
 @extras_options
@@ -164,7 +171,7 @@ def run(
 
 
 @click.command()
-@click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model; repeatable.")
 @click.option(
     "--drop",
@@ -247,7 +254,7 @@ def evaluate(
 
 
 @click.command()
-@click.argument("out", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 def report(out: Path) -> None:
     """Write the report of the study in the folder OUT anew."""
     from oodscen.report import write_report

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from oodscen.cli.numbers import FiniteRange
 from oodscen.cli.options import json_option, out_option
 from oodscen.cli.output import say, write
+from oodscen.cli.paths import PathName
 from oodscen.errors import DataError, Issue
 from oodscen.tree import ScenarioTree
 
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
     from oodscen.protocols import Encoder
 
 _TREES = ("initial", "diverse", "simulatable")
-_PLACE = click.Path(exists=True, path_type=Path)
+_PLACE = PathName(exists=True, path_type=Path)
 _which_option = click.option(
     "--which",
     type=click.Choice(_TREES),
@@ -28,7 +30,7 @@ _which_option = click.option(
 def _encoder_options(command: Any) -> Any:
     threshold = click.option(
         "--threshold",
-        type=click.FloatRange(-1.0, 1.0),
+        type=FiniteRange(-1.0, 1.0),
         help="Least centred cosine of two labels that mean the same.",
     )
     encoder = click.option(
@@ -116,7 +118,7 @@ def merge(
 
 
 @tree.command()
-@click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("folder", type=PathName(exists=True, file_okay=False, path_type=Path))
 @click.option(
     "--which", type=click.Choice(_TREES), default="simulatable", show_default=True, help="Its tree."
 )

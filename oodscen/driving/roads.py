@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import read_regular
 from oodscen.catalogue import Catalogue, RoadMap
 from oodscen.driving.corridor import Corridor, OtherRoad, Outline, RoadSignal, Structure
 from oodscen.driving.crosssection import Places, build_strips, frozen
@@ -170,11 +171,7 @@ def _read(file: str) -> bytes:
     try:
         if is_packaged and len(package) > 1:
             return files(package).joinpath(inside).read_bytes()
-        path = Path(file)
-        if path.stat().st_size > MAX_BYTES:
-            message = f"the file has more than {MAX_BYTES} bytes"
-            raise DataError("OpenDRIVE file", [Issue("", message)], source=file)
-        return path.read_bytes()
+        return read_regular(file, "OpenDRIVE file", limit=MAX_BYTES)
     except (OSError, ValueError, ModuleNotFoundError) as error:
         raise DataError("OpenDRIVE file", [Issue("", str(error))], source=file) from None
 

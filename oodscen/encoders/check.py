@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.conforming import conforming, working
 from oodscen.errors import EncoderError
 from oodscen.protocols import Encoder
 
@@ -16,9 +17,11 @@ def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
         [n, d] float32, C-contiguous, one row per text, in order.
 
     Raises:
-        EncoderError: When the encoder fails or breaks its contract.
+        UsageError: When it is no encoder.
+        EncoderError: When it fails or breaks its contract.
     """
-    return check_embeddings(encoder.encode(texts), len(texts), encoder)
+    with working("encoder", conforming("encoder", encoder).name):
+        return check_embeddings(encoder.encode(texts), len(texts), encoder)
 
 
 def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:

@@ -8,8 +8,9 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from oodscen._data import Data
+from oodscen.conforming import working
 from oodscen.driving import Cruise, find_map, is_due, load_corridor
-from oodscen.errors import OodscenError
+from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
 from oodscen.scene import Scene
 from oodscen.simulation import MAX_APPROACH_S, peak_deceleration, peak_jerk
@@ -99,7 +100,8 @@ def drive(
     for scene in scenes:
         label = name or getattr(driver, "__name__", type(driver).__name__)
         try:
-            steps, decision_s, _ = _horizon(scene, simulator, seed)
+            with working("simulator", simulator.name):
+                steps, decision_s, _ = _horizon(scene, simulator, seed)
         except OodscenError as error:
             results.append(_failed(scene.id, label, error))
             continue
@@ -109,7 +111,8 @@ def drive(
             continue
         try:
             twin = scene.twin(decision_s)
-            _, _, ordinary = _horizon(twin, simulator, seed, steps)
+            with working("simulator", simulator.name):
+                _, _, ordinary = _horizon(twin, simulator, seed, steps)
             other = _drive(twin, driver, simulator, label, seed, steps, camera)
         except OodscenError as error:
             results += [one, _failed(twin_id(scene.id), label, error)]
@@ -218,7 +221,7 @@ def _drive(
 ) -> DriveResult:
     try:
         states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
-    except Exception as error:  # A driver may raise anything.
+    except (Exception, SystemExit) as error:  # A driver may raise anything.
         return _failed(scene.id, name, error)
     trace = Trace.measured(states, Course.of(scene, simulator.catalogue()))
     met = trace.summary().values()
@@ -264,7 +267,10 @@ def _driven(
             observation = replace(observation, frame=simulator.render(camera))
         if look:
             look(state)
-        state = simulator.step(driver.act(observation))
+        control = driver.act(observation)
+        if not isinstance(control, Control) or not control.is_finite:
+            raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")
+        state = simulator.step(control)
         yield state
 
 
@@ -285,7 +291,7 @@ def _paired(one: DriveResult, other: DriveResult, ordinary: Trace) -> list[Drive
     return [one, other.model_copy(update={"brakes_needlessly": needless})]
 
 
-def _failed(scene_id: str, name: str, error: Exception) -> DriveResult:
+def _failed(scene_id: str, name: str, error: BaseException) -> DriveResult:
     return DriveResult(
         id=f"{scene_id}@{name}",
         scene_id=scene_id,

@@ -5,10 +5,12 @@ from statistics import NormalDist
 from typing import ClassVar
 
 from oodscen._data import Data
+from oodscen._numbers import finite_number, whole_number
 from oodscen.errors import UsageError
-from oodscen.judging.statistics import check_share
 
 _NORMAL = NormalDist()
+_LEAST = 1e-9
+"""Rates and levels nearer to 0 or 1, or to each other, are beyond what scenes can tell."""
 
 
 class SampleSize(Data):
@@ -96,9 +98,10 @@ def scenes_needed(
     Raises:
         UsageError: When no number of scenes can do, or an argument is out of range.
     """
-    _check(first, second, agreement, power, alpha, comparisons, per_path, icc)
+    _check(first, second, agreement, alpha, comparisons, per_path, icc)
+    finite_number("power", power, _LEAST, 1 - _LEAST)
     discordant = _discordant(first, second, agreement)
-    z_alpha = _NORMAL.inv_cdf(1 - alpha / comparisons / 2)
+    z_alpha = -_NORMAL.inv_cdf(alpha / comparisons / 2)
     z_power = _NORMAL.inv_cdf(power)
     gap = abs(first - second)
     under_null, under_truth = _spreads(first, second, paired, discordant)
@@ -152,12 +155,11 @@ def power_of(
     Raises:
         UsageError: When an argument is out of range.
     """
-    _check(first, second, agreement, 0.5, alpha, comparisons, per_path, icc)
-    if scenes < 1:
-        raise UsageError(f"scenes must be at least 1, and is {scenes}")
+    _check(first, second, agreement, alpha, comparisons, per_path, icc)
+    whole_number("scenes", scenes, 1)
     under_null, under_truth = _spreads(first, second, paired, _discordant(first, second, agreement))
     effective = scenes / (1 + (per_path - 1) * icc)
-    z_alpha = _NORMAL.inv_cdf(1 - alpha / comparisons / 2)
+    z_alpha = -_NORMAL.inv_cdf(alpha / comparisons / 2)
     reach = abs(first - second) * math.sqrt(effective) - z_alpha * under_null
     return _NORMAL.cdf(reach / under_truth) if under_truth else float(reach > 0)
 
@@ -195,20 +197,16 @@ def _check(
     first: float,
     second: float,
     agreement: float,
-    power: float,
     alpha: float,
     comparisons: int,
     per_path: int,
     icc: float,
 ) -> None:
-    rates = {"the first rate": first, "the second rate": second, "power": power, "alpha": alpha}
-    for name, value in rates.items():
-        check_share(name, value)
-    if first == second:
+    for name, rate in (("the first rate", first), ("the second rate", second), ("alpha", alpha)):
+        finite_number(name, rate, _LEAST, 1 - _LEAST)
+    if abs(first - second) < _LEAST:
         raise UsageError("equal rates cannot be told apart by any number of scenes")
-    if not -1 <= agreement <= 1:
-        raise UsageError(f"agreement is a correlation between -1 and 1, and is {agreement}")
-    if not 0 <= icc <= 1:
-        raise UsageError(f"icc must lie between 0 and 1, and is {icc}")
-    if comparisons < 1 or per_path < 1:
-        raise UsageError("comparisons and scenes per path must be at least 1")
+    finite_number("agreement, a correlation,", agreement, -1, 1)
+    finite_number("icc", icc, 0, 1)
+    whole_number("comparisons", comparisons, 1)
+    whole_number("scenes per path", per_path, 1)

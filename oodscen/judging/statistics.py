@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from oodscen._data import Data
-from oodscen.errors import UsageError
 from oodscen.metrics.statistics import members, wilson
 from oodscen.seeding import stream
 
@@ -349,13 +348,3 @@ def above_chance(value: float, chance: float) -> float | None:
     Source: the form of J. Cohen's kappa, Educ. Psychol. Meas. 20 (1960).
     """
     return None if chance >= 1 else (value - chance) / (1 - chance)
-
-
-def check_share(name: str, value: float) -> None:
-    """Refuse what is no share strictly between 0 and 1.
-
-    Raises:
-        UsageError: When it is not.
-    """
-    if not 0 < value < 1:
-        raise UsageError(f"{name} must lie between 0 and 1, and is {value}")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
+from oodscen.llms.check import complete
 from oodscen.llms.redaction import redact
 from oodscen.llms.usage import believed
 from oodscen.llms.wrapper import Wrapper
@@ -61,7 +62,7 @@ class LoggedLLM(Wrapper):
         completion: Completion | None = None
         failure: BaseException | None = None
         try:
-            completion = self._llm.complete(request)
+            completion = complete(self._llm, request)
         except BaseException as error:
             failure = error
             raise

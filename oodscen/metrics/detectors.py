@@ -32,6 +32,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.errors import UnknownComponent
 from oodscen.metrics.anchors import anchors
 from oodscen.metrics.clauses import clauses
 from oodscen.metrics.similarity import Vectors, largest, nearest, unit
@@ -72,7 +73,12 @@ class Detectors:
             name: Of the detector.
             texts: At least one.
             vectors: [n, d] of the texts, rows of unit length or zero.
+
+        Raises:
+            UnknownComponent: When there is no such detector.
         """
+        if name not in DETECTORS:
+            raise UnknownComponent("definition", str(name), DETECTORS)
         if name not in self._fitted:
             fit = {
                 "kth": self._kth,

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._numbers import finite_number, whole_number
 from oodscen.baselines.baseline import Baseline
 from oodscen.baselines.embedded import EmbeddedBaseline
 from oodscen.baselines.ordinary import ordinary_driving
 from oodscen.baselines.texts import check_texts
+from oodscen.conforming import conforming
 from oodscen.encoders import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.metrics.calibration import Calibration, calibrate
@@ -36,7 +38,7 @@ from oodscen.metrics.space import Space
 from oodscen.metrics.statistics import bootstrap_mean, members
 from oodscen.protocols import Encoder
 from oodscen.scenario import Scenario
-from oodscen.seeding import stream
+from oodscen.seeding import MAX_SEED, stream
 
 Texts = Sequence[str | Scenario]
 
@@ -65,9 +67,9 @@ class Metrics:
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        self.encoder: Encoder = encoder if encoder is not None else all_minilm()
+        self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
         self.baseline = _as_baseline(baseline)
-        self.seed = seed
+        self.seed = whole_number("seed", seed, 0, MAX_SEED)
         self._space = Space(self.encoder, self.baseline, seed, device)
 
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
@@ -152,6 +154,7 @@ class Metrics:
         Raises:
             DataError: When there is no text, or one is blank or not a text.
         """
+        finite_number("threshold", threshold)
         return self._space.guard.flags(self._space.vectors(check_texts(texts)), threshold)
 
     def held_out_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
@@ -202,8 +205,9 @@ class Metrics:
         Raises:
             UsageError: When fewer than n texts lie inside the band.
         """
+        whole_number("n", n, 1)
         band = self.band(texts, low, high, definition=definition)
-        if not 0 < n <= len(band.indices):
+        if not n <= len(band.indices):
             raise UsageError(
                 f"{n} texts cannot be chosen: {len(band.indices)} of {len(band.scores)} lie inside the band; "
                 "widen it, or choose fewer"
@@ -289,6 +293,9 @@ class Metrics:
             UsageError: When the bounds are not numbers in order.
             DataError: When there is no text, or one is blank or not a text.
         """
+        for name, bound in (("low", low), ("high", high)):
+            if bound not in (-math.inf, math.inf):
+                finite_number(name, bound)
         if not low <= high:
             raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
         plain = check_texts(texts)
@@ -314,7 +321,9 @@ class Metrics:
         Raises:
             UsageError: When the baseline is not larger than a batch.
         """
-        if not 0 < size < len(self.baseline) or repeats < 1:
+        whole_number("size", size, 1)
+        whole_number("repeats", repeats, 1)
+        if not size < len(self.baseline):
             raise UsageError(
                 f"{repeats} batches of {size} cannot be drawn from {len(self.baseline)} baseline texts"
             )
@@ -350,7 +359,7 @@ class Metrics:
         """
         vectors = self._space.whole
         if sample is not None:
-            if not 0 < sample <= len(vectors):
+            if not whole_number("sample", sample, 1) <= len(vectors):
                 raise UsageError(
                     f"{sample} texts cannot be drawn from {len(vectors)} baseline texts"
                 )
@@ -418,8 +427,9 @@ class Metrics:
         )
 
     def _size(self, n: int, m: int, size: int | None, repeats: int) -> int:
-        drawn = min(n, m) if size is None else size
-        if not 2 <= drawn <= min(n, m) or repeats < 1:
+        drawn = min(n, m) if size is None else whole_number("size", size, 2)
+        whole_number("repeats", repeats, 1)
+        if not 2 <= drawn <= min(n, m):
             raise UsageError(
                 f"sets of {n} and {m} texts cannot be compared by {repeats} draws of {drawn}: at least "
                 "2 texts and at most all of the smaller set"

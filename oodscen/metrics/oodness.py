@@ -17,13 +17,14 @@ narrow baseline (everything is far from it; `tabulated` falls as the baseline gr
 about driving at all (scores highest), and length (long texts blend several situations).
 """
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
 from oodscen._data import Data
+from oodscen.errors import UnknownComponent
 from oodscen.metrics.similarity import Rows, Vectors, nearest, smallest
 from oodscen.metrics.statistics import Interval
 
@@ -79,7 +80,12 @@ def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[
 
     Returns:
         [n], in [-1, 1].
+
+    Raises:
+        UnknownComponent: When there is no such definition.
     """
+    if definition not in get_args(Definition):
+        raise UnknownComponent("definition", str(definition), get_args(Definition))
     if definition == "printed":
         return smallest(vectors, baseline)
     return 0.0 - nearest(vectors, baseline).cosine

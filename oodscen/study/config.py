@@ -2,10 +2,11 @@
 
 from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
 
 from oodscen import paper
-from oodscen._data import Data
+from oodscen._data import Data, issues_of
+from oodscen.errors import DataError
 from oodscen.llms.redaction import redact
 from oodscen.prompts import Style
 from oodscen.redteaming.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
@@ -17,6 +18,8 @@ from oodscen.registry import (
     is_builtin,
     names,
 )
+
+from oodscen.seeding import MAX_SEED
 
 
 class StudyConfig(Data):
@@ -85,7 +88,7 @@ class StudyConfig(Data):
     """Simulate at most this many paths; all if left out."""
     band: tuple[float, float] | None = None
     """OOD-ness band (paper, remark 1): scenarios outside it are not staged."""
-    seed: int = Field(default=0, ge=0)
+    seed: int = Field(default=0, ge=0, le=MAX_SEED)
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -102,6 +105,23 @@ class StudyConfig(Data):
                     "study.json; give the key in the environment, e.g. OPENAI_API_KEY"
                 )
         return self
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _typed(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Raise this library's error, also where somebody makes a configuration in a script."""
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise DataError(cls.noun, issues_of(error)) from None
+
+    @classmethod
+    def parse(cls, value: object, *, source: str = "") -> Self:
+        """Validate plain data or JSON text; see `Data.parse`."""
+        try:
+            return super().parse(value, source=source)
+        except DataError as error:
+            raise DataError(cls.noun, error.issues, source=source) from None
 
     @classmethod
     def quick(cls, **changes: Any) -> Self:

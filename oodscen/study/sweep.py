@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Literal
 
 from oodscen.annotations import annotate, encode_annotations, semantic_map
+from oodscen.conforming import reason
 from oodscen.episode import Episode
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.judging.restaging import Attempt, restaged
@@ -202,8 +203,8 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
         raise
     except OodscenError as error:
         return SweepResult(failed_episode(job, scene, error))
-    except Exception as error:
-        crash = SimulatorCrash(job.simulator, f"{type(error).__name__}: {error}")
+    except (Exception, SystemExit) as error:
+        crash = SimulatorCrash(job.simulator, reason(error))
         return SweepResult(failed_episode(job, scene, crash))
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
     prefix = "whole-" if job.protocol == "paper" else ""

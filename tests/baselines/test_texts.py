@@ -1,3 +1,4 @@
+import csv
 import json
 
 import pytest
@@ -88,3 +89,89 @@ def test_one_string_is_not_a_set_of_texts():
     with pytest.raises(DataError):
         check_texts("a text")
     assert check_texts(["a text"]) == ("a text",)
+
+
+LINES = st.lists(
+    st.text(st.characters(exclude_characters="\r\n\0", codec="utf-8"), min_size=1)
+    .map(str.strip)
+    .filter(lambda line: line and line[0] not in '[{"'),
+    min_size=1,
+    max_size=6,
+)
+
+
+@given(lines=LINES, ends=st.lists(st.sampled_from(["\n", "\r\n", "\r"]), min_size=6, max_size=6))
+def test_lines_end_as_on_any_machine_and_nowhere_else(tmp_path_factory, lines, ends):
+    path = tmp_path_factory.mktemp("lines") / "texts.txt"
+    content = "".join(line + end for line, end in zip(lines, ends, strict=False))
+    path.write_bytes(b"\xef\xbb\xbf" + content.encode())
+    assert [record.text for record in read_records(path)] == [line.strip() for line in lines]
+
+
+@pytest.mark.parametrize("mark", ["\u2028", "\u2029", "\x85", "\x0b", "\x0c", "\x1c"])
+def test_a_separator_inside_a_text_ends_no_line(tmp_path, mark):
+    text = f"A deer{mark}jumps."
+    for name, content in (
+        ("t.txt", text),
+        ("t.jsonl", json.dumps({"text": text}, ensure_ascii=mark < " ")),
+        ("t.csv", f"text\n{text}"),
+    ):
+        (tmp_path / name).write_text(content + "\n", encoding="utf-8", newline="")
+        assert [record.text for record in read_records(tmp_path / name)] == [text]
+
+
+@given(rows=st.lists(st.tuples(LINES, LINES), min_size=1, max_size=4), end=st.sampled_from("\r\n"))
+def test_csv_of_any_texts_is_read_as_it_was_written(tmp_path_factory, rows, end):
+    path = tmp_path_factory.mktemp("rows") / "texts.csv"
+    plain = [("\n".join(text), '", '.join(leaf)) for text, leaf in rows]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator=end, quoting=csv.QUOTE_ALL)
+        writer.writerows([("text", "leaf"), *plain])
+    assert [tuple(record) for record in read_records(path)] == [
+        (text.strip(), leaf.strip()) for text, leaf in plain
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "said"),
+    [
+        ('text\nA deer.\n"A sofa.\nA car.\n', "line 3", "a quote is not closed"),
+        ('text\n"A "deer" jumps."\n', "line 2", "is not CSV"),
+        ("text\nA deer, jumping.\n", "line 2", "has 2 fields"),
+        ("text,text\nA deer.,A sofa.\n", "line 1", "two columns"),
+        ("words\nA deer.\n", "line 1", "no column 'text'"),
+        (f"text\n{'x' * 200_000}\n", "line 2", "is not CSV"),
+        ("text,leaf\n,a\nA deer.\n", "line 2", "is blank"),
+    ],
+)
+def test_a_faulty_csv_is_refused_with_its_line(tmp_path, content, line, said):
+    (tmp_path / "t.csv").write_text(content)
+    with pytest.raises(DataError) as caught:
+        read_records(tmp_path / "t.csv")
+    assert any(issue.path == line and said in issue.message for issue in caught.value.issues)
+
+
+def test_empty_fields_at_the_end_of_a_row_are_none(tmp_path):
+    (tmp_path / "t.csv").write_text("text,leaf\nA deer.,a,,\n")
+    assert [tuple(record) for record in read_records(tmp_path / "t.csv")] == [("A deer.", "a")]
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        ("A deer.\n".encode("utf-16"), "line 1"),
+        ("A deer.\n".encode("utf-16-le"), "line 1"),
+        (b"A deer.\nA so\0fa.\n", "line 2"),
+        (b"A deer.\n" + b"x" * 200_000, "line 2"),
+        (b'{"text": "A deer."}\n3\n[]\nnull\n', "line 2"),
+        (b'{"text": "A deer."}\n{"text": NaN}\n', "line 2"),
+        (b'{"text": "A deer."}\n' + b"[" * 100_000 + b"\n", "line 2"),
+        (b'{"text": "A deer."}\n{"text": "\\u0000"}\n', "line 2"),
+        (b'{"text": "A deer."}\n{"text": "\\ud800"}\n', "line 2"),
+    ],
+)
+def test_what_is_no_text_is_refused_with_its_line(tmp_path, content, line):
+    (tmp_path / "t.txt").write_bytes(content)
+    with pytest.raises(DataError) as caught:
+        read_records(tmp_path / "t.txt")
+    assert caught.value.issues[0].path == line

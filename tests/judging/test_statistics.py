@@ -5,12 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.errors import UsageError
 from oodscen.judging.statistics import (
     Resampler,
     above_chance,
     auroc,
-    check_share,
     d_prime,
     holm,
     intraclass,
@@ -173,9 +171,3 @@ def test_chance_is_nought_and_perfect_is_one() -> None:
 def test_two_proportions_of_the_papers_best_and_worst() -> None:
     assert two_proportions(86, 130, 66, 130) == pytest.approx(0.0118, abs=5e-4)
     assert two_proportions(5, 5, 7, 7) == 1
-
-
-@pytest.mark.parametrize("value", [0.0, 1.0, -1.0, 2.0, math.nan])
-def test_only_shares_are_shares(value: float) -> None:
-    with pytest.raises(UsageError):
-        check_share("power", value)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._data import Data
+from oodscen._files import read_utf8
 from oodscen.errors import DataError, Issue
 from oodscen.llms.author.knowledge import (
     Clash,
@@ -25,6 +26,8 @@ from oodscen.llms.author.knowledge import (
     Traffic,
     Wording,
 )
+
+_MAX_BYTES = 16 * 1024 * 1024
 
 _TABLES: dict[str, type[Data]] = {
     "hazard": Hazard,
@@ -57,7 +60,7 @@ class Shelf:
         """Add the content of a file."""
         try:
             content = _content(text)
-        except tomllib.TOMLDecodeError as error:
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
             self.issues.append(Issue(name, str(error)))
             return
         for key, value in content.items():
@@ -211,9 +214,10 @@ def _own(path: Path) -> list[tuple[str, str]]:
     if not files:
         raise DataError("knowledge base", [Issue("", "no .toml file in it")], source=str(path))
     try:
-        return [(file.name, file.read_text(encoding="utf-8")) for file in files]
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError("knowledge base", [Issue("", str(error))], source=str(path)) from None
+        return [(file.name, read_utf8(file, "knowledge base", limit=_MAX_BYTES)) for file in files]
+    except DataError as error:
+        issues = [Issue("", f"{error.source}: {issue}") for issue in error.issues]
+        raise DataError("knowledge base", issues, source=str(path)) from None
 
 
 def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, Knowledge | None]:

@@ -1,0 +1,67 @@
+"""Reading files that a user names: regular ones, up to a size."""
+
+import os
+import stat
+from pathlib import Path
+
+from oodscen.errors import DataError, Issue
+
+MAX_BYTES = 1 << 30
+"""Most that is read of one file; the largest public data set of driving texts has about 300 MB."""
+
+
+def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> bytes:
+    """Return the bytes of a regular file.
+
+    A pipe is refused without waiting for who writes into it, and a device without reading it.
+
+    Args:
+        path: Of the file; links are followed.
+        noun: What an error message calls its content.
+        limit: Most bytes that it may have.
+
+    Raises:
+        DataError: When there is no such file, it is none that can be read, or it is larger.
+    """
+    try:
+        # Without O_NONBLOCK, opening a pipe waits for a writer.
+        opened = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+        try:
+            status = os.fstat(opened)
+            if not stat.S_ISREG(status.st_mode):
+                raise _refused(noun, path, "is no regular file")
+            content = b"" if status.st_size > limit else _read(opened, limit)
+        finally:
+            os.close(opened)
+    except (OSError, ValueError) as error:
+        raise _refused(noun, path, getattr(error, "strerror", None) or str(error)) from None
+    if max(status.st_size, len(content)) > limit:
+        raise _refused(noun, path, f"has more than {limit:,} bytes")
+    return content
+
+
+def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:
+    """Return the text of a regular file in UTF-8, without the mark that some editors put before it.
+
+    Raises:
+        DataError: As in `read_regular`, or with the line that is something else.
+    """
+    content = read_regular(path, noun, limit=limit)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = len((content[: error.start] + b".").splitlines())
+        issue = Issue(f"line {line}", f"is not UTF-8 text: {error.reason} at byte {error.start}")
+        raise DataError(noun, [issue], source=str(path)) from None
+
+
+def _read(opened: int, limit: int) -> bytes:
+    """Read to the end, or just beyond the limit: a file may grow, and those of /proc tell no size."""
+    content = bytearray()
+    while len(content) <= limit and (block := os.read(opened, 1 << 20)):
+        content += block
+    return bytes(content)
+
+
+def _refused(noun: str, path: str | Path, fault: str) -> DataError:
+    return DataError(noun, [Issue("", fault)], source=str(path))

@@ -1,0 +1,29 @@
+"""Types of options and arguments that are paths."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+class PathName(click.Path):
+    """A path; what must exist must be a regular file or a folder, not a pipe or a device."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path, or fail with one line."""
+        if not str(value):
+            self.fail("the name is empty.", param, ctx)
+        try:
+            os.stat(value)
+        except (FileNotFoundError, NotADirectoryError, PermissionError):
+            pass  # Told below, or by whoever makes the folder.
+        except OSError as error:
+            self.fail(f"{value!r}: {error.strerror}.", param, ctx)
+        found = super().convert(value, param, ctx)
+        if self.exists and not (Path(found).is_file() or Path(found).is_dir()):
+            self.fail(f"{self.name.title()} {value!r} is no regular file.", param, ctx)
+        return found
+
+
+READABLE = PathName(exists=True, dir_okay=False, path_type=Path)

@@ -1,0 +1,111 @@
+"""Every option and argument of every command with values that no user means: one line, or a sensible run."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from oodscen.cli import main
+from oodscen.testing.scenes import example_scene
+
+VALUES = [
+    *("nan", "inf", "-inf", "1e308", str(10**30), "-1", "0", "", "wrong", "a\0b", "\udcff"),
+    *("9" * 5_000, "x" * 100_000),
+]
+TREE = (
+    '{"nodes":[{"id":"root","parent":null,"label":"OOD"},'
+    '{"id":"deer","parent":"root","label":"A deer on the road"}]}'
+)
+CHEAP = {
+    "run": ["out", "--quick", "--simulator", "flat", "--encoder", "unknown"],
+    "grow": ["--nodes", "12"],
+    "redteam": ["tree.json", "--iterations", "1", "--encoder", "none"],
+    "prune": ["tree.json", "--simulator", "flat"],
+    "describe": ["tree.json", "--per-path", "1"],
+    "augment": ["empty", "--simulator", "flat"],
+    "faithful": ["scene.jsonl", "--scenarios", "texts.jsonl", "--simulator", "flat"],
+    "simulate": ["empty", "out", "--simulator", "flat"],
+    "evaluate": ["."],
+    "drive": ["."],
+    "score": ["texts.txt", "--baseline", "texts.txt", "--encoder", "hash"],
+    "power": ["0.66", "0.51"],
+    "report": ["."],
+    "plugins": [],
+    "doctor": ["knowledge", "empty"],
+    "tree show": ["tree.json"],
+    "tree diff": ["tree.json", "tree.json"],
+    "tree merge": ["tree.json", "tree.json"],
+    "tree coverage": ["."],
+    "tree export": ["tree.json"],
+    "tree replay": ["tree.json"],
+}
+"""Arguments with which a command ends soon: it does something small, or refuses what it is given."""
+
+
+TRAFFIC = {"max_cost", "max_seconds", "timeout", "patience", "prices", "concurrency"}
+"""What the traffic of models is held to is tested with it."""
+
+
+def commands(group: click.Group, path: str = "") -> Iterator[tuple[str, click.Command]]:
+    for name, command in group.commands.items():
+        if isinstance(command, click.Group):
+            yield from commands(command, f"{name} ")
+        else:
+            yield path + name, command
+
+
+COMMANDS = dict(commands(main))
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "tree.json").write_text(TREE)
+    (tmp_path / "texts.txt").write_text("A deer.\nA sofa.\nA car waits.\n")
+    (tmp_path / "texts.jsonl").write_text('{"id":"example","text":"A deer stands on the road."}\n')
+    (tmp_path / "scene.jsonl").write_text(example_scene().to_json() + "\n")
+    (tmp_path / "empty").write_text("")
+    (tmp_path / "file").write_text("")
+    monkeypatch.chdir(tmp_path)
+    # Importing it takes longer than all of this; without it a model's name is refused the sooner.
+    monkeypatch.setitem(sys.modules, "litellm", None)
+    return tmp_path
+
+
+def orders(name: str, value: str) -> Iterator[list[str]]:
+    """Yield a command line for every option and argument that gets a value."""
+    given = CHEAP[name]
+    arguments = 0
+    for one in COMMANDS[name].params:
+        if isinstance(one, click.Argument):
+            words = [*given[:arguments], value, *given[arguments + 1 :]]
+            arguments += 1
+        elif not one.is_flag and one.name not in TRAFFIC:
+            words = [one.opts[0], *[value] * one.nargs, *given]
+        else:
+            continue
+        yield [*name.split(), *words]
+
+
+def test_there_is_a_cheap_order_for_every_command() -> None:
+    assert set(COMMANDS) == set(CHEAP)
+
+
+@pytest.mark.parametrize("value", VALUES, ids=lambda value: repr(value)[:12])
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_strange_value_is_one_line_or_a_sensible_run(name, value, folder) -> None:
+    for order in orders(name, value):
+        result = CliRunner().invoke(main, order)
+        assert result.exception is None or isinstance(result.exception, SystemExit), order[:9]
+        assert result.exit_code in (0, 1, 2), order[:9]
+        if result.exit_code == 2:
+            said = [line for line in result.stderr.splitlines() if not line.startswith("  - ")]
+            (line,) = (line for line in said if line.startswith(("Error: ", "oodscen: ")))
+            assert said[-1] == line, said
+            assert max(map(len, said)) < 1_200
+        if "\0" in value or value == "\udcff":
+            assert result.exit_code == 2

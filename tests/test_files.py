@@ -1,0 +1,117 @@
+"""Files that a user names: regular ones, up to a size, whatever else lies there."""
+
+import os
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen._files import read_regular, read_utf8
+from oodscen.baselines import load_baseline
+from oodscen.cli import main
+from oodscen.driving import find_map
+from oodscen.errors import DataError
+from oodscen.llms.author import load_knowledge
+from oodscen.metrics import score_file
+from oodscen.registry import make_catalogue
+from oodscen.testing import HashEncoder
+
+KINDS = ("fifo", "endless", "folder", "link to fifo", "link to endless", "socket", "nothing")
+
+
+def put(folder: Path, kind: str, name: str) -> Path:
+    """Put something that is no regular file where one is wanted."""
+    path, other = folder / name, folder / "other"
+    if kind == "fifo":
+        os.mkfifo(path)
+    elif kind == "link to fifo":
+        os.mkfifo(other)
+        path.symlink_to(other)
+    elif "endless" in kind:
+        path.symlink_to("/dev/zero")
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "socket":
+        os.mknod(path, 0o140600)
+    return path
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_regular_file_is_refused_at_once(tmp_path, kind):
+    with pytest.raises(DataError) as caught:
+        read_regular(put(tmp_path, kind, "x"), "thing")
+    assert len(caught.value.issues) == 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_readers_of_the_library_refuse_it_at_once(tmp_path, kind):
+    flat = make_catalogue("flat")
+    readers = {
+        "x.xodr": lambda path: find_map(str(path), flat),
+        "x.txt": load_baseline,
+        "x.csv": lambda path: score_file(path, encoder=HashEncoder()),
+        "x.toml": load_knowledge,
+    }
+    for name, reader in readers.items():
+        where = tmp_path / name.replace(".", "-")
+        where.mkdir()
+        with pytest.raises(DataError):
+            reader(put(where, kind, name))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_commands_refuse_it_in_one_line(tmp_path, kind):
+    path = str(put(tmp_path, kind, "x.json"))
+    for order in (
+        ("score", path),
+        ("redteam", path),
+        ("prune", path),
+        ("describe", path),
+        ("augment", path),
+        ("simulate", path, str(tmp_path / "out")),
+        ("faithful", path, "--scenarios", path),
+        ("tree", "show", path),
+    ):
+        result = CliRunner().invoke(main, order)
+        assert result.exit_code == 2, order
+        assert not (tmp_path / "out").exists()
+
+
+def test_a_file_of_just_the_size_is_read(tmp_path):
+    path = tmp_path / "x"
+    path.write_bytes(b"x" * 10)
+    assert read_regular(path, "thing", limit=10) == b"x" * 10
+    with pytest.raises(DataError, match="more than 9 bytes"):
+        read_regular(path, "thing", limit=9)
+
+
+def test_a_huge_file_is_refused_without_being_read(tmp_path):
+    with (tmp_path / "x.xodr").open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(DataError, match="has more than"):
+        find_map(str(tmp_path / "x.xodr"), make_catalogue("flat"))
+    with pytest.raises(DataError, match="has more than"):
+        load_baseline(tmp_path / "x.xodr")
+
+
+def test_a_file_without_a_size_is_read_to_its_end():
+    assert read_regular("/proc/self/cmdline", "thing")
+    with pytest.raises(DataError, match="more than 3 bytes"):
+        read_regular("/proc/self/cmdline", "thing", limit=3)
+
+
+@pytest.mark.parametrize("name", ["", "a\0b", "x" * 100_000, "\ud800"])
+def test_a_name_that_no_file_can_have_is_refused(name):
+    with pytest.raises(DataError):
+        read_regular(name, "thing")
+
+
+def test_text_is_utf8_with_or_without_a_mark(tmp_path):
+    path = tmp_path / "x"
+    for content in (b"\xef\xbb\xbfa deer", b"a deer"):
+        path.write_bytes(content)
+        assert read_utf8(path, "thing") == "a deer"
+    path.write_bytes(b"one\rtwo\r\nthree\n\xff")
+    with pytest.raises(DataError) as caught:
+        read_utf8(path, "thing")
+    assert caught.value.issues[0].path == "line 4"

@@ -1,0 +1,161 @@
+"""Numbers that a script gives: those that nobody can mean are refused, whatever function they are for."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen._numbers import finite_number, whole_number
+from oodscen.errors import UsageError
+from oodscen.judging.power import power_of, scenes_needed
+from oodscen.metrics import Metrics
+from oodscen.protocols import Camera
+from oodscen.simulation import simulate
+from oodscen.study import StudyConfig
+from oodscen.testing import FlatSimulator, HashEncoder
+from oodscen.testing.scenes import example_scene
+
+STRANGE = [math.nan, math.inf, -math.inf, 1e308, -1, 10**400, "3", None, b"3", [], 1j, True]
+NO_COUNT = [*STRANGE, 0, 2.5]
+TEXTS = ["A deer.", "A sofa.", "A car waits."]
+METRICS = Metrics(HashEncoder(), ["A car drives.", "A van waits.", "A bus stops.", "A tram."])
+
+
+@pytest.mark.parametrize("value", NO_COUNT)
+def test_counts(value):
+    calls = [
+        lambda: scenes_needed(0.66, 0.51, comparisons=value),
+        lambda: scenes_needed(0.66, 0.51, per_path=value),
+        lambda: power_of(0.66, 0.51, value),
+        lambda: METRICS.select(TEXTS, value),
+        lambda: METRICS.compare(TEXTS, TEXTS, repeats=value),
+        lambda: METRICS.distance(TEXTS, TEXTS, repeats=value),
+        lambda: METRICS.baseline_batch(value),
+        lambda: METRICS.baseline_batch(2, value),
+        lambda: Camera(width=value),
+    ]
+    if value is not None:
+        calls += [
+            lambda: METRICS.compare(TEXTS, TEXTS, size=value),
+            lambda: METRICS.distance(TEXTS, TEXTS, size=value),
+            lambda: METRICS.baseline_diversity(value),
+        ]
+    for call in calls:
+        with pytest.raises(UsageError):
+            call()
+
+
+@pytest.mark.parametrize("value", [*STRANGE, 0.5])
+def test_seeds(value):
+    for call in (
+        lambda: simulate(example_scene(), FlatSimulator(), seed=value),
+        lambda: Metrics(HashEncoder(), seed=value),
+    ):
+        with pytest.raises(UsageError):
+            call()
+
+
+@pytest.mark.parametrize("value", STRANGE)
+def test_rates(value):
+    for call in (
+        lambda: scenes_needed(value, 0.5),
+        lambda: scenes_needed(0.5, value),
+        lambda: scenes_needed(0.66, 0.51, power=value),
+        lambda: scenes_needed(0.66, 0.51, alpha=value),
+        lambda: power_of(value, 0.5, 10),
+        lambda: power_of(0.5, 0.4, 10, alpha=value),
+    ):
+        with pytest.raises(UsageError):
+            call()
+    if value not in (-1, True):
+        for name in ("agreement", "icc"):
+            with pytest.raises(UsageError):
+                scenes_needed(0.66, 0.51, **{name: value})
+
+
+@pytest.mark.parametrize("value", [math.nan, "3", None, b"3", [], 1j])
+def test_bounds(value):
+    for call in (
+        lambda: METRICS.band(TEXTS, value, 0.0),
+        lambda: METRICS.band(TEXTS, 0.0, value),
+        lambda: METRICS.off_topic(TEXTS, value),
+        lambda: StudyConfig(band=(value, 0.0)),
+    ):
+        with pytest.raises(UsageError):
+            call()
+
+
+@pytest.mark.parametrize("name", ["", "wrong", None, 3])
+def test_choices(name):
+    for call in (
+        lambda: METRICS.oodness(TEXTS, name),
+        lambda: METRICS.baseline_batch(2, definition=name),
+        lambda: METRICS.select(TEXTS, 2, method=name),
+        lambda: simulate(example_scene(), FlatSimulator(), actions=[name]),
+    ):
+        with pytest.raises(UsageError):
+            call()
+
+
+NUMBERS = [
+    name
+    for name, field in StudyConfig.model_fields.items()
+    if field.annotation in (int, float, int | None, float | None)
+]
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -2, "many", [], 1j])
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_configuration(name, value):
+    for make in (StudyConfig, StudyConfig.quick):
+        with pytest.raises(UsageError) as caught:
+            make(**{name: value})
+        assert caught.value.issues[0].path == name
+
+
+@given(
+    rates=st.tuples(st.floats(), st.floats()),
+    shares=st.tuples(st.floats(), st.floats(), st.floats(), st.floats()),
+    counts=st.tuples(st.integers(), st.integers(), st.integers()),
+)
+def test_power_is_a_number_or_a_typed_error(rates, shares, counts):
+    power, alpha, agreement, icc = shares
+    comparisons, per_path, scenes = counts
+    given = {
+        "alpha": alpha,
+        "agreement": agreement,
+        "icc": icc,
+        "comparisons": comparisons,
+        "per_path": per_path,
+    }
+    try:
+        assert scenes_needed(*rates, power=power, **given).scenes >= 1
+        assert 0 <= power_of(*rates, scenes, **given) <= 1
+    except UsageError:
+        pass
+
+
+@given(
+    gap=st.floats(1e-9, 0.49),
+    alpha=st.floats(1e-9, 0.5),
+    power=st.floats(1e-9, 1 - 1e-9),
+    comparisons=st.integers(1, 1_000_000),
+    paired=st.booleans(),
+)
+def test_power_is_told_as_far_as_it_is_promised(gap, alpha, power, comparisons, paired):
+    first = 1e-9
+    given = {"alpha": alpha, "comparisons": comparisons, "paired": paired}
+    found = scenes_needed(first, first + 2 * gap, power=power, **given)
+    assert found.scenes >= 0
+    assert 0 <= power_of(first, first + 2 * gap, 1_000_000, **given) <= 1
+
+
+@given(value=st.one_of(st.floats(), st.integers(), st.text(), st.none(), st.booleans()))
+def test_a_number_is_returned_as_it_is_or_refused(value):
+    for read, kind in ((whole_number, int), (finite_number, float)):
+        try:
+            assert read("n", value) == value
+            assert type(read("n", value)) is kind
+        except UsageError as error:
+            assert len(str(error)) < 200
