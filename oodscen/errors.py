@@ -6,7 +6,8 @@
     │   ├── MissingExtra        an optional dependency is not installed (with the pip line)
     │   ├── DataError           malformed tree, scenario, scene or file (every issue with its path)
     │   ├── StudyMismatch       the folder belongs to a different configuration
-    │   └── StudyMissing        the folder holds no study; a StudyError as well
+    │   ├── StudyMissing        the folder holds no study; a StudyError as well
+    │   └── InUse               another process writes this folder or file (who, since when)
     ├── LLMError                a model could not be asked, or not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
     │   ├── ResponseError       the response was no answer: empty, a web page, too large (keeps its beginning)
@@ -241,6 +242,23 @@ class StudyMissing(StudyError, UsageError):
     def __init__(self, folder: str) -> None:
         self.folder = folder
         super().__init__(f"{folder} holds no study (there is no study.json)")
+
+
+class InUse(UsageError):
+    """Somebody else is writing the folder or file; nothing was changed."""
+
+    def __init__(self, path: str, what: str, holder: str, since: str) -> None:
+        self.path = path
+        self.what = what
+        self.holder = holder
+        """Process, host and command."""
+        self.since = since
+        """Date and time, as text; empty where it is not known."""
+        began = f" since {since}" if since else ""
+        super().__init__(
+            f"the {what} {path} is being written by {holder}{began}; wait for its end, or choose "
+            "another place"
+        )
 
 
 class RunStopped(OodscenError):

@@ -28,6 +28,7 @@ EXAMPLES = (
     errors.EncoderError("message"),
     errors.StudyError("message"),
     errors.StudyMissing("out"),
+    errors.InUse("out", "study", "process 7 on here (oodscen run out)", "2024-01-01 00:00:00 UTC"),
     errors.BudgetExceeded("requests", 10, 9),
     errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
     errors.ResponseError("message", model="m", status=200, raw="<html>", requests=6),
@@ -40,6 +41,7 @@ EXAMPLES = (
 
 FACTS = {
     "StudyMissing": {"folder": "out"},
+    "InUse": {"path": "out", "what": "study", "since": "2024-01-01 00:00:00 UTC"},
     "UnknownComponent": {
         "kind": "simulator",
         "name": "pybulet",

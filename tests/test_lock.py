@@ -1,0 +1,98 @@
+"""One writer at a time, and no lock outlives its process."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from oodscen._lock import lock_file, locked
+from oodscen.errors import InUse, StudyError
+
+HOLDER = """
+import os, sys
+from pathlib import Path
+from oodscen._lock import locked
+
+with locked(Path(sys.argv[1]), "study"):
+    print("held", flush=True)
+    sys.stdin.readline()
+"""
+
+
+def holding(path):
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLDER, str(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "held\n"
+    return process
+
+
+@pytest.mark.parametrize("kind", ["folder", "file", "link"])
+def test_another_process_is_named_and_nothing_changes(tmp_path, kind):
+    place = tmp_path / "place"
+    place.mkdir() if kind == "folder" else place.write_text("mine")
+    if kind == "link":
+        (tmp_path / "link").symlink_to(place)
+    with holding(tmp_path / "link" if kind == "link" else place) as process:
+        before = [(p, p.stat().st_mtime_ns) for p in [tmp_path, *sorted(tmp_path.rglob("*"))]]
+        with pytest.raises(InUse) as caught, locked(place, "study"):
+            pytest.fail("locked twice")
+        assert f"process {process.pid} on " in caught.value.holder
+        assert caught.value.since.endswith("UTC")
+        assert "\n" not in str(caught.value)
+        after = [(p, p.stat().st_mtime_ns) for p in [tmp_path, *sorted(tmp_path.rglob("*"))]]
+        assert after == before
+        process.communicate("\n")
+    with locked(place, "study"):
+        pass
+    assert not lock_file(place).exists()
+
+
+def test_what_a_killed_process_leaves_locks_nothing(tmp_path):
+    with holding(tmp_path) as process:
+        os.kill(process.pid, signal.SIGKILL)
+    assert json.loads(lock_file(tmp_path).read_text())["pid"] == process.pid
+    with locked(tmp_path, "study"):
+        assert json.loads(lock_file(tmp_path).read_text())["pid"] == os.getpid()
+
+
+def test_the_same_thread_may_lock_again_and_another_may_not(tmp_path):
+    refused = []
+
+    def other():
+        try:
+            with locked(tmp_path, "study"):
+                pass
+        except InUse as error:
+            refused.append(error)
+
+    with locked(tmp_path, "study"):
+        with locked(tmp_path / "." / "", "study"):
+            pass
+        thread = threading.Thread(target=other)
+        thread.start()
+        thread.join()
+    assert len(refused) == 1
+    other()
+    assert len(refused) == 1
+
+
+def test_a_place_that_cannot_be_locked_is_a_typed_error(tmp_path):
+    lock_file(tmp_path).mkdir()
+    with pytest.raises(StudyError, match="cannot lock"), locked(tmp_path, "study"):
+        pass
+
+
+def test_a_secret_in_the_command_is_not_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["/bin/oodscen", "run", "http://me:secret@host/v1"])
+    with locked(tmp_path, "study"):
+        said = json.loads(lock_file(tmp_path).read_text())
+    assert said["command"].startswith("oodscen run")
+    assert "secret" not in said["command"]
