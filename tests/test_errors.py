@@ -41,7 +41,12 @@ EXAMPLES = (
 
 FACTS = {
     "StudyMissing": {"folder": "out"},
-    "InUse": {"path": "out", "what": "study", "since": "2024-01-01 00:00:00 UTC"},
+    "InUse": {
+        "path": "out",
+        "what": "study",
+        "holder": "process 7 on here (oodscen run out)",
+        "since": "2024-01-01 00:00:00 UTC",
+    },
     "UnknownComponent": {
         "kind": "simulator",
         "name": "pybulet",
