@@ -28,7 +28,7 @@ _guard = threading.Lock()
 
 
 @contextmanager
-def locked(path: Path, what: str) -> Iterator[None]:
+def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]:
     """Be the only one who writes a folder or a file; the thread that holds a lock may take it again.
 
     The lock ends with its process, however that ends: a lock file left behind locks nothing. While it is
@@ -37,6 +37,7 @@ def locked(path: Path, what: str) -> Iterator[None]:
     Args:
         path: An existing folder, or a file, which need not exist.
         what: What is locked, as an error calls it, e.g. `study`.
+        wait_s: Seconds in which another holder may end.
 
     Raises:
         InUse: When another process, or another thread, holds it; nothing is changed then.
@@ -50,7 +51,7 @@ def locked(path: Path, what: str) -> Iterator[None]:
         if is_again:
             _mine[key] = (me, depth + 1)
     if not is_again:
-        lock = _taken(file, path, what)
+        lock = _taken(file, path, what, wait_s)
         _mine[key] = (me, 1)
     try:
         yield
@@ -73,9 +74,9 @@ def lock_file(path: Path) -> Path:
     return path / NAME if path.is_dir() else path.with_name(f".{path.name}{NAME}")
 
 
-def _taken(file: Path, path: Path, what: str) -> FileLock:
+def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
     # Where there are no locks a file that merely exists would outlive a process that is killed.
-    lock = FileLock(file, timeout=_GRACE_S, poll_interval=0.02, fallback_to_soft=False)
+    lock = FileLock(file, timeout=wait_s, poll_interval=0.02, fallback_to_soft=False)
     try:
         lock.acquire()
         file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")

@@ -7,6 +7,7 @@
     │   ├── DataError           malformed tree, scenario, scene or file (every issue with its path)
     │   ├── StudyMismatch       the folder belongs to a different configuration
     │   ├── StudyMissing        the folder holds no study; a StudyError as well
+    │   ├── FolderTaken         files are in the way that are not this command's (which)
     │   └── InUse               another process writes this folder or file (who, since when)
     ├── LLMError                a model could not be asked, or not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
@@ -242,6 +243,18 @@ class StudyMissing(StudyError, UsageError):
     def __init__(self, folder: str) -> None:
         self.folder = folder
         super().__init__(f"{folder} holds no study (there is no study.json)")
+
+
+class FolderTaken(UsageError):
+    """A folder holds files that a command would write and did not make; nothing was changed."""
+
+    def __init__(self, folder: str, names: Sequence[str]) -> None:
+        self.folder = folder
+        self.names = tuple(names)
+        super().__init__(
+            f"{folder} holds {', '.join(self.names)} already, which is not overwritten; choose another "
+            "folder, or move it away"
+        )
 
 
 class InUse(UsageError):

@@ -30,10 +30,12 @@ def write_report(study: Study) -> Path:
         study: Finished, unfinished or partly broken.
 
     Raises:
+        InUse: When another process writes the study.
         StudyError: When the page cannot be written.
     """
-    html = render(page.context(study, reading.read(study)))
-    study.store.write(FILE, html.encode("utf-8"))
+    with study.store.writing():
+        html = render(page.context(study, reading.read(study)))
+        study.store.write(FILE, html.encode("utf-8"))
     return study.folder / FILE
 
 

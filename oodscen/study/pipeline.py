@@ -51,6 +51,7 @@ class Pipeline:
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
+        FolderTaken: When it holds no study, but files that one would write.
         StudyError: When the folder cannot be written.
     """
 
@@ -64,9 +65,14 @@ class Pipeline:
         """Run every stage; items that fail are recorded and the rest goes on.
 
         Raises:
+            InUse: When another process writes the folder.
             RunStopped: When a cap is reached or an endpoint given up; running again continues.
             KeyboardInterrupt: When it is interrupted; running again continues as well.
         """
+        with self.store.writing():
+            return self._run()
+
+    def _run(self) -> Study:
         traffic = self.context.models.traffic
         traffic.reopen()
         began = time.perf_counter()
@@ -149,7 +155,7 @@ class Pipeline:
         return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
     def _claim(self) -> None:
-        """Write `study.json` first, or check that the one there belongs to this run."""
+        """Write `study.json` first, or check that what is there belongs to this run and is whole."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
             for name in JUDGING:
@@ -159,8 +165,7 @@ class Pipeline:
                 differences["oodscen"] = (made_with, __version__)
             if differences:
                 raise StudyMismatch(str(self.study.folder), differences)
-        else:
-            self.store.prepare()
+        self.study.check()
         self._save("running")
 
     def _save(self, status: Status, **more: Any) -> None:
