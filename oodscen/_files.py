@@ -46,10 +46,14 @@ def inside(folder: Path, name: str) -> Path:
     Raises:
         ValueError: When it leads elsewhere: absolute, with `..`, or through a symbolic link; or is no name.
     """
-    path = PurePosixPath(name)
+    path, shown = PurePosixPath(name), repr(name[:100])
     if not name or "\0" in name or path.is_absolute() or ".." in path.parts:
-        raise ValueError(f"{name!r} is no name of a file inside the folder")
+        raise ValueError(f"{shown} is no name of a file inside the folder")
     real = os.path.realpath(folder)
     if not os.path.realpath(folder / name).startswith(os.path.join(real, "")):
-        raise ValueError(f"{name!r} leads outside the folder")
+        raise ValueError(f"{shown} leads outside the folder")
+    try:
+        (folder / name).exists()
+    except OSError as error:
+        raise ValueError(f"{shown}: {error.strerror}") from None
     return folder / name

@@ -23,7 +23,7 @@ from oodscen.cli import (
     study,
     tree,
 )
-from oodscen.cli.output import say
+from oodscen.cli.output import drop_output, say
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.redaction import redact
 
@@ -45,6 +45,8 @@ class _Group(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         order = ctx.meta.get(_ORDER, [])
         try:
+            if sys.stdout is None:
+                raise UsageError("standard output is closed; send it to a file or to /dev/null")
             return super().invoke(ctx)
         except KeyboardInterrupt:
             again = ""
@@ -53,6 +55,12 @@ class _Group(click.Group):
                 again = f"; what is done is written, and this command continues: {command}"
             say(f"oodscen: interrupted{again}", err=True)
             ctx.exit(130)
+        except OSError as error:
+            if ctx.params.get("debug") or isinstance(error, BrokenPipeError):
+                raise
+            say(f"oodscen: {error}", err=True)
+            drop_output()
+            ctx.exit(1)
         except OodscenError as error:
             if ctx.params.get("debug"):
                 raise

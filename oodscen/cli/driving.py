@@ -31,7 +31,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     Writes drives.jsonl beside the other files, prints what all drivers in it come to, and writes the report anew,
     which shows the same. The exit code is 1 if a driver named here failed on an item, which a collision is not.
     """
-    from oodscen.judging.closed_loop import DriveResult, RuleBasedDriver
+    from oodscen.judging.closed_loop import RuleBasedDriver
     from oodscen.judging.closed_loop import drive as drive_scenes
     from oodscen.judging.drives import drive_board, remarks
     from oodscen.registry import find, make_simulator
@@ -40,18 +40,19 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.twins import scene_of
 
     study = Study.open(out)
-    scenes = study.scenes[:limit]
+    click.get_current_context().with_resource(study.store.writing())
+    scenes, scenarios = study.scenes[:limit], study.scenarios
     names = drivers or ("rule-based",)
     makers = [(n, RuleBasedDriver if n == "rule-based" else find("driver", n)) for n in names]
-    lines = {line["id"]: line for line in study.store.lines("drives.jsonl")}
+    drives = {row.id: row for row in study.drives}
     with make_simulator(study.config.simulator) as simulator:
         for name, make in makers:
             for result in drive_scenes(scenes, make, simulator, name=name, seed=study.config.seed):
-                lines[result.id] = result.model_dump(mode="json")
-    study.store.write_lines("drives.jsonl", lines.values())
-    rows = [DriveResult.parse(line) for line in lines.values()]
-    board = drive_board(rows, study.scenarios, seed=study.config.seed)
-    page = write_report(Study.open(out))
+                drives[result.id] = result
+    rows = list(drives.values())
+    board = drive_board(rows, scenarios, seed=study.config.seed)
+    study.store.write_lines("drives.jsonl", rows)
+    page = write_report(study)
     if as_json:
         say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
     else:

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+    from oodscen.judging.closed_loop import DriveResult
+
 Row = TypeVar("Row", bound=Data)
 
 TREES = ("initial", "diverse", "simulatable")
@@ -239,6 +241,13 @@ class Study:
     def verdicts(self) -> list[Verdict]:
         """Every verdict, the failed ones included."""
         return self._rows(Verdict, "verdicts.jsonl")
+
+    @property
+    def drives(self) -> "list[DriveResult]":
+        """What `oodscen drive` found."""
+        from oodscen.judging.closed_loop import DriveResult
+
+        return self._rows(DriveResult, "drives.jsonl")
 
     def trace(self, scene_id: str) -> "pa.Table":
         """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
