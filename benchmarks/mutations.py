@@ -30,9 +30,7 @@ from oodscen.study import TABLES, TREES, Study, StudyConfig, run_study
 from oodscen.testing import FunctionLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"
-OPTIONS = (
-    "--quick --simulator flat --encoder hash --max-paths 1 --iterations 2 --workers 1 --protocol paper"
-)
+OPTIONS = "--quick --simulator flat --encoder hash --max-paths 1 --iterations 2 --workers 1 --protocol paper"
 
 Row = dict[str, object]
 Files = dict[str, tuple[bytes, int]]
@@ -319,9 +317,7 @@ def measure(count: int, seed: int, most: int | None) -> list[Row]:
     for kind in ("traceback", "changed input"):
         value = sum(one.fault.startswith(kind) for one in found)
         name = f"{kind}s in {len(found):,} uses of studies with a broken file ({count:,} mutations)"
-        rows.append(
-            {"name": name, "value": value, "unit": "", "target": "0", "holds": value == 0}
-        )
+        rows.append({"name": name, "value": value, "unit": "", "target": "0", "holds": value == 0})
     return rows
 
 
@@ -333,7 +329,9 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=1_000, help="how many mutations")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
-        "--most", type=int, help="readers and commands per mutation, drawn at random; all if left out"
+        "--most",
+        type=int,
+        help="readers and commands per mutation, drawn at random; all if left out",
     )
     options = parser.parse_args()
     rows = measure(options.count, options.seed, options.most)

@@ -283,12 +283,19 @@ class Study:
         return list(self.store.lines(TABLES[name]))
 
     def to_arrow(self, name: str) -> "pa.Table":
-        """Return a table as an Arrow table, one row per line; mappings become structs."""
+        """Return a table as an Arrow table, one row per line; mappings become structs.
+
+        Raises:
+            StudyError: When values of one field are of several types.
+        """
         try:
             import pyarrow as pa
         except ImportError:
             raise MissingExtra("a table in Arrow's format", "tables", "pyarrow") from None
-        return pa.Table.from_pylist(self.table(name))
+        try:
+            return pa.Table.from_pylist(self.table(name))
+        except (pa.ArrowException, OverflowError) as error:
+            raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
 
     def to_pandas(self, name: str) -> "pd.DataFrame":
         """Return a table as a data frame, one row per line; fields of mappings are joined by dots."""

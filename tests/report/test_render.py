@@ -258,7 +258,11 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
 
 def test_half_a_surrogate_pair_is_a_gap(study: Study) -> None:
     for name in ("verdicts.jsonl", "study.json"):
-        edit(study, name, lambda text: text.replace('"builtin"', '"\\ud800"').replace("@", "\\udfff", 1))
+        edit(
+            study,
+            name,
+            lambda text: text.replace('"builtin"', '"\\ud800"').replace("@", "\\udfff", 1),
+        )
     words = page(study).text_content()
     assert "study.json cannot be read" in words
     assert "1 line(s) of verdicts.jsonl" in words
