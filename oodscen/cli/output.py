@@ -206,7 +206,7 @@ def write(out: Path | None, text: str) -> None:
 
 def _is_written_through(out: Path) -> bool:
     """Whether a name is of a device or a pipe, or of a file that somebody holds open, as `/dev/stdout` is."""
-    if str(out).startswith(("/dev/", "/proc/")):
+    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
         return True
     return out.exists() and not stat.S_ISREG(out.stat().st_mode)
 

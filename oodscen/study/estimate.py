@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from oodscen.errors import MissingExtra, StudyError, UnknownComponent
+from oodscen.errors import MissingExtra, StudyError, StudyMismatch, UnknownComponent
 from oodscen.evaluation import OPTIONS
 from oodscen.llms.accounting import Account, accounts
 from oodscen.llms.litellm import IMAGE_TOKENS, known_price, load_litellm
@@ -58,7 +58,10 @@ def estimate(
         names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
         asked = {name: _StandIn(name, config.seed, prices) for name in names if _is_asked(name)}
         pipeline = Pipeline(folder, config, models=asked)
-        pipeline.prepare()
+        try:
+            pipeline.prepare()
+        except StudyMismatch as error:
+            raise StudyMismatch(str(out), error.differences) from None
         calls = Store(folder)
         scenes = pipeline.stage(pipeline.write_texts().scenarios)
         lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
