@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
 
@@ -32,10 +33,13 @@ class Data(BaseModel):
         """
         try:
             if isinstance(value, (str, bytes)):
+                parse_json(value)
                 return cls.model_validate_json(value)
             return cls.model_validate(value)
         except ValidationError as error:
             raise DataError(cls.noun, issues_of(error), source=source) from None
+        except ValueError as error:
+            raise DataError(cls.noun, [Issue("", f"is no JSON: {error}")], source=source) from None
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -56,11 +60,14 @@ class Data(BaseModel):
 
 
 def read_text(path: str | Path, noun: str) -> str:
-    """Read UTF-8 text; a file that is missing or not text is a `DataError`."""
+    """Read UTF-8 text, with its line ends as they are; a file that is missing or not text is a `DataError`."""
     try:
-        return Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(noun, [Issue(path="", message=str(error))], source=str(path)) from None
+        return Path(path).read_bytes().decode("utf-8")
+    except OSError as error:
+        fault = error.strerror or str(error)
+    except UnicodeDecodeError as error:
+        fault = f"byte {error.start} is not UTF-8"
+    raise DataError(noun, [Issue("", fault)], source=str(path))
 
 
 def canonical_json(value: Any) -> str:

@@ -12,7 +12,7 @@ class Scenario(Data):
 
     noun: ClassVar[str] = "scenario"
 
-    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
+    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=200)
     """Known before the work: `<leaf>-003`."""
     text: str = Field(min_length=1, max_length=2_000)
     """The situation in words, as an engineer would write it."""

@@ -127,7 +127,7 @@ class Scene(Data):
     noun: ClassVar[str] = "scene"
 
     schema_version: Literal[1] = 1
-    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$")
+    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)
     scenario_id: str
     map: str
     """A map of the catalogue, or the path of an OpenDRIVE file."""

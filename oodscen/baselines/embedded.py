@@ -12,11 +12,14 @@ import json
 from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import replace
+from oodscen._json import parse_object
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
 
@@ -84,22 +87,21 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
     file = Path(path)
     if file.suffix != ".npy":
         raise UsageError(f"embeddings are written as .npy, not as {file.name}")
-    part = file.with_name(file.name + ".part")
     source, count = iter(texts), 0
-    with part.open("wb") as stream:
-        while batch := list(islice(source, _BATCH)):
-            encode(encoder, batch).tofile(stream)
-            count += len(batch)
-    whole = file.with_name(file.name + ".new")
-    header = {"descr": "<f4", "fortran_order": False, "shape": (count, encoder.dimension)}
-    with whole.open("wb") as stream, part.open("rb") as rows:
-        np.lib.format.write_array_header_1_0(stream, header)
-        while block := rows.read(1 << 24):
-            stream.write(block)
-    part.unlink()
-    whole.replace(file)
+    with TemporaryDirectory(dir=file.parent, prefix=".oodscen-") as folder:
+        part, whole = Path(folder, "rows"), Path(folder, "whole")
+        with part.open("wb") as stream:
+            while batch := list(islice(source, _BATCH)):
+                encode(encoder, batch).tofile(stream)
+                count += len(batch)
+        header = {"descr": "<f4", "fortran_order": False, "shape": (count, encoder.dimension)}
+        with whole.open("wb") as stream, part.open("rb") as rows:
+            np.lib.format.write_array_header_1_0(stream, header)
+            while block := rows.read(1 << 24):
+                stream.write(block)
+        whole.replace(file)
     about = {"encoder": encoder.name, "n": count, "dimension": encoder.dimension}
-    _about(file).write_text(json.dumps(about) + "\n", encoding="utf-8")
+    replace(_about(file), f"{json.dumps(about)}\n".encode())
     return count
 
 
@@ -131,7 +133,7 @@ def _about(file: Path) -> Path:
 def _npy(file: Path) -> tuple[Any, str]:
     try:
         rows = np.load(file, mmap_mode="r", allow_pickle=False)
-        about = json.loads(_about(file).read_text(encoding="utf-8"))
+        about = parse_object(_about(file).read_bytes())
         maker = str(about["encoder"])
     except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
         fault = f"cannot be read ({error}); write it again with write_embeddings"

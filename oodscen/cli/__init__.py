@@ -29,7 +29,7 @@ from oodscen.cli import (
     study,
     tree,
 )
-from oodscen.cli.output import say, shortened
+from oodscen.cli.output import drop_output, say, shortened
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llms.offline import enforce
 from oodscen.llms.redaction import redact
@@ -53,7 +53,7 @@ class _Group(click.Group):
                 raise
             with suppress(OSError):
                 say(f"oodscen: {shortened(str(error))}", err=True)
-            _silence()
+            drop_output()
             sys.exit(1)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -66,6 +66,8 @@ class _Group(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         order = ctx.meta.get(_ORDER, [])
         try:
+            if sys.stdout is None:
+                raise UsageError("standard output is closed; send it to a file or to /dev/null")
             with _interruptible():
                 return super().invoke(ctx)
         except click.ClickException as error:
@@ -119,15 +121,6 @@ def _interruptible() -> Iterator[None]:
     finally:
         for one, handler in before.items():
             signal.signal(one, handler)
-
-
-def _silence() -> None:
-    """Drop what an output that is full or gone did not take, or it is tried again, and fails, at exit."""
-    for stream in filter(None, (sys.stdout, sys.stderr)):
-        try:
-            stream.flush()
-        except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _without(order: list[str], option: str) -> list[str]:

@@ -32,7 +32,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     Writes drives.jsonl beside the other files, prints what all drivers in it come to, and writes the report anew,
     which shows the same. The exit code is 1 if a driver named here failed on an item, which a collision is not.
     """
-    from oodscen.judging.closed_loop import DriveResult, RuleBasedDriver
+    from oodscen.judging.closed_loop import RuleBasedDriver
     from oodscen.judging.closed_loop import drive as drive_scenes
     from oodscen.judging.drives import current, drive_board, remarks
     from oodscen.registry import driver_maker, make_simulator
@@ -41,20 +41,21 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen.twins import scene_of
 
     study = Study.open(out)
-    staged = study.scenes
+    click.get_current_context().with_resource(study.store.writing())
+    staged, scenarios = study.scenes, study.scenarios
     scenes = staged[:limit]
     names = drivers or ("rule-based",)
     makers = [(n, RuleBasedDriver if n == "rule-based" else driver_maker(n)) for n in names]
-    before = [DriveResult.parse(line) for line in study.store.lines("drives.jsonl")]
-    found = {one.id: one for one in current(before, staged)}
+    before = study.drives
+    found = {row.id: row for row in current(before, staged)}
     with make_simulator(study.config.simulator) as simulator:
         for name, make in makers:
             for result in drive_scenes(scenes, make, simulator, name=name, seed=study.config.seed):
                 found[result.id] = result
     rows = current(found.values(), staged)
+    board = drive_board(rows, scenarios, seed=study.config.seed)
     study.store.write_lines("drives.jsonl", rows)
-    board = drive_board(rows, study.scenarios, seed=study.config.seed)
-    page = write_report(Study.open(out))
+    page = write_report(study)
     if as_json:
         say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
     else:

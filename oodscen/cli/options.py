@@ -122,7 +122,9 @@ traffic_options = _options(
         "--max-tokens", type=click.IntRange(min=0), help="Largest number of tokens, in and out."
     ),
     click.option("--max-cost", type=FiniteRange(min=0), help="Largest cost, in USD."),
-    click.option("--max-seconds", type=FiniteRange(min=0), help="No request is begun after this time."),
+    click.option(
+        "--max-seconds", type=FiniteRange(min=0), help="No request is begun after this time."
+    ),
     click.option(
         "--price",
         "prices",

@@ -1,16 +1,20 @@
 """What commands read, write and show."""
 
+import os
+import stat
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 from tqdm import tqdm
 
-from oodscen._data import Data
+from oodscen._data import Data, read_text
+from oodscen._files import replace
 from oodscen._text import plain
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
 
 if TYPE_CHECKING:
     from oodscen.judging.board import Figure, Leaderboard, Rate
@@ -173,14 +177,63 @@ def shortened(text: str) -> str:
     )
 
 
+def drop_output() -> None:
+    """Drop what an output that is full or gone did not take, or it is tried again, and fails, at exit."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with suppress(OSError, ValueError):
+                nowhere = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(nowhere, stream.fileno())
+                os.close(nowhere)
+
+
 def write(out: Path | None, text: str) -> None:
-    """Write a document to a file in one step, or to standard output."""
+    """Write a document to a file, or to standard output.
+
+    A regular file is replaced in one step, where a symbolic link leads too, and keeps its mode; a device or a
+    pipe is written through. What belongs to a study is not replaced.
+
+    Raises:
+        FolderTaken: When it is a file of a study.
+        OodscenError: When it cannot be written.
+    """
     if out is None:
         click.echo(text)
         return
-    from oodscen.study import Store
+    data = f"{text}\n".encode()
+    try:
+        if _is_written_through(out):
+            with out.open("wb") as stream:
+                stream.write(data)
+            return
+        target = Path(os.path.realpath(out))
+        _refuse_study(target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(13, "Permission denied")
+        replace(target, data)
+    except OSError as error:
+        raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
 
-    Store(out.parent).write(out.name, text + "\n")
+
+def _is_written_through(out: Path) -> bool:
+    """Whether a name is of a device or a pipe, or of a file that somebody holds open, as `/dev/stdout` is."""
+    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
+        return True
+    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
+
+
+def _refuse_study(target: Path) -> None:
+    """Refuse to replace a file of a study; what compares its catalogues may be added to it."""
+    from oodscen.study.stages.comparing import CATALOGUES
+    from oodscen.study.study import is_own
+
+    if target.name == CATALOGUES and not target.exists():
+        return
+    if is_own(target.name) and (target.parent / "study.json").exists():
+        raise FolderTaken(str(target.parent), [target.name])
 
 
 def write_lines(out: Path | None, items: Iterable[Data]) -> None:
@@ -195,12 +248,7 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
         DataError: With every malformed line, or when there is none at all.
     """
     rows, issues = [], []
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        issue = Issue("", f"byte {error.start} is not UTF-8")
-        raise DataError(kind.noun, [issue], source=str(path)) from None
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(read_text(path, kind.noun).split("\n"), start=1):
         if line.strip():
             try:
                 rows.append(kind.parse(line))

@@ -22,12 +22,15 @@ from oodscen.cli.options import (
 )
 from oodscen.cli.output import read_lines, rounds_in_words, say, write, write_lines
 from oodscen.cli.paths import READABLE, PathName
-from oodscen.errors import DataError, Issue, LLMError, OodscenError, UsageError
+from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
 from oodscen.registry import DEFAULT_ENCODER
 
 if TYPE_CHECKING:
     from oodscen.scenario import Scenario
     from oodscen.scene import Scene
+
+_SIMULATED = ("study.json", "episodes.jsonl", "frames", "traces", "videos")
+"""A folder that holds one of these is not simulated into."""
 
 
 @click.command()
@@ -259,10 +262,11 @@ def simulate(
 ) -> None:
     """Run every scene of the file SCENES; episodes and frames go into the folder OUT.
 
-    A scene that cannot be run gives a failed episode, and the exit code is 1.
+    A scene that cannot be run gives a failed episode, and the exit code is 1. A folder that holds a study, or
+    what was simulated before, is refused.
     """
     from oodscen import Scene, make_simulator
-    from oodscen.study import Store
+    from oodscen.study import Study
     from oodscen.study.sweep import Extras, Job, sweep
 
     items = read_lines(Scene, scenes)
@@ -271,15 +275,16 @@ def simulate(
     if issues:
         raise DataError("scenes", issues, source=str(scenes))
     make_simulator(simulator).close()
-    store = Store(out)
-    store.prepare()
-    episodes = {}
+    study, episodes = Study(out), {}
     job = Job(simulator, seed, Extras(traces, annotations, video))
-    results = sweep(job, items, workers=workers)
-    for result in tqdm(results, total=len(items), desc="simulate", disable=None):
-        result.save(store)
-        episodes[result.episode.id] = result.episode
-    store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
+    with study.store.writing():
+        if taken := [name for name in study.own() if name in _SIMULATED]:
+            raise FolderTaken(str(out), taken)
+        results = sweep(job, items, workers=workers)
+        for result in tqdm(results, total=len(items), desc="simulate", disable=None):
+            result.save(study.store)
+            episodes[result.episode.id] = result.episode
+        study.store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))
     failed = [episode for episode in episodes.values() if episode.status == "failed"]
     for episode in failed:
         say(f"{episode.id}: {episode.error}", err=True)

@@ -213,6 +213,7 @@ def evaluate(
     from oodscen.study.dropping import drop_models
 
     before = Study.open(out)
+    click.get_current_context().with_resource(before.store.writing())
     if not vlms and not dropped and not judge:
         raise UsageError(
             "name a model to judge (--vlm MODEL), one to take out (--drop MODEL), or who scores what was said "
@@ -240,7 +241,7 @@ def evaluate(
                 workers=os.cpu_count() or 1,
                 retry=retry_failed,
             )
-    board = Leaderboard.parse((study.folder / "leaderboard.json").read_bytes())
+    board = Leaderboard.load(study.folder / "leaderboard.json")
     if as_json:
         click.echo(board.model_dump_json(indent=2))
     else:

@@ -1,29 +1,52 @@
 """Vectors of texts that were encoded before, in memory and on disk."""
 
+import atexit
 import hashlib
 import io
 import logging
 import os
 import re
+import shutil
 import tempfile
 import threading
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import replace
+from oodscen._lock import locked
 from oodscen.encoders.check import encode
+from oodscen.errors import InUse, StudyError
 from oodscen.protocols import Encoder
 
 _log = logging.getLogger(__name__)
 _FORMAT = "oodscen-vectors-1"
+_WAIT_S = 30.0
+"""For another process that is saving; it takes far less, unless it is halted."""
 
 
 def cache_folder() -> Path:
-    """Return the user's cache folder for this library: `$XDG_CACHE_HOME/oodscen`."""
+    """Return the user's cache folder for this library: `$XDG_CACHE_HOME/oodscen`.
+
+    For a user without a home it is a folder that ends with the process.
+    """
     root = os.environ.get("XDG_CACHE_HOME")
-    return (Path(root) if root else Path.home() / ".cache") / "oodscen"
+    if root:
+        return Path(root) / "oodscen"
+    try:
+        return Path.home() / ".cache" / "oodscen"
+    except RuntimeError:
+        return _passing_folder()
+
+
+@cache
+def _passing_folder() -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="oodscen-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 class CachedEncoder:
@@ -32,9 +55,9 @@ class CachedEncoder:
     Args:
         encoder: Whose vectors these are; its name must decide its values.
         folder: Where to keep them between processes, in one file per encoder. A file that is
-            truncated, altered or another encoder's is not used and is replaced. Files are replaced
-            atomically; of two processes that write at once, one may lose what the other saved, and
-            encodes it again next time. A folder that cannot be written costs a log line, no more.
+            truncated, altered or another encoder's is not used and is replaced. Several processes may
+            write at once: each waits for the others and keeps what they saved. A folder that cannot be
+            written costs a log line, no more.
     """
 
     def __init__(self, encoder: Encoder, folder: str | Path | None = None) -> None:
@@ -97,10 +120,12 @@ class CachedEncoder:
         with self._lock:
             if path is None or not self._unsaved:
                 return
-            self._vectors = _read(path, self._encoder) | self._vectors
             try:
-                _write(path, self.name, self._vectors)
-            except OSError as error:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with locked(path, "cache", wait_s=_WAIT_S):
+                    self._vectors = _read(path, self._encoder) | self._vectors
+                    _write(path, self.name, self._vectors)
+            except (OSError, StudyError, InUse) as error:
                 _log.warning("cannot keep the vectors of %s in %s: %s", self.name, path, error)
             self._unsaved = 0
 
@@ -140,12 +165,4 @@ def _write(path: Path, name: str, vectors: dict[bytes, NDArray[np.float32]]) -> 
         body, head=np.array([_FORMAT, name]), keys=keys, vectors=np.stack(list(vectors.values()))
     )
     content = body.getvalue()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(hashlib.sha256(content).digest() + content)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    replace(path, hashlib.sha256(content).digest() + content)

@@ -1,8 +1,10 @@
 """Addresses of the pictures beside the page."""
 
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from urllib.parse import quote
+
+from oodscen._files import inside
 
 
 @dataclass(frozen=True)
@@ -24,19 +26,16 @@ def picture(folder: Path, name: str | None) -> Picture:
     """
     if not name:
         return Picture(problem="no frame")
-    if not is_inside(name):
+    if not _looks_like_one(name):
         return Picture(problem="not a picture of this study")
-    if not (folder / name).is_file():
-        return Picture(problem="frame file is missing")
-    return Picture(href=quote(name))
+    try:
+        is_there = inside(folder, name).is_file()
+    except (OSError, ValueError):
+        return Picture(problem="not a picture of this study")
+    return Picture(href=quote(name)) if is_there else Picture(problem="frame file is missing")
 
 
-def is_inside(name: str) -> bool:
-    """Whether a file name is relative, stays inside the study and looks like a picture."""
-    path = PurePosixPath(name)
-    return (
-        not path.is_absolute()
-        and ".." not in path.parts
-        and not any(char in name for char in ":\\?#\0\n\r")
-        and path.suffix.lower() in (".jpg", ".jpeg", ".png")
-    )
+def _looks_like_one(name: str) -> bool:
+    """Whether an address with this name leads a browser to a picture."""
+    suffixes = (".jpg", ".jpeg", ".png")
+    return not any(char in name for char in ":\\?#\n\r") and name.lower().endswith(suffixes)

@@ -1,12 +1,12 @@
 """Read whatever a study holds so far: unfinished, torn or malformed parts become gaps in words."""
 
-import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeVar
 
 from oodscen._data import Data
+from oodscen._json import object_lines, parse_object
 from oodscen.episode import Episode
 from oodscen.errors import DataError
 from oodscen.judging.closed_loop import DriveResult
@@ -140,14 +140,10 @@ def _object(store: Store, name: str, found: Material) -> dict[str, Any]:
     if content is None:
         return {}
     try:
-        value = json.loads(content)
+        return dict(printable(parse_object(content)))
     except ValueError as error:
         found.gaps[name] = f"{name} cannot be read: {error}"
         return {}
-    if not isinstance(value, dict):
-        found.gaps[name] = f"{name} is not an object"
-        return {}
-    return dict(printable(value))
 
 
 def _tree(store: Store, name: str, found: Material) -> ScenarioTree | None:
@@ -214,16 +210,11 @@ def _lines(store: Store, name: str, found: Material) -> Iterator[dict[str, Any]]
     if content is None:
         return
     bad = 0
-    whole = content.rpartition(b"\n")[0]
-    for line in whole.split(b"\n") if whole else []:
-        try:
-            value = json.loads(line.decode("utf-8", "replace"))
-        except ValueError:
-            value = None
-        if isinstance(value, dict):
-            yield dict(printable(value))
-        else:
+    for _, line in object_lines(content):
+        if isinstance(line, ValueError):
             bad += 1
+        else:
+            yield dict(printable(line))
     if bad:
         _note(found, name, f"{bad} line(s) of {name} are not JSON objects and were left out")
 

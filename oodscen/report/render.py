@@ -12,6 +12,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
+from oodscen.errors import FolderTaken
 from oodscen.report import charts, page, reading, words
 from oodscen.study import Study
 
@@ -30,10 +31,15 @@ def write_report(study: Study) -> Path:
         study: Finished, unfinished or partly broken.
 
     Raises:
+        FolderTaken: When the folder holds no study, but somebody's file of this name.
+        InUse: When another process writes the study.
         StudyError: When the page cannot be written.
     """
-    html = render(page.context(study, reading.read(study)))
-    study.store.write(FILE, html.encode("utf-8"))
+    if FILE in study.own() and not study.store.has("study.json"):
+        raise FolderTaken(str(study.folder), [FILE])
+    with study.store.writing():
+        html = render(page.context(study, reading.read(study)))
+        study.store.write(FILE, html.encode("utf-8"))
     return study.folder / FILE
 
 

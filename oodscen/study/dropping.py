@@ -27,7 +27,13 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
 
     Raises:
         UnknownComponent: When a name was never judged, with close matches.
+        InUse: When another process writes the study.
     """
+    with study.store.writing():
+        return _dropped(study, names)
+
+
+def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     config, verdicts = study.config, study.verdicts
     made = {name: _called(name, config) for name in config.vlms}
     called = {name: other or name for name, other in made.items()}
@@ -67,6 +73,7 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
         info["failures"] = info["failures"] | {"verdicts": failed}
         if info.get("status") == "incomplete" and not any(info["failures"].values()):
             info["status"] = "success"
+    study.check()
     board = leaderboard(kept, study.episodes, study.scenarios, seed=config.seed)
     study.store.write("study.json", canonical_json(info) + "\n")
     study.store.write_lines("verdicts.jsonl", kept)

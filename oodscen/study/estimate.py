@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from oodscen.errors import MissingExtra, UnknownComponent
+from oodscen.errors import MissingExtra, StudyError, StudyMismatch, UnknownComponent
 from oodscen.evaluation import OPTIONS
 from oodscen.llms.accounting import Account, accounts
 from oodscen.llms.litellm import known_price, load_litellm
@@ -20,6 +20,7 @@ from oodscen.registry import is_builtin, make_llm
 from oodscen.study.config import StudyConfig
 from oodscen.study.pipeline import Pipeline
 from oodscen.study.store import Store
+from oodscen.study.study import Study
 from oodscen.twins import twin_id
 from oodscen.verdict import verdict_id
 
@@ -49,13 +50,19 @@ def estimate(
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
+        FolderTaken: When it holds no study, but files that one would write.
     """
+    study = Study(out)
+    study.check()
     with TemporaryDirectory() as folder:
-        _copy(Path(out), Path(folder))
+        _copy(study, Path(folder))
         names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
         asked = {name: _StandIn(name, config.seed, prices) for name in names if _is_asked(name)}
         pipeline = Pipeline(folder, config, models=asked)
-        pipeline.prepare()
+        try:
+            pipeline.prepare()
+        except StudyMismatch as error:
+            raise StudyMismatch(str(out), error.differences) from None
         calls = Store(folder)
         scenes = pipeline.stage(pipeline.write_texts().scenarios)
         lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
@@ -77,10 +84,13 @@ def _is_asked(name: str) -> bool:
     return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")
 
 
-def _copy(source: Path, target: Path) -> None:
-    for file in source.glob("*.json*") if source.is_dir() else ():
-        if file.name != "calls.jsonl":
-            shutil.copy(file, target / file.name)
+def _copy(study: Study, target: Path) -> None:
+    for name in study.own():
+        if ".json" in name and name != "calls.jsonl":
+            try:
+                shutil.copy(study.store.path(name), target / name)
+            except OSError as error:
+                raise StudyError(f"cannot read {study.folder / name}: {error.strerror}") from None
 
 
 def _judging() -> Iterator[Request]:

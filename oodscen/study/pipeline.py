@@ -51,6 +51,7 @@ class Pipeline:
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
+        FolderTaken: When it holds no study, but files that one would write.
         StudyError: When the folder cannot be written.
     """
 
@@ -64,9 +65,14 @@ class Pipeline:
         """Run every stage; items that fail are recorded and the rest goes on.
 
         Raises:
+            InUse: When another process writes the folder.
             RunStopped: When a cap is reached or an endpoint given up; running again continues.
             KeyboardInterrupt: When it is interrupted; running again continues as well.
         """
+        with self.store.writing():
+            return self._run()
+
+    def _run(self) -> Study:
         traffic = self.context.models.traffic
         traffic.reopen()
         began = time.perf_counter()
@@ -150,7 +156,7 @@ class Pipeline:
         return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
     def _claim(self) -> None:
-        """Make the folder, or check that the study there is this one."""
+        """Check that what the folder holds belongs to this run and is whole."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
             for name in JUDGING:
@@ -160,8 +166,7 @@ class Pipeline:
                 differences["oodscen"] = (made_with, __version__)
             if differences:
                 raise StudyMismatch(str(self.study.folder), differences)
-        else:
-            self.store.prepare()
+        self.study.check()
 
     def _save(self, status: Status, **more: Any) -> None:
         """Write `study.json`; what it was last counted to be stays in it until it is counted anew."""

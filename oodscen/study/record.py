@@ -2,8 +2,11 @@
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, ClassVar, Literal
 
+from pydantic import ConfigDict
+
+from oodscen._data import Data
 from oodscen._version import __version__
 from oodscen.prompts import prompt_versions
 from oodscen.registry import is_builtin
@@ -14,6 +17,25 @@ _BUILTIN = (
     "language model"
 )
 _PACKAGES = ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", "litellm")
+
+
+class Info(Data):
+    """What every reader of `study.json` may rely on; other fields are let through."""
+
+    noun: ClassVar[str] = "study"
+    model_config = ConfigDict(extra="allow")
+
+    schema_version: Literal[1] = 1
+    status: Status | None = None
+    config: dict[str, Any]
+    authors: dict[str, str] = {}
+    versions: dict[str, str] = {}
+    prompts: dict[str, str] = {}
+    counts: dict[str, Any] = {}
+    failures: dict[str, int] = {}
+    usage: tuple[dict[str, Any], ...] = ()
+    seconds: dict[str, float] = {}
+    stopped: str = ""
 
 
 def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:

@@ -1,13 +1,27 @@
 """A study on disk, for reading: every table in one call."""
 
-import json
+import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
+
+from pydantic import ConfigDict
 
 from oodscen._data import Data
+from oodscen.claims.claim import Claim
+from oodscen.edits import TreeEdit
 from oodscen.episode import Episode
-from oodscen.errors import DataError, MissingExtra, StudyError, StudyMissing, UnknownComponent
+from oodscen.errors import (
+    DataError,
+    FolderTaken,
+    MissingExtra,
+    StudyError,
+    StudyMissing,
+    UnknownComponent,
+)
+from oodscen.judging.opinions import Opinion
+from oodscen.llms.logged import Call
 from oodscen.prune import PruneDecision
 from oodscen.pruning.comparing import Comparison
 from oodscen.pruning.restoring import Restoration
@@ -15,6 +29,7 @@ from oodscen.redteam import Round
 from oodscen.scenario import Scenario
 from oodscen.scene import Scene
 from oodscen.study.config import StudyConfig
+from oodscen.study.record import Info
 from oodscen.study.store import Store
 from oodscen.tree import ScenarioTree
 from oodscen.verdict import Verdict
@@ -22,6 +37,8 @@ from oodscen.verdict import Verdict
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
+
+    from oodscen.judging.closed_loop import DriveResult
 
 Row = TypeVar("Row", bound=Data)
 
@@ -39,6 +56,76 @@ TABLES: Mapping[str, str] = {
     "calls": "calls.jsonl",
 }
 """File of every table."""
+
+
+class _Failed(Data):
+    """A line that stands for an item that failed, in a file whose items have no status of their own."""
+
+    noun: ClassVar[str] = "failed item"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    status: Literal["failed"]
+    error: str
+    retryable: bool = False
+
+
+class _Told(Data):
+    """A line of `claims.jsonl`."""
+
+    noun: ClassVar[str] = "list of claims"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    claims: tuple[Claim, ...]
+
+
+class _Restaged(Data):
+    """A line of `restaged.jsonl`."""
+
+    noun: ClassVar[str] = "restaging"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    scene: Scene | None = None
+
+
+_KINDS: Mapping[str, type[Data]] = {
+    "redteam.jsonl": Round,
+    "edits.jsonl": TreeEdit,
+    "pruned.jsonl": PruneDecision,
+    "scenarios.jsonl": Scenario,
+    "claims.jsonl": _Told,
+    "scenes.jsonl": Scene,
+    "restaged.jsonl": _Restaged,
+    "episodes.jsonl": Episode,
+    "episodes.paper.jsonl": Episode,
+    "verdicts.jsonl": Verdict,
+    "opinions.jsonl": Opinion,
+    "calls.jsonl": Call,
+}
+"""What the lines of every file are that a run goes on from, besides the text sets."""
+
+_OTHERS = (
+    "study.json",
+    "restore.json",
+    "catalogues.json",
+    "leaderboard.json",
+    "metrics.json",
+    "drives.jsonl",
+    "answers.jsonl",
+    "report.html",
+    "frames",
+    "traces",
+    "videos",
+)
+_TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
+
+
+def is_own(name: str) -> bool:
+    """Whether a study's folder has a file, or a folder, of this name that a run or a command writes."""
+    trees = {f"tree.{tree}.json" for tree in TREES}
+    return name in {*_OTHERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
 
 
 class Study:
@@ -60,13 +147,40 @@ class Study:
             raise StudyMissing(str(folder))
         return study
 
+    def own(self) -> list[str]:
+        """Return the names in the folder, in order, that a study writes."""
+        try:
+            return sorted(filter(is_own, os.listdir(self.folder)))
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise StudyError(f"cannot read {self.folder}: {error.strerror or error}") from None
+
+    def check(self) -> None:
+        """Make sure that a run can go on from what the folder holds, or begin in it.
+
+        Raises:
+            FolderTaken: When there is no study, but something that one would write.
+            DataError: When a line, or a tree, is malformed.
+            StudyError: When a file cannot be read.
+        """
+        names = self.own()
+        if names and not self.store.has("study.json"):
+            raise FolderTaken(str(self.folder), names)
+        for name in names:
+            kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
+            if kind is not None:
+                self._rows(kind, name)
+        for name in TREES:
+            if f"tree.{name}.json" in names:
+                self.tree(name)
+
     @property
     def info(self) -> dict[str, Any]:
         """Content of `study.json`: configuration, seeds, versions, counts, status."""
-        loaded = self._json("study.json")
-        if not isinstance(loaded, dict):
-            raise StudyError(f"{self.folder / 'study.json'} is not an object")
-        return loaded
+        content = self.store.read("study.json")
+        Info.parse(content, source=str(self.folder / "study.json"))
+        return content
 
     @property
     def config(self) -> StudyConfig:
@@ -76,7 +190,7 @@ class Study:
     @property
     def metrics(self) -> dict[str, Any]:
         """Content of `metrics.json`; empty while there is none."""
-        return self._json("metrics.json") if self.store.has("metrics.json") else {}
+        return self.store.read("metrics.json") if self.store.has("metrics.json") else {}
 
     def tree(self, name: str) -> ScenarioTree:
         """Return the `initial`, `diverse` or `simulatable` tree."""
@@ -128,6 +242,13 @@ class Study:
         """Every verdict, the failed ones included."""
         return self._rows(Verdict, "verdicts.jsonl")
 
+    @property
+    def drives(self) -> "list[DriveResult]":
+        """What `oodscen drive` found."""
+        from oodscen.judging.closed_loop import DriveResult
+
+        return self._rows(DriveResult, "drives.jsonl")
+
     def trace(self, scene_id: str) -> "pa.Table":
         """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
 
@@ -142,7 +263,10 @@ class Study:
             import pyarrow.parquet as parquet
         except ImportError:
             raise MissingExtra("a trace as a table", "tables", "pyarrow") from None
-        return parquet.read_table(self.store.path(name))
+        try:
+            return parquet.read_table(self.store.inside(name))
+        except (OSError, ValueError) as error:
+            raise StudyError(f"cannot read {self.folder / name}: {error}") from None
 
     def failures(self, table: str) -> list[dict[str, Any]]:
         """Return the lines of a table that failed, each with its `error`."""
@@ -159,12 +283,19 @@ class Study:
         return list(self.store.lines(TABLES[name]))
 
     def to_arrow(self, name: str) -> "pa.Table":
-        """Return a table as an Arrow table, one row per line; mappings become structs."""
+        """Return a table as an Arrow table, one row per line; mappings become structs.
+
+        Raises:
+            StudyError: When values of one field are of several types.
+        """
         try:
             import pyarrow as pa
         except ImportError:
             raise MissingExtra("a table in Arrow's format", "tables", "pyarrow") from None
-        return pa.Table.from_pylist(self.table(name))
+        try:
+            return pa.Table.from_pylist(self.table(name))
+        except (pa.ArrowException, OverflowError) as error:
+            raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
 
     def to_pandas(self, name: str) -> "pd.DataFrame":
         """Return a table as a data frame, one row per line; fields of mappings are joined by dots."""
@@ -174,20 +305,14 @@ class Study:
             raise MissingExtra("a table as a data frame", "tables", "pandas") from None
         return pd.json_normalize(self.table(name), max_level=1)
 
-    def _json(self, name: str) -> Any:
-        path = self.folder / name
-        try:
-            return json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise StudyError(f"cannot read {path}: {error}") from None
-
     def _rows(self, kind: type[Row], name: str) -> list[Row]:
         rows = []
-        for number, line in enumerate(self.store.lines(name), start=1):
-            if line.get("status") == "failed" and "status" not in kind.model_fields:
-                continue
+        for number, line in self.store.numbered(name):
             try:
-                rows.append(kind.parse(line))
+                if line.get("status") == "failed" and "status" not in kind.model_fields:
+                    _Failed.parse(line)
+                else:
+                    rows.append(kind.parse(line))
             except DataError as error:
                 source = f"{self.folder / name}, line {number}"
                 raise DataError(error.noun, error.issues, source=source) from None

@@ -1,31 +1,133 @@
-"""Outputs that take nothing: a line at most, and no traceback at the end of the process."""
+"""What commands write lands where it was said to, and takes nothing else's place."""
 
-import subprocess
-import sys
+import json
+import os
+import stat
+import threading
 
 import pytest
+from click.testing import CliRunner
+
+from oodscen.cli import main
+from oodscen.cli.output import read_lines, write
+from oodscen.errors import DataError, FolderTaken, OodscenError
+from oodscen.scenario import Scenario
 
 
-def called(*words: str, **outputs) -> subprocess.CompletedProcess[bytes]:
-    return subprocess.run([sys.executable, "-m", "oodscen", *words], check=False, **outputs)
+def test_a_file_is_replaced_where_a_link_leads_and_keeps_its_mode(tmp_path):
+    file, link = tmp_path / "real" / "a.json", tmp_path / "link"
+    file.parent.mkdir()
+    file.write_text("old")
+    file.chmod(0o640)
+    link.symlink_to("real/a.json")
+    write(link, "new")
+    assert link.is_symlink()
+    assert file.read_text() == "new\n"
+    assert stat.S_IMODE(file.stat().st_mode) == 0o640
+    assert [path.name for path in file.parent.iterdir()] == ["a.json"]
 
 
-@pytest.mark.parametrize("words", [("power", "0.66", "0.51"), ("--help",)])
-def test_a_full_device_is_one_line(words: tuple[str, ...]) -> None:
-    with open("/dev/full", "wb") as full:
-        result = called(*words, stdout=full, stderr=-1)
-    assert result.returncode == 1
-    assert result.stderr.decode().splitlines() == ["oodscen: [Errno 28] No space left on device"]
+def test_a_pipe_is_written_through(tmp_path):
+    pipe, read = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    write(pipe, "text")
+    reader.join()
+    assert read == ["text\n"]
+    assert pipe.is_fifo()
 
 
-def test_nobody_who_reads_is_no_error_worth_a_word() -> None:
-    process = subprocess.Popen([sys.executable, "-m", "oodscen", "--help"], stdout=-1, stderr=-1)
-    process.stdout.close()
-    assert process.stderr.read() == b""
-    assert process.wait() == 1
-    process.stderr.close()
+def test_a_device_stays_one(tmp_path):
+    link = tmp_path / "null"
+    link.symlink_to("/dev/null")
+    write(link, "text")
+    assert link.is_char_device()
 
 
-def test_a_full_device_for_messages_ends_quietly() -> None:
-    with open("/dev/full", "wb") as full:
-        assert called("power", "1", "1", stdout=-1, stderr=full).returncode == 1
+@pytest.mark.parametrize("place", ["/dev/full", "file/below", "folder"])
+def test_what_cannot_be_written_is_one_line(tmp_path, place):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OodscenError, match=r"^cannot write .*: [A-Z][^\n]*$"):
+        write(tmp_path / place, "text")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
+
+
+def test_no_file_of_a_study_is_replaced(tmp_path):
+    (tmp_path / "study.json").write_text("{}")
+    for name in ("study.json", "tree.initial.json", "scenes.jsonl", "texts.diverse.10.jsonl"):
+        with pytest.raises(FolderTaken) as caught:
+            write(tmp_path / name, "text")
+        assert caught.value.names == (name,)
+    assert [path.name for path in tmp_path.iterdir()] == ["study.json"]
+    for name in ("mine.json", "catalogues.json"):
+        write(tmp_path / name, "text")
+    with pytest.raises(FolderTaken):
+        write(tmp_path / "catalogues.json", "text")
+
+
+def test_closed_or_full_output_is_one_line(monkeypatch):
+    def full(*words, **more):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("oodscen.cli.output.click.echo", full)
+    monkeypatch.setattr("oodscen.cli.say", lambda words, err: said.append(words))
+    said: list[str] = []
+    assert CliRunner().invoke(main, ["grow", "--nodes", "12"]).exit_code == 1
+    monkeypatch.setattr("sys.stdout", None)
+    with pytest.raises(SystemExit) as caught:
+        main(["grow", "--nodes", "12"])
+    assert caught.value.code == 2
+    assert ["No space left" in said[0], "closed" in said[1], len(said)] == [True, True, 2]
+
+
+def test_lines_are_split_at_line_feeds_alone(tmp_path):
+    file = tmp_path / "a.jsonl"
+    rows = [Scenario(id="a", text="x\u2028y\u0085z\x0b"), Scenario(id="b", text="w")]
+    file.write_bytes(b"\r\n".join(row.to_json().encode() for row in rows))
+    assert read_lines(Scenario, file) == rows
+
+
+@pytest.mark.parametrize(
+    "content", [b"\xff", b'{"id":' * 50_000, b'{"id":"a","id":"b","text":"x"}']
+)
+def test_a_malformed_line_is_a_data_error(tmp_path, content):
+    (tmp_path / "a.jsonl").write_bytes(content)
+    with pytest.raises(DataError):
+        read_lines(Scenario, tmp_path / "a.jsonl")
+
+
+def test_simulating_touches_no_study_and_nothing_simulated_before(tmp_path):
+    from oodscen.testing.scenes import example_scene
+
+    scenes = tmp_path / "scenes.jsonl"
+    scenes.write_text(example_scene().to_json() + "\n")
+
+    def simulate(out):
+        order = ["simulate", str(scenes), str(out), "--simulator", "flat"]
+        return CliRunner().invoke(main, order)
+
+    for name in ("study.json", "traces"):
+        folder = tmp_path / name.partition(".")[0]
+        (folder / name).mkdir(parents=True)
+        found = simulate(folder)
+        assert found.exit_code == 2
+        assert f"holds {name} already" in found.output
+        assert [path.name for path in folder.iterdir()] == [name]
+    assert simulate(tmp_path / "new").exit_code == 0
+    before = (tmp_path / "new" / "episodes.jsonl").stat().st_mtime_ns
+    assert simulate(tmp_path / "new").exit_code == 2
+    assert (tmp_path / "new" / "episodes.jsonl").stat().st_mtime_ns == before
+
+
+def test_an_id_too_long_for_a_file_is_refused_before_anything_runs(tmp_path):
+    from oodscen.testing.scenes import example_scene
+
+    row = json.loads(example_scene().to_json()) | {"id": "x" * 300}
+    (tmp_path / "scenes.jsonl").write_text(json.dumps(row))
+    order = ["simulate", str(tmp_path / "scenes.jsonl"), str(tmp_path / "out")]
+    found = CliRunner().invoke(main, order)
+    assert found.exit_code == 2
+    assert "line 1: id: String should have at most 200" in found.output
+    assert not (tmp_path / "out").exists()

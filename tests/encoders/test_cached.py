@@ -1,3 +1,7 @@
+import os
+import pwd
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -5,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen._lock import locked
 from oodscen.encoders import CachedEncoder
 from oodscen.encoders.cached import cache_folder
 from oodscen.testing.encoder import HashEncoder
@@ -91,6 +96,47 @@ def test_what_two_writers_save_is_joined(tmp_path):
     assert not later.seen
 
 
+SAVING = """
+import sys
+from pathlib import Path
+from oodscen.encoders import CachedEncoder
+from oodscen.testing.encoder import HashEncoder
+
+for number in range(5):
+    cached = CachedEncoder(HashEncoder(16), sys.argv[1])
+    cached.encode([f"{sys.argv[2]} {number} {i}" for i in range(20)])
+"""
+
+
+def test_nothing_is_lost_of_what_several_processes_save_at_once(tmp_path):
+    orders = [[sys.executable, "-c", SAVING, str(tmp_path), name] for name in "abc"]
+    assert [process.wait() for process in map(subprocess.Popen, orders)] == [0, 0, 0]
+    later = Counting(name=HashEncoder(16).name)
+    texts = [f"{name} {number} {i}" for name in "abc" for number in range(5) for i in range(20)]
+    CachedEncoder(later, tmp_path).encode(texts)
+    assert not later.seen
+    assert len(os.listdir(tmp_path)) == 1
+
+
+def test_a_process_that_halts_while_it_saves_holds_up_nobody_for_ever(tmp_path, monkeypatch):
+    monkeypatch.setattr("oodscen.encoders.cached._WAIT_S", 0.0)
+    cached = CachedEncoder(Counting(), tmp_path)
+    holder = threading.Thread(target=lambda: _hold(cached.path, held, done))
+    held, done = threading.Event(), threading.Event()
+    holder.start()
+    held.wait()
+    assert np.array_equal(cached.encode(TEXTS), HashEncoder(16).encode(TEXTS))
+    done.set()
+    holder.join()
+    assert not list(tmp_path.iterdir())
+
+
+def _hold(path, held, done):
+    with locked(path, "cache"):
+        held.set()
+        done.wait()
+
+
 def test_a_folder_that_cannot_be_written_is_no_failure(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("")
@@ -120,6 +166,18 @@ def test_the_cache_folder_follows_the_environment(monkeypatch, tmp_path):
     assert cache_folder() == tmp_path / "oodscen"
     monkeypatch.delenv("XDG_CACHE_HOME")
     assert cache_folder().parts[-2:] == (".cache", "oodscen")
+
+
+def test_who_has_no_home_has_a_folder_of_the_process(monkeypatch):
+    def nobody(uid):
+        raise KeyError(uid)
+
+    for name in ("XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", nobody)
+    folder = cache_folder()
+    assert folder == cache_folder()
+    assert folder.stat().st_mode & 0o777 == 0o700
 
 
 def _filled(folder):

@@ -16,7 +16,7 @@ HOSTILE = (
     '<script>alert("x")</script><img src=x onerror=alert(1)>"\'><a href="javascript:alert(2)">'
     "</style></script>{{ 7*7 }}{% raw %}&amp;\u202e\x00\x1b"
 )
-SURROGATE = "\\ud800 lone, \\u0000 nul"
+NUL = "\\u0000 nul"
 
 
 def page(study: Study) -> Any:
@@ -227,11 +227,11 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
             name,
             lambda text: re.sub(
                 r'("(?:text|reason|error|model|aspect|action|purpose|source|reasoning|contradiction|choice)":)"[^"]+"',
-                lambda found: f'{found[1]}"{quoted}{SURROGATE}"',
+                lambda found: f'{found[1]}"{quoted}{NUL}"',
                 text,
             ),
         )
-    label = quoted.split("\\u0000")[0] + "\\ud800"
+    label = quoted.split("\\u0000")[0]
     for name in ("tree.initial.json", "tree.diverse.json", "tree.simulatable.json"):
         edit(study, name, lambda text: text.replace("Vehicle driving the wrong way", label))
     edit(
@@ -239,7 +239,7 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
         "metrics.json",
         lambda text: re.sub(r'"text": "[^"]+"', lambda _: f'"text": "{quoted}"', text),
     )
-    edit(study, "study.json", lambda text: text.replace('"builtin"', f'"{quoted}{SURROGATE}"'))
+    edit(study, "study.json", lambda text: text.replace('"builtin"', f'"{quoted}{NUL}"'))
     source = write_report(study).read_text(encoding="utf-8")
     document: Any = html.document_fromstring(source)
     assert document.xpath("//script/@type") == ["application/json"]
@@ -254,6 +254,18 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
     assert any("<script>alert" in row["text"] for row in scenes_of(document))
     assert "\x00" not in source
     assert "\x1b" not in source
+
+
+def test_half_a_surrogate_pair_is_a_gap(study: Study) -> None:
+    for name in ("verdicts.jsonl", "study.json"):
+        edit(
+            study,
+            name,
+            lambda text: text.replace('"builtin"', '"\\ud800"').replace("@", "\\udfff", 1),
+        )
+    words = page(study).text_content()
+    assert "study.json cannot be read" in words
+    assert "1 line(s) of verdicts.jsonl" in words
 
 
 def test_links_stay_inside_the_page_and_the_folder(study: Study) -> None:

@@ -1,18 +1,31 @@
 """The whole run: complete, repeatable, resumable, refusing what does not belong together."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from oodscen import Study
-from oodscen.errors import StudyError, StudyMismatch, UnknownComponent
-from oodscen.study import run_study
+from oodscen.cli import main
+from oodscen.errors import (
+    DataError,
+    FolderTaken,
+    InUse,
+    StudyError,
+    StudyMismatch,
+    UnknownComponent,
+)
+from oodscen.report import write_report
+from oodscen.study import estimate, run_study
+from oodscen.study.dropping import drop_models
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.study.quick import QUICK
 
@@ -139,6 +152,87 @@ def test_a_folder_of_another_configuration_is_refused_with_the_difference(folder
         run_study(folder, QUICK.model_copy(update={"seed": 4, "per_path": 2}))
     assert caught.value.differences == {"seed": (3, 4), "per_path": (1, 2)}
     assert content(folder) == before
+
+
+def stats(folder):
+    return {path: path.stat().st_mtime_ns for path in [folder, *sorted(folder.rglob("*"))]}
+
+
+@pytest.mark.parametrize(
+    "name", ["scenarios.jsonl", "metrics.json", "report.html", "frames/a.jpg", "tree.diverse.json"]
+)
+def test_what_is_in_the_way_is_named_and_stays(tmp_path, name):
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine")
+    (tmp_path / "notes.txt").write_text("mine")
+    before = content(tmp_path)
+    for begin in (run_study, estimate):
+        with pytest.raises(FolderTaken) as caught:
+            begin(tmp_path, QUICK)
+        assert caught.value.names == (name.partition("/")[0],)
+    assert content(tmp_path) == before
+
+
+def test_other_files_in_the_folder_are_let_be(folder, tmp_path):
+    mine = {".probe": "a", ".study.json.part": "b", "notes.txt": "c"}
+    for name, text in mine.items():
+        (tmp_path / name).write_text(text)
+    run_study(tmp_path, QUICK)
+    assert {name: (tmp_path / name).read_text() for name in mine} == mine
+    found = {name: data for name, data in content(tmp_path).items() if name not in mine}
+    assert found == content(folder)
+
+
+WRITING = {
+    "run": lambda out: run_study(out, QUICK),
+    "drop": lambda out: drop_models(Study.open(out), ["random"]),
+    "report": lambda out: write_report(Study.open(out)),
+    "run command": lambda out: call("run", out, "--quick"),
+    "evaluate": lambda out: call("evaluate", out, "--vlm", "random"),
+    "drive": lambda out: call("drive", out),
+    "report command": lambda out: call("report", out),
+    "simulate": lambda out: call("simulate", out / "scenes.jsonl", out),
+}
+
+
+def call(*words):
+    found = CliRunner().invoke(main, [str(word) for word in words])
+    assert found.exit_code == 2
+    assert "is being written by process" in found.output
+    raise InUse("", "", "", "")
+
+
+@pytest.mark.parametrize("how", WRITING)
+def test_who_comes_second_changes_nothing(folder, how):
+    held, done = threading.Event(), threading.Event()
+
+    def hold():
+        with Study.open(folder).store.writing():
+            held.set()
+            done.wait()
+
+    first = threading.Thread(target=hold)
+    first.start()
+    held.wait()
+    before = stats(folder)
+    try:
+        with pytest.raises(InUse):
+            WRITING[how](folder)
+        assert stats(folder) == before
+        assert Study.open(folder).verdicts
+    finally:
+        done.set()
+        first.join()
+
+
+def test_a_broken_file_stops_a_run_before_it_writes(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    lines = (out / "claims.jsonl").read_text().split("\n")
+    (out / "claims.jsonl").write_text("\n".join([lines[0], '{"id":"x"}', *lines[1:]]))
+    before = content(out) | {"study.json": (out / "study.json").read_bytes()}
+    with pytest.raises(DataError, match=r"claims.jsonl, line 2"):
+        run_study(out, QUICK)
+    assert content(out) | {"study.json": (out / "study.json").read_bytes()} == before
 
 
 def test_unknown_components_are_refused_before_anything_is_written(tmp_path):

@@ -29,16 +29,101 @@ def test_lines_come_back_as_they_were_written(tmp_path_factory, rows):
 
 
 @given(ROWS.filter(bool), st.data())
-def test_a_torn_last_line_is_dropped_and_the_file_is_whole_again(tmp_path_factory, rows, data):
+def test_reading_changes_nothing_and_only_whole_lines_count(tmp_path_factory, rows, data):
     store = Store(tmp_path_factory.mktemp("store"))
     store.write_lines("a.jsonl", rows)
     content = store.path("a.jsonl").read_bytes()
-    cut = data.draw(st.integers(0, len(content)))
-    store.path("a.jsonl").write_bytes(content[:cut])
-    whole = content[:cut].count(b"\n")
-    assert list(store.lines("a.jsonl")) == rows[:whole]
+    left = content[: data.draw(st.integers(0, len(content)))]
+    store.path("a.jsonl").write_bytes(left)
+    os.utime(store.path("a.jsonl"), (1, 1))
+    lacks_only_its_end = not left.endswith(b"\n") and content[len(left) :].startswith(b"\n")
+    whole = rows[: left.count(b"\n") + lacks_only_its_end]
+    assert list(store.lines("a.jsonl")) == whole
+    assert store.path("a.jsonl").read_bytes() == left
+    assert store.path("a.jsonl").stat().st_mtime == 1
     store.append("a.jsonl", {"id": "next"})
-    assert list(store.lines("a.jsonl")) == [*rows[:whole], {"id": "next"}]
+    assert list(store.lines("a.jsonl")) == [*whole, {"id": "next"}]
+    store.append("a.jsonl", {"id": "last"})
+    lines = [json.loads(line) for line in store.path("a.jsonl").read_bytes().split(b"\n")[:-1]]
+    assert lines == [*whole, {"id": "next"}, {"id": "last"}]
+
+
+def test_a_long_torn_line_is_cut_off_whole(tmp_path):
+    store = Store(tmp_path)
+    store.path("a.jsonl").write_text('{"id":1}\n{"text":"' + "x" * 200_000)
+    store.append("a.jsonl", {"id": 2})
+    assert store.path("a.jsonl").read_text() == '{"id":1}\n{"id":2}\n'
+
+
+def test_lines_end_at_line_feeds_alone(tmp_path):
+    store = Store(tmp_path)
+    store.path("a.jsonl").write_bytes('{"a":"x\u2028y\u0085z"}\r\n\n{"a":1}'.encode())
+    assert list(store.numbered("a.jsonl")) == [(1, {"a": "x\u2028y\u0085z"}), (3, {"a": 1})]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"[1]",
+        b"null",
+        b'{"a":NaN}',
+        b'{"a":-Infinity}',
+        b'{"a":1e999}',
+        b'{"a":1,"a":1}',
+        b'{"a":"\xff"}',
+        b'{"a":"\\ud800"}',
+        b'{"a":' + b"9" * 400 + b"}",
+        b'{"a":' * 100_000,
+        b"\0",
+    ],
+)
+def test_what_is_no_plain_object_is_one_line(tmp_path, line):
+    store = Store(tmp_path)
+    store.path("a.jsonl").write_bytes(line + b'\n{"a":1}\n')
+    with pytest.raises(StudyError, match="line 1") as caught:
+        list(store.lines("a.jsonl"))
+    assert "\n" not in str(caught.value)
+    with pytest.raises(StudyError):
+        store.read("a.jsonl")
+
+
+def test_a_folder_in_place_of_a_file_is_a_study_error(tmp_path):
+    store = Store(tmp_path)
+    store.path("a.jsonl").mkdir()
+    for read in (store.read, lambda name: list(store.lines(name))):
+        with pytest.raises(StudyError, match="directory"):
+            read("a.jsonl")
+
+
+def test_names_lead_nowhere_else(tmp_path):
+    store = Store(tmp_path / "study")
+    store.write("frames/a/first.jpg", b"")
+    (tmp_path / "priv").mkdir()
+    store.path("frames/b").symlink_to(tmp_path / "priv")
+    store.path("frames/c").symlink_to("a")
+    assert store.inside("frames/a/first.jpg").is_file()
+    assert store.inside("frames/c/first.jpg").is_file()
+    for name in ("", "../priv/x.jpg", "/etc/passwd", "frames/../../x", "frames/b/x.jpg", "a\0b"):
+        with pytest.raises(StudyError):
+            store.inside(name)
+
+
+def test_what_a_killed_writer_left_goes_when_the_next_one_writes(tmp_path):
+    store = Store(tmp_path)
+    (tmp_path / "frames").mkdir()
+    part = tmp_path / "frames" / ".1-0123456789ab.oodscen-part"
+    users = tmp_path / ".mine.part"
+    for path in (part, users):
+        path.write_text("")
+    with store.writing():
+        assert not part.exists()
+    assert users.exists()
+
+
+def test_a_folder_that_stays_empty_is_not_left_behind(tmp_path):
+    with Store(tmp_path / "a" / "b").writing():
+        pass
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_fault_in_the_middle_is_an_error_that_names_the_line(tmp_path):

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen import Scenario, Study
-from oodscen.errors import DataError, StudyError, UnknownComponent
+from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent
 from oodscen.redteam import Round
 from oodscen.study import Store
 
@@ -57,3 +57,28 @@ def test_a_malformed_line_is_named(study, tmp_path):
         _ = study.scenarios
     assert caught.value.source.endswith("line 3")
     assert [issue.path for issue in caught.value.issues] == ["text"]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        '"versions":[]',
+        '"counts":1',
+        '"failures":{"scenes":Infinity}',
+        '"usage":NaN',
+        '"status":"done"',
+        '"config":[]',
+        '"authors":{"llm":3}',
+    ],
+)
+def test_a_wrong_record_is_one_typed_error(tmp_path, more):
+    (tmp_path / "study.json").write_text('{"schema_version":1,"config":{},' + more + "}")
+    with pytest.raises(OodscenError):
+        _ = Study.open(tmp_path).info
+
+
+def test_tables_of_mixed_types_are_a_study_error(tmp_path):
+    Store(tmp_path).write_lines("calls.jsonl", [{"a": 1}, {"a": "x"}, {"a": {"b": []}}])
+    with pytest.raises(StudyError, match=r"calls.jsonl"):
+        Study(tmp_path).to_arrow("calls")
+    assert len(Study(tmp_path).to_pandas("calls")) == 3

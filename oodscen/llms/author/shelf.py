@@ -195,7 +195,7 @@ def _content(text: str) -> Mapping[str, Any]:
 def _lines(text: str, key: str) -> list[int]:
     """Return the numbers of the lines that open an entry of a list of tables."""
     opens = re.compile(rf"\[\[\s*{key}\s*\]\]")
-    return [n for n, line in enumerate(text.splitlines(), start=1) if opens.match(line.strip())]
+    return [n for n, line in enumerate(text.split("\n"), start=1) if opens.match(line.strip())]
 
 
 def _shipped() -> list[tuple[str, str]]:

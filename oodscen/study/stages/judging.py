@@ -3,11 +3,13 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from oodscen._data import canonical_json, digest
 from oodscen.concurrency import as_finished
 from oodscen.episode import ACTIONS, MOMENTS, Episode
+from oodscen.errors import StudyError
 from oodscen.evaluation import aspect_options, unjudged
 from oodscen.evaluation import evaluate as judge_episode
 from oodscen.judging.leaderboard import leaderboard
@@ -162,11 +164,11 @@ def _models(
 ) -> dict[str, tuple[LLM, int]]:
     """Return who is judged, and how many questions may be put to each at once."""
     leaves = {one.id: (one.leaf, one.path[-1] if one.path else "") for one in scenarios}
-    pictures = {
-        episode.scene_id: run.store.path(episode.frames["last"])
-        for episode in episodes
-        if episode.status == "ok" and "last" in episode.frames
-    }
+    pictures = {}
+    for episode in episodes:
+        if episode.status == "ok" and "last" in episode.frames:
+            with suppress(StudyError):
+                pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
     maps = {scene.id: scene.map for scene in scenes}
     maps |= {twin_id(name): place for name, place in maps.items()}
     models: dict[str, tuple[LLM, int]] = {}
@@ -203,8 +205,8 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
         if not is_reference(model):
             try:
                 for moment, file in episode.frames.items():
-                    frames[moment] = Image.from_file(run.store.path(file), file)
-            except OSError as error:
+                    frames[moment] = Image.from_file(run.store.inside(file), file)
+            except (OSError, StudyError) as error:
                 return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
             lacks = [f"there is no {moment} frame" for moment in MOMENTS if moment not in frames]
             if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:

@@ -135,6 +135,33 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     assert counts["outdated"] == counts["answered"] == len(rows) - 1
 
 
+def test_no_picture_from_outside_the_study_is_shown(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    (tmp_path / "priv").mkdir()
+    scenes = [scene.id for scene in Study.open(out).scenes]
+    shutil.copy(out / "frames" / scenes[0] / "last.jpg", tmp_path / "priv" / "last.jpg")
+    shutil.rmtree(out / "frames" / scenes[1])
+    (out / "frames" / scenes[1]).symlink_to(tmp_path / "priv")
+    lines = (out / "episodes.jsonl").read_text()
+    named = lines.replace(f"frames/{scenes[0]}/last.jpg", "../priv/last.jpg")
+    (out / "episodes.jsonl").write_text(named)
+    shown = []
+
+    def answer(asked):
+        shown.extend(image.path for message in asked.messages for image in message.images)
+        return ConstantAnswerer("stop").complete(asked).text
+
+    model = FunctionLLM(answer)
+    model.name = "mine"
+    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    rows = of(run_study(out, config, models={"mine": model}), "mine")
+    for name in scenes[:2]:
+        assert (rows[name].outcome, rows[name].error_type) == ("error", "StudyError")
+    assert rows[scenes[2]].outcome == "answered"
+    assert shown
+    assert all(path.resolve().is_relative_to(out.resolve()) for path in shown)
+
+
 def _version(rows):
     return next(row.prompts["name-aspect"] for row in rows.values() if row.prompts)
 

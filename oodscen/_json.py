@@ -1,0 +1,103 @@
+"""The one way in which JSON from outside is read: strict, of bounded depth, with errors of one line."""
+
+import json
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic_core import from_json
+
+_LONGEST_NUMBER = 100
+"""In characters; every number that is as long or shorter is within a float's range."""
+
+
+def parse_json(text: str | bytes) -> Any:
+    """Parse a JSON document in UTF-8.
+
+    Refused are, beyond what is no JSON: NaN and infinity, numbers outside a float's range, objects that name a
+    key twice, halves of surrogate pairs, and values nested more than 200 deep.
+
+    Raises:
+        ValueError: In one line.
+    """
+    if isinstance(text, bytes):
+        try:
+            text = text.decode()
+        except UnicodeDecodeError as error:
+            raise ValueError(f"byte {error.start} is not UTF-8") from None
+    # It knows no duplicate keys, but where to stop: json would go as deep as the interpreter can.
+    from_json(text, allow_inf_nan=False)
+    return json.loads(
+        text,
+        object_pairs_hook=_distinct,
+        parse_float=_float,
+        parse_int=_int,
+        parse_constant=_refused,
+    )
+
+
+def parse_object(text: str | bytes) -> dict[str, Any]:
+    """Parse a JSON document that is an object.
+
+    Raises:
+        ValueError: In one line.
+    """
+    value = parse_json(text)
+    if not isinstance(value, dict):
+        raise ValueError("is not a JSON object")
+    return value
+
+
+def object_lines(content: bytes) -> Iterator[tuple[int, dict[str, Any] | ValueError]]:
+    """Parse one object per line; lines end at LF or CR LF alone, and blank ones are skipped.
+
+    A last line without its end counts if it is whole. A torn one is one that is still being written, or
+    whose writer was killed: it is left out.
+
+    Yields:
+        The line's number from 1, with the object, or with what is wrong with the line.
+    """
+    *lines, last = content.split(b"\n")
+    for number, line in enumerate(lines, start=1):
+        if line.strip():
+            try:
+                yield number, parse_object(line)
+            except ValueError as error:
+                yield number, error
+    if is_object(last):
+        yield len(lines) + 1, parse_object(last)
+
+
+def is_object(text: bytes) -> bool:
+    """Whether a text is a whole JSON object."""
+    try:
+        parse_object(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"the key {twice[:60]!r} occurs twice in one object")
+    return found
+
+
+def _float(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        _refused(text)
+    return value
+
+
+def _int(text: str) -> int:
+    if len(text) > _LONGEST_NUMBER:
+        _refused(text)
+    return int(text)
+
+
+def _refused(text: str) -> None:
+    raise ValueError(f"{text[:20]} is no number that can be read")
