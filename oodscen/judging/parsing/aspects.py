@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.judging.parsing.reading import (
-    TWO_ANSWERS,
     Reading,
-    UnusableError,
     is_placeholder,
     is_refusal,
     members,
     read,
+    unwrapped,
     words_in,
 )
-from oodscen.judging.parsing.text import folded
+from oodscen.judging.parsing.text import TWO_ANSWERS, UnusableError, folded
 
 LONGEST_ASPECT = 300
 """Prose longer than this is no name of an aspect, in characters."""
@@ -47,32 +46,27 @@ def names_nothing(aspect: str) -> bool:
 
 
 _NOTHING = re.compile(
-    r"^\W*(?:none|nothing|nil|no|n/?a|not applicable|unknown)\W*$"
-    r"|^\W*(?:there (?:is|are) )?(?:none|nothing|no)\b.{0,40}\b(?:unusual|ordinary|ood|distribution|aspects?|anomal\w+)\W*$",
+    r"^\W*(?:none|nothing|nil|no|n/?a|not applicable|unknown)\W*$|^\W*(?:there (?:is|are) )?(?:none|nothing|no)\b"
+    r".{0,40}\b(?:unusual|ordinary|ood|distribution|aspects?|anomal\w+)\W*$",
     re.IGNORECASE,
 )
 
 # ------------------------------------------------------------------ in an object
 
 _IS_OOD = re.compile(
-    r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y|ous)|abnormal)|answer"
+    r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
+    r"|ous)|abnormal)|answer"
 )
 _ASPECT = re.compile(r"(?:\w*aspect|what|label)")
+_NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 _CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
-_WRAPPERS = re.compile(
-    r"(?:final|json|data|arguments|parameters)?(?:answer|response|result|output|assessment)?"
-)
 
 
-def _detected(value: Mapping[str, Any], depth: int = 4) -> Detected | None:
-    held = [
-        one
-        for one in members(value, _IS_OOD)
-        if not isinstance(one, dict) and not is_placeholder(one)
-    ]
+def _detected(value: Mapping[str, Any]) -> Detected | None:
+    value = unwrapped(value, _IS_OOD)
+    held = [one for one in members(value, _IS_OOD) if not is_placeholder(one)]
     if not held:
-        inner = [one for one in members(value, _WRAPPERS) if isinstance(one, dict)]
-        return _detected(inner[0], depth - 1) if len(inner) == 1 and depth else None
+        return None
     truths = {_truth(one) for one in held}
     if len(truths) > 1:
         raise UnusableError(TWO_ANSWERS)
@@ -92,26 +86,17 @@ def _aspect(value: Mapping[str, Any]) -> str:
     return said
 
 
-def _named(value: Mapping[str, Any], depth: int = 4) -> str | None:
-    names = re.compile(rf"{_ASPECT.pattern}|answer")
-    held = [one for one in members(value, names) if not is_placeholder(one)]
-    if (
-        len(held) == 1
-        and isinstance(held[0], dict)
-        and depth
-        and (inner := _named(held[0], depth - 1)) is not None
-    ):
-        return inner
-    said = {words_in(one) for one in held} - {""}
+def _named(value: Mapping[str, Any]) -> str | None:
+    value = unwrapped(value, _NAMED)
+    held = [one for one in members(value, _NAMED) if not is_placeholder(one)]
+    said = {words_in(one) for one in held}
     if len(said) > 1:
         raise UnusableError(TWO_ANSWERS)
-    if held and not said:
-        raise UnusableError("no aspect is named")
     return _name(said.pop()) if said else None
 
 
 def _name(said: str) -> str:
-    if not re.search(r"\w", said):
+    if said and not re.search(r"\w", said):
         raise UnusableError("no aspect is named")
     return "" if names_nothing(said) else said
 
@@ -144,9 +129,10 @@ def probability(value: object) -> float | None:
 
 
 _NUMBER = re.compile(r"\s*(\d{1,9}(?:\.\d{1,30})?)\s*(?:(%|percent)|(?:/|out of)\s*(\d{1,3}))?\s*")
+_SHARE = r"\d{1,3}(?:\.\d{1,30})? ?(?:%|percent|/ ?10{1,2}\b|out of 10\b)"
 _CONFIDENT = re.compile(
-    r"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>\d+(?:\.\d+)?(?: ?(?:%|percent|/ ?10|/ ?100|out of 10))?)"
-    r"|\((?P<alone>0?\.\d+|1(?:\.0+)?|\d{1,3} ?%)\)|(?P<before>\d+(?:\.\d+)? ?(?:%|percent)) (?:sure|certain|confident)",
+    rf"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>{_SHARE}|\d+(?:\.\d+)?)"
+    rf"|\((?P<alone>0?\.\d+|1(?:\.0+)?|{_SHARE})\)|(?P<before>{_SHARE}) (?:sure|certain|confident)",
     re.IGNORECASE,
 )
 
@@ -164,43 +150,38 @@ def _confidence_in(prose: str) -> float | None:
 
 
 def _detected_in_prose(prose: str) -> Detected | None:
-    """Read a "yes" or "no" that is marked as the answer or opens it, or a sentence that says as much."""
+    """Read a "yes" or "no" that is marked as the answer, or opens the text with words that go with it."""
     plain = folded(prose)
     marked = {_TRUTHS[one[1]] for one in _MARKED.finditer(plain)}
-    first = _FIRST.match(plain)
-    said = marked or ({_TRUTHS[first[1]]} if first else set())
-    said |= {False for _ in _ORDINARY.finditer(plain)} | {True for _ in _UNUSUAL.finditer(plain)}
-    if len(said) != 1 or _OPEN.search(plain) or (not marked and is_refusal(prose)):
-        if len(said) > 1:
-            raise UnusableError(TWO_ANSWERS)
+    opening = _OPENING.match(plain)
+    said = marked or ({_TRUTHS.get(opening[1], False)} if opening else set())
+    if len(said) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    if not said or _OPEN.search(plain) or (not marked and is_refusal(prose)):
         return None
     is_ood = said.pop()
-    if first and not marked and not _fits(is_ood, plain[first.end() :]):
-        raise UnusableError("what follows yes or no does not fit it")
-    confidence = _confidence_in(prose)
-    if not is_ood:
-        return Detected(False, "", confidence)
+    rest = "" if marked or not opening else plain[opening.end() :]
+    says_usual = bool(_USUAL.search(rest))
+    if (
+        says_usual
+        if is_ood
+        else not says_usual and re.search(r"[^\W\d]{2}", _CONFIDENT.sub("", rest))
+    ):
+        raise UnusableError("what follows yes or no does not go with it")
+    aspect = _aspect_in(prose, is_marked=bool(marked)) if is_ood else ""
+    return Detected(is_ood, aspect, _confidence_in(prose))
+
+
+def _aspect_in(prose: str, *, is_marked: bool) -> str:
     named = _labelled(prose)
     if named is None:
-        rest = _CONFIDENT.sub(
-            "", prose if marked else re.sub(r"\A\W*\w+\W*", "", prose, count=1) if first else prose
+        named = _CONFIDENT.sub(
+            "", prose if is_marked else re.sub(r"\A\W*\w+\W*", "", prose, count=1)
         )
-        named = "" if marked else rest.strip(" \n.,:;!()\u2014\u2013-")
-        if named and names_nothing(named):
+        if len(named) > LONGEST_ASPECT:
             raise UnusableError("the aspect is not named")
-        if len(named) > LONGEST_ASPECT or (marked and len(rest) > LONGEST_ASPECT):
-            raise UnusableError("the aspect is not named")
-    return Detected(True, "" if names_nothing(named) else named, confidence)
-
-
-def _fits(is_ood: bool, rest: str) -> bool:
-    """Whether the words after a "yes" or "no" go with it."""
-    says_usual = bool(_USUAL_WORDS.search(rest))
-    return (
-        not says_usual
-        if is_ood
-        else says_usual or not re.search(r"[^\W\d]{2}", _CONFIDENT.sub("", rest))
-    )
+        named = "" if is_marked else named.strip(" \n.,:;!()\u2014\u2013-")
+    return "" if names_nothing(named) else named
 
 
 def _named_in_prose(prose: str) -> str | None:
@@ -209,7 +190,7 @@ def _named_in_prose(prose: str) -> str | None:
         return _name(named)
     plain = folded(prose)
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
-    if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith("?"):
+    if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith(("?", ":")):
         return None
     return _name(_LEAD.sub("", prose).strip(" \n.")) if re.search(r"\w", plain) else None
 
@@ -226,29 +207,22 @@ _LEAD = re.compile(
     r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? |yes, )",
     re.IGNORECASE,
 )
-_MARKED = re.compile(
-    r"\b(?:(?:is )?(?:ood|out of distribution|out of the ordinary|unusual|anomal(?:y|ous))|answer|verdict) ?\??(?: is)? ?[:=?] ?"
-    r"(yes|no|true|false)\b(?! ?(?:or\b|/|,? not\b|\w+ ?(?:is|are)\b))"
-)
-_FIRST = re.compile(r"\W*(yes|no|true|false)\b(?=\s*(?:[,.:;!\u2014\u2013-]|$))")
 _ODD = r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|out of distribution|ood)"
-_USUAL = r"(?:normal|ordinary|typical|routine)"
-_USUAL_WORDS = re.compile(
-    r"(?<!out of the )(?<!not )(?<!n't )(?<!not an )(?<!not a )\b(?:normal|ordinary|usual|typical|routine|nothing|no|none|fine|clear)\b"
+_MARKED = re.compile(
+    rf"\b(?:(?:is )?(?:{_ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
+    r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
 )
-_ORDINARY = re.compile(
-    rf"\bnothing (?:(?:here|that|there|is|looks|seems|appears) ){{0,3}}{_ODD}\b"
-    rf"|\b(?:not|isn't|aren't|no|(?:not|n't|cannot) (?:see|identify|notice|find) anything) (?:an? |any |anything )?{_ODD}\b|\bno anomal\w+"
-    rf"|\beverything (?:here )?(?:looks|is|seems|appears) (?:\w+ )?{_USUAL}\b"
-    rf"|(?:^|[.,\n] ?)(?:this|it|the (?:scene|drive|situation|road)) (?:is|looks|seems|appears) (?:an? )?(?:perfectly |completely |quite )?{_USUAL}\b"
+_OPENING = re.compile(
+    rf"\W*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
+    r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
 )
-_UNUSUAL = re.compile(
-    rf"(?:^|[.,\n] ?)(?:so )?(?:there (?:is|are) )?something (?:is )?(?:(?!not\b)\w+ )?{_ODD}\b|(?:^|[.,\n] ?)(?:this|it|which|that) is (?:\w+ )?(?:an? )?(?<!not )(?<!not an )(?<!not a ){_ODD}\b"
-    rf"|\bthe (?:most )?unusual aspect is\b"
+_USUAL = re.compile(
+    r"(?<!out of the )(?<!not )(?<!n't )(?<!not an )(?<!not a )"
+    r"\b(?:normal|ordinary|usual|typical|routine|nothing|no|none|fine|clear)\b"
 )
 _OPEN = re.compile(
-    r"\b(?:but|however|except|apart from|aside from|although|though|wait|actually|on second thought|unsure|not sure|unclear|hard to"
-    r"|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe|don't know|no idea|either"
-    r"|would be|if)\b"
+    r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
+    r"|hard to|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
+    r"|(?:don't|not) know|no idea|either|would be|if)\b"
 )
 """Takes an answer back, or leaves it open."""

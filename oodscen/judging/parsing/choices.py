@@ -5,16 +5,20 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from oodscen.judging.parsing.reading import (
-    TWO_ANSWERS,
     Reading,
-    UnusableError,
     is_placeholder,
     is_refusal,
     members,
     read,
+    unwrapped,
 )
-from oodscen.judging.parsing.stating import FIRST, FIRST_GERUND, OPTION, AmbiguousError, stated
-from oodscen.judging.parsing.text import LONGEST, folded, tidied
+from oodscen.judging.parsing.stating import FIRST, GERUNDS, OPTION, stated
+from oodscen.judging.parsing.text import (
+    TWO_ANSWERS,
+    UnusableError,
+    folded,
+    tidied,
+)
 
 Marking = Callable[[str], str]
 """Puts a character of `stating.OPTION` in place of every option that folded prose names."""
@@ -44,31 +48,17 @@ def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
 
 def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
     """Say where a chain of thought states another action than the answer; empty where not."""
-    if len(reasoning) > LONGEST:
+    found = read_action(tidied(reasoning), offered).value
+    if found is None or found == action:
         return ""
-    marked = _marking({name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered})(
-        folded(tidied(reasoning))
-    )
-    try:
-        found = stated(marked)
-    except AmbiguousError:
-        return ""
-    if found is None or offered[found] == action:
-        return ""
-    return f"the reasoning settles on {offered[found]}, the answer is {action}"
+    return f"the reasoning settles on {found}, the answer is {action}"
 
 
-_ACTION = re.compile(
-    r"(?:final|chosen|selected|best|my|the|safest|recommended)*(?:action|answer|choice|decision|option|selection|response|result|output)"
-    r"s?(?:id|name|taken)?"
-)
-_CHOICE = re.compile(
-    r"(?:final|chosen|selected|best|my|the|correct)*(?:choice|answer|option|selection|number|label|decision|response|result|output)(?:id|number)?"
-)
+_FINAL = r"(?:final|chosen|selected|best|my|the|safest|recommended|correct)*"
+_ASKED = r"(?:answer|choice|decision|option|selection|response|result|output)"
+_ACTION = re.compile(rf"{_FINAL}(?:action|{_ASKED})s?(?:id|name|taken)?")
+_CHOICE = re.compile(rf"{_FINAL}(?:number|label|{_ASKED})(?:id|number)?")
 _INSIDE = re.compile(r"(?:id|name|value|number|label|option|action|choice|answer)")
-_WRAPPERS = re.compile(
-    r"(?:final|json|data|arguments|parameters|properties)?(?:answer|response|result|output)?"
-)
 
 
 def _read(
@@ -93,17 +83,13 @@ def _read(
     def in_prose(prose: str) -> int | None:
         if is_refusal(prose):
             return None
-        try:
-            found = stated(mark(folded(prose)))
-        except AmbiguousError as error:
-            raise UnusableError(str(error)) from None
+        found = stated(mark(folded(prose)))
         return found if found is not None and found < len(names) else None
 
-    def picked(value: Mapping[str, Any], depth: int = 4) -> int | None:
-        held = [one for one in members(value, keys) if not is_placeholder(one)]
+    def picked(value: Mapping[str, Any]) -> int | None:
+        held = [one for one in members(unwrapped(value, keys), keys) if not is_placeholder(one)]
         if not held:
-            inner = [one for one in members(value, _WRAPPERS) if isinstance(one, dict)]
-            return picked(inner[0], depth - 1) if len(inner) == 1 and depth else None
+            return None
         found = agreed(held, 4)
         if found is None:
             raise UnusableError(f"{str(held[0])[:80]!r} is no option")
@@ -136,7 +122,7 @@ def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
     )
 
     def called(found: re.Match[str]) -> str:
-        gerund = FIRST_GERUND - FIRST if not is_numbered and _GERUND.match(found.group()) else 0
+        gerund = GERUNDS if not is_numbered and _GERUND.match(found.group()) else 0
         return chr(FIRST + int(str(found.lastgroup)[1:]) + gerund)
 
     def numbered(found: re.Match[str]) -> str:
@@ -159,7 +145,7 @@ def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
 
 
 _MOST = 2_000
-"""Options beyond this many are known by their number in JSON alone; also the place of a number that is no option's."""
+"""Options beyond this many are known by their number in JSON alone; also the place of no option."""
 _GERUND = re.compile(r"\w+ing\b|.*\bbraking$")
 _MARK = r"(?P<mark>\(?(?<![-.,\d])(?P<number>\d{1,3})(?![\d%]|[.,]\d)\)?)"
 _NUMBERS = (
@@ -167,8 +153,8 @@ _NUMBERS = (
     re.compile(rf"^[\s(.:-]{{0,8}}{_MARK}(?=[ .!)]{{0,8}}$)", re.MULTILINE),
     re.compile(rf"(?:^|(?<=[\s:(])){_MARK}(?=[.):\s-]{{0,4}}{OPTION})", re.MULTILINE),
     re.compile(
-        r"\b(?:answer|choice|description|match|it|that|choose|pick|select|go with|say|id)(?: (?:is|would be))? ?[:=]* ?"
-        rf"{_MARK}(?=[ .!;,)]{{0,8}}$|[.,;!\n)]| \(| because| since)",
+        r"\b(?:answer|choice|description|it|that|choose|pick|select|go with|say|id)(?: (?:is|would be))?"
+        rf" ?[:=]* ?{_MARK}(?=[ .!;,)]{{0,8}}$|[.,;!\n)]| because| since)",
         re.MULTILINE,
     ),
 )
@@ -176,51 +162,47 @@ _NUMBERS = (
 
 # ------------------------------------------------------------------ words for the actions
 
-_THE = r"(?:(?:the|my|your|its|our|a|this|same|present|current|constant|steady) )*"
-_CAR = r"(?: the (?:car|vehicle|ego|ego vehicle))?"
-_BRAKE = r"brak(?:e|ing)"
-_SIDE = r"(?:(?:right )?(?:hard )?shoulder|roadside|(?:right )?(?:side|edge|verge)(?: of the road)?|kerb|curb)"
+_THE = r"(?:(?:the|my|your|its|our|a|same|current|constant) )*"
+_GENTLY = r"(?: (?:gently|gradually|slightly|carefully|smoothly|comfortably|safely))?"
+_SIDE = r"(?:(?:hard )?shoulder|(?:right )?(?:side|edge)(?: of the road)?|right)"
 
 
 def _lane_change(side: str) -> str:
-    lane = rf"(?:in ?|on ?)?(?:to )?(?:the )?(?:next |adjacent )?(?:{side}(?: ?hand)?(?: lane| side)?|lane (?:to|on) the {side})"
-    rest = ", even if it is for oncoming traffic" if side == "left" else ""
+    lane = rf"(?:in|on)?(?:to )?(?:the )?(?:next )?(?:{side}(?: hand)?(?: lane)?|lane (?:to|on) the {side})"
+    rest = "(?:, even if it is for oncoming traffic)?" if side == "left" else ""
     return (
-        rf"chang(?:e|ing) (?:the )?(?:lanes? )?{lane}(?:{rest})?|{side} lane change|lane change,? {lane}"
-        rf"|(?:mov|merg|swerv|steer|shift|switch|veer)(?:e|ing)? (?:over )?{lane}"
+        rf"(?:chang|mov|merg|swerv|steer|shift|switch|veer)(?:e|ing)? (?:the )?(?:over )?(?:lanes? )?{lane}{rest}"
+        rf"|{side} lane change|lane change,? {lane}"
     )
 
 
 _ACTION_WORDS = {
     "pull_over": (
-        rf"(?:slow down, )?(?:pull(?:ing)? ?over|(?:pull|mov)(?:e|ing)? (?:over )?(?:in ?|on ?)?to the {_SIDE})"
-        rf"(?: (?:to|on|onto) the (?:right|{_SIDE}))?(?: or the shoulder)?(?:,? (?:and|to) (?:stop|park|halt|wait)(?:ping|ing)?(?: there)?)?"
-        rf"|(?:stop|park)(?:p?ing)?{_CAR} (?:on|at) the {_SIDE}"
+        rf"(?:slow down, )?(?:pull(?:ing)? ?over|(?:pull|mov)(?:e|ing)? (?:in|on)?to the {_SIDE})"
+        rf"(?: to the {_SIDE})?(?: or the shoulder)?(?:,? and (?:stop|park|wait)(?: there)?)?"
+        rf"|(?:stop|park)(?:p?ing)? (?:on|at) the {_SIDE}"
     ),
     "emergency_brake": (
-        rf"(?:emergency|panic|full|hard|maximum|sharp) {_BRAKE}|emergency stop(?:ping)?"
-        rf"|(?:keep the lane and )?{_BRAKE} (?:very |really )?(?:hard|sharply|fully|firmly|as hard as (?:possible|(?:i|we|you) can|the road allows))"
-        r"(?: to a (?:stop|halt))?|slam(?:ming)? (?:on )?the brakes?|(?:apply(?:ing)? (?:the )?(?:emergency|full) brak(?:es?|ing))"
-        r"|apply(?:ing)? the brakes? (?:hard|fully|firmly)|hit(?:ting)? the brakes? (?:hard|as hard as possible)"
+        r"(?:emergency|panic|full|hard|maximum) brak(?:e|ing)|emergency stop(?:ping)?"
+        r"|(?:keep the lane and )?brak(?:e|ing) (?:hard|sharply|fully|as hard as (?:possible|i can|the road allows))"
+        r"|slam(?:ming)? (?:on )?the brakes?|apply(?:ing)? (?:full|emergency) (?:brakes|braking)"
     ),
     "change_lane_left": _lane_change("left"),
     "change_lane_right": _lane_change("right"),
     "stop": (
-        rf"(?:keep the lane and )?(?:com(?:e|ing)|{_BRAKE}|slow(?:ing)?(?: down)?|decelerat(?:e|ing)|bring(?:ing)? the (?:car|vehicle))"
-        r" (?:comfortably |gently |gradually |smoothly |safely )?to an? (?:(?:complete|full|controlled|safe|smooth|gentle) )*(?:stop|halt|standstill)"
-        rf"|(?:an? )?(?:complete|full|controlled|immediate|safe) stop|(?<!bus )(?<!non )(?<!truck )(?<!pit )stop(?:ping)?{_CAR}"
-        rf"(?! ?(?:signs?|lines?|lights?|signals?|lamps?|distance|at nothing|\w+ing\b))|halt(?:ing)?{_CAR}"
+        rf"(?:keep the lane and )?(?:com(?:e|ing)|brak(?:e|ing)|slow(?:ing)?(?: down)?|decelerat(?:e|ing)){_GENTLY} to an?"
+        r" (?:(?:complete|full|controlled|safe|smooth) )*(?:stop|halt|standstill)|(?:a )?(?:complete|full|controlled) stop"
+        r"|(?<!bus )(?<!non )(?<!truck )stop(?:ping)?(?: the (?:car|vehicle|ego vehicle))?"
+        r"(?! ?(?:signs?|lines?|lights?|signals?|at nothing|\w+ing\b))|halt(?:ing)?"
     ),
     "slow_down": (
-        rf"(?:keep the lane and )?slow(?:ing)? ?down(?: gently| gradually| slightly| carefully)?(?: to half the speed)?|slowing"
-        rf"|(?:reduc|lower|decreas)(?:e|ing)? {_THE}speed|decelerat(?:e|ing)(?: gently| gradually)?"
-        rf"|{_BRAKE} (?:gently|lightly|softly|slightly)|gentle braking|(?:eas|lift)(?:e|ing)? off the (?:gas|accelerator|throttle)"
+        rf"(?:keep the lane and )?slow(?:ing)? ?down{_GENTLY}(?: to half the speed)?|decelerat(?:e|ing){_GENTLY}"
+        rf"|(?:reduc|lower)(?:e|ing)? {_THE}speed|brak(?:e|ing) (?:gently|lightly|softly|slightly)|gentle braking"
     ),
     "keep_speed": (
-        rf"(?:keep|maintain|hold)(?:ing)? {_THE}(?:lane and (?:the )?)?speed(?: and lane)?(?! (?:low|down|slow|under|below|up|of)\b)"
-        r"|(?:keep|maintain)(?:ing)? (?:the )?lane and (?:the )?speed"
-        rf"|keep(?:ing)? (?:going|driving)(?: (?:straight|at {_THE}speed))?|continu(?:e|ing) (?:driving|straight|(?:straight )?ahead|forward)"
-        rf"(?: at {_THE}speed)?|continu(?:e|ing) at {_THE}speed|(?:drive|carry) on(?! the)|do(?:ing)? nothing"
+        rf"(?:keep|maintain|hold)(?:ing)? {_THE}(?:lane and (?:the )?)?speed(?: and lane)?(?! (?:low|down|slow|under|below|of)\b)"
+        rf"|(?:keep (?:going|driving)|continue(?: driving| straight| ahead)?)(?: at {_THE}speed)(?! of\b)"
+        r"|keep(?:ing)? (?:going|driving)|continu(?:e|ing) (?:driving|straight|ahead)"
     ),
 }
 """By action: what it is called, as a pattern over folded prose; of two that begin together the first one counts."""

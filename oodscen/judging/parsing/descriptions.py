@@ -6,14 +6,13 @@ from typing import Any
 
 from oodscen.judging.parsing.reading import (
     Reading,
-    UnusableError,
     is_placeholder,
     is_refusal,
     members,
     read,
     words_in,
 )
-from oodscen.judging.parsing.text import folded
+from oodscen.judging.parsing.text import UnusableError, folded
 
 _DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
 _LONGEST_REFUSAL = 300

@@ -3,12 +3,19 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
 from oodscen.extraction import Found, cleaned, scan
-from oodscen.judging.parsing.text import LONGEST, folded, spoken, tidied
+from oodscen.judging.parsing.text import (
+    LONGEST,
+    TWO_ANSWERS,
+    UnusableError,
+    folded,
+    spoken,
+    tidied,
+)
 
 Value = TypeVar("Value")
 
@@ -22,13 +29,6 @@ class Reading(Generic[Value]):
     outcome: Literal["answered", "refused", "unparsed"]
     note: str
     """How it was found, or why there is none: `JSON`, `prose`, `two answers`."""
-
-
-class UnusableError(ValueError):
-    """What was asked for has its place in an answer, and nothing usable, or two things, are in it."""
-
-
-TWO_ANSWERS = "two answers"
 
 
 def read(
@@ -84,10 +84,13 @@ def _in_objects(said: str, pick: Callable[[Mapping[str, Any]], Value | None]) ->
         raise UnusableError("the answer is cut off before its end")
     if len(found) > _MOST_OBJECTS:
         raise UnusableError(f"it has {len(found)} JSON objects")
-    answer: Value | UnusableError | None = None
-    end = 0
-    for one, before, after in _with_surroundings(said, found):
-        if _QUOTED_BEFORE.search(before[-60:]) or _QUOTED_AFTER.match(after):
+    answers: list[tuple[Value | UnusableError, int, int]] = []
+    edges = [0, *(edge for one in found for edge in (one.start, one.start + one.width)), len(said)]
+    for index, one in enumerate(found):
+        before, start, end, after = edges[2 * index : 2 * index + 4]
+        if _QUOTED_BEFORE.search(said[max(before, start - 60) : start]) or _QUOTED_AFTER.match(
+            said[end:after]
+        ):
             continue
         try:
             value: Value | UnusableError | None = pick(one.value)
@@ -95,29 +98,23 @@ def _in_objects(said: str, pick: Callable[[Mapping[str, Any]], Value | None]) ->
                 value = UnusableError("the JSON object has faults")
         except UnusableError as error:
             value = error
-        if value is None:
-            continue
-        is_open = answer is not None and not isinstance(answer, UnusableError) and answer != value
-        if is_open and not _CORRECTED.search(said[end : one.start]):
-            value = UnusableError(TWO_ANSWERS)
-        answer, end = value, one.start + one.width
-    if isinstance(answer, UnusableError):
-        raise answer
-    if answer is not None and _CORRECTED.search(said[end:]):
+        if value is not None:
+            answers.append((value, start, end))
+    if not answers:
+        return None
+    last, start, end = answers[-1]
+    if isinstance(last, UnusableError):
+        raise last
+    for value, _, stop in answers[:-1]:
+        is_other = value != last and not isinstance(value, UnusableError)
+        if is_other and not _CORRECTED.search(said[stop:start]):
+            raise UnusableError(TWO_ANSWERS)
+    if _CORRECTED.search(said[end:]):
         raise UnusableError("it is taken back after the JSON object")
-    return answer
+    return last
 
 
 _MOST_OBJECTS = 50
-
-
-def _with_surroundings(said: str, found: list[Found]) -> Iterator[tuple[Found, str, str]]:
-    """Yield each object with the text between it and its neighbours."""
-    edges = [0, *(edge for one in found for edge in (one.start, one.start + one.width)), len(said)]
-    for index, one in enumerate(found):
-        before, after = edges[2 * index : 2 * index + 2], edges[2 * index + 2 : 2 * index + 4]
-        yield one, said[slice(*before)], said[slice(*after)]
-
 
 _QUOTED_BEFORE = re.compile(
     r"\b(?:not|n't|never|wrong|incorrect|bad|worst|unsafe|example|e\.g\.|format|template|schema|like"
@@ -131,10 +128,10 @@ _QUOTED_AFTER = re.compile(
     re.IGNORECASE,
 )
 _CORRECTED = re.compile(
-    r"(?:^|[.,;:!?\n(\u2014`-])\s*(?:oh,? )?(?:wait|actually|no|nope|hmm+|correct(?:ion|ed)|edit|sorry|oops|but|however"
-    r"|instead|finally|final answer|final decision|on (?:second thou?ght|reflection)|scratch|strike|not|revis\w+|better)\b"
-    r"|\b(?:wrong|incorrect|mistake\w*|take (?:that|it) back|change my (?:mind|answer)|disregard|ignore (?:that|this)"
-    r"|reconsider\w*|just kidding|joking|opposite of)\b",
+    r"(?:^|[.,;:!?\n(\u2014`-])\s*(?:oh,? )?(?:wait|actually|no|nope|hmm+|correct(?:ion|ed)|edit|sorry|oops|but"
+    r"|however|instead|finally|final (?:answer|decision)|on (?:second thou?ght|reflection)|scratch|strike|not"
+    r"|revis\w+|better)\b|\b(?:wrong|incorrect|mistake\w*|take (?:that|it) back|change my (?:mind|answer)"
+    r"|disregard|ignore (?:that|this)|reconsider\w*|just kidding|joking|opposite of)\b",
     re.IGNORECASE,
 )
 """Takes back what was said before it, or announces what counts."""
@@ -179,6 +176,23 @@ def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
     return [one for name, one in value.items() if names.fullmatch(spelt(name))]
 
 
+def unwrapped(
+    value: Mapping[str, Any], names: re.Pattern[str], depth: int = 4
+) -> Mapping[str, Any]:
+    """Return the object that has members of such a name: this one, or the one that it wraps."""
+    held = members(value, names)
+    inner = [one for one in members(value, _WRAPPERS) if isinstance(one, dict)]
+    if depth and len(inner) == 1 and (not held or held == inner):
+        found = unwrapped(inner[0], names, depth - 1)
+        return found if members(found, names) else value
+    return value
+
+
+_WRAPPERS = re.compile(
+    r"(?:final|json|data|arguments|parameters|properties)?(?:answer|response|result|output|assessment)?"
+)
+
+
 def is_placeholder(value: object) -> bool:
     """Whether a value is that of the question's example: `"..."`."""
     return isinstance(value, str) and bool(re.fullmatch(r"\s*(?:\.\.\.|\u2026|<[^<>]*>)\s*", value))
@@ -215,16 +229,13 @@ def is_refusal(text: str) -> bool:
 
 
 _CANNOT = (
-    r"\bi(?:'m| am| have decided)? (?:\w+ )?(?:can ?not|can't|couldn't|won't|will not|do not|don't|unable to|not able to"
-    r"|not (?:allowed|permitted|comfortable|going) to|not to|decline to|refuse to)"
+    r"\bi(?:'m| am| have decided)? (?:\w+ )?(?:can ?not|can't|won't|will not|do not|don't|unable to|not able to"
+    r"|not (?:allowed|permitted|comfortable) to|not to|decline to|refuse to)"
 )
-_PICTURES = r"(?:images?|pictures?|frames?|photos?|videos?|attachments?)"
+_PICTURES = r"(?:image|picture|frame|photo|video|attachment)s?"
 _REFUSAL = re.compile(
-    rf"{_CANNOT} (?:(?!know |have |think )\w+ ){{0,2}}(?:assist|help|comply|answer|fulfil|engage|participate|respond|feel comfortable)\b(?! but\b)"
-    rf"|{_CANNOT} (?:choose|pick|provide|offer|give|make|tell) (?:an?|any|you|one|guidance|driving|real)\b(?! (?:if|whether) it\b)"
-    rf"|{_CANNOT} (?:\w+ )?(?:view|see|access|open|process|describe|analy[sz]e|interpret) (?:\w+ ){{0,2}}{_PICTURES}\b(?! (?:well|clearly)\b)"
-    rf"|{_CANNOT} identify what is in (?:\w+ )?{_PICTURES}"
-    rf"|\bi have no access to (?:\w+ )?{_PICTURES}|\bno {_PICTURES} (?:\w+ )?(?:provided|attached|uploaded|received|included)\b"
-    r"|\bi (?:must|have to) (?:\w+ )?(?:decline|refuse)\b(?! to \w+\b)|\bi(?:'m| am| do| feel) not (?:feel )?comfortable (?:\w+ing|with)\b"
-    r"|\bas an? (?:ai )?(?:large )?language model\b|\bagainst (?:my|our|the) (?:policy|policies|guidelines)\b"
+    rf"{_CANNOT} (?:(?!know |have |think )\w+ ){{0,2}}(?:assist|help|comply|answer|respond|feel comfortable)\b(?! but\b)"
+    rf"|{_CANNOT} (?:choose|provide|give|make|tell|offer) (?:an?|any|you|driving|guidance|real)\b"
+    rf"|{_CANNOT} (?:\w+ )?(?:view|see|access|describe|analy[sz]e|identify) (?:\w+ ){{0,4}}{_PICTURES}\b(?! (?:well|clearly)\b)"
+    rf"|\bi have no access to (?:\w+ )?{_PICTURES}|\bi (?:must|have to) decline\b|\bas an? (?:ai )?language model\b"
 )

@@ -8,6 +8,12 @@ from oodscen.extraction import cleaned
 LONGEST = 200_000
 """Longer answers are not read, in characters."""
 
+TWO_ANSWERS = "two answers"
+
+
+class UnusableError(ValueError):
+    """What was asked for has its place in an answer, and nothing usable, or two things, are in it."""
+
 
 def spoken(text: str) -> str:
     """Return what stands outside the reasoning; reasoning that never ends holds no answer."""

@@ -112,6 +112,7 @@ def test_case_and_white_space_change_nothing(said, space, cased):
         # two values, a value that is none, an end that is missing: prose does not help
         ('{"action": "stop", "action": "slow_down"}', None),
         ('{"action": "stop"} {"action": "slow_down"}', None),
+        ('{"action": "stop"} {"action": "slow_down"} {"action": "stop"}', None),
         ('{"action": "stop"} {"action": ""}', None),
         ('{"action": ""}\nAnswer: stop', None),
         ('{"action": "stop"', None),
