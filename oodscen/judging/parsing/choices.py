@@ -95,7 +95,7 @@ def _read(
             raise UnusableError(f"{str(held[0])[:80]!r} is no option")
         return found
 
-    reading = read(text, picked, in_prose)
+    reading = read(text, picked, in_prose, is_closed=True)
     if reading.value is None:
         return Reading(None, reading.outcome, reading.note)
     return Reading(names[reading.value], "answered", reading.note)

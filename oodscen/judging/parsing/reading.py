@@ -35,6 +35,8 @@ def read(
     text: str,
     pick: Callable[[Mapping[str, Any]], Value | None],
     prose: Callable[[str], Value | None],
+    *,
+    is_closed: bool = False,
 ) -> Reading[Value]:
     """Read an answer from its JSON, else from its prose.
 
@@ -43,14 +45,17 @@ def read(
         pick: Returns what one object answers; `None` where it lacks the member that was asked for. Raises
             `UnusableError`.
         prose: Returns what tidied prose answers, `None` where nothing. Raises `UnusableError`.
+        is_closed: Whether prose after an object that answers something else contradicts it.
     """
     if len(text) > LONGEST:
         return Reading(None, "unparsed", f"it has {len(text):,} characters; {LONGEST:,} at most")
     note = "no answer is named plainly"
     try:
         said = spoken_json(text)
-        value = _in_objects(said, pick)
+        value, after = _in_objects(said, pick)
         if value is not None:
+            if is_closed and prose(tidied(after)) not in (None, value):
+                raise UnusableError(TWO_ANSWERS)
             return Reading(value, "answered", "JSON")
         value = prose(tidied(_without_objects(said)))
         if value is not None:
@@ -77,8 +82,10 @@ def spoken_json(text: str) -> str:
     return said if '"' in said else re.sub("[\u201c\u201d]", '"', said)
 
 
-def _in_objects(said: str, pick: Callable[[Mapping[str, Any]], Value | None]) -> Value | None:
-    """Return what the last object with the member that was asked for answers."""
+def _in_objects(
+    said: str, pick: Callable[[Mapping[str, Any]], Value | None]
+) -> tuple[Value | None, str]:
+    """Return what the last object with the member that was asked for answers, and the text after it."""
     found, broken_off = scan(said)
     if broken_off is not None:
         raise UnusableError("the answer is cut off before its end")
@@ -101,7 +108,7 @@ def _in_objects(said: str, pick: Callable[[Mapping[str, Any]], Value | None]) ->
         if value is not None:
             answers.append((value, start, end))
     if not answers:
-        return None
+        return None, ""
     last, start, end = answers[-1]
     if isinstance(last, UnusableError):
         raise last
@@ -111,7 +118,7 @@ def _in_objects(said: str, pick: Callable[[Mapping[str, Any]], Value | None]) ->
             raise UnusableError(TWO_ANSWERS)
     if _CORRECTED.search(said[end:]):
         raise UnusableError("it is taken back after the JSON object")
-    return last
+    return last, said[end:]
 
 
 _MOST_OBJECTS = 50
@@ -131,7 +138,7 @@ _CORRECTED = re.compile(
     r"(?:^|[.,;:!?\n(\u2014`-])\s*(?:oh,? )?(?:wait|actually|no|nope|hmm+|correct(?:ion|ed)|edit|sorry|oops|but"
     r"|however|instead|finally|final (?:answer|decision)|on (?:second thou?ght|reflection)|scratch|strike|not"
     r"|revis\w+|better)\b|\b(?:wrong|incorrect|mistake\w*|take (?:that|it) back|change my (?:mind|answer)"
-    r"|disregard|ignore (?:that|this)|reconsider\w*|just kidding|joking|opposite of)\b",
+    r"|disregard|disagree|(?:do not|don't) do (?:this|that)|ignore (?:that|this)|reconsider\w*|just kidding|joking|opposite of)\b",
     re.IGNORECASE,
 )
 """Takes back what was said before it, or announces what counts."""

@@ -30,6 +30,8 @@ def stated(plain: str) -> int | None:
     options = {_number(found) for found in stating.values()}
     if len(options) > 1:
         raise UnusableError(TWO_ANSWERS)
+    if any(_number(one) in options for one in _DENIED.findall(plain)):
+        raise UnusableError("it is stated and denied")
     for sentence in sentences[max(stating) + 1 :] if stating else ():
         others = {_number(one) for one in re.findall(OPTION, sentence)} - options
         if others or _AGAINST.search(sentence) or _NO.match(sentence):
@@ -118,12 +120,13 @@ _GOES_ON = re.compile(
 _AGAINST = re.compile(
     r"\b(?:but|however|though|although|unless|if|instead|otherwise|wait|actually|would have|when|once|opposite"
     r"|wrong|worst|worse|incorrect|mistake\w*|jok(?:e|ing)|kidding|example|theory|supposed|had|were|provided|as long as"
-    r"|bad|except|scratch|strike|correction|on second thou?ght|take (?:that|it) back|chang\w+ my mind"
+    r"|bad|false|except|scratch|strike|correction|on second thou?ght|take (?:that|it) back|chang\w+ my mind"
     r"|reconsider\w*|second (?:best|safest)|riskiest|disregard|ignore|i (?:lied|misspoke|meant)"
     r"|not (?:my|the|an?) (?:answer|choice|option)|(?:not|n't) (?:do|choose|pick) (?:that|this|it|so))\b|\bno[,:]|\?"
 )
 """Takes back what a sentence states, or makes it depend on something."""
 _NO = re.compile(r"\W*(?:or|not|no|nope|hmm+|oops|sorry|only|never ?mind)\b")
+_DENIED = re.compile(rf"(?:\bnot|n't|\bnever|\bcannot) (?:to |a )?({OPTION})")
 _FINITE = re.compile(rf"\b(?:is|are|was|would|could|might|may|will|can|has|have|then)\b|{OPTION}")
 _REJECTS = re.compile(
     r"\b(?:wrong|worst|avoid|reject\w*|ruled? out|never|unsafe|bad|impossible|none|(?:not|n't) know"
@@ -169,8 +172,9 @@ def _ends_well(sentence: str, found: re.Match[str]) -> bool:
 
 
 def _count(noun: str, sentences: list[str]) -> int:
-    """Return how often a text speaks of a car: where there are two, "the car" may be the other one."""
-    return sum(len(re.findall(rf"\b{noun}s?\b", one)) for one in sentences)
+    """Return how many road users a text may speak of: where there are two, "the car" may be the other."""
+    others = rf"\b(?:{noun}|truck|lorry|bus|van|motorcycle|bicycle|cyclist|he|she)s?\b"
+    return sum(len(re.findall(others, one)) for one in sentences)
 
 
 def _leads_to_an_answer(before: str) -> bool:
