@@ -29,8 +29,7 @@ QUOTED = 8_000
 """How much of an invalid answer is put before the model again, in characters."""
 
 Check = Callable[[Answer], Sequence[Issue]]
-Read = Callable[[str], Answer | None]
-Doubt = Callable[[str, Answer], Sequence[Issue]]
+Read = Callable[[str], tuple[Answer | None, list[Issue]]]
 
 
 def ask(
@@ -41,7 +40,6 @@ def ask(
     check: Check[Answer] | None = None,
     attempts: int = ATTEMPTS,
     read: Read[Answer] | None = None,
-    doubt: Doubt[Answer] | None = None,
 ) -> Answer:
     """Put a question; parse and validate the answer; feed faults back until it is valid.
 
@@ -51,10 +49,8 @@ def ask(
         sample: Which of several independent draws this is.
         check: Further requirements, beyond those of the prompt itself.
         attempts: Largest number of calls, at least 1.
-        read: Finds an answer in words that hold no valid JSON object, before they are sent back; it
-            may raise `AnswerError` where asking again is of no use.
-        doubt: Says why a valid object is not what the words as a whole say, e.g. when they take it back;
-            it then counts as invalid.
+        read: Reads the words instead of `read_answer` and the checks; it may raise `AnswerError` where
+            asking again is of no use.
 
     Raises:
         AnswerError: When the last answer is still invalid; it keeps the raw text and the faults.
@@ -68,11 +64,7 @@ def ask(
     raw = ""
     for attempt in range(1, max(attempts, 1) + 1):
         raw = redact_keys(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
-        answer, issues = read_answer(raw, kind, checks)
-        if answer is not None and doubt is not None and (issues := list(doubt(raw, answer))):
-            answer = None
-        if answer is None and read is not None:
-            answer = read(raw)
+        answer, issues = read(raw) if read else read_answer(raw, kind, checks)
         if answer is not None:
             return answer
         messages = (*question, *_repair(raw, issues))

@@ -17,19 +17,20 @@ from oodscen.errors import (
     OodscenError,
     RefusedError,
 )
-from oodscen.judging.answers import (
-    TWO_ANSWERS,
+from oodscen.judging.matching import names_aspect
+from oodscen.judging.opinions import is_open, opinion, rescored
+from oodscen.judging.parsing import (
     Reading,
     contradiction,
     is_refusal,
+    names_nothing,
     read_action,
     read_aspect,
     read_choice,
     read_description,
+    read_named_aspect,
+    reasoning_in,
 )
-from oodscen.judging.matching import names_aspect
-from oodscen.judging.naming import names_nothing, read_named_aspect
-from oodscen.judging.opinions import is_open, opinion, rescored
 from oodscen.judging.references import AspectOption, Case, Reference, is_reference
 from oodscen.messages import Image
 from oodscen.prompts import (
@@ -53,6 +54,7 @@ from oodscen.verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 __all__ = ["OPTIONS", "aspect_options", "evaluate", "names_aspect", "unjudged"]
 
 Answer = TypeVar("Answer", bound=BaseModel)
+Value = TypeVar("Value")
 
 OPTIONS = tuple(
     ActionOption(id=name, description=text)
@@ -78,6 +80,8 @@ KEPT_DESCRIPTION = 6_000
 """So much of a description is kept, and shown to the model again, in characters."""
 KEPT_REASONING = 600
 """So much of a model's reasoning is kept, in characters."""
+ATTEMPTS = 2
+"""How often a question is put: an answer that cannot be read is asked for once more."""
 
 
 def aspect_options(leaves: Mapping[str, str], *, seed: int, item: str) -> tuple[AspectOption, ...]:
@@ -109,9 +113,9 @@ def evaluate(
 
     The frames are described in turn. Task one: the model says whether anything is out of the ordinary,
     how surely, and what (open), and chooses it among `options` (closed). Task two: it chooses one of
-    the discrete actions, which was executed in the simulator. An answer that is not the JSON that was asked
-    for is read as a person would read it; one that cannot be read is fed back, and in the end counted
-    apart: the other questions are asked all the same.
+    the discrete actions, which was executed in the simulator. An answer that cannot be read (see
+    `oodscen.judging.parsing`) is asked for once more, and then counted apart; the other questions are asked all
+    the same.
 
     Args:
         episode: What happened, with the outcome of every action. Twins are told by their id.
@@ -137,7 +141,9 @@ def evaluate(
         for count in range(1, len(images) + 1):
             seen = asked.put(
                 DescribeFrame(frames=images[:count], descriptions=descriptions),
-                lambda raw: _as(read_description(raw), lambda d: FrameDescription(description=d)),
+                read_description,
+                lambda raw, said: FrameDescription(description=said),
+                "the description, in words",
             )
             said = seen.description[:KEPT_DESCRIPTION] if seen else NO_DESCRIPTION
             descriptions = (*descriptions, said)
@@ -152,7 +158,9 @@ def evaluate(
                 options=OPTIONS,
                 is_whole_trace=protocol == "paper",
             ),
-            _read_action,
+            lambda raw: read_action(raw, ACTIONS),
+            lambda raw, name: ChosenAction(action=name, reasoning=reasoning_in(raw)),
+            f'"action": exactly one of {", ".join(ACTIONS)}',
         )
         if chosen:
             fields["action"] = chosen.action
@@ -197,26 +205,35 @@ class _Asked:
     versions: dict[str, str] = field(default_factory=dict)
 
     def put(
-        self, prompt: Prompt[Answer], read: Callable[[str], tuple[Answer | None, str]]
+        self,
+        prompt: Prompt[Answer],
+        read: Callable[[str], Reading[Value]],
+        make: Callable[[str, Value], Answer],
+        form: str,
     ) -> Answer | None:
-        """Return the answer, or `None` where none can be read; the failure is kept."""
+        """Return the answer, or `None` where none can be read; the failure is kept.
+
+        Args:
+            prompt: The question.
+            read: Reads a model's words.
+            make: Makes the answer of the words and what was read in them.
+            form: What a model is told that cannot be understood.
+        """
         self.versions[prompt.purpose] = prompt.version()
 
-        def fallback(raw: str) -> Answer | None:
-            answer, note = read(raw)
-            if answer is not None:
-                self.notes.append(f"{prompt.purpose}: {note}")
-            elif note == _REFUSED:
+        def answered(raw: str) -> tuple[Answer | None, list[Issue]]:
+            reading = read(raw)
+            if reading.outcome == "refused":
                 declined = [Issue("", "it declines to answer")]
                 raise AnswerError(self.llm.name, prompt.purpose, declined, raw, 1)
-            return answer
-
-        def doubt(raw: str, answer: Answer) -> Sequence[Issue]:
-            other, note = read(raw)
-            return [] if _is_same(answer, other, note) else [Issue("", f"unclear: {note}")]
+            if reading.value is None:
+                return None, [Issue("", f"{reading.note}; give {form}")]
+            if reading.note != "JSON":
+                self.notes.append(f"{prompt.purpose}: {reading.note}")
+            return make(raw, reading.value), []
 
         try:
-            return ask(self.llm, prompt, read=fallback, doubt=doubt)
+            return ask(self.llm, prompt, attempts=ATTEMPTS, read=answered)
         except (AnswerError, RefusedError) as error:
             self.failures.append(error)
             return None
@@ -227,13 +244,23 @@ class _Asked:
         """Put the first task; return the verdict's fields about it, none without an answer."""
         if protocol == "paper":
             named = self.put(
-                NameOodAspect(frames=images, descriptions=descriptions), _read_named_aspect
+                NameOodAspect(frames=images, descriptions=descriptions),
+                read_named_aspect,
+                lambda raw, aspect: NamedAspect(aspect=aspect),
+                '"aspect": one short noun phrase',
             )
             if named is None:
                 return {}
             is_ood = not names_nothing(named.aspect)
             return {"is_ood": is_ood, "aspect": named.aspect[:500] if is_ood else ""}
-        found = self.put(NameAspect(frames=images, descriptions=descriptions), _read_aspect)
+        found = self.put(
+            NameAspect(frames=images, descriptions=descriptions),
+            read_aspect,
+            lambda raw, found: OodAspect(
+                is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
+            ),
+            '"is_ood": true or false, and where it is true "aspect": one short noun phrase',
+        )
         if found is None:
             return {}
         return {
@@ -251,54 +278,13 @@ class _Asked:
         """Put the closed question; return the id of the option."""
         labels = {option.id: option.label for option in options}
         names = list(labels)
-
-        def read(raw: str) -> tuple[ChosenAspect | None, str]:
-            return _as(
-                read_choice(raw, labels), lambda name: ChosenAspect(choice=names.index(name) + 1)
-            )
-
-        prompt = ChooseAspect(
-            frames=images, descriptions=descriptions, labels=tuple(labels.values())
+        answer = self.put(
+            ChooseAspect(frames=images, descriptions=descriptions, labels=tuple(labels.values())),
+            lambda raw: read_choice(raw, labels),
+            lambda raw, name: ChosenAspect(choice=names.index(name) + 1),
+            f'"choice": one number from 1 to {len(names)}',
         )
-        answer = self.put(prompt, read)
         return names[answer.choice - 1] if answer else None
-
-
-_REFUSED = "a refusal"
-
-
-def _is_same(answer: BaseModel, other: BaseModel | None, note: str) -> bool:
-    """Whether a valid object is what a reader of the whole text takes for the answer."""
-    if other is None:
-        return not note.startswith(TWO_ANSWERS)
-    decisive = ("action", "choice", "is_ood")
-    return all(getattr(answer, name, 0) == getattr(other, name, 0) for name in decisive)
-
-
-def _as(reading: Reading[Any], make: Callable[[Any], Answer]) -> tuple[Answer | None, str]:
-    if reading.outcome == "refused":
-        return None, _REFUSED
-    return (None if reading.value is None else make(reading.value)), reading.note
-
-
-def _read_aspect(raw: str) -> tuple[OodAspect | None, str]:
-    return _as(
-        read_aspect(raw),
-        lambda found: OodAspect(
-            is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
-        ),
-    )
-
-
-def _read_named_aspect(raw: str) -> tuple[NamedAspect | None, str]:
-    return _as(read_named_aspect(raw), lambda aspect: NamedAspect(aspect=aspect))
-
-
-def _read_action(raw: str) -> tuple[ChosenAction | None, str]:
-    reasoning = raw[:KEPT_REASONING]
-    return _as(
-        read_action(raw, ACTIONS), lambda name: ChosenAction(action=name, reasoning=reasoning)
-    )
 
 
 # ------------------------------------------------------------------ scoring

@@ -10,6 +10,13 @@ import json_repair
 from oodscen._text import whole
 
 
+class Members(dict[str, Any]):
+    """An object in which members occur twice with different values; the later ones are its items."""
+
+    repeated: frozenset[str] = frozenset()
+    """Their names."""
+
+
 class Found(NamedTuple):
     """One JSON object in a text."""
 
@@ -18,6 +25,10 @@ class Found(NamedTuple):
     """Characters of text that it was read from; 0 for what another object or a string holds."""
     is_complete: bool = True
     """False where the closing brace is missing, so that members may be missing too."""
+    start: int = 0
+    """Where it begins, for those that `scan` returns."""
+    is_mended: bool = False
+    """Whether it had faults, so that the mending may have dropped words."""
 
 
 def find_objects(text: str) -> Iterator[Found]:
@@ -28,10 +39,10 @@ def find_objects(text: str) -> Iterator[Found]:
     strings. The closing brace may be missing, but nothing is yielded that is cut short in a text, a
     number, a list or an inner object. Halves of surrogate pairs are replaced.
     """
-    text = _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
+    text = cleaned(text)
     tail = text.rpartition("</think>")[2]
     for part in dict.fromkeys((tail, text)):
-        closed, broken_off = _scan(part)
+        closed, broken_off = scan(part)
         for found in reversed(closed):
             yield found
             if len(found.value) == 1 and isinstance(
@@ -40,14 +51,19 @@ def find_objects(text: str) -> Iterator[Found]:
                 yield Found(inner, 0)
         quoted = _strict(part)
         if isinstance(quoted, str):
-            yield from (Found(value, 0) for value, *_ in reversed(_scan(quoted)[0]))
+            yield from (Found(value, 0) for value, *_ in reversed(scan(quoted)[0]))
         if broken_off is not None and (value := _ended(part[broken_off:])) is not None:
             yield Found(value, len(part) - broken_off, is_complete=False)
 
 
 def is_cut_off(text: str) -> bool:
     """Whether an object begins in a text and does not end."""
-    return _scan(text)[1] is not None
+    return scan(text)[1] is not None
+
+
+def cleaned(text: str) -> str:
+    """Replace halves of surrogate pairs, escaped or not."""
+    return _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
 
 
 _ESCAPE = re.compile(
@@ -56,10 +72,26 @@ _ESCAPE = re.compile(
 )
 """An escape in a JSON string; its group is half of a surrogate pair that stands alone."""
 
-_DECODER = json.JSONDecoder(strict=False)
+
+def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    value = dict(pairs)
+    if len(value) == len(pairs):
+        return value
+    repeated = frozenset(name for name, one in pairs if value[name] != one)
+    if not repeated:
+        return value
+    members = Members(value)
+    members.repeated = repeated
+    return members
+
+
+_DECODER = json.JSONDecoder(strict=False, object_pairs_hook=_members)
 
 _STARTS = 20
 """How many things that begin like an object and are none are tried before the rest is given up."""
+
+_MENDED = 100
+"""How many objects with faults are mended before the rest is given up."""
 
 _MENDABLE = 20_000
 """Longest object with faults that is mended, in characters: the mending takes quadratic time."""
@@ -73,20 +105,22 @@ _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]"]', re.DOTALL)
 _TRAILING_COMMA = re.compile(r'("(?:[^"\\]|\\.)*")|,(?=\s*[}\]])', re.DOTALL)
 
 
-def _scan(text: str) -> tuple[list[Found], int | None]:
+def scan(text: str) -> tuple[list[Found], int | None]:
     """Return the objects that have an end, none inside another, and where the first without begins."""
     found: list[Found] = []
     broken_off: int | None = None
-    position = failed = 0
-    while failed < _STARTS and (start := _OBJECT.search(text, position)):
+    position = failed = mended = 0
+    while failed < _STARTS and mended < _MENDED and (start := _OBJECT.search(text, position)):
         position = start.start()
         value, end = _strict_at(text, position)
-        if not isinstance(value, dict):
+        is_mended = not isinstance(value, dict)
+        if is_mended:
             end = _matching_brace(text, position)
             value = _mended(text[position:end]) if end else None
             broken_off = position if broken_off is None and not end else broken_off
         if isinstance(value, dict):
-            found.append(Found(value, end - position))
+            found.append(Found(value, end - position, True, position, is_mended))
+            mended += is_mended
             position = end
         else:
             position += 1

@@ -81,7 +81,7 @@ def test_a_model_that_fails_is_a_verdict_with_what_was_seen_so_far(frames):
 def test_an_action_that_is_not_offered_is_sent_back(frames):
     llm = ScriptedLLM({**answers(), "choose-action": [{"action": "fly"}, {"action": "stop"}]})
     assert evaluate(EPISODE, frames, llm, path=PATH).action == "stop"
-    assert "none of keep_speed" in llm.requests[-1].messages[-1].text
+    assert "'fly' is no option" in llm.requests[-1].messages[-1].text
 
 
 @pytest.mark.parametrize("action", ACTIONS)
@@ -115,9 +115,14 @@ def test_an_aspect_must_share_a_telling_word_with_the_label(aspect, label, right
 @pytest.mark.parametrize(
     ("said", "outcome", "action"),
     [
-        ("I would not stop, but slow down.", "answered", "slow_down"),
+        ("The box is near, so I would slow down.", "answered", "slow_down"),
         ("I'm sorry, but I can't help with that.", "refused", None),
-        ("Ich würde langsam anhalten.", "answered", "stop"),
+        ("Ich würde langsam anhalten.", "unparsed", None),
+        ("I would stop if there were room, but there is not, so brake hard.", "unparsed", None),
+        ("I refuse to stop.", "unparsed", None),
+        ("I'd do the opposite of stop.", "unparsed", None),
+        ("The truck should stop.", "unparsed", None),
+        ('{"action":"stop","action":"keep_speed"}', "unparsed", None),
         ("Pysäyttäisin auton varovasti.", "unparsed", None),
         ("stop or pull_over", "unparsed", None),
         ("x" * 1_000_000, "unparsed", None),
@@ -130,8 +135,20 @@ def test_what_a_model_says_in_its_own_way_has_a_typed_outcome(frames, said, outc
     assert (verdict.outcome, verdict.action) == (outcome, action)
     assert verdict.aspect_is_right
     assert verdict.action_is_safe is (None if action is None else EPISODE.actions[action].safe)
+    asked = sum(request.prompt.purpose == "choose-action" for request in llm.requests)
+    assert asked == (2 if outcome == "unparsed" else 1)
     if action:
         assert verdict.notes
+
+
+def test_an_answer_that_cannot_be_read_is_asked_for_once_more_in_the_right_form(frames):
+    said = {**answers(), "choose-action": ["I refuse to stop.", "I would slow down."]}
+    said["name-aspect"] = ["Maybe.", "Yes, an overturned truck."]
+    llm = ScriptedLLM(said)
+    verdict = evaluate(EPISODE, frames, llm, path=PATH)
+    assert (verdict.outcome, verdict.action, verdict.is_ood) == ("answered", "slow_down", True)
+    assert '"action": exactly one of keep_speed, slow_down' in llm.requests[-1].messages[-1].text
+    assert verdict.notes == ("name-aspect: prose", "choose-action: prose")
 
 
 def test_a_model_that_does_not_answer_in_time_is_told_from_one_that_fails(frames):

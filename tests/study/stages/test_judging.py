@@ -214,11 +214,18 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
         "choose-action": {"reasoning": HOSTILE, "action": "stop"},
     }
 
+    prose = {
+        "describe-frame": HOSTILE,
+        "name-aspect": f"Yes: {HOSTILE}",
+        "choose-aspect": f"{HOSTILE}\nAnswer: 1",
+        "choose-action": f"{HOSTILE}\nAnswer: stop",
+    }
+
     def answer(request):
         if form == "raised":
             raise RuntimeError(HOSTILE)
         if form == "prose":
-            return f"I would stop. Option 1. Yes, it is unusual: {HOSTILE}"
+            return prose[request.prompt.purpose]
         return json.dumps(valid[request.prompt.purpose])
 
     model = FunctionLLM(answer)

@@ -1,0 +1,25 @@
+"""A description may be prose, but not a refusal."""
+
+import pytest
+
+from oodscen.judging.parsing import read_description
+
+
+@pytest.mark.parametrize(
+    ("said", "value", "outcome"),
+    [
+        ('{"description": "A road."}', "A road.", "answered"),
+        ('{"road": "wet", "weather": ["rain", "fog"]}', "wet; rain; fog", "answered"),
+        ("<think>hm</think>A wet road at night.", "A wet road at night.", "answered"),
+        ("**Description:** A wet road.", "A wet road.", "answered"),
+        ("I cannot see the frame well. " + "A wet road. " * 30, None, "answered"),
+        ("I'm sorry, I can't help.", None, "refused"),
+        ("...", None, "unparsed"),
+        ('{"description": ""} A road.', None, "unparsed"),
+        ('{"description": "A wet ro', None, "unparsed"),
+    ],
+)
+def test_a_description_may_be_prose_but_not_a_refusal(said, value, outcome):
+    reading = read_description(said)
+    assert reading.outcome == outcome
+    assert value is None or reading.value == value

@@ -1,0 +1,198 @@
+"""What counts as said: JSON before prose, nothing from reasoning, nothing that is cut off or disputed."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.episode import ACTIONS
+from oodscen.judging.parsing import (
+    contradiction,
+    is_refusal,
+    read_action,
+    read_aspect,
+    read_choice,
+    read_description,
+    read_named_aspect,
+    reasoning_in,
+)
+from oodscen.judging.parsing.text import LONGEST
+from tests.judging.parsing.shapes import LEAVES
+
+WORDS = st.sampled_from(
+    'stop not or { } "action" : , <think> </think> answer slow_down wait, 3 A. yes no unusual ``` \n ? sorry [ ] is \ue003'.split(
+        " "
+    )
+)
+MESS = st.one_of(
+    st.text(max_size=200),
+    st.lists(WORDS, max_size=30).map(" ".join),
+    st.recursive(
+        st.none() | st.booleans() | st.floats() | st.text(max_size=8) | st.integers(),
+        lambda inner: (
+            st.lists(inner, max_size=3)
+            | st.dictionaries(
+                st.sampled_from(["action", "choice", "is_ood", "x"]), inner, max_size=3
+            )
+        ),
+        max_leaves=6,
+    ).map(json.dumps),
+)
+
+
+@given(MESS)
+def test_no_answer_raises_and_what_is_read_was_offered(text):
+    for reading, known in (
+        (read_action(text, ACTIONS), ACTIONS),
+        (read_choice(text, LEAVES), LEAVES),
+    ):
+        assert (reading.value is None) == (reading.outcome != "answered")
+        assert reading.value is None or reading.value in known
+        assert reading.note
+    seen = read_aspect(text).value
+    assert seen is None or seen.confidence is None or 0 <= seen.confidence <= 1
+    read_named_aspect(text)
+    read_description(text)
+    contradiction(text, "stop", ACTIONS)
+    reasoning_in(text)
+    is_refusal(text)
+
+
+NOISE = st.text(
+    st.characters(codec="utf-8", categories=["L", "N", "Zs"]) | st.sampled_from("\n.,!"),
+    max_size=80,
+)
+
+
+@given(st.sampled_from(ACTIONS), NOISE, NOISE, st.sampled_from(["{}", "\n```json\n{}\n```\n"]))
+def test_noise_around_an_object_changes_nothing(action, before, after, fence):
+    said = json.dumps({"reasoning": "x", "action": action})
+    reading = read_action(f"{before}.\n{fence.format(said)}\n.{after}", ACTIONS)
+    assert (reading.value, reading.note) in ((action, "JSON"), (None, reading.note))
+    assert reading.value == action or reading.note != "no answer is named plainly"
+
+
+@given(st.sampled_from(ACTIONS), st.sampled_from(ACTIONS), st.sampled_from(["think", "reasoning"]))
+def test_an_answer_in_the_reasoning_is_not_the_answer(thought, action, tag):
+    for said in (thought, f'{{"action": "{thought}"}}', f"I would {thought}."):
+        thinking = f"<{tag}>{said}</{tag}>"
+        assert read_action(thinking, ACTIONS).outcome == "unparsed"
+        assert read_action(f"<{tag}>{said}", ACTIONS).outcome == "unparsed"
+        assert read_action(f"{thinking}\n{action}", ACTIONS).value == action
+        assert read_action(f'{thinking}{{"action": "{action}"}}', ACTIONS).value == action
+        assert read_action(f'{{"action": "{action}"}}{thinking}', ACTIONS).value == action
+        assert read_action(f"{action}{thinking}", ACTIONS).value == action
+        assert read_action(f"{said}</{tag}>{action}", ACTIONS).value == action
+
+
+@given(
+    st.sampled_from(["stop", "I would slow_down.", "Not stop.", "If wet, stop.", '{"action": "pull_over"}']),
+    st.sampled_from(["", " ", "\n", "\t\n ", "\u200b"]),
+    st.sampled_from([str, str.upper, str.title]),
+)  # fmt: skip
+def test_case_and_white_space_change_nothing(said, space, cased):
+    read = read_action(f"{space}{cased(said)}{space}", ACTIONS)
+    assert (read.value, read.outcome) == (read_action(said, ACTIONS).value, read_action(said, ACTIONS).outcome)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("said", "value"),
+    [
+        ('{"action": "stop"}', "stop"),
+        ('{"action": "stop"} {"action": "stop"}', "stop"),
+        ('{"action": "stop"} On reflection: {"action": "slow_down"}', "slow_down"),
+        ('{"reasoning": "...", "action": "..."}\n{"action": "stop"}', "stop"),
+        ('{"reasoning": "no room"}\nAnswer: stop', "stop"),
+        ('"{\\"action\\": \\"stop\\"}"', "stop"),
+        ('{"result": {"action": ["stop"]}}', "stop"),
+        ('{"action": "stop"}<|im_end|>', "stop"),
+        ("stop<|im_end|>", "stop"),
+        ('{"action": "stop", "action": "stop"}', "stop"),
+        # two values, a value that is none, an end that is missing: prose does not help
+        ('{"action": "stop", "action": "slow_down"}', None),
+        ('{"action": "stop"} {"action": "slow_down"}', None),
+        ('{"action": "stop"} {"action": "slow_down"} {"action": "stop"}', None),
+        ('{"action": "stop"} {"action": ""}', None),
+        ('{"action": ""}\nAnswer: stop', None),
+        ('{"action": "stop"', None),
+        ('{"action": "stop"} {"action": "slow', None),
+        ('{"action": "stop" or "slow_down"}', None),
+        ('{"action": "stop"}\nWait, that is wrong.', None),
+        ('Not {"action": "stop"}.', None),
+    ],
+)
+def test_the_last_whole_object_with_the_member_that_was_asked_for_counts(said, value):
+    assert read_action(said, ACTIONS).value == value
+
+
+def test_long_prose_is_read_to_its_end():
+    assert read_action("The road is wet. " * 5_000 + "I would stop.", ACTIONS).value == "stop"
+    assert read_action("stop. " + "The road is wet. " * 5_000 + "Wait, no.", ACTIONS).value is None
+
+
+HARD = [
+    "stop ", "{", "not ", "i would ", "the best ", "(", "so ", "1. ", "<think>", "<a>", "</think>", "~", "$", "\n",
+    "stop\n", "a:\n", "reason: \n", "'", '"', "if ", "\\text{", "stop. ", "0", "answer: 1 ", "yes ", "aspect: ",
+    "no anything ", "{a:", "confidence ", "stop would ", "keep the lane and ", "given ", "answer\n", "{'a':1}",
+    '{"action":"stop"}', '{"action":"stop" ', "slow down to a ", "deer on the road ", "\ud800",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("part", HARD)
+def test_no_answer_takes_long(part):
+    text = (part * (LONGEST // len(part)))[:LONGEST]
+    read_action(text, ACTIONS)
+    for shorter in (text[: LONGEST // 10], f"{text[: LONGEST // 10]}stop."):
+        read_choice(shorter, LEAVES)
+        read_aspect(shorter)
+        read_named_aspect(shorter)
+        read_description(shorter)
+        contradiction(shorter, "stop", ACTIONS)
+
+
+def test_longer_answers_are_not_read():
+    assert read_action("stop" + " " * LONGEST, ACTIONS).outcome == "unparsed"
+
+
+@pytest.mark.parametrize(
+    ("said", "is_one"),
+    [
+        ("I cannot help with that.", True),
+        ("I'm sorry, but I can\u2019t assist with this request.", True),
+        ("As an AI language model, I am not able to make driving decisions.", True),
+        ("I must decline.", True),
+        ("I cannot view images.", True),
+        ("I don't see any images attached.", True),
+        ("I refuse to stop.", False),
+        ("I would not choose that option.", False),
+        ("I do not recommend stopping.", False),
+        ("I cannot help but stop.", False),
+        ("I cannot see the end of the queue in these frames.", False),
+        ("I do not know the answer.", False),
+        ("<think>I cannot help with that.</think>stop", False),
+    ],
+)
+def test_a_refusal_is_told_from_a_denial(said, is_one):
+    assert is_refusal(said) is is_one
+    assert (read_action(said, ACTIONS).outcome == "refused") is is_one
+
+
+def test_reasons_are_those_of_the_object_else_all_that_is_said():
+    assert reasoning_in('<think>x</think>{"reasoning": "wet", "action": "stop"}') == "wet"
+    assert reasoning_in('{"action": "stop"}') == ""
+    assert reasoning_in("<think>x</think>I would stop.") == "I would stop."
+
+
+@pytest.mark.parametrize(
+    ("reasoning", "action", "found"),
+    [
+        ("The lane is blocked, so I would stop.", "keep_speed", "settles on stop"),
+        ("Stopping is too late. Therefore emergency_brake.", "emergency_brake", ""),
+        ("The van may stop. Or the deer may run.", "slow_down", ""),
+        ("", "stop", ""),
+    ],
+)
+def test_reasoning_that_settles_on_something_else_is_noted(reasoning, action, found):
+    note = contradiction(reasoning, action, ACTIONS)
+    assert (found in note) if found else not note
