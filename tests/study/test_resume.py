@@ -175,7 +175,8 @@ def test_a_restaged_scene_that_is_changed_by_hand_is_no_longer_restaged_like_tha
     (folder / "staged.jsonl").unlink()
     run(folder)
     (line,) = (line for line in lines(folder, "restaged.jsonl") if line["id"] == restaged)
-    assert not line["how"] and line["tried"]
+    assert not line["how"]
+    assert line["tried"]
     assert lines(folder, "scenes.jsonl") == rows
 
 
