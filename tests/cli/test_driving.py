@@ -43,5 +43,15 @@ def test_a_stack_in_the_current_folder_drives(tmp_path, monkeypatch) -> None:
         assert refused.exit_code == 2
         assert "driver" in refused.output
         assert "simulator" not in refused.output
+    scenes = tmp_path / "out" / "scenes.jsonl"
+    scenes.write_text(scenes.read_text().replace('"horizon_s":', '"horizon_s":1'))
+    run(main, ["report", "out"])
+    assert "Driving stacks" not in (tmp_path / "out" / "report.html").read_text()
+    ruled = run(main, ["drive", "out"])
+    assert "4 results of earlier drives are dropped" in ruled.output
+    drives = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
+    assert [json.loads(line)["driver"] for line in drives] == ["rule-based", "rule-based"]
+    run(main, ["drive", "out"])
+    assert (tmp_path / "out" / "drives.jsonl").read_text().splitlines() == drives
     assert sys.path == paths
     sys.modules.pop("stack_beside")

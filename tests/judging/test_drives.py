@@ -4,7 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.judging.closed_loop import DriveResult
-from oodscen.judging.drives import HARDLY_DRIVES, RULE_BASED, drive_board, remarks
+from oodscen.judging.drives import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
+from oodscen.testing.scenes import example_scene
 
 
 def drives(driver, outcomes, progress=1.0):
@@ -68,3 +69,27 @@ def test_without_paths_enough_means_have_no_interval_and_shares_have_wilsons():
     assert board.of("mine").means["progress"].interval is None
     assert board.of("mine").shares["passed"].interval.method == "wilson"
     assert not drive_board([]).rows
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=6), st.randoms(use_true_random=False))
+def test_results_are_kept_in_the_order_of_the_scenes_while_these_stay_as_they_are(moved, rng):
+    scenes = [example_scene().model_copy(update={"id": f"leaf-{n}"}) for n in range(len(moved))]
+    results = [
+        DriveResult(
+            id=f"{scene.id}{twin}@{driver}",
+            scene_id=f"{scene.id}{twin}",
+            driver=driver,
+            is_twin=bool(twin),
+            made_from=scene.digest(),
+        )
+        for driver in ("a", "b")
+        for scene in scenes
+        for twin in ("", "~twin")
+    ]
+    now = [
+        scene.model_copy(update={"horizon_s": 3.0 if is_moved else scene.horizon_s})
+        for scene, is_moved in zip(scenes, moved, strict=True)
+    ]
+    kept = {scene.id for scene, is_moved in zip(scenes, moved, strict=True) if not is_moved}
+    wanted = [one for one in results if one.scene_id.removesuffix("~twin") in kept]
+    assert current(rng.sample(results, len(results)), now) == wanted
