@@ -25,7 +25,7 @@ def parse_json(text: str | bytes) -> Any:
             text = text.decode()
         except UnicodeDecodeError as error:
             raise ValueError(f"byte {error.start} is not UTF-8") from None
-    # It knows no duplicate keys, but where to stop: json would go as deep as the interpreter can.
+    # json alone nests as deep as the interpreter can; this one stops, but overlooks keys named twice.
     from_json(text, allow_inf_nan=False)
     return json.loads(
         text,
