@@ -2,6 +2,7 @@
 
 import json
 import random
+import threading
 from contextlib import suppress
 from urllib.parse import quote
 
@@ -12,11 +13,13 @@ from oodscen import Study, make_llm
 from oodscen.cli import main
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
 from oodscen.llms.traffic import Caps, Price, Traffic
+from oodscen.llms.wrapper import Wrapper
 from oodscen.study import estimate, run_study
 from oodscen.testing import AnsweringServer, FunctionLLM
 from tests.llms.rogue import dripping, talking
 from tests.study.quick import QUICK
 
+PATIENCE_S = 60.0
 KEY = "sk-test-planted-0123456789abcdef"
 CONFIG = QUICK.model_copy(update={"llm": "served", "max_paths": 2, "iterations": 6})
 FAULTS = (
@@ -116,6 +119,40 @@ def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
     files["output"] = "".join(capfd.readouterr()).encode()
     files["questions"] = json.dumps([received.body for received in server.received]).encode()
     assert not [(name, form) for name, data in files.items() for form in forms if form in data]
+
+
+@pytest.mark.parametrize("purpose", ["imagine-scenario", "judge-branch", "describe-path"])
+def test_an_interruption_leaves_no_question_to_be_waited_for(tmp_path, author, purpose):
+    traffic = Traffic(concurrency=2)
+    together = threading.Barrier(2)
+
+    class Interrupted(Wrapper):
+        def complete(self, request):
+            if request.prompt.purpose != purpose:
+                return self._llm.complete(request)
+            if together.wait(PATIENCE_S) == 0:
+                raise KeyboardInterrupt
+            traffic.sleep(PATIENCE_S)
+            traffic.check()
+            raise AssertionError("nobody was told of the interruption")
+
+    config = CONFIG.model_copy(update={"in_flight": 2})
+    with pytest.raises(KeyboardInterrupt):
+        run_study(tmp_path, config, models={"served": Interrupted(author)}, traffic=traffic)
+    assert Study.open(tmp_path).info["status"] == "stopped"
+    assert not together.broken
+
+
+def test_an_interruption_of_the_very_end_leaves_the_study_stopped(tmp_path, monkeypatch):
+    def interrupt(study):
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("oodscen.report.write_report", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        run_study(tmp_path, QUICK)
+    assert Study.open(tmp_path).info["status"] == "stopped"
+    assert (tmp_path / "report.html").exists()
 
 
 def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, quiet):
