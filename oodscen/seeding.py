@@ -4,7 +4,6 @@ import hashlib
 
 import numpy as np
 
-
 MAX_SEED = 2**63 - 1
 """Largest seed of a run: what columns of tables and other programs can hold."""
 

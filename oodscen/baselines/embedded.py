@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import read_utf8, refuse_special
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
 
@@ -112,6 +113,7 @@ def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
         MissingExtra: When it is an Arrow file and pyarrow is not installed.
     """
     file = Path(path)
+    refuse_special(file, "embeddings")
     rows, maker = _arrow(file) if file.suffix in (".arrow", ".feather") else _npy(file)
     if maker != encoder.name:
         raise UsageError(
@@ -131,9 +133,9 @@ def _about(file: Path) -> Path:
 def _npy(file: Path) -> tuple[Any, str]:
     try:
         rows = np.load(file, mmap_mode="r", allow_pickle=False)
-        about = json.loads(_about(file).read_text(encoding="utf-8"))
+        about = json.loads(read_utf8(_about(file), "embeddings", limit=1 << 20))
         maker = str(about["encoder"])
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+    except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
         fault = f"cannot be read ({error}); write it again with write_embeddings"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     if rows.ndim != 2 or rows.dtype != np.float32:

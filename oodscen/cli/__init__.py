@@ -64,7 +64,7 @@ class _Group(click.Group):
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
-            error.message = shortened(error.message)
+            vars(error)["message"] = shortened(error.message)  # click declares it final.
             raise
         except KeyboardInterrupt:
             again = ""

@@ -18,7 +18,6 @@ from oodscen.registry import (
     is_builtin,
     names,
 )
-
 from oodscen.seeding import MAX_SEED
 
 

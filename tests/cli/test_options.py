@@ -1,7 +1,5 @@
 """Every option and argument of every command with values that no user means: one line, or a sensible run."""
 
-import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
