@@ -46,6 +46,20 @@ def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> byte
     return content
 
 
+def refuse_special(path: str | Path, noun: str) -> None:
+    """Refuse what another library would wait for, or read without an end.
+
+    Raises:
+        DataError: When there is no regular file.
+    """
+    try:
+        is_regular = stat.S_ISREG(os.stat(path).st_mode)
+    except (OSError, ValueError) as error:
+        raise _refused(noun, path, getattr(error, "strerror", None) or str(error)) from None
+    if not is_regular:
+        raise _refused(noun, path, "is no regular file")
+
+
 def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:
     """Return the text of a regular file in UTF-8, without the mark that some editors put before it.
 

@@ -16,8 +16,10 @@ def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int
     Raises:
         UsageError: When it is something else.
     """
-    if isinstance(value, Integral) and not isinstance(value, bool) and least <= value <= most:
-        return int(value)
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        number = int(value)
+        if least <= number <= most:
+            return number
     raise UsageError(
         f"{name} must be a whole number from {least:,} to {most:,}, not {_said(value)}"
     )

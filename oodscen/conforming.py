@@ -1,20 +1,13 @@
 """The promises of every kind of component: what it must have, and what becomes of it when it raises."""
 
 import inspect
-import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
+from oodscen._numbers import finite_number
 from oodscen._text import one_line, plain, whole
-from oodscen.errors import (
-    EncoderError,
-    LLMError,
-    OodscenError,
-    SimulatorCrash,
-    SimulatorError,
-    UsageError,
-)
+from oodscen.errors import EncoderError, LLMError, OodscenError, SimulatorCrash, UsageError
 
 _MOST_SAID = 500
 
@@ -31,16 +24,7 @@ _PROMISES = {
     "encoder": _Promise(("name", "dimension"), ("encode",)),
     "simulator": _Promise(
         ("name", "dt"),
-        (
-            "catalogue",
-            "reset",
-            "step",
-            "render",
-            "observe",
-            "close",
-            "__enter__",
-            "__exit__",
-        ),
+        ("catalogue", "reset", "step", "render", "observe", "close", "__enter__", "__exit__"),
     ),
     "driver": _Promise((), ("act",)),
 }
@@ -108,9 +92,9 @@ def _fault(kind: str, made: Any, name: str) -> str:
         if not isinstance(value, str):
             return f"has a name that is {described(value)}, not a text"
         return "" if value.strip() and whole(value) == value else f"has the unusable name {value!r}"
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if is_number and math.isfinite(value) and value > 0:
-        return ""
+    with suppress(UsageError):
+        if finite_number(name, value) > 0:
+            return ""
     return f"has a {name} of {value!r:.40}, not of a number above 0"
 
 
@@ -132,34 +116,19 @@ def working(kind: str, label: str) -> Iterator[None]:
     except OodscenError:
         raise
     except (Exception, SystemExit) as error:
-        raise _BROKEN.get(kind, _broken)(kind, label, error) from error
+        raise _broken(kind, label, error) from error
 
 
 def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
+    if kind == "simulator":
+        return SimulatorCrash(label, reason(error))
+    if kind == "encoder":
+        return EncoderError(f"the encoder {label!r} broke down: {reason(error)}")
+    if kind == "llm":
+        is_retryable = isinstance(error, TimeoutError | ConnectionError)
+        words = f"{label} broke down: {reason(error)}"
+        return LLMError(words, model=label, retryable=is_retryable)
     return UsageError(f"the {kind} {label!r} broke down: {reason(error)}")
-
-
-def _broken_llm(kind: str, label: str, error: BaseException) -> OodscenError:
-    return LLMError(
-        f"{label} broke down: {reason(error)}",
-        model=label,
-        retryable=isinstance(error, TimeoutError | ConnectionError),
-    )
-
-
-def _broken_encoder(kind: str, label: str, error: BaseException) -> OodscenError:
-    return EncoderError(f"the encoder {label!r} broke down: {reason(error)}")
-
-
-def _broken_simulator(kind: str, label: str, error: BaseException) -> SimulatorError:
-    return SimulatorCrash(label, reason(error))
-
-
-_BROKEN: dict[str, Callable[[str, str, BaseException], OodscenError]] = {
-    "llm": _broken_llm,
-    "encoder": _broken_encoder,
-    "simulator": _broken_simulator,
-}
 
 
 def reason(error: BaseException) -> str:

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from zlib import compress, crc32
 
+from oodscen.conforming import reason, working
 from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llms.logged import Call, LoggedLLM
 from oodscen.protocols import LLM
@@ -50,7 +51,8 @@ def examine_simulator(
     from oodscen.registry import make_simulator
     from oodscen.testing.check import PARTS, QUICK, check_simulator
 
-    make_simulator(name).close()
+    with working("simulator", name):
+        make_simulator(name).close()
     parts = QUICK if is_quick else PARTS
     told = progress or (lambda stage, done, total: None)
     try:
@@ -120,6 +122,7 @@ def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
     Raises:
         UsageError: When nobody knows the name, or the network is forbidden.
     """
+    from oodscen.llms.traffic import Price
     from oodscen.registry import make_llm
 
     llm = make_llm(name, api_base=api_base)
@@ -128,11 +131,11 @@ def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
     price = getattr(llm, "price", None)
     known = (
         f"${price.input_usd:g} in and ${price.output_usd:g} out per million tokens"
-        if price
+        if isinstance(price, Price)
         else f"not known; a cap on cost needs --price {name}=IN,OUT"
     )
     findings = [_tried("answer", lambda: _answer(logged, calls))]
-    if findings[0].is_ok or calls[-1].status == "ok":
+    if findings[0].is_ok or (calls and calls[-1].status == "ok"):
         seconds = sorted(call.seconds for call in calls)
         findings.append(_tried("image", lambda: _image(logged)))
         findings.append(Finding("latency", True, f"{seconds[len(seconds) // 2]:.2f} s per call"))
@@ -183,6 +186,8 @@ def _tried(what: str, check: Callable[[], str]) -> Finding:
         return Finding(what, True, check())
     except OodscenError as error:
         return Finding(what, False, str(error))
+    except (Exception, SystemExit) as error:  # A broken installation may raise anything.
+        return Finding(what, False, reason(error))
 
 
 def _author() -> str:
@@ -195,10 +200,11 @@ def _author() -> str:
 
 
 def _encoder() -> str:
+    from oodscen.encoders.check import encode
     from oodscen.registry import DEFAULT_ENCODER, make_encoder
 
     encoder = make_encoder(DEFAULT_ENCODER)
-    shape = encoder.encode(["A car follows a van."]).shape
+    shape = encode(encoder, ["A car follows a van."]).shape
     return f"{encoder.name}, {shape[1]} dimensions"
 
 

@@ -198,10 +198,12 @@ def test_doctor_finds_this_installation_healthy():
 def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
     assert call("doctor", "flat", "--quick").exit_code == 0
     (tmp_path / "odd_simulator.py").write_text(
-        "from oodscen.testing import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = ''\n"
+        "from oodscen.testing import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = 'odd'\n\n"
+        "    def step(self, control):\n        return super().step(type(control)())\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     result = call("doctor", "odd_simulator:Odd", "--quick", "--json")
     assert result.exit_code == 1
-    assert [row["detail"] for row in json.loads(result.stdout)] == ["name is empty"]
+    faults = [row["detail"] for row in json.loads(result.stdout)]
+    assert "controls: accelerating and braking do not change the speed so" in faults
     assert call("doctor", "pybulet").exit_code == 2

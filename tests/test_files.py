@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from oodscen._files import read_regular, read_utf8
 from oodscen.baselines import load_baseline
+from oodscen.baselines.embedded import open_embeddings
 from oodscen.cli import main
 from oodscen.driving import find_map
 from oodscen.errors import DataError
@@ -51,6 +52,8 @@ def test_readers_of_the_library_refuse_it_at_once(tmp_path, kind):
         "x.txt": load_baseline,
         "x.csv": lambda path: score_file(path, encoder=HashEncoder()),
         "x.toml": load_knowledge,
+        "x.npy": lambda path: open_embeddings(path, HashEncoder()),
+        "x.arrow": lambda path: open_embeddings(path, HashEncoder()),
     }
     for name, reader in readers.items():
         where = tmp_path / name.replace(".", "-")

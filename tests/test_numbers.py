@@ -155,7 +155,8 @@ def test_power_is_told_as_far_as_it_is_promised(gap, alpha, power, comparisons, 
 def test_a_number_is_returned_as_it_is_or_refused(value):
     for read, kind in ((whole_number, int), (finite_number, float)):
         try:
-            assert read("n", value) == value
-            assert type(read("n", value)) is kind
-        except UsageError as error:
-            assert len(str(error)) < 200
+            found = read("n", value)
+        except UsageError:
+            continue
+        assert found == value
+        assert type(found) is kind

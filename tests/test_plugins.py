@@ -33,7 +33,7 @@ from oodscen.registry import (
 from oodscen.simulation import simulate
 from oodscen.study import Extras, StudyConfig, run_study
 from oodscen.study.sweep import Job, run_chunk
-from oodscen.testing import FlatSimulator
+from oodscen.testing import FlatSimulator, check_simulator
 from oodscen.testing.scenes import example_scene
 from tests.study.quick import QUICK
 
@@ -303,6 +303,18 @@ def test_a_driver_that_returns_no_control_fails_its_drive(control):
     (failed,) = drive([example_scene()], driver, FlatSimulator(), twins=False)
     assert failed.status == "failed"
     assert "act() returned" in failed.error
+
+
+@pytest.mark.parametrize("case", ["none", "raises", "exits", "without_close", "catalogue_none"])
+def test_the_conformance_check_lists_what_it_finds(case):
+    with pytest.raises(AssertionError, match="breaks its protocol"):
+        check_simulator((FACTORIES | BY_KIND["simulator"])[case])
+
+
+@pytest.mark.parametrize("price", [None, 3, "much", (1.0,)])
+def test_the_price_of_a_model_may_be_anything(price, module):
+    module.Model = having(price=price)
+    assert "not known" in called(1, "doctor", "llm", "faulty_plugins:Model").output
 
 
 # ------------------------------------------------------------------ the commands

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._files import replace
+from oodscen._files import read_utf8, refuse_special, replace
 from oodscen._json import parse_object
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
@@ -114,6 +114,7 @@ def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
         MissingExtra: When it is an Arrow file and pyarrow is not installed.
     """
     file = Path(path)
+    refuse_special(file, "embeddings")
     rows, maker = _arrow(file) if file.suffix in (".arrow", ".feather") else _npy(file)
     if maker != encoder.name:
         raise UsageError(
@@ -133,9 +134,9 @@ def _about(file: Path) -> Path:
 def _npy(file: Path) -> tuple[Any, str]:
     try:
         rows = np.load(file, mmap_mode="r", allow_pickle=False)
-        about = parse_object(_about(file).read_bytes())
+        about = parse_object(read_utf8(_about(file), "embeddings", limit=1 << 20))
         maker = str(about["encoder"])
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+    except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
         fault = f"cannot be read ({error}); write it again with write_embeddings"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     if rows.ndim != 2 or rows.dtype != np.float32:

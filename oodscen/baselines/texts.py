@@ -13,7 +13,7 @@ from oodscen._text import whole
 from oodscen.errors import DataError, Issue
 from oodscen.scenario import Scenario
 
-MAX_CHARACTERS = 100_000
+MAX_CHARACTERS = 1_000_000
 """Longest text that is measured; what is longer is a file whose lines do not end."""
 
 _MOST_ISSUES = 20
@@ -133,7 +133,7 @@ def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
             told = "a quote is not closed" if "end of data" in str(error) else str(error)
             yield begins, Issue(f"line {begins}", f"is not CSV: {told}")
             return
-        more = row.pop(None, None)  # type: ignore[call-overload]  # Where the reader puts them.
+        more = row.pop(None, None)  # Where the reader puts them.
         if more and any(map(str.strip, more)):
             fault = f"has {len(header) + len(more)} fields, and the header has {len(header)}; quote texts with a comma"
             yield begins, Issue(f"line {begins}", fault)

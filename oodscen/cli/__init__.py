@@ -71,7 +71,7 @@ class _Group(click.Group):
             with _interruptible():
                 return super().invoke(ctx)
         except click.ClickException as error:
-            error.message = shortened(error.message)
+            vars(error)["message"] = shortened(error.message)  # click declares it final.
             raise
         except KeyboardInterrupt as interrupt:
             again = ""

@@ -21,7 +21,7 @@ class PathName(click.Path):
         except OSError as error:
             self.fail(f"{value!r}: {error.strerror}.", param, ctx)
         found = super().convert(value, param, ctx)
-        if self.exists and not (Path(found).is_file() or Path(found).is_dir()):
+        if self.exists and not (os.path.isfile(found) or os.path.isdir(found)):
             self.fail(f"{self.name.title()} {value!r} is no regular file.", param, ctx)
         return found
 

@@ -205,10 +205,11 @@ def _kept(file: Path) -> tuple[bytes, float] | None:
         not isinstance(about, dict)
         or about.get("sha256") != digest
         or about.get("format") != _FORMAT
+        or not isinstance(about.get("error"), float)
     ):
         _log.warning("%s is damaged or of another version; it is exported again", file)
         return None
-    return content, float(about["error"])
+    return content, about["error"]
 
 
 def _keep(file: Path, content: bytes, error: float) -> None:

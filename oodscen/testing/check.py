@@ -111,7 +111,7 @@ class _Check:
         """Note an exception instead of stopping."""
         try:
             yield
-        except (Exception, AssertionError) as error:
+        except (Exception, SystemExit) as error:
             self.findings.append(f"{what}: {type(error).__name__}: {error}")
 
     def that(self, holds: bool, what: str) -> None:

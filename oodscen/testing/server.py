@@ -251,7 +251,7 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             elif fault == "packed":
                 self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
             elif fault == "redirect":
-                address = f"http://localhost:{self.server.server_address[1]}{self.path}"
+                address = f"http://localhost:{self.connection.getsockname()[1]}{self.path}"
                 self._send(307, b"", {"location": address})
             elif fault == "processing":
                 self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
