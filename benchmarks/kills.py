@@ -21,6 +21,7 @@ import tempfile
 import time
 import uuid
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -58,6 +59,7 @@ class Tally:
 
     @property
     def kills(self) -> int:
+        """How many signals were sent to commands that were still running."""
         return self.sent.total()
 
 
@@ -70,8 +72,16 @@ class Command:
         self.log = out.with_suffix(".log")
         with self.log.open("wb") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "oodscen", "run", out, *options.split()]
-                + ["--baseline", ORDINARY],
+                [
+                    sys.executable,
+                    "-m",
+                    "oodscen",
+                    "run",
+                    out,
+                    *options.split(),
+                    "--baseline",
+                    ORDINARY,
+                ],
                 env=os.environ | {MARK: self.mark, "OODSCEN_OFFLINE": "1"},
                 stdin=subprocess.DEVNULL,
                 stdout=log,
@@ -88,10 +98,9 @@ class Command:
         return True
 
     def send(self, number: signal.Signals, to_all: bool) -> None:
-        try:
+        """Send a signal to the command, or to its whole process group."""
+        with suppress(ProcessLookupError):
             (os.killpg if to_all else os.kill)(self.process.pid, number)
-        except ProcessLookupError:
-            pass
 
     def alive(self) -> list[str]:
         """Return the processes that the command started and that are still there, itself included."""
