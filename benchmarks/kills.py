@@ -59,7 +59,7 @@ class Tally:
 
     @property
     def kills(self) -> int:
-        """How many signals were sent."""
+        """How many signals were sent to commands that were still running."""
         return self.sent.total()
 
 

@@ -72,7 +72,8 @@ def check_simulator(
 
     Args:
         simulator: Makes a fresh simulator, or a name as in `make_simulator`. Only names, and
-            classes and functions of modules that can be imported, can be run in a fresh process.
+            classes and functions of modules that can be imported, can be run in a fresh process; what is
+            defined in a script or notebook is not, with a warning.
         scenes: Further scenes that must run; without them one per map is made.
         parts: Which of `PARTS` to look at; `QUICK` takes seconds.
         resets: How many `leaks` watches.

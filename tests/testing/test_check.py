@@ -206,6 +206,13 @@ def test_a_result_that_depends_on_the_process_is_found(tmp_path, monkeypatch) ->
     assert faults == ["scene test: another result in a fresh process"]
 
 
+def test_what_a_fresh_process_cannot_import_is_left_out_with_a_warning() -> None:
+    with FlatSimulator() as simulator:
+        for source in (lambda: FlatSimulator(), "__main__:Mine"):
+            with pytest.warns(UserWarning, match="'process' is left out"):
+                assert process_faults(simulator, source, []) == []
+
+
 class _Fixed(FlatSimulator):
     """What a process-bound simulator gives in no process: a sun that no process has."""
 
