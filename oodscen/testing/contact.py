@@ -12,7 +12,7 @@ from oodscen.scene import Scene
 from oodscen.trace import Course
 
 NEAR_M = 20.0
-"""Up to this distance gaps are compared."""
+"""Up to this distance a gap must be finite."""
 TOLERANCE_M = 0.05
 """By how much a measured gap may differ from that of the boxes."""
 
@@ -32,12 +32,12 @@ def gap_fault(states: Sequence[State], scene: Scene, catalogue: Catalogue) -> st
             for (x, y, _, yaw), size in zip(rows, sizes[:, :2].tolist(), strict=True)
         ]
         for row in range(1, len(rows)):
-            level = gap(boxes[0], boxes[row])
-            if level > NEAR_M or course.passable[row]:
+            level, found = gap(boxes[0], boxes[row]), float(state.gaps[row])
+            if course.passable[row] or (level > NEAR_M and math.isinf(found)):
                 continue
             ground = float(np.interp(road.locate(*rows[row][:2])[0], road.s, road.z))
             above = max(0.0, rows[row][2] - ground - float(sizes[0, 2]))
-            expected, found = math.hypot(level, above), float(state.gaps[row])
+            expected = math.hypot(level, above)
             if not abs(found - expected) <= TOLERANCE_M:
                 return f"the gap to {state.ids[row]!r} is {found:.2f} m, between the boxes {expected:.2f} m"
     return ""
