@@ -101,7 +101,7 @@ def _dressed(tree: ScenarioTree, most: int) -> str:
     shown = [
         depth
         for depth, total in enumerate(accumulate(levels[depth] for depth in sorted(levels)))
-        if total <= MAX_SHOWN
+        if total <= most
     ]
     deepest = max(levels, default=0)
     max_depth = shown[-1] if shown else 0

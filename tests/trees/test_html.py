@@ -80,7 +80,14 @@ def test_a_notebook_shows_whole_levels_up_to_a_limit_and_says_so():
         shown = Reader(text).labels
         assert 0 < len(shown) <= MAX_SHOWN
         assert f"{len(tree) - len(shown):,} nodes below depth" in text
-    assert len(Reader(to_page(broad(3_100)).partition("<body>")[2].partition("</body>")[0]).labels)
+
+
+def test_a_page_shows_every_node():
+    tree = broad(3_504)
+    page = to_page(tree)
+    body = page.partition("<body>")[2].partition("</body>")[0]
+    assert Reader(body).labels == [node.label for node, _ in tree.walk()]
+    assert "not shown" not in page
 
 
 def test_an_empty_tree_is_an_empty_list():
