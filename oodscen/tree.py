@@ -1,6 +1,6 @@
 """The scenario tree: an immutable taxonomy, defined as the fold of its log of edits."""
 
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
@@ -41,6 +41,7 @@ class ScenarioTree(Data):
     Each root-to-leaf path is one distinct kind of OOD scenario (paper, section III-A). The tree is
     a value: every operation returns a new tree, and `edits` is the whole history. What takes one
     edit takes the same time on a tree of any size; `nodes` and `edits` are made when first read.
+    A tree is a collection of its nodes: `len`, iteration and `in` are those of `nodes`.
     """
 
     noun: ClassVar[str] = "scenario tree"
@@ -226,6 +227,12 @@ class ScenarioTree(Data):
         size = growth.size(version)
         return len(self.nodes) if size is None else size
 
+    def __iter__(self) -> Iterator[Node]:  # type: ignore[override]  # pydantic's yields fields
+        return iter(self.nodes)
+
+    def __contains__(self, node: object) -> bool:
+        return isinstance(node, Node) and self.by_id.get(node.id) == node
+
     def outline(self, *, ids: bool = False) -> str:
         """Render the tree as an indented list, for people and for prompts."""
         return "\n".join(
@@ -283,9 +290,6 @@ class ScenarioTree(Data):
 
     def __hash__(self) -> int:
         return hash(self.edits)
-
-    def __iter__(self) -> Generator[tuple[str, Any], None, None]:
-        yield from self._fields().items()
 
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
         yield from self._fields().items()

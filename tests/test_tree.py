@@ -61,6 +61,18 @@ def test_json_and_pickle_give_the_tree_back(tree):
     assert hash(again) == hash(tree)
 
 
+@given(trees, changes)
+def test_a_tree_is_a_collection_of_its_nodes(tree, steps):
+    assert list(tree) == list(tree.nodes)
+    assert len(tree) == len(list(tree))
+    assert bool(tree) == bool(tree.nodes)
+    assert all(node in tree for node in tree)
+    for node in grown(steps):
+        assert (node in tree) == (node in tree.nodes)
+    assert "root" not in tree
+    assert None not in tree
+
+
 @few
 @given(trees, trees)
 def test_digests_are_equal_exactly_for_equal_trees(one, other):
@@ -318,7 +330,7 @@ def test_copies_are_equal_and_hold_all_fields(tree):
     late = tree.apply(TreeEdit(op="keep", node=ROOT)) if ROOT in tree.by_id else tree
     for other in (late.model_copy(), copy.copy(late), copy.deepcopy(late)):
         assert other == late
-        assert dict(other) == dict(late) == late._fields()
+        assert other._fields() == late._fields()
         assert repr(other) == repr(late)
 
 
