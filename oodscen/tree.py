@@ -31,9 +31,6 @@ ROOT = "root"
 CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
 
-MAX_INDENT = 64
-"""Depth from which an outline names the depth instead of indenting further."""
-
 
 class ScenarioTree(Data):
     """A taxonomy of OOD scenarios: root, classes, families, leaves.
@@ -236,8 +233,7 @@ class ScenarioTree(Data):
     def outline(self, *, ids: bool = False) -> str:
         """Render the tree as an indented list, for people and for prompts."""
         return "\n".join(
-            f"{'  ' * min(depth, MAX_INDENT)}- {f'(depth {depth}) ' if depth > MAX_INDENT else ''}"
-            f"{node.label}{f' [{node.id}]' if ids else ''}"
+            f"{'  ' * depth}- {node.label}{f' [{node.id}]' if ids else ''}"
             for node, depth in self.walk()
         )
 
