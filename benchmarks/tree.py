@@ -1,4 +1,4 @@
-"""How the time of every operation on trees grows with their size, for broad trees and for one long path.
+"""How the time of every operation on trees grows with their size.
 
 Usage: python benchmarks/tree.py [--json] [--nodes N]
 
@@ -47,17 +47,6 @@ def broad(size: int) -> ScenarioTree:
         parent = ("environmental", "interactional")[number % 2] if is_family else family
         tree = tree.apply(TreeEdit(op="add", node=node, parent=parent, label=label))
         family = node if is_family else family
-    return tree
-
-
-def chain(size: int) -> ScenarioTree:
-    """Grow one path, one edit at a time."""
-    tree = ScenarioTree().apply(TreeEdit(op="add", node="n0", label="n0"))
-    for number in range(1, size):
-        edit = TreeEdit(
-            op="add", node=f"n{number}", parent=f"n{number - 1}", label=f"Level {number}"
-        )
-        tree = tree.apply(edit)
     return tree
 
 
@@ -114,13 +103,12 @@ def row(name: str, small: float, large: float, nodes: int) -> Row:
 def measure(nodes: int) -> list[Row]:
     rows = []
     sizes = nodes // FACTOR, nodes
-    for shape, grow in (("broad", broad), ("one path", chain)):
-        grown = [[seconds(grow, size) for size in sizes] for _ in range(ROUNDS)]
-        rows.append(row(f"{shape}, grown edit by edit", *map(min, zip(*grown, strict=True)), nodes))
-        trees = [grow(size) for size in sizes]
-        for name, operation in tqdm(OPERATIONS.items(), desc=shape, disable=None):
-            found = [[seconds(operation, tree) for tree in trees] for _ in range(ROUNDS)]
-            rows.append(row(f"{shape}, {name}", *map(min, zip(*found, strict=True)), nodes))
+    grown = [[seconds(broad, size) for size in sizes] for _ in range(ROUNDS)]
+    rows.append(row("grown edit by edit", *map(min, zip(*grown, strict=True)), nodes))
+    trees = [broad(size) for size in sizes]
+    for name, operation in tqdm(OPERATIONS.items(), disable=None):
+        found = [[seconds(operation, tree) for tree in trees] for _ in range(ROUNDS)]
+        rows.append(row(name, *map(min, zip(*found, strict=True)), nodes))
     return rows
 
 

@@ -14,6 +14,10 @@ Category = Literal[
 ]
 
 
+FLAT_M = 0.08
+"""What is lower lies on the road: others drive over it and stand on it."""
+
+
 class Asset(Data):
     """One thing that can be placed in a scene."""
 
@@ -33,8 +37,15 @@ class Asset(Data):
     """Further words for it: `emergency`, `heavy`, `debris` ..."""
     states: tuple[str, ...] = ()
     """What `Actor.state` may be; the first is the default."""
+    passable: tuple[str, ...] = ()
+    """States in which it is in nobody's way although its box is, e.g. a gate's `open`."""
     names: tuple[str, ...] = ()
     """What other catalogues call such a thing, e.g. `police_car`: it is one wherever that is needed."""
+
+    def is_passable(self, state: str = "") -> bool:
+        """Tell whether one can drive over or through it, in one of its states."""
+        shown = state or (self.states[0] if self.states else "")
+        return self.height < FLAT_M or shown in self.passable
 
 
 class BehaviourParameter(Data):

@@ -3,12 +3,15 @@
 import re
 import threading
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import ClassVar, Literal
 
 from oodscen._data import Data
 from oodscen.errors import Issue
 from oodscen.labels import label_fault
+
+MAX_DEPTH = 50
+"""Most edges from the root of a tree to a node."""
 
 
 class TreeEdit(Data):
@@ -66,6 +69,9 @@ def slug(label: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", plain)[:48].strip("-") or "node"
 
 
+_TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
+
+
 class Growth:
     """The index that the trees of one line of edits share.
 
@@ -99,12 +105,16 @@ class Growth:
         """
         with self._lock:
             growth = self if version == len(self.log) else self._fork(version)
-            issues = []
+            issues, refused = [], set[str | None]()
             for index, edit in enumerate(edits):
-                if message := growth._misfit(edit, version + index):
-                    issues.append(Issue(f"{where}[{index}]", message))
-                else:
+                if not (message := growth._misfit(edit, version + index)):
                     growth._play(edit)
+                    continue
+                # What hangs on a node that was refused has no fault of its own.
+                on = edit.parent if edit.op == "add" else edit.node
+                if on not in refused or on in growth.nodes:
+                    issues.append(Issue(f"{where}[{index}]", message))
+                refused.add(edit.node)
             if issues:
                 growth._cut(version)
             return growth, issues
@@ -216,6 +226,8 @@ class Growth:
                 return f"{edit.node!r} would be a second root"
             if edit.parent is not None and edit.parent not in self.nodes:
                 return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
+            if len(self._line(edit.parent)) > MAX_DEPTH:
+                return _TOO_DEEP
         elif edit.node not in self.nodes:
             return f"the node {edit.node[:80]!r} does not exist"
         elif edit.op == "move":
@@ -229,31 +241,21 @@ class Growth:
             return f"{edit.node!r} would be a second root"
         if edit.parent not in self.nodes:
             return f"the parent {edit.parent[:80]!r} does not exist"
-        if self._is_at_or_below(edit.parent, edit.node):
+        above = self._line(edit.parent)
+        if edit.node in above:
             return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
-        return ""
+        level = [edit.node]
+        for _ in range(len(above), MAX_DEPTH + 1):
+            level = [child for name in level for child in self._children.get(name, ())]
+        return _TOO_DEEP if level else ""
 
-    def _is_at_or_below(self, lower: str, upper: str) -> bool:
-        """Look from both ends in turns, so that the nearer one decides how long it takes."""
-        cursor: str | None = lower
-        for seen in self._at_or_below(upper):
-            if cursor is None:
-                return False
-            if cursor == upper or seen == lower:
-                return True
-            cursor = self.nodes[cursor].parent
-        return False
-
-    def _at_or_below(self, node_id: str) -> Iterator[str]:
-        yield node_id
-        branches = [iter(self._children.get(node_id, ()))]
-        while branches:
-            child = next(branches[-1], None)
-            if child is None:
-                branches.pop()
-                continue
-            yield child
-            branches.append(iter(self._children.get(child, ())))
+    def _line(self, node_id: str | None) -> list[str]:
+        """Return the ids from a node up to the root."""
+        found = []
+        while node_id is not None:
+            found.append(node_id)
+            node_id = self.nodes[node_id].parent
+        return found
 
 
 def _parents_first(nodes: Sequence[Node]) -> dict[str, Node]:

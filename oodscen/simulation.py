@@ -362,7 +362,7 @@ def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False
     met = trace.summary().values()
     return ActionOutcome(
         safe=not last.contacts and (collisions_only or not last.off_road),
-        margin_m=None if margin == float("inf") else round(margin, 3),
+        margin_m=None if margin == float("inf") else _millimetres(margin),
         min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
         pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),
         contacts=last.contacts,
@@ -371,6 +371,11 @@ def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False
         peak_deceleration=peak_deceleration(trace),
         peak_jerk=peak_jerk(trace),
     )
+
+
+def _millimetres(gap: float) -> float:
+    """Round a gap, m, so that 0 stays the mark of contact."""
+    return max(round(gap, 3), 0.001) if gap > 0.0 else 0.0
 
 
 def peak_deceleration(trace: Trace) -> float:

@@ -13,6 +13,7 @@ from oodscen.catalogue import Catalogue
 from oodscen.conflict import (
     Floats,
     Footprints,
+    overlap,
     post_encroachment,
     sine_cosine,
     time_headway,
@@ -88,6 +89,8 @@ class Course:
     """In which the ego starts."""
     sizes: Floats
     """[n, 3]: length, width and height of every body, the ego first, m."""
+    passable: NDArray[np.bool_]
+    """[n]: which of them one can drive over or through."""
 
     @classmethod
     def of(cls, scene: Scene, catalogue: Catalogue) -> Self:
@@ -95,8 +98,12 @@ class Course:
         assets = {asset.id: asset for asset in catalogue.assets}
         cast = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
         sizes = np.array([(one.length, one.width, one.height) for one in cast])
+        shown = ["", *(actor.state for actor in scene.actors)]
+        passable = np.array(
+            [one.is_passable(state) for one, state in zip(cast, shown, strict=True)]
+        )
         corridor = load_corridor(find_map(scene.map, catalogue))
-        return cls(corridor, ego_strip(corridor, scene.ego.lane), sizes)
+        return cls(corridor, ego_strip(corridor, scene.ego.lane), sizes, passable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +169,8 @@ class Trace:
                 ego, others, vx[:, 1:] - vx[:, :1], vy[:, 1:] - vy[:, :1]
             )
             ttc[:, 1:][gap[:, 1:] <= 0.0] = 0.0
+            is_above = z - np.interp(s, corridor.s, corridor.z) > sizes[0, 2]
+            ttc[is_above | course.passable] = np.inf
             askew = np.abs(cos * road_cos + sin * road_sin)
             turned_away = np.abs(sin * road_cos - cos * road_sin)
             along = half_length * askew + half_width * turned_away
@@ -173,6 +182,7 @@ class Trace:
                 t[:, 1:] - t[:, :1],
                 across[:, 1:] + across[:, :1],
             )
+            headway[:, course.passable] = np.inf
         contact = gap <= 0.0
         contact[:, 0] = contact[:, 1:].any(axis=1)
         steps = np.array([state.step for state in states])
@@ -229,9 +239,12 @@ class Trace:
         time = columns["time"][:, 0]
         dt = float(time[1] - time[0]) if len(time) > 1 else 0.0
         every = slice(None)
-        pet = post_encroachment(prints.at(every, 0), prints.at(every, slice(1, None)), dt)
+        others = prints.at(every, slice(1, None))
+        pet = post_encroachment(prints.at(every, 0), others, dt)
         hit = columns["contact"][:, 1:].any(axis=0)
-        pet = np.where(hit, 0.0, pet)
+        # Whoever is driven over, through or under shares the ego's ground without a conflict.
+        clear = overlap(prints.at(every, slice(0, 1)), others).any(axis=0)
+        pet = np.where(hit, 0.0, np.where(clear, np.inf, pet))
         least = {name: columns[name][:, 1:].min(axis=0) for name in _NULLABLE}
         braking = -columns["acceleration"][:, 1:].min(axis=0)
         return {

@@ -1,6 +1,6 @@
 """The scenario tree: an immutable taxonomy, defined as the fold of its log of edits."""
 
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
@@ -31,9 +31,6 @@ ROOT = "root"
 CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
 
-MAX_INDENT = 64
-"""Depth from which an outline names the depth instead of indenting further."""
-
 
 class ScenarioTree(Data):
     """A taxonomy of OOD scenarios: root, classes, families, leaves.
@@ -41,6 +38,7 @@ class ScenarioTree(Data):
     Each root-to-leaf path is one distinct kind of OOD scenario (paper, section III-A). The tree is
     a value: every operation returns a new tree, and `edits` is the whole history. What takes one
     edit takes the same time on a tree of any size; `nodes` and `edits` are made when first read.
+    A tree is a collection of its nodes: `len`, iteration and `in` are those of `nodes`.
     """
 
     noun: ClassVar[str] = "scenario tree"
@@ -226,11 +224,16 @@ class ScenarioTree(Data):
         size = growth.size(version)
         return len(self.nodes) if size is None else size
 
+    def __iter__(self) -> Iterator[Node]:  # type: ignore[override]  # pydantic's yields fields
+        return iter(self.nodes)
+
+    def __contains__(self, node: object) -> bool:
+        return isinstance(node, Node) and self.by_id.get(node.id) == node
+
     def outline(self, *, ids: bool = False) -> str:
         """Render the tree as an indented list, for people and for prompts."""
         return "\n".join(
-            f"{'  ' * min(depth, MAX_INDENT)}- {f'(depth {depth}) ' if depth > MAX_INDENT else ''}"
-            f"{node.label}{f' [{node.id}]' if ids else ''}"
+            f"{'  ' * depth}- {node.label}{f' [{node.id}]' if ids else ''}"
             for node, depth in self.walk()
         )
 
@@ -283,9 +286,6 @@ class ScenarioTree(Data):
 
     def __hash__(self) -> int:
         return hash(self.edits)
-
-    def __iter__(self) -> Generator[tuple[str, Any], None, None]:
-        yield from self._fields().items()
 
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
         yield from self._fields().items()

@@ -1,15 +1,13 @@
-"""What touches what: a PyBullet world of collision shapes only."""
+"""How far apart bodies are: a PyBullet world of collision shapes only."""
 
 import math
 from types import ModuleType
-
-from oodscen_pybullet.meshes import asset_mesh
 
 Pose = tuple[float, float, float, float]
 
 
 class Bodies:
-    """Boxes and compounds of boxes that are moved by hand and asked for their distances.
+    """Boxes that are moved by hand and asked for their distances.
 
     Massless bodies never report contacts in PyBullet, so distances are queried pair by pair.
     """
@@ -32,23 +30,17 @@ class Bodies:
         self._bodies.clear()
         self._moved.clear()
 
-    def add(self, asset: str, state: str = "") -> bool:
-        """Add a body; its row is the number of bodies before it.
+    def add(self, length: float, width: float, height: float) -> bool:
+        """Add a box that stands on its footprint; its row is the number of bodies before it.
 
         Returns:
             Whether the engine took it.
         """
-        solids = asset_mesh(asset, state).solids
-        if not solids:
-            self._bodies.append(-1)
-            self._moved.append(None)
-            return True
         engine = self._engine
-        shape = engine.createCollisionShapeArray(
-            shapeTypes=[engine.GEOM_BOX] * len(solids),
-            halfExtents=[half for _, half in solids],
-            collisionFramePositions=[centre for centre, _ in solids],
-            collisionFrameOrientations=[(0, 0, 0, 1)] * len(solids),
+        shape = engine.createCollisionShape(
+            engine.GEOM_BOX,
+            halfExtents=(0.5 * length, 0.5 * width, 0.5 * height),
+            collisionFramePosition=(0.0, 0.0, 0.5 * height),
             physicsClientId=self._client,
         )
         body = engine.createMultiBody(0, shape, physicsClientId=self._client) if shape >= 0 else -1
@@ -59,7 +51,7 @@ class Bodies:
 
     def move(self, row: int, pose: Pose) -> None:
         """Put one body at x, y, z, yaw."""
-        if self._bodies[row] < 0 or self._moved[row] == pose:
+        if self._moved[row] == pose:
             return
         x, y, z, yaw = pose
         self._engine.resetBasePositionAndOrientation(
@@ -71,12 +63,8 @@ class Bodies:
         self._moved[row] = pose
 
     def distance(self, row: int, other: int, reach: float) -> float:
-        """Return the distance between two bodies, m.
-
-        0 on contact; infinity beyond `reach`, or where one of them is nothing to touch.
-        """
-        one, two = self._bodies[row], self._bodies[other]
-        if one < 0 or two < 0:
-            return math.inf
-        points = self._engine.getClosestPoints(one, two, reach, physicsClientId=self._client)
+        """Return the distance between two bodies, m: 0 on contact, infinity beyond `reach`."""
+        points = self._engine.getClosestPoints(
+            self._bodies[row], self._bodies[other], reach, physicsClientId=self._client
+        )
         return max(0.0, min((float(point[8]) for point in points), default=math.inf))

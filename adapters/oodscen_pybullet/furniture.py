@@ -14,7 +14,7 @@ def street_lamp(reach: float, height: float, *, is_night: bool) -> Mesh:
     mesh.box((0, -reach, height + 0.08), (0.34, 0.8, 0.12), "dark_grey")
     glass = "lamp_on" if is_night else "lamp_glass"
     mesh.box((0, -reach, height - 0.01), (0.26, 0.62, 0.06), glass)
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 LIMITS = frozenset(range(10, 140, 10))
@@ -47,7 +47,7 @@ def speed_sign(limit: int) -> Mesh:
             wide, high = (half + bold, bold) if is_flat else (bold, 0.5 * tall + bold)
             corners = ((-wide, -high), (wide, -high), (wide, high), (-wide, high))
             mesh.polygon([(-0.028, y - a, z + b) for a, b in corners], "black")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 _RIM = tuple(
@@ -71,13 +71,13 @@ def front(style: int) -> Mesh:
     else:
         mesh.box((0, 0, 0.2), (10.0, 0.25, 0.9), "wall_brick", caps="")
         mesh.box((0, 0, 0.67), (10.0, 0.32, 0.06), "concrete", caps="t")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=2)
 def side_hedge() -> Mesh:
     """Return a hedge of nine metres along y, between two gardens."""
-    return MeshBuilder().box((0, 4.5, 0.35), (0.6, 9.0, 1.4), "hedge", caps="t").build(hollow=True)
+    return MeshBuilder().box((0, 4.5, 0.35), (0.6, 9.0, 1.4), "hedge", caps="t").build()
 
 
 @lru_cache(maxsize=2)
@@ -87,7 +87,7 @@ def drive(length: float) -> Mesh:
     mesh.polygon(
         [(-1.5, 0, 0.03), (1.5, 0, 0.03), (1.5, length, 0.03), (-1.5, length, 0.03)], "concrete"
     )
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 _HEXAGON = ((1, 0), (0.5, 0.866), (-0.5, 0.866), (-1, 0), (-0.5, -0.866), (0.5, -0.866))
@@ -119,7 +119,7 @@ def parked_car(paint: str) -> Mesh:
     for y in (-0.6, 0.6):
         mesh.box((2.06, y, 0.62), (0.06, 0.34, 0.14), "head", caps="")
         mesh.box((-2.14, y, 0.68), (0.06, 0.3, 0.14), "tail", caps="")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=1)
@@ -130,17 +130,13 @@ def bench() -> Mesh:
         mesh.box((x, 0, 0.22), (0.08, 0.4, 0.44), "post", caps="")
     mesh.box((0, 0, 0.46), (1.7, 0.42, 0.05), "wood")
     mesh.box((0, 0.22, 0.72), (1.7, 0.05, 0.32), "wood")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=1)
 def litter_bin() -> Mesh:
     """Return a litter bin."""
-    return (
-        MeshBuilder()
-        .cylinder((0, 0, 0), (0, 0, 0.95), 0.24, "bin_green", sides=7)
-        .build(hollow=True)
-    )
+    return MeshBuilder().cylinder((0, 0, 0), (0, 0, 0.95), 0.24, "bin_green", sides=7).build()
 
 
 @lru_cache(maxsize=1)
@@ -150,7 +146,7 @@ def hydrant() -> Mesh:
     mesh.cylinder((0, 0, 0), (0, 0, 0.62), 0.13, "fire_red", sides=7)
     mesh.cylinder((0, 0, 0.62), (0, 0, 0.76), 0.12, "fire_red", sides=7, end_radius=0.03)
     mesh.beam((0, -0.22, 0.45), (0, 0.22, 0.45), 0.13, "fire_red")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=2)
@@ -167,21 +163,21 @@ def bus_stop(*, is_night: bool) -> Mesh:
     mesh.beam((3.0, -0.6, 0), (3.0, -0.6, 2.7), 0.07, "post")
     mesh.box((3.0, -0.6, 2.55), (0.08, 0.55, 0.55), "awning_green")
     mesh.box((3.0, -0.6, 2.55), (0.09, 0.3, 0.3), "yellow")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=1)
 def bollard() -> Mesh:
     """Return a bollard."""
     mesh = MeshBuilder().cylinder((0, 0, 0), (0, 0, 0.9), 0.09, "dark_grey", sides=6)
-    return mesh.cylinder((0, 0, 0.7), (0, 0, 0.78), 0.1, "white", sides=6).build(hollow=True)
+    return mesh.cylinder((0, 0, 0.7), (0, 0, 0.78), 0.1, "white", sides=6).build()
 
 
 @lru_cache(maxsize=1)
 def mailbox() -> Mesh:
     """Return a letter box on a post."""
     mesh = MeshBuilder().beam((0, 0, 0), (0, 0, 1.0), 0.08, "fence")
-    return mesh.box((0, 0, 1.12), (0.42, 0.2, 0.24), "red").build(hollow=True)
+    return mesh.box((0, 0, 1.12), (0.42, 0.2, 0.24), "red").build()
 
 
 @lru_cache(maxsize=1)
@@ -191,7 +187,7 @@ def delineator() -> Mesh:
     mesh.box((0, 0, 0.4), (0.1, 0.14, 1.2), "white", caps="t")
     mesh.box((0, 0, 0.78), (0.11, 0.15, 0.22), "black", caps="")
     mesh.box((0, 0, 0.78), (0.12, 0.06, 0.16), "reflector", caps="")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=4)
@@ -206,7 +202,7 @@ def gantry(span: float) -> Mesh:
         mesh.box((0.0, y, 7.0), (0.1, 4.4, 1.9), "grey")
         board = [(y - 2.1, 6.15), (y + 2.1, 6.15), (y + 2.1, 7.85), (y - 2.1, 7.85)]
         mesh.picture([(0.06, u, z) for u, z in board], "gantry")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=1)
@@ -216,7 +212,7 @@ def field_fence() -> Mesh:
     mesh.box((0, 0, 0.4), (0.12, 0.12, 1.4), "fence", caps="")
     for z in (0.45, 0.85):
         mesh.box((0, 0, z), (4.0, 0.05, 0.1), "fence", caps="t")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=1)
@@ -227,20 +223,16 @@ def power_pole() -> Mesh:
     mesh.beam((0, -1.0, 8.0), (0, 1.0, 8.0), 0.12, "bark")
     for y in (-0.9, 0.9):
         mesh.box((0, y, 8.12), (0.08, 0.08, 0.16), "white", caps="")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=1)
 def hay_bale() -> Mesh:
     """Return a round bale of straw."""
-    return (
-        MeshBuilder()
-        .cylinder((0, -0.6, 0.65), (0, 0.6, 0.65), 0.65, "straw", sides=9)
-        .build(hollow=True)
-    )
+    return MeshBuilder().cylinder((0, -0.6, 0.65), (0, 0.6, 0.65), 0.65, "straw", sides=9).build()
 
 
 @lru_cache(maxsize=1)
 def rail_post() -> Mesh:
     """Return the post of a guard rail whose traffic side is -y."""
-    return MeshBuilder().box((0, 0.12, 0.3), (0.1, 0.12, 0.9), "post", caps="").build(hollow=True)
+    return MeshBuilder().box((0, 0.12, 0.3), (0.1, 0.12, 0.9), "post", caps="").build()

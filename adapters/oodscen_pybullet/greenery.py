@@ -80,7 +80,7 @@ def broad_tree(key: int, *, is_tall: bool = False, is_far: bool = False) -> Mesh
     if is_far:
         lumps = [(lumps[0][0], 1.25 * lumps[0][1]), lumps[2]]
     parts = [_clump(at, (r, r, 0.85 * r), (light, dark), rng) for at, r in lumps]
-    return joined([mesh.build(hollow=True), *parts])
+    return joined([mesh.build(), *parts])
 
 
 @lru_cache(maxsize=16)
@@ -94,7 +94,7 @@ def conifer(key: int) -> Mesh:
         mesh.cylinder(
             start, end, radius * scale, "needle", sides=7, end_radius=0.03, phase=key + z0
         )
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 @lru_cache(maxsize=16)

@@ -133,7 +133,7 @@ def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> View:
 
 def _ground() -> Mesh:
     corners = [(-400, -400, 0.0), (400, -400, 0.0), (400, 400, 0.0), (-400, 400, 0.0)]
-    mesh = MeshBuilder().polygon(corners, "asphalt_light").build(hollow=True)
+    mesh = MeshBuilder().polygon(corners, "asphalt_light").build()
     return replace(mesh, is_ground=True)
 
 

@@ -45,8 +45,8 @@ LYING_SNOW_MM_H = 1.0
 class PyBulletSimulator(MirrorSimulator):
     """Shows scenes with PyBullet; needs no display.
 
-    Distances come from PyBullet's collision shapes, pictures from a software rasteriser with light
-    and weather added from depth. Nothing is started before the first scene, and the camera's world
+    PyBullet measures the distances between the catalogue's boxes; pictures come from a software
+    rasteriser with light and weather added from depth. Nothing is started before the first scene, and the camera's world
     is not built before the first picture. The very first picture after installation waits for some
     seconds while the rasteriser is compiled; numba keeps the result on disk.
     """
@@ -110,7 +110,7 @@ class PyBulletSimulator(MirrorSimulator):
             raise SpawnError(actor_id, asset.id, pose, "the pose is not finite")
         if asset.id not in asset_ids():
             raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
-        if not self._bodies.add(asset.id, state):
+        if not self._bodies.add(asset.length, asset.width, asset.height):
             raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
         self._cast.add(actor_id, asset, state)
 
@@ -120,7 +120,7 @@ class PyBulletSimulator(MirrorSimulator):
         self._speeds = speeds.tolist()
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
-        """Measure the distance from the ego's body to others', m."""
+        """Measure the distance from the ego's box to others', m."""
         bodies = self._bodies
         assert bodies is not None
         bodies.move(0, self._poses[0])
@@ -141,7 +141,7 @@ class PyBulletSimulator(MirrorSimulator):
             self._poses, self._speeds, self.world.accelerations().tolist(), self.world.time
         )
         if self._shown != (id(stage), is_inside, looks):
-            ego: Look | Mesh = bonnet("silver").build(hollow=True) if is_inside else looks[0]
+            ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
             self._shown = (id(stage), is_inside, looks)
         poses = self._stand(scenery)

@@ -69,7 +69,7 @@ def _tunnel(
             lamps.append((x, y, z + top - 0.1))
     for s, forward in ((one.start, True), (one.end, False)):
         _portal(mesh, ground, s, forward=forward)
-    return joined([ribbons.mesh(), mesh.build(hollow=True)])
+    return joined([ribbons.mesh(), mesh.build()])
 
 
 def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> None:
@@ -204,4 +204,4 @@ def _bridge(ground: Ground, line: Course, right: Array, left: Array) -> list[Mes
             quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
             surface = "water" if a < 100 else "water_light"
             water.quads(quads, np.broadcast_to(swatch_uv(surface), (len(quads), 4, 2)))
-    return [joined([ribbons.mesh(), mesh.build(hollow=True), water.mesh()])]
+    return [joined([ribbons.mesh(), mesh.build(), water.mesh()])]

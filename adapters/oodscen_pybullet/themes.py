@@ -407,7 +407,7 @@ def _power_line(site: Site, way: Way) -> None:
                 wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
         last = ends
     if last is not None:
-        site.add(wires.build(hollow=True), (0.0, 0.0, 0.0), (1.0, 0.0))
+        site.add(wires.build(), (0.0, 0.0, 0.0), (1.0, 0.0))
 
 
 def _farm(site: Site, spot: Spot, is_night: bool) -> None:

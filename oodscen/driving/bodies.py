@@ -51,7 +51,8 @@ APART_X, APART_Y, APART_YAW = 8, 9, 10
 """Where it is in the axes of the body to which it belongs."""
 POLE = 11
 """From the body that tows it to its own axle, m."""
-FIRST = 12
+HEIGHT = 12
+FIRST = 13
 PARAMETERS = (
     "speed",
     "duration",
@@ -98,8 +99,8 @@ OTHER = 4
 """Row of the body to which it belongs, -1 for none."""
 TRIGGER, MEASURED = 5, 6
 """Kind of its trigger (`oodscen.driving.triggers`), and the row to which it is measured."""
-IS_FLAT, IS_LIT = 7, 8
-"""Whether it is driven over, and whether it has lamps."""
+IS_PASSABLE, IS_LIT = 7, 8
+"""Whether it can be driven over or through, and whether it has lamps."""
 CODES_WIDTH = 9
 
 # Columns of `Situation.paths`: the bodies at the beginning of a step, as others see them.

@@ -90,10 +90,11 @@ class MirrorSimulator(ABC):
         """
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
-        """Return the distance between the ego's body (row 0) and these rows' bodies, m.
+        """Return the distance between the ego's box (row 0) and these rows' boxes, m.
 
-        0 on contact. Only rows near the ego are asked for. By default it is that between the
-        footprints; override it where the simulator knows the bodies' shapes.
+        Asked for rows near the ego that do not touch it: contact is decided by the boxes of the
+        catalogue, as are time to collision and all else that is measured. Override it only to
+        have the simulator's own engine measure them.
         """
         assert self._seen is not None, "called in reset, step and restore only"
         return [float(self._seen.gaps[row]) for row in rows]
@@ -207,7 +208,7 @@ class MirrorSimulator(ABC):
         seen = self._seen = world.publish()
         self.place(seen.poses, seen.speeds)
         gaps = seen.gaps
-        near = [row for row, apart in enumerate(seen.apart.tolist()) if apart <= NEAR_M]
+        near = np.flatnonzero((seen.apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
         if near:
             for row, distance in zip(near, self.gaps(near), strict=True):
                 gaps[row] = max(0.0, round(float(distance), 4))

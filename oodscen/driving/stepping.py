@@ -7,6 +7,8 @@ from oodscen.driving.bodies import (
     ACCELERATION,
     GRAVITY,
     HEADING,
+    HEIGHT,
+    IS_PASSABLE,
     LENGTH,
     LIFT,
     MEASURED,
@@ -121,8 +123,8 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
     Args:
         w: The world.
         poses: [n, 4] x, y, z, yaw.
-        rows: [4, n] speeds, accelerations, gaps between footprints, and distances between the
-            circles around them; the last two infinite for the ego.
+        rows: [4, n] speeds, accelerations, gaps between boxes, and distances between the circles
+            around their footprints; the last two infinite for the ego, gaps also for what is passable.
         places: [n, 2] s, t.
     """
     state, traits = w.state, w.traits
@@ -145,14 +147,15 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
         dx, dy = state[i, X] - x, state[i, Y] - y
         apart = math.sqrt(dx * dx + dy * dy) - own - reach
         rows[3, i] = apart
-        if apart <= FAR_M:
+        if apart <= FAR_M and w.codes[i, IS_PASSABLE] == 0:
             other_sine, other_cosine = sincos(state[i, YAW])
-            rows[2, i] = quantised(
-                box_gap(
-                    dx, dy, cosine, sine, length, width,
-                    other_cosine, other_sine, traits[i, LENGTH], traits[i, WIDTH],
-                )
+            level = box_gap(
+                dx, dy, cosine, sine, length, width,
+                other_cosine, other_sine, traits[i, LENGTH], traits[i, WIDTH],
             )  # fmt: skip
+            # Heights count from the road, which carries both: boxes do not pitch on a slope.
+            above = max(0.0, state[i, LIFT] - traits[0, HEIGHT])
+            rows[2, i] = quantised(math.sqrt(level * level + above * above))
     return is_off_road(w, sine, cosine)
 
 

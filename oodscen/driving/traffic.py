@@ -7,8 +7,8 @@ from oodscen.driving.bodies import (
     GOAL,
     GRAVITY,
     HEADING,
-    IS_FLAT,
     IS_LIT,
+    IS_PASSABLE,
     LANE,
     OFFSET,
     PATH_ACROSS,
@@ -158,7 +158,7 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
     best, away = math.inf, 0.0
     for j in range(paths.shape[0]):
         ahead = (paths[j, PATH_S] - s) * direction
-        if ahead <= 0.0 or j == i or w.codes[j, IS_FLAT] == 1:
+        if ahead <= 0.0 or j == i or w.codes[j, IS_PASSABLE] == 1:
             continue
         room = paths[j, PATH_ACROSS] + paths[i, PATH_ACROSS] + _CLEARANCE
         if abs(paths[j, PATH_T] - t) >= room:

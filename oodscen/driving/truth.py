@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.catalogue import Catalogue
+from oodscen.catalogue import FLAT_M, Catalogue
 from oodscen.driving.boxes import Box, gap, radius
 from oodscen.driving.corridor import Corridor
 from oodscen.driving.visibility import Eye, Solid, is_noticeable
@@ -15,8 +15,6 @@ from oodscen.errors import Issue
 from oodscen.protocols import Camera
 from oodscen.scene import Scene
 
-FLAT_M = 0.08
-"""What is lower lies on the road: others may stand on it."""
 AFLOAT_M = 0.3
 """A body's underside may be so far above the road."""
 SUNK_M = 0.1

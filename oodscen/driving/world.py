@@ -28,8 +28,6 @@ HEADLAMPS_M = 75.0
 """How far dipped headlamps show what has no lamps itself."""
 NIGHT_DEG = -3.0
 """The sun's elevation below which it is dark."""
-_FLAT = 0.08
-"""Bodies that are lower than this are driven over, m."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
 """Categories that carry lamps or reflectors."""
 _BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
@@ -72,9 +70,9 @@ class Published(NamedTuple):
     accelerations: NDArray[np.float64]
     """[n] along the heading, mean over the last step, m/s^2."""
     gaps: NDArray[np.float64]
-    """[n] between the ego's footprint and others', m; infinite beyond `FAR_M`."""
+    """[n] between the ego's box and others', m; infinite beyond `FAR_M` and for what is passable."""
     apart: NDArray[np.float64]
-    """[n] between the circles around those footprints, m."""
+    """[n] between the circles around their footprints, m."""
     places: NDArray[np.float64]
     """[n, 2] s and t on the corridor, m."""
     is_off_road: bool
@@ -145,6 +143,7 @@ class KinematicWorld:
             headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
         )
         self._traits[:, : table.WIDTH + 1] = self.sizes
+        self._traits[:, table.HEIGHT] = [asset.height for asset in self._assets]
         self._place_ego(scene.ego.speed)
         for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]
@@ -326,7 +325,7 @@ class KinematicWorld:
             -1 if owner is None else self._rows[owner],
             CODES[trigger.kind],
             self._rows[trigger.actor or actor.id],
-            asset.height < _FLAT,
+            asset.is_passable(actor.state),
             asset.category in _LIT,
         ]
         traits, state = self._traits[row], self._state[row]

@@ -64,10 +64,9 @@ class Oodness(Data):
     """Number of baseline texts."""
     definition: Measure
     encoder: str
-    """Name with the hash of its weights."""
+    """Its name, with the hash of its weights."""
     seed: int = 0
     """Of the bootstrap."""
-    """Name of the encoder, with the hash of its weights."""
 
 
 def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[np.float64]:

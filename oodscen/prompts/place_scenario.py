@@ -10,7 +10,7 @@ from oodscen._text import one_line
 from oodscen.errors import Issue
 from oodscen.labels import label_fault, same_words
 from oodscen.prompts.base import Prompt
-from oodscen.tree import MAX_INDENT, ROOT, Node, ScenarioTree
+from oodscen.tree import ROOT, Node, ScenarioTree
 
 MOST_ALSO = 3
 """So many runners-up are kept."""
@@ -81,7 +81,7 @@ class PlaceScenario(Prompt[PlacedScenario]):
         tree = ScenarioTree.model_validate({"nodes": self.nodes})
         left_out = {item.id: item.leaves for item in self.hidden}
         lines = (
-            f"{'  ' * min(depth, MAX_INDENT)}- {node.label} [{node.id}]"
+            f"{'  ' * depth}- {node.label} [{node.id}]"
             + (f" (+{left_out[node.id]})" if node.id in left_out else "")
             for node, depth in tree.walk()
         )

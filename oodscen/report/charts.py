@@ -7,8 +7,6 @@ from markupsafe import Markup
 
 from oodscen.report.drawing import WIDTH, px, svg
 
-"""Width of the view box; text stays readable when a phone shrinks it to 340 px."""
-
 
 class Point(NamedTuple):
     """The tree after one round of red teaming."""

@@ -1,18 +1,15 @@
-"""Further parts of the page, each made by a function of its own from what a study holds.
+"""Further parts of the page, each drawn by a function of its own from what a study holds."""
 
-A part is found by name when the page is written, so that a study without it, or an installation
-without what draws it, gives the page without that part.
-"""
-
-import importlib
 from collections.abc import Callable
 from typing import NamedTuple
 
 from markupsafe import Markup
 
 from oodscen.errors import OodscenError
+from oodscen.report import driving, further, metric_pictures, simulators, undecided
 from oodscen.report.reading import Material
 from oodscen.study import Study
+from oodscen.trees import report as coverage
 
 Draw = Callable[[Study, Material], Markup]
 
@@ -23,19 +20,19 @@ class Part(NamedTuple):
     place: str
     """Section of the page: `drives`, `undecided`, `metrics`, `growth`, `pruning` or `coverage`."""
     title: str
-    draw: str
-    """`module:function`; the function takes the study and what was read of it, and returns markup
-    (empty where the study has nothing to show). It must escape what models wrote."""
+    draw: Draw
+    """Takes the study and what was read of it, and returns markup (empty where the study has nothing
+    to show). It must escape what models wrote."""
 
 
 PARTS: tuple[Part, ...] = (
-    Part("drives", "Driving stacks", "oodscen.report.driving:part"),
-    Part("undecided", "Scenes that tell no actions apart", "oodscen.report.undecided:part"),
-    Part("metrics", "Pictures of the measures", "oodscen.report.metric_pictures:part"),
-    Part("growth", "How much is left to be found", "oodscen.report.further:saturation_part"),
-    Part("pruning", "What would bring paths back", "oodscen.report.further:restoration_part"),
-    Part("pruning", "What another simulator would show", "oodscen.report.simulators:part"),
-    Part("coverage", "What the texts and scenes cover", "oodscen.trees.report:part"),
+    Part("drives", "Driving stacks", driving.part),
+    Part("undecided", "Scenes that tell no actions apart", undecided.part),
+    Part("metrics", "Pictures of the measures", metric_pictures.part),
+    Part("growth", "How much is left to be found", further.saturation_part),
+    Part("pruning", "What would bring paths back", further.restoration_part),
+    Part("pruning", "What another simulator would show", simulators.part),
+    Part("coverage", "What the texts and scenes cover", coverage.part),
 )
 """Every part, in the order in which they are shown."""
 
@@ -49,28 +46,13 @@ class Drawn(NamedTuple):
 
 
 def drawn(study: Study, found: Material) -> dict[str, list[Drawn]]:
-    """Draw every part that is there, by place."""
+    """Draw every part by place; a file of the study that is broken becomes a note there."""
     places: dict[str, list[Drawn]] = {part.place: [] for part in PARTS}
     for part in PARTS:
-        draw = _function(part.draw)
-        if draw is None:
-            continue
         try:
-            markup = draw(study, found)
-        except (OodscenError, ArithmeticError, LookupError, TypeError, ValueError) as error:
-            places[part.place].append(
-                Drawn(part.title, Markup(""), str(error) or type(error).__name__)
-            )
-            continue
-        if markup:
-            places[part.place].append(Drawn(part.title, markup))
+            one = Drawn(part.title, part.draw(study, found))
+        except OodscenError as error:
+            one = Drawn(part.title, Markup(""), str(error))
+        if one.markup or one.error:
+            places[part.place].append(one)
     return places
-
-
-def _function(name: str) -> Draw | None:
-    module, _, attribute = name.partition(":")
-    try:
-        found: Draw | None = getattr(importlib.import_module(module), attribute, None)
-    except ImportError:
-        return None
-    return found

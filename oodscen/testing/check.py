@@ -14,6 +14,7 @@ from oodscen.protocols import Camera, Control, Frame, Simulator, State
 from oodscen.registry import make_simulator
 from oodscen.scene import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.testing.appearance import appearance_faults, weather_faults
+from oodscen.testing.contact import gap_fault
 from oodscen.testing.isolation import leak_faults, process_faults
 from oodscen.testing.samples import (
     SMALL,
@@ -67,7 +68,8 @@ def check_simulator(
     Checked are: an honest catalogue (every map, behaviour, weather extreme and asset in every
     state can be had, and shows), one `dt` per step, ids and shapes and dtypes of states and
     frames, frames that show something, finite depth and true ids of bodies, the same bytes for
-    the same scene and seed whatever ran before and in a fresh process, snapshots where offered,
+    the same scene and seed whatever ran before and in a fresh process, gaps that are those between
+    the catalogue's boxes, snapshots where offered,
     typed refusals, a `close` that may be called twice, and memory and open files that do not grow.
 
     Args:
@@ -284,13 +286,16 @@ class _Check:
         """Run a scene for some steps and look at every state."""
         first = simulator.reset(scene, 0)
         self.check_state(simulator, scene, first, 0, what)
-        kept = first.fingerprint()
+        kept, states = first.fingerprint(), [first]
         for step in range(1, STEPS + 1):
             control = follow_lane(simulator.observe())
             before = len(self.findings)
-            self.check_state(simulator, scene, simulator.step(control), step, what)
+            states.append(simulator.step(control))
+            self.check_state(simulator, scene, states[-1], step, what)
             if len(self.findings) > before:
                 return
+        fault = gap_fault(states, scene, simulator.catalogue())
+        self.that(not fault, f"{what}: {fault}")
         self.that(first.fingerprint() == kept, f"{what}: a later step changed an earlier state")
 
     def check_state(

@@ -47,8 +47,7 @@ def to_dot(tree: ScenarioTree) -> str:
 def to_nested_json(tree: ScenarioTree) -> str:
     """Return the tree as JSON objects within each other: `id`, `label`, `attested`, `children`.
 
-    An empty tree is `null`. Readers that recurse (Python's own among them) refuse very deep ones;
-    the flat list of `tree.to_json()` has no depth.
+    An empty tree is `null`.
     """
     parts: list[str] = []
     open_: list[int] = []

@@ -10,9 +10,6 @@ from oodscen.edits import Node, TreeEdit
 from oodscen.tree import ScenarioTree
 from oodscen.trees.origins import origin_words
 
-MAX_NESTING = 48
-"""Depth from which nodes are listed side by side with their depth: browsers give up on more."""
-
 MAX_SHOWN = 3_000
 """Most nodes that a notebook shows; below that, whole levels are left out."""
 
@@ -61,17 +58,16 @@ def tree_html(
     for node, depth in tree.walk():
         if max_depth is not None and depth > max_depth:
             continue
-        level = min(depth, MAX_NESTING)
-        while nesting and nesting[-1] >= level:
+        while nesting and nesting[-1] >= depth:
             nesting.pop()
             parts.append("</ul></details></li>")
         remark = known.get(node.id, _NOTHING)
-        if tree.children[node.id] and level < MAX_NESTING and depth != max_depth:
-            nesting.append(level)
+        if tree.children[node.id] and depth != max_depth:
+            nesting.append(depth)
             parts.append(_branch(node, remark, paths[node.id], is_open=depth < open_depth))
         else:
             count = paths[node.id] if tree.children[node.id] else 0
-            parts.append(_item(node, remark, depth, count))
+            parts.append(_item(node, remark, count))
     parts += ["</ul></details></li>"] * len(nesting)
     return "\n".join([*parts, "</ul>"])
 
@@ -101,7 +97,7 @@ def _dressed(tree: ScenarioTree, most: int) -> str:
     shown = [
         depth
         for depth, total in enumerate(accumulate(levels[depth] for depth in sorted(levels)))
-        if total <= MAX_SHOWN
+        if total <= most
     ]
     deepest = max(levels, default=0)
     max_depth = shown[-1] if shown else 0
@@ -143,10 +139,8 @@ def _branch(node: Node, remark: Remark, paths: int, *, is_open: bool) -> str:
     )
 
 
-def _item(node: Node, remark: Remark, depth: int, paths: int) -> str:
+def _item(node: Node, remark: Remark, paths: int) -> str:
     parts = [f'<li class="leaf{f" is-{remark.fate}" if remark.fate else ""}">', _mark(remark)]
-    if depth >= MAX_NESTING:
-        parts.append(f'<span class="aside">depth {depth:,}</span> ')
     parts.append(_label(node, remark))
     if node.attested and not paths:
         parts.append(' <span class="badge paper">paper</span>')

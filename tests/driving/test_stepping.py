@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.driving import BEHAVIOURS, SHIPPED_MAPS, Cruise, track
+from oodscen.driving import BEHAVIOURS, SHIPPED_MAPS, Box, Cruise, gap, track
 from oodscen.driving import world as world_module
+from oodscen.driving.stepping import FAR_M
 from oodscen.protocols import Control
 from oodscen.scene import Behaviour, Scene, Trigger, Weather
 from tests.driving.staging import CATALOGUE, actor, scene, world
@@ -132,6 +133,17 @@ def test_what_is_published_agrees_with_itself(seed: int) -> None:
     assert np.isinf(seen.gaps[0])
     near = np.isfinite(seen.gaps)
     assert (seen.gaps[near] >= np.maximum(seen.apart[near], 0.0) - 1e-6).all()
+    boxes = [
+        Box(x, y, yaw, *size)
+        for (x, y, _, yaw), size in zip(seen.poses.tolist(), one.sizes, strict=True)
+    ]
+    for row, (name, asset, state) in list(enumerate(one.bodies()))[1:]:
+        if asset.is_passable(state):
+            assert np.isinf(seen.gaps[row])
+        elif seen.apart[row] <= FAR_M:
+            above = max(0.0, one.motion(name).lift - CATALOGUE.ego.height)
+            expected = math.hypot(gap(boxes[0], boxes[row]), above)
+            assert seen.gaps[row] == pytest.approx(expected, abs=1e-6)
     for row, name in enumerate(one.ids):
         motion = one.motion(name)
         x, y, _, yaw = one.corridor.point(motion.s, motion.t)

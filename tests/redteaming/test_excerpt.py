@@ -84,18 +84,6 @@ def test_the_thinnest_groups_are_named():
     assert thin(ScenarioTree.planted()) == ()
 
 
-def test_a_chain_of_ten_thousand_nodes_is_no_harm():
-    edits = [TreeEdit(op="add", node="n0", parent="environmental", label="n0")]
-    edits += [
-        TreeEdit(op="add", node=f"n{n}", parent=f"n{n - 1}", label=f"n{n}") for n in range(1, 10000)
-    ]
-    tree = ScenarioTree.planted().apply(*edits)
-    part = excerpt(tree, lambda: ["n9999"], tokens=500)
-    assert len(part.nodes) > 3
-    assert part.hidden[0].leaves == 1
-    assert thin(tree)
-
-
 def test_words_rank_labels():
     labels = ["Fallen tree across the road", "Dog on the road", "Thick fog at night"]
     scores = by_words("The dogs run towards the ego vehicle.", labels)

@@ -3,9 +3,10 @@ from collections.abc import Callable
 import pytest
 from markupsafe import Markup
 
+from oodscen.errors import DataError, Issue
 from oodscen.report import parts
 from oodscen.report.further import restoration_part, saturation_part
-from oodscen.report.parts import Part, drawn
+from oodscen.report.parts import Drawn, Part, drawn
 from oodscen.report.reading import Material, read
 from oodscen.study import Study
 
@@ -14,30 +15,29 @@ def hello(study: Study, found: Material) -> Markup:
     return Markup("<p>{}</p>").format(len(found.scenarios))
 
 
-def broken(study: Study, found: Material) -> Markup:
-    raise ValueError("nothing fits")
+def unreadable(study: Study, found: Material) -> Markup:
+    raise DataError("study", [Issue("rows[3]", "nothing fits")])
 
 
-def test_parts_are_found_by_name_and_a_broken_one_says_so(
+def mistaken(study: Study, found: Material) -> Markup:
+    raise KeyError("a slip of the pen")
+
+
+def test_a_broken_file_is_a_note_in_its_place(
     study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    here = "tests.report.test_parts"
-    monkeypatch.setattr(
-        parts,
-        "PARTS",
-        (
-            Part("metrics", "Good", f"{here}:hello"),
-            Part("metrics", "Bad", f"{here}:broken"),
-            Part("metrics", "Gone", f"{here}:missing"),
-            Part("growth", "Not installed", "oodscen.nowhere:part"),
-        ),
-    )
-    found = drawn(study, read(study))
-    assert [(one.title, str(one.markup), one.error) for one in found["metrics"]] == [
-        ("Good", "<p>6</p>", ""),
-        ("Bad", "", "nothing fits"),
-    ]
-    assert found["growth"] == []
+    here = (Part("metrics", "Good", hello), Part("metrics", "Bad", unreadable))
+    monkeypatch.setattr(parts, "PARTS", here)
+    good, bad = drawn(study, read(study))["metrics"]
+    assert good == Drawn("Good", Markup("<p>6</p>"))
+    assert (bad.title, bad.markup) == ("Bad", "")
+    assert "rows[3]: nothing fits" in bad.error
+
+
+def test_a_mistake_in_the_code_is_no_note(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts, "PARTS", (Part("metrics", "Bad", mistaken),))
+    with pytest.raises(KeyError):
+        drawn(study, read(study))
 
 
 def test_shipped_parts_draw_what_a_study_holds(study: Study) -> None:

@@ -54,6 +54,12 @@ class WrongIds(Small):
         return replaced(state, ids=tuple(reversed(state.ids)))
 
 
+class SlimBodies(Small):
+    def _publish(self):
+        state = super()._publish()
+        return replaced(state, gaps=state.gaps + 0.1)
+
+
 class Remembers(Small):
     resets = itertools.count()
 
@@ -227,6 +233,7 @@ class _Fixed(FlatSimulator):
         (WrongTime, ["step is 2, not 1", "time is 0.1"]),
         (WrongTypes, ["speeds is float32"]),
         (WrongIds, ["ids are"]),
+        (SlimBodies, ["the gap to", "between the boxes"]),
         (Remembers, ["another result"]),
         (Blank, ["blank"]),
         (FlippedIds, ["no pixel with id 2"]),

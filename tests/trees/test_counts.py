@@ -10,7 +10,7 @@ from oodscen.testing.scenes import example_scene
 from oodscen.tree import ScenarioTree, TreeEdit
 from oodscen.trees import Coverage, coverage, study_coverage
 from oodscen.trees.report import coverage_html
-from tests.trees.woods import HOSTILE, chain, few, trees
+from tests.trees.woods import HOSTILE, few, trees
 
 SCENE = example_scene()
 SUMS = ("texts", "scenes", "episodes", "failed", "safe", "unsafe", "mixed", "twins")
@@ -119,9 +119,3 @@ def test_text_sets_of_any_size_are_counted():
 def test_labels_are_escaped_in_the_report():
     tree = TREE.apply(TreeEdit(op="broaden", node="weather", label=HOSTILE[0]))
     assert "a &lt; b &amp; " in coverage_html(coverage(tree))
-
-
-def test_depth_is_no_obstacle():
-    report = coverage(chain(10_000))
-    assert report.rows[0].holes == 1
-    assert len(str(report).splitlines()) > 9_000

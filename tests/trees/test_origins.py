@@ -7,7 +7,7 @@ from oodscen.errors import UnknownComponent
 from oodscen.tree import ScenarioTree, TreeEdit
 from oodscen.trees import Provenance
 from oodscen.trees.origins import origin_words, provenances
-from tests.trees.woods import chain, few, trees
+from tests.trees.woods import few, trees
 
 
 @few
@@ -66,10 +66,6 @@ def test_a_node_that_never_was_is_named_with_close_matches():
     assert caught.value.matches == ("environmental",)
     with pytest.raises(UnknownComponent):
         ScenarioTree.planted().node("enviromental")
-
-
-def test_depth_is_no_obstacle():
-    assert len(chain(10_000).provenance("n9999").path) == 10_000
 
 
 def test_what_a_model_says_is_shown_escaped():

@@ -27,7 +27,6 @@ from oodscen_pybullet.meshes.shown import Lights, Shown
 
 __all__ = [
     "FLASHING",
-    "FLAT",
     "GAITS",
     "PAINTS",
     "SMOKING",
@@ -95,11 +94,6 @@ PAINTS: dict[str, tuple[str, ...]] = {
     "ego_car": ("silver",),
 }
 """Colours or clothes in which an asset comes; the others have one look."""
-
-FLAT: frozenset[str] = frozenset(
-    {"puddle", "oil_spill", "broken_glass", "pothole", "flood_water", "road_plate", "smoke"}
-)
-"""Assets over which one can drive: they collide with nothing."""
 
 GAITS: dict[str, float] = {
     "adult": 1.1,
@@ -169,7 +163,7 @@ def asset_mesh(
     if asset not in _MAKERS:
         raise UnknownComponent("asset", asset, asset_ids())
     shown = Shown(state, paint or paints_of(asset)[0], running, frame)
-    return _MAKERS[asset](shown).shift(_rest(asset)).build(hollow=asset in FLAT)
+    return _MAKERS[asset](shown).shift(_rest(asset)).build()
 
 
 @lru_cache(maxsize=512)

@@ -104,7 +104,7 @@ def deer(shown: Shown) -> MeshBuilder:
     mesh.beam((-0.76, 0, 1.1), (-0.86, 0, 0.94), 0.09, "deer_dark", end_width=0.04)
     legs(mesh, shown, (-0.50, 0.42), 0.12, 0.88, 0.09, ("deer", "deer_dark"))
     grounded(mesh)
-    return mesh.solid((-0.08, 0, 0.6), (1.5, 0.42, 1.2)).solid((0.72, 0, 1.4), (0.6, 0.3, 0.7))
+    return mesh
 
 
 def moose(shown: Shown) -> MeshBuilder:
@@ -152,7 +152,7 @@ def moose(shown: Shown) -> MeshBuilder:
             (x, side * 0.19, 1.36), (x, side * 0.19, 0.9), 0.16, "bear", sides=7, end_radius=0.1
         )
     grounded(mesh)
-    return mesh.solid((-0.2, 0, 0.95), (2.1, 0.64, 1.9)).solid((1.1, 0, 1.85), (1.0, 0.9, 0.9))
+    return mesh
 
 
 def horse(shown: Shown) -> MeshBuilder:
@@ -186,7 +186,7 @@ def horse(shown: Shown) -> MeshBuilder:
     mesh.beam((-1.08, 0, 1.1), (-1.12, 0, 0.62), 0.14, "black", end_width=0.05)
     legs(mesh, shown, (-0.66, 0.44), 0.16, 1.08, 0.125, ("horse", "black"))
     grounded(mesh)
-    return mesh.solid((-0.12, 0, 0.78), (1.7, 0.52, 1.5)).solid((0.85, 0, 1.6), (0.8, 0.3, 0.7))
+    return mesh
 
 
 def cow(shown: Shown) -> MeshBuilder:
@@ -231,7 +231,7 @@ def cow(shown: Shown) -> MeshBuilder:
     mesh.ball((-1.14, 0, 0.66), (0.06, 0.06, 0.11), "cow_black", around=6, down=4)
     legs(mesh, shown, (-0.74, 0.58), 0.22, 0.82, 0.125, ("cow_white", "cow_black"))
     grounded(mesh)
-    return mesh.solid((-0.06, 0, 0.7), (2.0, 0.7, 1.4)).solid((1.2, 0, 1.3), (0.7, 0.4, 0.6))
+    return mesh
 
 
 def sheep(shown: Shown) -> MeshBuilder:
@@ -260,7 +260,7 @@ def sheep(shown: Shown) -> MeshBuilder:
     mesh.ball((-0.64, 0, 0.68), (0.07, 0.07, 0.1), "wool", around=6, down=4)
     legs(mesh, shown, (-0.34, 0.3), 0.13, 0.46, 0.06, ("cow_black", "black"))
     grounded(mesh)
-    return mesh.solid((-0.02, 0, 0.5), (1.2, 0.5, 0.9)).solid((0.5, 0, 0.8), (0.5, 0.26, 0.3))
+    return mesh
 
 
 def wild_boar(shown: Shown) -> MeshBuilder:
@@ -291,7 +291,7 @@ def wild_boar(shown: Shown) -> MeshBuilder:
     mesh.beam((-0.62, 0, 0.6), (-0.72, 0, 0.4), 0.04, "black", end_width=0.05)
     legs(mesh, shown, (-0.38, 0.32), 0.12, 0.42, 0.075, ("boar", "black"))
     grounded(mesh)
-    return mesh.solid((-0.1, 0, 0.45), (1.2, 0.44, 0.88)).solid((0.6, 0, 0.5), (0.7, 0.3, 0.5))
+    return mesh
 
 
 def bear(shown: Shown) -> MeshBuilder:
@@ -317,7 +317,7 @@ def bear(shown: Shown) -> MeshBuilder:
         mesh.ball((0.78, side * 0.19, 1.24), (0.05, 0.09, 0.09), "bear", around=7, down=5)
     legs(mesh, shown, (-0.58, 0.46), 0.24, 0.72, 0.2, ("bear", "hair"), half=0.3)
     grounded(mesh)
-    return mesh.solid((-0.1, 0, 0.64), (1.6, 0.76, 1.26)).solid((0.85, 0, 1.0), (0.7, 0.46, 0.5))
+    return mesh
 
 
 def dog(shown: Shown) -> MeshBuilder:
@@ -348,7 +348,7 @@ def dog(shown: Shown) -> MeshBuilder:
     mesh.beam((-0.55, 0, 0.70), (-0.60, 0, 0.86), 0.06, "dog_dark", end_width=0.02)
     legs(mesh, shown, (-0.29, 0.25), 0.08, 0.47, 0.06, ("dog", "dog_dark"))
     mesh.cylinder((0.33, 0, 0.60), (0.36, 0, 0.635), 0.105, "red", sides=8)
-    return grounded(mesh).solid((-0.03, 0, 0.44), (1.15, 0.26, 0.84))
+    return grounded(mesh)
 
 
 def cat(shown: Shown) -> MeshBuilder:
@@ -376,7 +376,7 @@ def cat(shown: Shown) -> MeshBuilder:
     for one, two, colour in zip(tail, tail[1:], ("cat", "cat_dark", "cat"), strict=False):
         mesh.beam(one, two, 0.04, colour)
     legs(mesh, shown, (-0.16, 0.13), 0.045, 0.22, 0.034, ("cat", "white"))
-    return grounded(mesh).solid((0.0, 0, 0.22), (0.6, 0.16, 0.42))
+    return grounded(mesh)
 
 
 def goose(shown: Shown) -> MeshBuilder:
@@ -413,8 +413,4 @@ def goose(shown: Shown) -> MeshBuilder:
             (ahead - 0.02, ahead + 0.06, side * 0.08 - 0.02, side * 0.08 + 0.02, up + 0.04),
             "orange",
         )
-    return (
-        grounded(mesh)
-        .solid((-0.05, 0, 0.3), (0.6, 0.3, 0.56))
-        .solid((0.3, 0, 0.7), (0.4, 0.12, 0.3))
-    )
+    return grounded(mesh)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen.driving.exact import cos, sin
 from oodscen_pybullet.meshes.atlas import region_uv, swatch_uv
-from oodscen_pybullet.meshes.shapes import Array, Point, cut, flat_normal, moved, ring, unit_rows
+from oodscen_pybullet.meshes.shapes import Array, Point, flat_normal, moved, ring, unit_rows
 
 __all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
 
@@ -58,8 +58,6 @@ class Mesh:
     """[n, 2] into the atlas."""
     triangles: NDArray[np.int64]
     """[m, 3] rows of `vertices`, counter-clockwise seen from outside."""
-    solids: tuple[tuple[Point, Point], ...] = ()
-    """Centre and half extents, m, of the boxes that collide; empty collides nowhere."""
     lamps: tuple[Lamp, ...] = ()
     """What shines."""
     puffs: tuple[Puff, ...] = ()
@@ -80,7 +78,6 @@ class MeshBuilder:
         self._points: list[Array] = []
         self._normals: list[Array] = []
         self._uvs: list[Array] = []
-        self._solids: list[tuple[Point, Point]] = []
         self._lamps: list[Lamp] = []
         self._puffs: list[Puff] = []
 
@@ -333,11 +330,6 @@ class MeshBuilder:
         face = far + out * 0.004
         return self.cylinder((x, far, radius), (x, face, radius), radius * 0.6, hub, sides=10)
 
-    def solid(self, centre: Point, size: Point) -> Self:
-        """Declare a box, by centre and full size, that other bodies touch."""
-        self._solids.append((centre, (size[0] / 2, size[1] / 2, size[2] / 2)))
-        return self
-
     def lamp(self, position: Point, colour: Point, facing: Point, power: float = 1.0) -> Self:
         """Declare a light that glows in the dark."""
         self._lamps.append(Lamp(position, colour, facing, power))
@@ -365,7 +357,7 @@ class MeshBuilder:
         upside_down: float | None = None,
         roll: float = 0.0,
     ) -> Self:
-        """Add a finished mesh, turned and moved; its lamps and solids are left behind.
+        """Add a finished mesh, turned and moved; its lamps are left behind.
 
         Args:
             other: The mesh.
@@ -399,10 +391,6 @@ class MeshBuilder:
         """Scale about the origin, then move, everything added so far."""
         move = np.array(offset)
         self._points = [rows * scale + move for rows in self._points]
-        self._solids = [
-            (moved(c, scale, offset), (h[0] * scale, h[1] * scale, h[2] * scale))
-            for c, h in self._solids
-        ]
         self._lamps = [
             Lamp(moved(p.position, scale, offset), p.colour, p.facing, p.power) for p in self._lamps
         ]
@@ -429,28 +417,14 @@ class MeshBuilder:
         rows = np.concatenate(self._points)
         return rows.min(axis=0), rows.max(axis=0)
 
-    def build(self, *, hollow: bool = False) -> Mesh:
-        """Return the mesh; its solids are cut to its bounds.
-
-        Without declared solids the whole bounding box is solid, unless `hollow`.
-        """
+    def build(self) -> Mesh:
+        """Return the mesh."""
         vertices = np.concatenate(self._points)
-        low, high = self.bounds
-        solids = [cut(solid, low, high) for solid in self._solids]
-        if not solids and not hollow:
-            centre, half = (low + high) / 2, (high - low) / 2
-            solids = [
-                (
-                    (float(centre[0]), float(centre[1]), float(centre[2])),
-                    (float(half[0]), float(half[1]), float(half[2])),
-                )
-            ]
         return Mesh(
             vertices=vertices,
             normals=np.concatenate(self._normals),
             uvs=np.concatenate(self._uvs),
             triangles=np.arange(len(vertices)).reshape(-1, 3),
-            solids=tuple(solids),
             lamps=tuple(self._lamps),
             puffs=tuple(self._puffs),
         )

@@ -20,7 +20,7 @@ def car_door(shown: Shown) -> MeshBuilder:
     glass = [(x, -0.02 - 0.04 * (z > 1), z) for x, z in top]
     mesh.polygon(glass, "glass_light").polygon(glass[::-1], "glass_light")
     mesh.box((0.4, 0.13, 1.0), (0.1, 0.16, 0.13), paint)
-    return mesh.solid((0, 0, 0.82), (1.06, 0.12, 1.0))
+    return mesh
 
 
 def bumper(shown: Shown) -> MeshBuilder:
@@ -50,7 +50,7 @@ def bumper(shown: Shown) -> MeshBuilder:
     )
     for x, y in ((-0.4, 0.3), (-0.25, -0.5), (-0.5, -0.1), (0.4, 0.1)):
         mesh.box((x, y, 0.015), (0.16, 0.09, 0.03), "tail" if y > 0 else "glass_light")
-    return mesh.solid((0, 0, 0.15), (0.6, 1.7, 0.3))
+    return mesh
 
 
 def barrel(shown: Shown) -> MeshBuilder:
@@ -68,15 +68,13 @@ def barrel(shown: Shown) -> MeshBuilder:
             part.cylinder((0, 0, z), (0, 0, z + 0.03), 0.305, "dark_grey", sides=14)
         return part
 
-    mesh.add(one().build(hollow=True), (0, 0.42, 0))
-    mesh.add(one().build(hollow=True), (0.1, -0.1, 0.305), roll=math.pi / 2)
+    mesh.add(one().build(), (0, 0.42, 0))
+    mesh.add(one().build(), (0.1, -0.1, 0.305), roll=math.pi / 2)
     mesh.picture(
         [(-0.29, 0.62, 0.3), (-0.29, 0.22, 0.3), (-0.29, 0.22, 0.7), (-0.29, 0.62, 0.7)],
         "sign_danger",
     )
-    return mesh.solid((0, 0.42, 0.44), (0.54, 0.54, 0.88)).solid(
-        (0.1, -0.54, 0.3), (0.56, 0.88, 0.6)
-    )
+    return mesh
 
 
 def crate(shown: Shown) -> MeshBuilder:
@@ -117,7 +115,7 @@ def spilled_logs(shown: Shown) -> MeshBuilder:
         for point, other, r in ((start, end, radius), (end, start, 0.88 * radius)):
             out = tuple(p + 0.006 * (p - q) / length for p, q in zip(point, other, strict=True))
             mesh.cylinder(point, (out[0], out[1], out[2]), 0.55 * r, "wood", sides=8)
-    return mesh.solid((0, 0, 0.4), (2.2, 4.2, 0.8))
+    return mesh
 
 
 def spilled_gravel(shown: Shown) -> MeshBuilder:
@@ -154,7 +152,7 @@ def spilled_gravel(shown: Shown) -> MeshBuilder:
             jitter=0.2,
             key=410 + index,
         )
-    return mesh.flatten(0.0).solid((0, 0, 0.2), (2.2, 2.7, 0.4))
+    return mesh.flatten(0.0)
 
 
 def fridge(shown: Shown) -> MeshBuilder:
@@ -179,7 +177,7 @@ def fridge(shown: Shown) -> MeshBuilder:
     mesh.beam((0.4, 0.2, 0.63), (0.7, 0.2, 0.63), 0.04, "silver")
     mesh.beam((-0.4, 0.6, 0.86), (0.0, 0.6, 0.86), 0.05, "silver")
     mesh.box((-0.86, 0.0, 0.16), (0.03, 0.5, 0.2), "black")
-    return mesh.solid((0, 0, 0.29), (1.7, 0.64, 0.58)).solid((-0.28, 0.5, 0.8), (1.1, 0.36, 0.5))
+    return mesh
 
 
 def tarpaulin(shown: Shown) -> MeshBuilder:
@@ -210,7 +208,7 @@ def tarpaulin(shown: Shown) -> MeshBuilder:
             mesh.polygon([at(i, j), at(i + 1, j + 1), at(i, j + 1)], "blue")
     for x, y in ((-1.1, -1.3), (1.1, -1.3), (1.1, 1.3), (-1.1, 1.3)):
         mesh.cylinder((x, y, 0.0), (0.97 * x, 0.97 * y, 0.04), 0.05, "silver", sides=6)
-    return mesh.solid((0, 0, 0.12), (1.8, 2.2, 0.24))
+    return mesh
 
 
 def plastic_bag(shown: Shown) -> MeshBuilder:

@@ -65,7 +65,6 @@ def car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 0.80, 0.32, 0.21)
     underside(mesh, 1.34, -1.32, 0.7, 0.22)
-    mesh.solid((0, 0, 0.49), (4.46, 1.80, 0.98)).solid((-0.4, 0, 1.2), (3.1, 1.5, 0.52))
 
 
 def ego_car(shown: Shown) -> MeshBuilder:
@@ -82,7 +81,7 @@ def ego_car(shown: Shown) -> MeshBuilder:
         triangles=built.triangles,
     )
     mesh.add(scaled)
-    return mesh.solid((0, 0, 0.75), (4.5, 1.85, 1.5))
+    return mesh
 
 
 def bonnet(paint: str) -> MeshBuilder:
@@ -138,7 +137,7 @@ def overturned_car(shown: Shown) -> MeshBuilder:
         for x in (-2.1, 2.1):
             for y in (-0.7, 0.7):
                 mesh.lamp((x, y, 0.75), (1.0, 0.62, 0.08), (1.0 if x > 0 else -1.0, 0, 0), 2.5)
-    return mesh.solid((0, 0, 0.92), (4.46, 1.80, 0.9)).solid((-0.4, 0, 0.3), (3.1, 1.5, 0.6))
+    return mesh
 
 
 _VAN: tuple[Section, ...] = (
@@ -181,7 +180,6 @@ def _van_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
         arches(mesh, x, 0.975, 0.41)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 0.87, 0.36, 0.24)
-    mesh.solid((0, 0, 0.55), (5.28, 1.96, 1.1)).solid((-0.75, 0, 1.6), (3.75, 1.9, 1.06))
 
 
 def van(shown: Shown) -> MeshBuilder:

@@ -73,7 +73,7 @@ def school_bus(shown: Shown) -> MeshBuilder:
         arches(mesh, x, 1.2, 0.54)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.05, 0.48, 0.3, hub="black")
-    return mesh.solid((-0.95, 0, 1.5), (8.3, 2.4, 2.9)).solid((3.9, 0, 0.8), (1.7, 2.1, 1.6))
+    return mesh
 
 
 def garbage_truck(shown: Shown) -> MeshBuilder:
@@ -107,7 +107,7 @@ def garbage_truck(shown: Shown) -> MeshBuilder:
     _beacon(mesh, lights, -3.2, 0.9, 3.04)
     plates(mesh, (-4.18, 0.76), (4.06, 0.55))
     _axles(mesh, (-2.6, -1.5, 2.9))
-    return mesh.solid((-0.3, 0, 1.6), (8.6, 2.44, 3.0))
+    return mesh
 
 
 def tow_truck(shown: Shown) -> MeshBuilder:
@@ -132,11 +132,7 @@ def tow_truck(shown: Shown) -> MeshBuilder:
     rear_lamps(mesh, lights, -3.97, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-4.0, 0.72), (4.06, 0.55))
     _axles(mesh, (-2.5, 2.9))
-    return (
-        mesh.solid((0, 0, 0.75), (7.9, 2.4, 1.2))
-        .solid((3.0, 0, 1.6), (1.9, 2.36, 2.2))
-        .solid((-0.8, 0, 2.2), (4.4, 0.8, 1.8))
-    )
+    return mesh
 
 
 def cement_mixer(shown: Shown) -> MeshBuilder:
@@ -167,11 +163,7 @@ def cement_mixer(shown: Shown) -> MeshBuilder:
     rear_lamps(mesh, lights, -3.93, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-3.98, 0.66), (4.06, 0.55))
     _axles(mesh, (-2.7, -1.5, 2.9))
-    return (
-        mesh.solid((-0.1, 0, 0.75), (8.1, 2.4, 1.1))
-        .solid((-0.7, 0, 2.1), (4.6, 2.2, 1.8))
-        .solid((3.0, 0, 1.6), (1.9, 2.36, 2.2))
-    )
+    return mesh
 
 
 def tanker(shown: Shown) -> MeshBuilder:
@@ -208,7 +200,7 @@ def tanker(shown: Shown) -> MeshBuilder:
     rear_lamps(mesh, lights, -4.62, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-4.66, 0.66), (4.86, 0.55))
     _axles(mesh, (-3.5, -2.4, 3.7))
-    return mesh.solid((-0.9, 0, 1.7), (7.4, 2.4, 2.8)).solid((3.85, 0, 1.6), (1.9, 2.36, 2.5))
+    return mesh
 
 
 def tram(shown: Shown) -> MeshBuilder:
@@ -246,7 +238,7 @@ def tram(shown: Shown) -> MeshBuilder:
         mesh.beam((-0.8, side * 0.4, 3.3), (0.5, side * 0.2, 3.8), 0.05, "dark_grey")
         mesh.beam((0.5, side * 0.2, 3.8), (-0.2, side * 0.5, 4.3), 0.05, "dark_grey")
     mesh.beam((-0.2, -0.9, 4.3), (-0.2, 0.9, 4.3), 0.07, "dark_grey")
-    return mesh.solid((0, 0, 1.65), (13.9, 2.48, 3.1))
+    return mesh
 
 
 def forklift(shown: Shown) -> MeshBuilder:
@@ -275,7 +267,7 @@ def forklift(shown: Shown) -> MeshBuilder:
     _beacon(mesh, lights, -0.5, 0.0, 2.16)
     head_lamps(mesh, lights, 0.42, 0.4, 1.98, (0.12, 0.12))
     rear_lamps(mesh, lights, -1.24, 0.36, 0.98, (0.14, 0.1))
-    return mesh.solid((-0.2, 0, 1.1), (2.1, 1.1, 2.2)).solid((1.4, 0, 0.55), (1.0, 0.9, 1.0))
+    return mesh
 
 
 def road_roller(shown: Shown) -> MeshBuilder:
@@ -303,4 +295,4 @@ def road_roller(shown: Shown) -> MeshBuilder:
     _beacon(mesh, lights, -0.65, 0.0, 2.74)
     head_lamps(mesh, lights, 1.82, 0.55, 1.3, (0.2, 0.14))
     rear_lamps(mesh, lights, -1.9, 0.65, 1.62, (0.2, 0.1))
-    return mesh.solid((0, 0, 0.75), (4.2, 1.84, 1.5)).solid((-0.6, 0, 2.1), (2.1, 1.7, 1.2))
+    return mesh

@@ -66,7 +66,7 @@ def truck(shown: Shown) -> MeshBuilder:
     for x in (-2.6, 2.9):
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.02, 0.5, 0.36, hub="light_grey")
-    return mesh.solid((-0.98, 0, 1.85), (6.06, 2.44, 3.1)).solid((3.0, 0, 1.5), (2.1, 2.4, 2.8))
+    return mesh
 
 
 def overturned_truck(shown: Shown) -> MeshBuilder:
@@ -79,7 +79,7 @@ def overturned_truck(shown: Shown) -> MeshBuilder:
         for x in (-4.0, 4.0):
             for y in (-0.9, 0.9):
                 mesh.lamp((x, y, 0.5), AMBER, (1.0 if x > 0 else -1.0, 0, 0), 2.5)
-    return mesh.solid((-1.0, 0.0, 1.24), (6.1, 3.3, 2.48)).solid((3.0, 0.2, 1.2), (2.1, 2.7, 2.4))
+    return mesh
 
 
 def bus(shown: Shown) -> MeshBuilder:
@@ -110,7 +110,7 @@ def bus(shown: Shown) -> MeshBuilder:
         arches(mesh, x, 1.25, 0.56)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.1, 0.48, 0.32, hub="light_grey")
-    return mesh.solid((0, 0, 1.5), (10.9, 2.54, 3.0))
+    return mesh
 
 
 def fire_truck(shown: Shown) -> MeshBuilder:
@@ -146,7 +146,7 @@ def fire_truck(shown: Shown) -> MeshBuilder:
         arches(mesh, x, 1.245, 0.56)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.06, 0.5, 0.36, hub="light_grey")
-    return mesh.solid((0.05, 0, 1.5), (8.0, 2.48, 3.0))
+    return mesh
 
 
 def tractor(shown: Shown) -> MeshBuilder:
@@ -176,9 +176,7 @@ def tractor(shown: Shown) -> MeshBuilder:
     mesh.cylinder((-0.9, 0.5, 2.63), (-0.9, 0.5, 2.8), 0.07, blink)
     if shown.lights.left and shown.lights.right:
         mesh.lamp((-0.9, 0.5, 2.72), AMBER, (0, 0, 0), 3.0)
-    return (
-        mesh.centred().solid((0, 0, 0.85), (3.9, 2.1, 1.7)).solid((-0.6, 0, 2.1), (1.5, 1.4, 1.1))
-    )
+    return mesh.centred()
 
 
 def excavator(shown: Shown) -> MeshBuilder:
@@ -231,10 +229,4 @@ def excavator(shown: Shown) -> MeshBuilder:
     if shown.lights.left and shown.lights.right:
         mesh.lamp((0.0, 0.7, 3.0), AMBER, (0, 0, 0), 3.0)
     rear_lamps(mesh, shown.lights, -2.19, 0.95, 1.55, (0.2, 0.1))
-    return (
-        mesh.solid((-0.05, 0, 0.42), (4.2, 2.56, 0.84))
-        .solid((-0.4, 0, 1.95), (3.6, 2.4, 1.9))
-        .solid((4.2, -0.35, 0.85), (1.4, 1.0, 1.5))
-        .solid((2.5, -0.35, 2.9), (2.6, 0.5, 1.6))
-        .centred()
-    )
+    return mesh.centred()

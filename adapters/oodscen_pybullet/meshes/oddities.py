@@ -19,7 +19,7 @@ def open_manhole(shown: Shown) -> MeshBuilder:
         turn = math.pi * k / 4
         x, y = 0.34 * math.cos(turn), 0.34 * math.sin(turn)
         mesh.beam((0.3 - x, 0.82 - y, 0.105), (0.3 + x, 0.82 + y, 0.105), 0.03, "metal")
-    return mesh.solid((0, 0, 0.05), (0.8, 0.8, 0.1)).solid((0.3, 0.82, 0.06), (0.74, 0.74, 0.12))
+    return mesh
 
 
 def balloon(shown: Shown) -> MeshBuilder:
@@ -54,8 +54,7 @@ def inflatable(shown: Shown) -> MeshBuilder:
         mesh.ball((1.1, side * 0.3, 2.15), (0.14, 0.1, 0.18), "white", around=8, down=5)
         mesh.ball((1.19, side * 0.32, 2.15), (0.07, 0.06, 0.1), "black", around=8, down=5)
         mesh.ball((-0.3, side * 0.98, 1.0), (0.75, 0.2, 0.42), "machine", around=10, down=6)
-    turned = MeshBuilder().add(mesh.flatten(0.0).build(hollow=True), yaw=math.pi)
-    return turned.solid((0.15, 0, 0.8), (2.5, 1.9, 1.6)).solid((-0.75, 0, 2.0), (1.3, 1.1, 1.0))
+    return MeshBuilder().add(mesh.flatten(0.0).build(), yaw=math.pi)
 
 
 def mannequin(shown: Shown) -> MeshBuilder:
@@ -70,8 +69,7 @@ def mannequin(shown: Shown) -> MeshBuilder:
     mesh.cylinder((-0.14, 0, 0.04), (-0.14, 0, 0.9), 0.02, "metal", sides=6)
     for z in (0.86, 1.2):
         mesh.column([((0, 0, z), 0.125, 0.172), ((0, 0, z + 0.015), 0.125, 0.172)], "grey", caps="")
-    turned = MeshBuilder().add(mesh.build(hollow=True), yaw=math.pi)
-    return turned.solid((0, 0, 0.9), (0.4, 0.5, 1.76))
+    return MeshBuilder().add(mesh.build(), yaw=math.pi)
 
 
 def drone(shown: Shown) -> MeshBuilder:
@@ -91,7 +89,7 @@ def drone(shown: Shown) -> MeshBuilder:
         mesh.beam((sx * 0.12, sy * 0.14, 0.28), (sx * 0.16, sy * 0.24, 0.04), 0.03, "dark_grey")
     for sy in (-1.0, 1.0):
         mesh.beam((-0.3, sy * 0.24, 0.02), (0.3, sy * 0.24, 0.02), 0.04, "dark_grey")
-    return mesh.solid((0, 0, 0.28), (1.0, 1.0, 0.5))
+    return mesh
 
 
 def smoke(shown: Shown) -> MeshBuilder:
@@ -152,4 +150,4 @@ def fire(shown: Shown) -> MeshBuilder:
         mesh, shown, (0, 0, 1.5), 0.5, 3.0, density=0.65, colour=(0.25, 0.24, 0.24), count=7
     )
     mesh.lamp((0, 0, 0.9), (1.0, 0.6, 0.2), (0, 0, 0), 5.0)
-    return mesh.solid((0, 0, 0.4), (1.3, 1.3, 0.8))
+    return mesh

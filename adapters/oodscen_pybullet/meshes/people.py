@@ -186,7 +186,7 @@ def adult(shown: Shown) -> MeshBuilder:
     figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown)
     if shown.index % 2:
         mesh.box((-0.12, 0, 1.2), (0.11, 0.28, 0.38), "bag")
-    return grounded(mesh).solid((0, 0, 0.87), (0.4, 0.5, 1.74))
+    return grounded(mesh)
 
 
 def child(shown: Shown) -> MeshBuilder:
@@ -204,7 +204,7 @@ def child(shown: Shown) -> MeshBuilder:
         mesh.ball(
             (x + 0.1, y + side * 0.045, z + 0.03), (0.012, 0.016, 0.018), "hair", around=6, down=4
         )
-    return grounded(mesh).shift((0, 0, 0), scale=0.68).solid((0, 0, 0.6), (0.3, 0.36, 1.2))
+    return grounded(mesh).shift((0, 0, 0), scale=0.68)
 
 
 def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
@@ -234,7 +234,7 @@ def worker(shown: Shown) -> MeshBuilder:
     vest(mesh, "fluor_yellow", head)
     mesh.cylinder((0.18, -0.34, 0.08), (0.15, -0.29, 1.38), 0.022, "wood", sides=6)
     mesh.box((0.19, -0.345, 0.15), (0.04, 0.22, 0.28), "metal")
-    return grounded(mesh).solid((0.03, 0, 0.88), (0.36, 0.54, 1.72))
+    return grounded(mesh)
 
 
 def police_officer(shown: Shown) -> MeshBuilder:
@@ -255,4 +255,4 @@ def police_officer(shown: Shown) -> MeshBuilder:
     mesh.cylinder((0.37, -0.30, 1.52), (0.39, -0.30, 1.80), 0.018, "white", sides=6)
     mesh.cylinder((0.375, -0.30, 1.90), (0.405, -0.30, 1.90), 0.17, "white", sides=14)
     mesh.cylinder((0.37, -0.30, 1.90), (0.41, -0.30, 1.90), 0.13, "red", sides=14)
-    return grounded(mesh).solid((0.06, 0, 0.88), (0.4, 0.54, 1.72))
+    return grounded(mesh)

@@ -68,9 +68,7 @@ def fallen_tree(shown: Shown) -> MeshBuilder:
             key=50 + index,
         )
     mesh.flatten(0.0)
-    return (
-        mesh.solid((0, -1.2, 0.45), (0.8, 4.4, 0.9)).solid((0, 2.4, 1.0), (2.6, 3.0, 2.0)).centred()
-    )
+    return mesh.centred()
 
 
 def branch(shown: Shown) -> MeshBuilder:
@@ -216,11 +214,7 @@ def fallen_pole(shown: Shown) -> MeshBuilder:
             )
             mesh.beam(before, point, 0.03, "black")
             before = point
-    return (
-        mesh.flatten(0.0)
-        .solid((0.0, 0, 0.2), (0.4, 7.0, 0.4))
-        .solid((0.0, 2.75, 0.36), (1.9, 0.9, 0.4))
-    )
+    return mesh.flatten(0.0)
 
 
 def leaves_pile(shown: Shown) -> MeshBuilder:
@@ -257,7 +251,7 @@ def leaves_pile(shown: Shown) -> MeshBuilder:
         ]
         colour = ("leaf_autumn", "leaf_yellow", "burgundy", "rust", "straw")[index % 5]
         mesh.polygon(leaf, colour).polygon(leaf[::-1], colour)
-    return mesh.flatten(0.0).solid((0, 0, 0.15), (1.4, 1.7, 0.3))
+    return mesh.flatten(0.0)
 
 
 def stump(shown: Shown) -> MeshBuilder:
@@ -289,7 +283,7 @@ def stump(shown: Shown) -> MeshBuilder:
             "bark_dark",
             end_width=0.05,
         )
-    return mesh.flatten(0.0).solid((0, 0, 0.29), (0.9, 0.9, 0.58))
+    return mesh.flatten(0.0)
 
 
 def hay_bale(shown: Shown) -> MeshBuilder:

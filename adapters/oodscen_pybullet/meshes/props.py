@@ -61,7 +61,7 @@ def cardboard_box(shown: Shown) -> MeshBuilder:
             (side * 0.40, side * e, 0.62),
         ]
         mesh.picture(mark, "box_print")
-    return mesh.centred().solid((0, 0, 0.4), (0.9, 0.9, 0.8))
+    return mesh.centred()
 
 
 def plant_pot(shown: Shown) -> MeshBuilder:
@@ -88,7 +88,7 @@ def plant_pot(shown: Shown) -> MeshBuilder:
             around=6,
             down=4,
         )
-    return mesh.centred().solid((0, 0, 0.55), (0.72, 0.72, 1.1))
+    return mesh.centred()
 
 
 def _leaf(mesh: MeshBuilder, start: Point, end: Point, width: float, colour: str) -> None:

@@ -104,7 +104,7 @@ def cyclist(shown: Shown) -> MeshBuilder:
     top = ("fluor_yellow", "shirt_red", "shirt_white")[shown.index % 3]
     clothes = Clothes(top, "trousers", hat="white")
     _rider(mesh, clothes, (-0.22, 0, 1.0), (0.34, 0.26, 1.05), _pedals(shown, (-0.12, 0, 0.32)))
-    return mesh.solid((0, 0, 0.4), (1.7, 0.2, 0.8)).solid((0.0, 0, 1.15), (0.7, 0.5, 1.2))
+    return mesh
 
 
 def cargo_bike(shown: Shown) -> MeshBuilder:
@@ -133,11 +133,7 @@ def cargo_bike(shown: Shown) -> MeshBuilder:
         mesh, clothes, (-0.62, 0, 0.98), (-0.14, 0.28, 1.05), _pedals(shown, (-0.5, 0, 0.30)),
         lean=0.12,
     )  # fmt: skip
-    return (
-        mesh.solid((0.0, 0, 0.4), (2.3, 0.3, 0.7))
-        .solid((0.42, 0, 0.6), (0.9, 0.6, 0.6))
-        .solid((-0.45, 0, 1.15), (0.6, 0.5, 1.2))
-    )
+    return mesh
 
 
 def e_scooter(shown: Shown) -> MeshBuilder:
@@ -154,7 +150,7 @@ def e_scooter(shown: Shown) -> MeshBuilder:
     mesh.beam((0.48, 0, 0.12), (0.36, 0, 1.16), 0.05, "silver")
     mesh.beam((0.34, -0.26, 1.17), (0.34, 0.26, 1.17), 0.04, "black")
     _lamps(mesh, shown, (-0.5, 0, 0.26), (0.43, 0, 1.06))
-    return mesh.solid((0, 0, 0.9), (0.9, 0.4, 1.8))
+    return mesh
 
 
 def _signals(mesh: MeshBuilder, lights: Lights, x: float, z: float) -> None:
@@ -200,4 +196,4 @@ def motorcycle(shown: Shown) -> MeshBuilder:
     feet = ((-0.06, -0.17, 0.44), (-0.06, 0.17, 0.44))
     clothes = Clothes("black", "trousers", hat=colour)
     _rider(mesh, clothes, (-0.3, 0, 0.94), (0.42, 0.34, 1.04), feet, lean=0.34)
-    return mesh.solid((0, 0, 0.5), (2.0, 0.36, 1.0)).solid((-0.05, 0, 1.15), (0.8, 0.6, 0.9))
+    return mesh

@@ -22,7 +22,7 @@ def jogger(shown: Shown) -> MeshBuilder:
     mesh.column(
         [((x - 0.01, 0, z + 0.05), 0.115, 0.1), ((x - 0.01, 0, z + 0.09), 0.11, 0.096)], "white"
     )
-    return grounded(mesh).solid((0, 0, 0.87), (0.36, 0.5, 1.7))
+    return grounded(mesh)
 
 
 def elderly_person(shown: Shown) -> MeshBuilder:
@@ -36,7 +36,7 @@ def elderly_person(shown: Shown) -> MeshBuilder:
     figure(mesh, clothes, shown, posture)
     mesh.cylinder((0.40, -0.26, 0.02), (0.39, -0.26, 0.86), 0.018, "wood_dark", sides=6)
     mesh.beam((0.33, -0.26, 0.88), (0.44, -0.26, 0.88), 0.035, "wood_dark")
-    return grounded(mesh).shift((0, 0, 0), scale=0.95).solid((0.06, 0, 0.8), (0.4, 0.5, 1.5))
+    return grounded(mesh).shift((0, 0, 0), scale=0.95)
 
 
 def wheelchair_user(shown: Shown) -> MeshBuilder:
@@ -77,7 +77,7 @@ def wheelchair_user(shown: Shown) -> MeshBuilder:
     mesh.cylinder((-0.19, 0, 1.1), (-0.17, 0, 1.24), 0.05, "skin", sides=6)
     mesh.ball((-0.16, 0, 1.29), (0.10, 0.082, 0.125), "skin")
     mesh.ball((-0.185, 0, 1.335), (0.105, 0.095, 0.105), "hair")
-    return mesh.solid((0, 0, 0.45), (0.96, 0.62, 0.88)).solid((-0.2, 0, 1.0), (0.3, 0.5, 0.8))
+    return mesh
 
 
 def _ring(
@@ -115,7 +115,7 @@ def person_with_stroller(shown: Shown) -> MeshBuilder:
     mesh.hull((0.16, 0.7, -0.17, 0.17, 0.46), (0.08, 0.82, -0.2, 0.2, 0.78), "navy")
     mesh.cylinder((0.62, -0.2, 0.78), (0.62, 0.2, 0.78), 0.24, "navy", sides=12)
     mesh.box((0.3, 0, 0.8), (0.34, 0.3, 0.04), "shirt_white")
-    return mesh.solid((-0.42, 0, 0.87), (0.4, 0.5, 1.7)).solid((0.4, 0, 0.5), (0.85, 0.46, 0.9))
+    return mesh
 
 
 def construction_flagger(shown: Shown) -> MeshBuilder:
@@ -127,7 +127,7 @@ def construction_flagger(shown: Shown) -> MeshBuilder:
     vest(mesh, "fluor_yellow", head)
     mesh.cylinder((0.32, -0.28, 0.1), (0.32, -0.28, 1.75), 0.018, "white", sides=6)
     _disc(mesh, (0.32, -0.28, 1.98), 0.3, "sign_stop", "sign_stop")
-    return grounded(mesh).solid((0.06, 0, 0.88), (0.4, 0.54, 1.72))
+    return grounded(mesh)
 
 
 def _disc(
@@ -169,7 +169,7 @@ def person_in_costume(shown: Shown) -> MeshBuilder:
             "machine",
             end_width=0.04,
         )
-    return grounded(mesh).solid((-0.05, 0, 0.95), (0.7, 0.7, 1.8))
+    return grounded(mesh)
 
 
 def protester(shown: Shown) -> MeshBuilder:
@@ -194,7 +194,7 @@ def protester(shown: Shown) -> MeshBuilder:
             ],
             "sign_placard",
         )
-    return grounded(mesh).solid((0.04, 0, 0.87), (0.5, 0.5, 1.74))
+    return grounded(mesh)
 
 
 def person_lying(shown: Shown) -> MeshBuilder:
@@ -202,6 +202,6 @@ def person_lying(shown: Shown) -> MeshBuilder:
     body = MeshBuilder()
     clothes = Clothes("shirt", "jeans", sleeves="skin")
     figure(body, clothes, Shown(), Posture((0.06, 0.62, 1.5), (0.06, -0.62, 1.08)))
-    facing_left = MeshBuilder().add(body.build(hollow=True), yaw=math.pi / 2).build(hollow=True)
+    facing_left = MeshBuilder().add(body.build(), yaw=math.pi / 2).build()
     mesh = MeshBuilder().add(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2)
     return mesh.flatten(0.0)

@@ -23,14 +23,6 @@ def flat_normal(corners: list[list[float]]) -> Point | None:
     return (nx / length, ny / length, nz / length) if length > 1e-9 else None
 
 
-def cut(solid: tuple[Point, Point], low: Array, high: Array) -> tuple[Point, Point]:
-    """Return a box cut to bounds."""
-    centre, half = np.array(solid[0]), np.array(solid[1])
-    below, above = np.maximum(centre - half, low), np.minimum(centre + half, high)
-    middle, size = ((below + above) / 2).tolist(), ((above - below) / 2).tolist()
-    return (middle[0], middle[1], middle[2]), (size[0], size[1], size[2])
-
-
 def moved(point: Point, scale: float, offset: Point) -> Point:
     """Return a point scaled about the origin, then moved."""
     return (

@@ -59,7 +59,7 @@ def _plate(
     face(mesh, (-0.06, 0, z), half, region, corners=corners, is_down=is_down)
     back = MeshBuilder()
     face(back, (-0.045, 0, z), half, region, corners=corners, is_down=is_down, is_forward=True)
-    plain = back.build(hollow=True)
+    plain = back.build()
     mesh.polygon(plain.vertices[_outline(corners)], "grey")
 
 
@@ -78,7 +78,7 @@ def _sign(
     mesh = MeshBuilder()
     _post(mesh, lift + 1.6 * half)
     _plate(mesh, lift + half, half, region, corners=corners, is_down=is_down)
-    return mesh.solid((0, 0, lift / 2), (0.08, 0.08, lift))
+    return mesh
 
 
 def stop_sign(shown: Shown) -> MeshBuilder:
@@ -114,7 +114,7 @@ def road_works_sign(shown: Shown) -> MeshBuilder:
     for side in (-1.0, 1.0):
         mesh.beam((-0.34, side * 0.3, 0.03), (0.34, side * 0.3, 0.03), 0.06, "dark_grey")
         mesh.beam((0.0, side * 0.3, 0.03), (0, 0, 0.5), 0.04, "grey")
-    return mesh.solid((0, 0, 0.65), (0.3, 0.7, 1.3))
+    return mesh
 
 
 def one_way_sign(shown: Shown) -> MeshBuilder:
@@ -128,7 +128,7 @@ def one_way_sign(shown: Shown) -> MeshBuilder:
     mesh.polygon(
         [(-0.045, -0.6, 2.05), (-0.045, 0.6, 2.05), (-0.045, 0.6, 2.5), (-0.045, -0.6, 2.5)], "grey"
     )
-    return mesh.solid((0, 0, 1.0), (0.08, 0.08, 2.0))
+    return mesh
 
 
 def sign_fallen(shown: Shown) -> MeshBuilder:
@@ -143,15 +143,15 @@ def sign_fallen(shown: Shown) -> MeshBuilder:
     face(plain, (0, 0, 0), half, "sign_stop", corners=8)
     back = MeshBuilder()
     face(back, (0, 0, 0), half, "sign_stop", corners=8, is_forward=True)
-    base = MeshBuilder().polygon(back.build(hollow=True).vertices[_outline(8)], "grey")
+    base = MeshBuilder().polygon(back.build().vertices[_outline(8)], "grey")
     turned = MeshBuilder()
     for part in (plain, base):
         # A turn about y is a turn about x between two quarter turns about z.
-        side = MeshBuilder().add(part.build(hollow=True), yaw=math.pi / 2).build(hollow=True)
-        lean = MeshBuilder().add(side, roll=tilt).build(hollow=True)
+        side = MeshBuilder().add(part.build(), yaw=math.pi / 2).build()
+        lean = MeshBuilder().add(side, roll=tilt).build()
         turned.add(lean, yaw=-math.pi / 2)
-    mesh.add(turned.build(hollow=True), (-0.62, 0, 0.36))
-    return mesh.solid((0.6, 0, 0.14), (2.4, 0.3, 0.28)).solid((-0.6, 0, 0.3), (0.5, 0.8, 0.6))
+    mesh.add(turned.build(), (-0.62, 0, 0.36))
+    return mesh
 
 
 # ------------------------------------------------------------------ lights
@@ -216,7 +216,7 @@ def traffic_light(shown: Shown) -> MeshBuilder:
         )
     for name, z in (("red", 3.29), ("amber", 2.95), ("green", 2.61)):
         lens(mesh, (-0.272, 0, z), 0.135, name, is_lit=name in lit)
-    return mesh.solid((0, 0, 1.0), (0.2, 0.2, 2.0)).solid((-0.14, 0, 2.95), (0.3, 0.6, 1.3))
+    return mesh
 
 
 def pedestrian_light(shown: Shown) -> MeshBuilder:
@@ -243,7 +243,7 @@ def pedestrian_light(shown: Shown) -> MeshBuilder:
         else:
             mesh.polygon(corners, "lens_red" if region == "sign_man" else "lens_green")
         mesh.box((-0.28, 0, z + 0.17), (0.1, 0.32, 0.02), "black")
-    return mesh.solid((0, 0, 1.3), (0.12, 0.12, 2.6))
+    return mesh
 
 
 def level_crossing_gate(shown: Shown) -> MeshBuilder:
@@ -265,6 +265,4 @@ def level_crossing_gate(shown: Shown) -> MeshBuilder:
     for side in (-1.0, 1.0):
         is_lit = not is_open and (side > 0) == (shown.frame % 2 == 0)
         lens(mesh, (-0.13, right + side * 0.21, 2.0), 0.13, "red", is_lit=is_lit)
-    if not is_open:
-        mesh.solid((0.3, 0.3, 1.0), (0.14, 6.0, 0.2))
-    return mesh.solid((0.15, right, 0.9), (0.7, 0.5, 1.8))
+    return mesh

@@ -63,7 +63,7 @@ def suv(shown: Shown) -> MeshBuilder:
     plates(mesh, (-2.365, 0.56), (2.352, 0.50))
     _wheels(mesh, (-1.4, 1.42), 0.955, 0.38, "hub")
     underside(mesh, 1.42, -1.4, 0.75, 0.32)
-    return mesh.solid((-0.06, 0, 0.56), (4.75, 1.88, 1.12)).solid((-0.75, 0, 1.4), (2.8, 1.6, 0.7))
+    return mesh
 
 
 _PICKUP: tuple[Section, ...] = (
@@ -99,7 +99,7 @@ def pickup(shown: Shown) -> MeshBuilder:
     mesh.polygon(
         [(-2.6, -0.8, 0.4), (-2.6, 0.8, 0.4), (2.5, 0.8, 0.4), (2.5, -0.8, 0.4)], "underbody"
     )
-    return mesh.solid((0, 0, 0.58), (5.4, 1.9, 1.14)).solid((0.4, 0, 1.4), (1.9, 1.6, 0.66))
+    return mesh
 
 
 def taxi(shown: Shown) -> MeshBuilder:
@@ -151,7 +151,7 @@ def camper(shown: Shown) -> MeshBuilder:
     head_lamps(mesh, lights, 2.94, 0.64, 0.78, (0.26, 0.18))
     plates(mesh, (-3.14, 0.62), (3.046, 0.47))
     _wheels(mesh, (-1.75, 2.05), 1.0, 0.36, "light_grey")
-    return mesh.solid((-0.1, 0, 0.75), (6.1, 2.0, 1.4)).solid((-0.4, 0, 1.9), (5.2, 2.2, 1.6))
+    return mesh
 
 
 def trailer(shown: Shown) -> MeshBuilder:
@@ -186,7 +186,7 @@ def trailer(shown: Shown) -> MeshBuilder:
         "plate_rear",
     )
     mesh.polygon([(-2.1, -1, 0.5), (-2.1, 1, 0.5), (1.7, 1, 0.5), (1.7, -1, 0.5)], "underbody")
-    return mesh.solid((-0.18, 0, 1.25), (4.2, 2.1, 2.3)).solid((2.5, 0, 0.5), (1.2, 0.3, 0.4))
+    return mesh
 
 
 def burning_car(shown: Shown) -> MeshBuilder:

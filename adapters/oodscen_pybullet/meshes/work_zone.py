@@ -45,7 +45,7 @@ def barrier(shown: Shown) -> MeshBuilder:
             (-0.05, side * 0.7, 1.14), (0.05, side * 0.7, 1.14), 0.09, "amber_lit", sides=10
         )
         mesh.lamp((0, side * 0.7, 1.14), AMBER, (0, 0, 0), 1.2)
-    return mesh.centred().solid((0, 0, 0.5), (0.6, 2.0, 1.0))
+    return mesh.centred()
 
 
 def arrow_board(shown: Shown) -> MeshBuilder:
@@ -136,7 +136,7 @@ def water_barrier(shown: Shown) -> MeshBuilder:
         stripe = "white" if colour == "red" else "red"
         for side in (-1.0, 1.0):
             mesh.box((side * 0.115, y, 0.72), (0.02, 1.3, 0.14), stripe)
-    return mesh.solid((0, 0, 0.25), (0.52, 3.0, 0.5)).solid((0, 0, 0.7), (0.24, 3.0, 0.4))
+    return mesh
 
 
 def temporary_light(shown: Shown) -> MeshBuilder:
@@ -156,7 +156,7 @@ def temporary_light(shown: Shown) -> MeshBuilder:
     mesh.box((0.0, 0, 2.3), (0.03, 0.5, 1.16), "yellow")
     for name, z in (("red", 2.6), ("amber", 2.3), ("green", 2.0)):
         lens(mesh, (-0.2, 0, z), 0.12, name, is_lit=name == lit)
-    return mesh.solid((0.1, 0, 0.4), (0.8, 0.9, 0.7)).solid((-0.08, 0, 2.1), (0.26, 0.4, 1.2))
+    return mesh
 
 
 def portable_toilet(shown: Shown) -> MeshBuilder:
@@ -175,7 +175,7 @@ def portable_toilet(shown: Shown) -> MeshBuilder:
             mesh.box((-0.4 + 0.2 * k, side * 0.565, 1.95), (0.14, 0.02, 0.05), "navy")
             mesh.box((-0.4 + 0.2 * k, side * 0.565, 1.0), (0.03, 0.03, 1.4), "navy")
     mesh.cylinder((0.4, 0.4, 2.2), (0.4, 0.4, 2.5), 0.06, "black", sides=8)
-    return mesh.solid((0, 0, 1.17), (1.16, 1.16, 2.3))
+    return mesh
 
 
 def scaffolding(shown: Shown) -> MeshBuilder:
@@ -199,7 +199,7 @@ def scaffolding(shown: Shown) -> MeshBuilder:
     mesh.box((0, 0.5, 2.1), (3.3, 0.03, 0.2), "wood")
     mesh.beam((-0.4, -0.42, 0.0), (0.4, -0.42, 2.0), 0.06, "fluor_orange")
     mesh.beam((-0.15, -0.42, 0.0), (0.65, -0.42, 2.0), 0.06, "fluor_orange")
-    return mesh.solid((0, 0, 2.0), (3.3, 1.1, 4.0))
+    return mesh
 
 
 def generator(shown: Shown) -> MeshBuilder:
@@ -220,4 +220,4 @@ def generator(shown: Shown) -> MeshBuilder:
     for x in (-0.6, -0.2):
         mesh.box((x, -0.25, 1.62), (0.1, 0.36, 0.22), "head")
     mesh.box((-0.88, 0, 0.6), (0.03, 0.7, 0.14), "red")
-    return mesh.solid((-0.05, 0, 0.75), (1.7, 1.2, 1.4)).solid((1.25, 0, 0.4), (0.9, 0.3, 0.4))
+    return mesh

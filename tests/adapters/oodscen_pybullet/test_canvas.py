@@ -34,7 +34,7 @@ def scenery(rng: np.random.Generator) -> Mesh:
     for x, y, a, b, c in rng.uniform((10, -25, 1, 1, 1), (150, 25, 6, 6, 12), (12, 5)):
         y += 8.0 if y > 0 else -8.0
         mesh.box((x, y, c / 2), (a, b, c), "wall_cream")
-    return mesh.build(hollow=True)
+    return mesh.build()
 
 
 def cast(rng: np.random.Generator) -> tuple[list[Look], list[Pose]]:
@@ -93,7 +93,7 @@ from oodscen.protocols import Camera
 
 def photograph(stage):
     mesh = MeshBuilder().picture([(-9, -9, 0), (90, -9, 0), (90, 9, 0), (-9, 9, 0)], "paving")
-    stage.show_scenery([mesh.build(hollow=True)], is_snowy=False)
+    stage.show_scenery([mesh.build()], is_snowy=False)
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.photograph(
@@ -125,7 +125,7 @@ def photograph(stage):
 
 
 def box(size: float, colour: str = "red", x: float = 10.0, z: float = 1.4) -> Mesh:
-    return MeshBuilder().box((x, 0, z), (size, size, size), colour).build(hollow=True)
+    return MeshBuilder().box((x, 0, z), (size, size, size), colour).build()
 
 
 def empty_road(*meshes: Mesh) -> Canvas:
@@ -152,7 +152,7 @@ def test_edges_before_the_sky_are_partly_sky_and_keep_their_own_colour_and_depth
 
 
 def test_a_thin_wire_is_seen_along_its_whole_length() -> None:
-    wire = MeshBuilder().beam((30, -30, 6), (30, 30, 6), 0.03, "black").build(hollow=True)
+    wire = MeshBuilder().beam((30, -30, 6), (30, 30, 6), 0.03, "black").build()
     shot = shoot(empty_road(wire), View.of(Camera(pitch_deg=0.0), (0.0, 0.0, 0.0, 0.1)))
     assert (shot.sky < 250).any(axis=0).mean() > 0.98
 
@@ -160,7 +160,7 @@ def test_a_thin_wire_is_seen_along_its_whole_length() -> None:
 def test_what_the_near_plane_cuts_is_drawn_up_to_it() -> None:
     floor = MeshBuilder().polygon([(-9, -9, 0), (99, -9, 0), (99, 9, 0), (-9, 9, 0)], "grey")
     view = View.of(Camera(64, 48, z=0.4, pitch_deg=20.0), (0.0, 0.0, 0.0, 0.0))
-    shot = shoot(empty_road(floor.build(hollow=True)), view)
+    shot = shoot(empty_road(floor.build()), view)
     assert np.isfinite(shot.depth[-1]).all()
     _, upwards = view.slopes()
     expected = 0.4 / -(view.forward[2] + upwards[-1] * view.up[2])
@@ -170,7 +170,7 @@ def test_what_the_near_plane_cuts_is_drawn_up_to_it() -> None:
 def test_backs_are_not_drawn_and_far_things_neither() -> None:
     square = [(10, -2, 0), (10, 2, 0), (10, 2, 3), (10, -2, 3)]
     for points, is_seen in ((square, False), (square[::-1], True)):
-        stage = empty_road(MeshBuilder().polygon(points, "red").build(hollow=True))
+        stage = empty_road(MeshBuilder().polygon(points, "red").build())
         shot = shoot(stage, View.of(CAMERA, (0.0, 0.0, 0.0, 0.0)))
         assert np.isfinite(shot.depth).any() == is_seen
     assert np.isinf(shoot(empty_road(box(9.0, x=500.0)), View.of(CAMERA, (0, 0, 0, 0))).depth).all()
@@ -183,7 +183,7 @@ def test_neighbours_leave_no_gap_wherever_the_camera_is() -> None:
         for y in range(-60, 60, 20):
             corners = [(x, y, 0), (x + 3, y, 0), (x + 3, y + 20, 0), (x, y + 20, 0)]
             floor.polygon([(a + 700.123, b - 300.7, c) for a, b, c in corners], "grey")
-    stage = empty_road(floor.build(hollow=True))
+    stage = empty_road(floor.build())
     for x, y, yaw, pitch in rng.uniform((695, -310, -3, 30), (705, -290, 3, 60), (12, 4)).tolist():
         view = View.of(Camera(320, 240, pitch_deg=pitch), (x, y, 0.0, yaw))
         assert np.isfinite(shoot(stage, view).depth).all()

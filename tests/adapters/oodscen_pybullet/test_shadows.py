@@ -27,7 +27,7 @@ def tower(x: float, y: float, height: float, width: float = 1.0) -> Mesh:
 
 def ground() -> Mesh:
     corners = [(-50, -50, 0), (90, -50, 0), (90, 50, 0), (-50, 50, 0)]
-    return MeshBuilder().polygon(corners, "grey").build(hollow=True)
+    return MeshBuilder().polygon(corners, "grey").build()
 
 
 def height(shade: Shade, x: float, y: float) -> float:
@@ -52,7 +52,7 @@ def test_tiles_are_never_lower_than_what_they_hold() -> None:
     mesh = MeshBuilder()
     for x, y, a, b in rng.uniform((0, -30, 0.1, 0.2), (70, 30, 3, 9), (40, 4)).tolist():
         mesh.box((x, y, b / 2), (a, a, b), "grey")
-    some = triangles(mesh.build(hollow=True))
+    some = triangles(mesh.build())
     shade = ShadowMap().draw(VIEW, (-0.5, 0.5, 0.7), 0.0, some, some)
     side = len(shade.tiles)
     tops = shade.heights.reshape(side, CELLS // side, side, CELLS // side).max(axis=(1, 3))

@@ -168,13 +168,13 @@ def test_gaps_are_those_of_boxes(
 ) -> None:
     scene = make_scene(make_actor("bus", 14.0, heading=30.0), make_actor("barrier", 5.0, name="b"))
     state = simulator.reset(scene, 0)
-    sizes = {"a": (10.9, 2.54), "b": (0.6, 2.0)}
+    sizes = {"a": (10.9, 2.88), "b": (0.62, 2.0)}
     for _ in range(8):
         rows = state.poses.tolist()
         ego = Box(rows[0][0], rows[0][1], rows[0][3], 4.5, 1.85)
         for row, name in ((1, "a"), (2, "b")):
             box = Box(rows[row][0], rows[row][1], rows[row][3], *sizes[name])
-            assert state.gaps[row] == pytest.approx(gap(ego, box), abs=0.03)
+            assert state.gaps[row] == pytest.approx(gap(ego, box), abs=2e-3)
         state = simulator.step(Control(acceleration=1.0))
     while state.time < 3.0:
         state = simulator.step(Control(acceleration=1.0))

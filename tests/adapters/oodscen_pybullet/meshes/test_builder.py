@@ -39,15 +39,6 @@ def test_columns_are_closed_and_face_outwards(
     assert np.allclose((mesh.normals**2).sum(axis=1), 1.0)
 
 
-@given(spots, spots, spots, sizes, sizes)
-def test_solids_are_cut_to_what_is_seen(
-    x: float, y: float, z: float, seen: float, solid: float
-) -> None:
-    mesh = MeshBuilder().box((x, y, z), (seen, seen, seen), "red").solid((x, y, z), (solid,) * 3)
-    ((_, half),) = mesh.build().solids
-    assert np.allclose(half, min(seen, solid) / 2)
-
-
 @given(st.floats(0.1, 3.0), spots)
 def test_puffs_and_lamps_move_with_the_mesh(scale: float, away: float) -> None:
     mesh = MeshBuilder().box((0, 0, 0.5), (1, 1, 1), "red").lamp((1, 0, 1), (1, 1, 1), (1, 0, 0))
@@ -61,7 +52,7 @@ def test_puffs_and_lamps_move_with_the_mesh(scale: float, away: float) -> None:
 def test_a_sticker_shows_only_its_region(axis: str) -> None:
     square = [(0, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1)]
     shares = [(0.1, 0.1), (0.9, 0.1), (0.9, 0.9), (0.1, 0.9)]
-    mesh = MeshBuilder().sticker(square, shares, "sign_stop").build(hollow=True)
+    mesh = MeshBuilder().sticker(square, shares, "sign_stop").build()
     x, y, width, height = REGIONS["sign_stop"]
     columns, rows = mesh.uvs[:, 0] * SIZE, (1 - mesh.uvs[:, 1]) * SIZE
     assert ((columns > x) & (columns < x + width)).all()
