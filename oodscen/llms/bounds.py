@@ -68,7 +68,7 @@ class Bounds:
         self.broken: Break | None = None
         """Which bound was reached."""
         self.detail = ""
-        """Where the call would have gone."""
+        """Where the call would have gone, or how many bytes were allowed."""
         self._is_alive = is_alive
         self._is_closed = is_closed
         self._silent_since = clock()
@@ -103,7 +103,7 @@ class Bounds:
         self._silent_since = self._clock()
         self._read += size
         if self.status is None and self._read > HEAD:
-            self.broken = "size"
+            self.stop("size", f"{HEAD:,}")
             raise BoundReached(f"more than {HEAD:,} bytes and no response")
 
     def left(self, timeout: float | None) -> float:
@@ -141,7 +141,7 @@ class Bounds:
     def refuse(self, size: int) -> None:
         """Raise `BoundReached` when a body of this size is too large."""
         if size > self.size:
-            self.broken = "size"
+            self.stop("size", f"{self.size:,}")
             raise BoundReached(f"the response has more than {self.size:,} bytes")
 
 

@@ -37,7 +37,7 @@ _FILTER = re.compile(
 
 
 _BROKEN = {
-    "size": "the response has more than {size:,} bytes",
+    "size": "the response has more than {detail} bytes",
     "encoding": "the response is compressed although plain text was asked for",
     "redirect": "the server redirects to {detail}, where neither question nor key is sent; "
     "if that is the right server, give its address",
@@ -97,7 +97,7 @@ def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
         kind = "filtered"
     if bounds.broken in _BROKEN:
         kind = "erring"
-        reason = _BROKEN[bounds.broken].format(size=bounds.size, detail=bounds.detail)
+        reason = _BROKEN[bounds.broken].format(detail=bounds.detail)
     elif bounds.broken == "silence":
         kind, reason = "unreachable", "the server accepts connections and says nothing"
     elif bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):

@@ -107,9 +107,10 @@ class LiteLLM:
         self.timeout_s = (
             self.traffic.timeout_s if timeout_s is None else check_seconds("timeout_s", timeout_s)
         )
-        hide([*secrets_in(options or {}), *secrets_of(api_base or "")])
         self._sleep = sleep or self.traffic.sleep
         self._sdk = sdk = load_litellm()
+        settings = {name: value for name, value in vars(sdk).items() if name.islower()}
+        hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
         # Of some models litellm asks their server what they can do.
         with bounded(Bounds(LOOKUP_S, max_bytes)):
             self._model, provider, address = _resolve(sdk, model, api_base)

@@ -4,7 +4,7 @@ import socket
 import threading
 from contextlib import contextmanager, suppress
 
-BEGINNING = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n"
+BEGINNING = b"HTTP/1.1 200 OK\r\nconnection: close\r\n"
 ANSWER = (
     b'{"id":"0","object":"chat.completion","created":0,"model":"m","choices":[{"index":0,'
     b'"finish_reason":"stop","message":{"role":"assistant","content":"%s"}}],'
@@ -94,10 +94,10 @@ def saying(data):
 def answering(text, status="200 OK", headers=""):
     """Give one answer in OpenAI's format; `text` as it stands between the quotes of its JSON."""
     body = ANSWER.replace(b"%s", text.encode())
-    head = f"HTTP/1.1 {status}\r\n{headers}content-type: application/json\r\n"
+    head = f"HTTP/1.1 {status}\r\n{headers}connection: close\r\n"
     return saying(f"{head}content-length: {len(body)}\r\n\r\n".encode() + body)
 
 
 def redirecting(target, status=307):
-    head = f"HTTP/1.1 {status} Elsewhere\r\nlocation: {target}\r\ncontent-length: 0\r\n\r\n"
+    head = f"HTTP/1.1 {status} Elsewhere\r\nlocation: {target}\r\nconnection: close\r\n\r\n"
     return saying(head.encode())

@@ -96,7 +96,7 @@ def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
             llm.complete(REQUEST)
     with silent() as address:
         llm = LiteLLM(
-            "m", api_base=address, timeout_s=0.05, retries=0, traffic=Traffic(patience_s=0.2)
+            "m", api_base=address, timeout_s=0.05, retries=0, traffic=Traffic(patience_s=2.0)
         )
         with pytest.raises(LLMError) as caught:
             llm.complete(REQUEST)
