@@ -12,12 +12,12 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from oodscen_pybullet.cast import Look, mesh_of
-from oodscen_pybullet.meshes import Mesh
-from oodscen_pybullet.meshes.atlas import draw_atlas
-from oodscen_pybullet.view import FAR, NEAR, View
+from oodscen_pybullet._meshes import Mesh
+from oodscen_pybullet._meshes.atlas import draw_atlas
+from oodscen_pybullet._rendering.appearance import Look, mesh_of
+from oodscen_pybullet._rendering.view import FAR, NEAR, View
 
-from oodscen.driving import exact
+from oodscen.numerics import _exact as exact
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]

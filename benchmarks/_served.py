@@ -75,8 +75,9 @@ def study(out: Path, log: Path, faults: float, kill_after: int) -> None:
         kill_after: After so many requests this process kills itself, at a random moment; 0 is never.
     """
     from oodscen import make_llm
-    from oodscen.llms.traffic import Traffic
-    from oodscen.study import StudyConfig, run_study
+    from oodscen._pipeline import run_study
+    from oodscen.llm._remote.limits import Traffic
+    from oodscen.study import StudyConfig
     from oodscen.testing import AnsweringServer
 
     config = StudyConfig(

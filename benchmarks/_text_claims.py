@@ -26,13 +26,13 @@ from oodscen import (
     make_simulator,
     simulate,
 )
-from oodscen.catalogue import Catalogue
+from oodscen._author.knowledge.loading import load_knowledge
+from oodscen._seeding import stream
 from oodscen.claims import Claim, check_claims, judge_claims
+from oodscen.data._catalogue import Catalogue
+from oodscen.driving._trace import Trace
 from oodscen.errors import AnswerError, LLMError
-from oodscen.llms.author.shelf import load_knowledge
 from oodscen.protocols import LLM
-from oodscen.seeding import stream
-from oodscen.trace import Trace
 
 TEXTS = 200
 MUTANTS = 500

@@ -12,11 +12,11 @@ from functools import cached_property
 from typing import Any
 
 from oodscen import Scene
-from oodscen.catalogue import Catalogue
-from oodscen.driving.placement import staging_issues
+from oodscen._author.knowledge.base import Condition, Knowledge, Place
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Actor
+from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError
-from oodscen.llms.author.knowledge import Condition, Knowledge, Place
-from oodscen.scene import Actor
 
 Fields = dict[str, Any]
 

@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Sequence
 
 from oodscen import Pruner, RedTeamer, ScenarioTree, TreeGrower, make_llm
-from oodscen.catalogue import Catalogue
-from oodscen.doctor import examine_knowledge
-from oodscen.prune import PruneDecision, all_decisions, pruned
-from oodscen.pruning.additions import extended
-from oodscen.pruning.comparing import compare
-from oodscen.pruning.restoring import Unlocked, restoration
-from oodscen.registry import make_catalogue
+from oodscen._doctor import examine_knowledge
+from oodscen._registry import make_catalogue
+from oodscen.data._additions import extended
+from oodscen.data._catalogue import Catalogue
+from oodscen.stages._prune.pruner import PruneDecision, all_decisions, pruned
+from oodscen.stages._prune.restoration import Unlocked, restoration
+from oodscen.stages._prune.side_by_side import compare
 
 CATALOGUES = ("pybullet", "carla-0.9.16")
 TRIED = 5

@@ -20,17 +20,17 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import RedTeamer, TreeGrower, make_encoder, make_llm
-from oodscen.ask import ask
+from oodscen._author import BuiltinAuthor
+from oodscen._author.imagining import Habits, Imagination
+from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM
 from oodscen.encoders import CachedEncoder, encode
 from oodscen.errors import LLMError
-from oodscen.llms.author import BuiltinAuthor
-from oodscen.llms.author.imagining import Habits, Imagination
+from oodscen.llm._ask import ask
 from oodscen.prompts import PlaceScenario
 from oodscen.protocols import LLM, Encoder
-from oodscen.redteaming.rounds import Round
-from oodscen.redteaming.saturation import Saturation, saturation
-from oodscen.registry import DEFAULT_ENCODER, DEFAULT_LLM
-from oodscen.tree import ScenarioTree
+from oodscen.stages._redteam.rounds import Round
+from oodscen.stages._redteam.saturation import Saturation, saturation
+from oodscen.tree._scenario_tree import ScenarioTree
 
 BUDGET = 200
 LEAST = 1.3

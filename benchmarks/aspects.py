@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/aspects.py [--json]
 
-The answers are those of tests/judging/aspects.jsonl, written in rounds. What the table of concepts lacked
+The answers are those of tests/judging/aspects/aspects.jsonl, written in rounds. What the table of concepts lacked
 for the rounds of `HELD_OUT` has not been added to it, so that they say what to expect of new answers.
 """
 
@@ -13,12 +13,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from oodscen.judging.matching import names_aspect
-from oodscen.llms.author.knowledge import Hazard
-from oodscen.llms.author.shelf import load_knowledge
+from oodscen._author.knowledge.base import Hazard
+from oodscen._author.knowledge.loading import load_knowledge
+from oodscen.judging._aspects.matching import names_aspect
 
 Row = dict[str, Any]
-ANSWERS = Path(__file__).parents[1] / "tests" / "judging" / "aspects.jsonl"
+ANSWERS = Path(__file__).parents[1] / "tests" / "judging" / "aspects" / "aspects.jsonl"
 HELD_OUT = (4, 5)
 STEP = 5
 """Of so many clauses, one is compared with the labels of all other hazards."""

@@ -24,16 +24,16 @@ from statistics import median
 from tqdm import tqdm
 
 from oodscen import Augmenter, Describer, Pruner, RedTeamer, TreeGrower, make_llm, make_simulator
+from oodscen._pipeline.sweep import Job, sweep
+from oodscen.data._episode import ACTIONS, MOMENTS
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving import action_driver
-from oodscen.episode import ACTIONS, MOMENTS
+from oodscen.driving._trace import Trace
 from oodscen.errors import LLMError
 from oodscen.protocols import Camera, Simulator
-from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.simulation import simulate
-from oodscen.study.store import Store
-from oodscen.study.sweep import Job, sweep
-from oodscen.testing.isolation import open_files, resident_bytes
-from oodscen.trace import Trace
+from oodscen.stages._simulate import simulate
+from oodscen.study._store import Store
+from oodscen.testing._isolation import open_files, resident_bytes
 
 PARTS = ("rate", "processes", "study", "memory", "hashes")
 SECONDS = 8.0

@@ -18,17 +18,18 @@ from typing import Any
 import cv2
 import numpy as np
 
-from oodscen.episode import ACTIONS, Episode
+from oodscen._pipeline import run_study
+from oodscen._registry import make_simulator
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._verdict import Verdict
 from oodscen.errors import BudgetExceeded
-from oodscen.judging.closed_loop import RuleBasedDriver, drive
-from oodscen.judging.items import CAUTIOUS
-from oodscen.judging.safety import safety_figures
-from oodscen.llms.reference import ConstantAnswerer
-from oodscen.llms.traffic import Caps, Traffic
-from oodscen.registry import make_simulator
-from oodscen.study import Study, StudyConfig, run_study
+from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.judging._items import CAUTIOUS
+from oodscen.judging._safety import safety_figures
+from oodscen.llm._remote.limits import Caps, Traffic
+from oodscen.stages._drive import RuleBasedDriver, drive
+from oodscen.study import Study, StudyConfig
 from oodscen.testing import AnsweringServer
-from oodscen.verdict import Verdict
 
 Row = dict[str, Any]
 

@@ -29,7 +29,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 ROOT = Path(__file__).parent.parent
-ORDINARY = ROOT / "tests" / "study" / "ordinary.txt"
+ORDINARY = ROOT / "tests" / "pipeline" / "ordinary.txt"
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)
 LEFT_S = 5.0
 """After so long nobody may be left."""

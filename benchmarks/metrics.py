@@ -22,15 +22,15 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen.baselines import load_controls, load_off_topic, ordinary_driving
-from oodscen.baselines.embedded import open_embeddings
+from oodscen.baselines._embedded import open_embeddings
 from oodscen.encoders import MiniLM, OnnxMiniLM
 from oodscen.metrics import DETECTORS, Metrics
-from oodscen.metrics import similarity as kernel
-from oodscen.metrics.diversity import diversity
-from oodscen.metrics.selection import most_diverse
-from oodscen.metrics.separation import auroc_interval
-from oodscen.metrics.similarity import nearest, nearest_other, smallest, unit
-from oodscen.testing.encoder import HashEncoder
+from oodscen.metrics._detection.separation import auroc_interval
+from oodscen.metrics._diversity import diversity
+from oodscen.metrics._selection import most_diverse
+from oodscen.metrics._vectors import similarity as kernel
+from oodscen.metrics._vectors.similarity import nearest, nearest_other, smallest, unit
+from oodscen.testing._encoder import HashEncoder
 
 PARTS = ("exactness", "speed", "memory", "encoding", "selection", "controls", "guard")
 QUERIES, REFERENCES, WIDTH, SET = 4_000, 40_000, 384, 20_000

@@ -23,10 +23,11 @@ from typing import Any, NamedTuple
 from click.testing import CliRunner
 from tqdm import tqdm
 
-from oodscen.cli import main as cli
+from oodscen._cli import main as cli
+from oodscen._pipeline import run_study
 from oodscen.errors import OodscenError
-from oodscen.llms.reference import ConstantAnswerer
-from oodscen.study import TABLES, TREES, Study, StudyConfig, run_study
+from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.study import TABLES, TREES, Study, StudyConfig
 from oodscen.testing import FunctionLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"

@@ -17,20 +17,20 @@ from statistics import median
 
 import numpy as np
 from _other_renderers import RENDERERS, soup_of
-from oodscen_pybullet.canvas import Canvas
-from oodscen_pybullet.cast import Look
-from oodscen_pybullet.engine import load_pybullet
-from oodscen_pybullet.light import STREET_LAMP, Glow, Light
-from oodscen_pybullet.meshes import asset_ids, asset_mesh, paints_of
-from oodscen_pybullet.picture import Picture, develop
-from oodscen_pybullet.roadside import Scenery, build_scenery
-from oodscen_pybullet.simulator import DARK
-from oodscen_pybullet.stage import BulletStage, Pose, Shot, Stage
-from oodscen_pybullet.view import View
+from oodscen_pybullet._engine import load_pybullet
+from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
+from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
+from oodscen_pybullet._rendering.appearance import Look
+from oodscen_pybullet._rendering.bullet_camera import BulletStage, Pose, Shot, Stage
+from oodscen_pybullet._rendering.picture import Picture, develop
+from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
+from oodscen_pybullet._simulator import DARK
 
+from oodscen.data._scene import Weather
 from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
 from oodscen.protocols import Camera
-from oodscen.scene import Weather
 
 CAMERA = Camera(width=640, height=480)
 SMALLEST_TRIANGLES = 9_000

@@ -17,9 +17,9 @@ from typing import Any
 from tqdm import tqdm
 
 from oodscen import Study
-from oodscen.episode import Episode
-from oodscen.scene import Scene
-from oodscen.study.sweep import Job, SweepResult, sweep
+from oodscen._pipeline.sweep import Job, SweepResult, sweep
+from oodscen.data._episode import Episode
+from oodscen.data._scene import Scene
 
 COMPARED = ("trace_sha256", "frame_sha256", "actions", "decision_s", "status", "error")
 

@@ -22,21 +22,21 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import Describer, Scenario, make_llm
+from oodscen._author.knowledge.loading import load_knowledge
+from oodscen._author.reading.recognition import Recogniser
+from oodscen._concurrency import as_finished
+from oodscen._pipeline.pipeline import Pipeline
+from oodscen._registry import DEFAULT_LLM, make_encoder
+from oodscen._statistics.resampling import bootstrap_mean
 from oodscen.baselines import load_baseline
-from oodscen.concurrency import as_finished
-from oodscen.describe import spread_subset
 from oodscen.encoders import CachedEncoder
 from oodscen.errors import AnswerError
-from oodscen.llms.author.recognise import Recogniser
-from oodscen.llms.author.shelf import load_knowledge
 from oodscen.metrics import Interval, Metrics
-from oodscen.metrics.similarity import unit
-from oodscen.metrics.statistics import bootstrap_mean
+from oodscen.metrics._vectors.similarity import unit
 from oodscen.prompts import STYLES
-from oodscen.prompts.describe_path import plain
-from oodscen.registry import DEFAULT_LLM, make_encoder
+from oodscen.prompts._scenario.describe_path import plain
+from oodscen.stages._describe import spread_subset
 from oodscen.study import Study, StudyConfig
-from oodscen.study.pipeline import Pipeline
 
 OTHERS = {
     "redteam": "_text_redteam",

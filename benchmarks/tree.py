@@ -16,17 +16,8 @@ from collections.abc import Callable
 from tqdm import tqdm
 
 from oodscen.testing import HashEncoder
-from oodscen.tree import ScenarioTree, TreeEdit
-from oodscen.trees import (
-    coverage,
-    diff,
-    merge,
-    replay,
-    to_dot,
-    to_mermaid,
-    to_nested_json,
-    to_page,
-)
+from oodscen.tree import coverage, diff, merge, replay, to_dot, to_mermaid, to_nested_json, to_page
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 FACTOR = 4
 LARGEST = 6.0

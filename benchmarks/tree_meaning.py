@@ -20,15 +20,15 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import make_encoder
+from oodscen._author.knowledge.base import Hazard
+from oodscen._author.knowledge.loading import load_knowledge
+from oodscen._registry import DEFAULT_ENCODER
 from oodscen.encoders import CachedEncoder
-from oodscen.labels import label_fault, same_words
-from oodscen.llms.author.knowledge import Hazard
-from oodscen.llms.author.shelf import load_knowledge
 from oodscen.protocols import Encoder
-from oodscen.registry import DEFAULT_ENCODER
-from oodscen.tree import ScenarioTree, TreeEdit
-from oodscen.trees import match
-from oodscen.trees.matching import THRESHOLD
+from oodscen.tree import match
+from oodscen.tree._labels import label_fault, same_words
+from oodscen.tree._matching import THRESHOLD
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LEAST = 0.95
 """Least precision: what is paired wrongly is lost."""

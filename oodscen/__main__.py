@@ -1,5 +1,5 @@
 """`python -m oodscen` is the command line."""
 
-from oodscen.cli import main
+from oodscen._cli import main
 
 main(prog_name="oodscen")

@@ -15,7 +15,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from oodscen.errors import InUse, StudyError
-from oodscen.llms.redaction import redact
+from oodscen.llm._remote.redaction import redact
 
 NAME = ".oodscen.lock"
 """Lock file inside a locked folder; that of a file lies beside it and begins with the file's name."""

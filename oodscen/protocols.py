@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator
 
-from oodscen._data import Data
 from oodscen._text import whole
-from oodscen.catalogue import Catalogue
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._messages import Image, Message
+from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
-from oodscen.messages import Image, Message
-from oodscen.scene import Scene
 
 if TYPE_CHECKING:
-    from oodscen.prompts.base import Prompt
+    from oodscen.prompts._base import Prompt
 
 __all__ = [
     "LLM",

@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 
 from oodscen.claims import NUMBERS, VALUES, Claim
-from oodscen.claims.claim import OF_THINGS
+from oodscen.data._claim import OF_THINGS
 from oodscen.prompts import OodAspect
 
 

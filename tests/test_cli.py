@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen import ScenarioTree, __version__
-from oodscen.cli import main
-from oodscen.testing.scenes import example_scene
-from tests.study.quick import ORDINARY
+from oodscen._cli import main
+from oodscen.testing._scenes import example_scene
+from tests.pipeline.quick import ORDINARY
 
 QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
 QUICK += ["--baseline", str(ORDINARY)]
@@ -170,7 +170,7 @@ def test_score_prints_the_contract(tmp_path):
 
 
 def test_evaluate_adds_a_model_to_a_study(out):
-    result = call("evaluate", out, "--vlm", "oodscen.llms.reference:RandomAnswerer")
+    result = call("evaluate", out, "--vlm", "oodscen.judging._constant_answerers:RandomAnswerer")
     assert result.exit_code == 0, result.output
 
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen import concurrency
-from oodscen.concurrency import as_finished
+from oodscen import _concurrency as concurrency
+from oodscen._concurrency import as_finished
 
 PATIENCE = 10.0
 

@@ -6,15 +6,15 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from oodscen._author import load_knowledge
+from oodscen._cli import main
 from oodscen._files import read_regular, read_utf8
+from oodscen._registry import make_catalogue
 from oodscen.baselines import load_baseline
-from oodscen.baselines.embedded import open_embeddings
-from oodscen.cli import main
+from oodscen.baselines._embedded import open_embeddings
 from oodscen.driving import find_map
 from oodscen.errors import DataError
-from oodscen.llms.author import load_knowledge
 from oodscen.metrics import score_file
-from oodscen.registry import make_catalogue
 from oodscen.testing import HashEncoder
 
 KINDS = ("fifo", "endless", "folder", "link to fifo", "link to endless", "socket", "nothing")

@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from oodscen._text import whole
-from oodscen.ask import read_answer
+from oodscen.data._scene import Actor, Ego, Hazard, Placement, Trigger, Weather
+from oodscen.llm._ask import read_answer
 from oodscen.prompts import QUESTIONS, PlacedScenario, SceneDraft
-from oodscen.scene import Actor, Ego, Hazard, Placement, Trigger, Weather
 from tests import strategies  # noqa: F401  # says how claims are drawn
 
 often = settings(

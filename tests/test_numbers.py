@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 
 from oodscen._numbers import finite_number, whole_number
 from oodscen.errors import UsageError
-from oodscen.judging.power import power_of, scenes_needed
+from oodscen.judging._leaderboard.power import power_of, scenes_needed
 from oodscen.metrics import Metrics
 from oodscen.protocols import Camera
-from oodscen.simulation import simulate
+from oodscen.stages._simulate import simulate
 from oodscen.study import StudyConfig
 from oodscen.testing import FlatSimulator, HashEncoder
-from oodscen.testing.scenes import example_scene
+from oodscen.testing._scenes import example_scene
 
 STRANGE = [math.nan, math.inf, -math.inf, 1e308, -1, 10**400, "3", None, b"3", [], 1j, True]
 NO_COUNT = [*STRANGE, 0, 2.5]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.paper import ATTESTED, attestation
+from oodscen._paper import ATTESTED, attestation
 
 LABELS = {
     "thick fog at night with a vehicle ahead": [

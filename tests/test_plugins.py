@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from oodscen import registry
-from oodscen.ask import ask
-from oodscen.cli import main
+from oodscen import _registry as registry
+from oodscen._cli import main
+from oodscen._pipeline import Extras, run_study
+from oodscen._pipeline.sweep import Job, run_chunk
+from oodscen._registry import driver_maker, make_catalogue, make_encoder, make_llm, make_simulator
 from oodscen.encoders import encode
 from oodscen.errors import (
     EncoderError,
@@ -19,23 +21,16 @@ from oodscen.errors import (
     SimulatorCrash,
     UsageError,
 )
-from oodscen.judging.closed_loop import drive
+from oodscen.llm._ask import ask
 from oodscen.metrics import Metrics
 from oodscen.prompts import ImagineScenario
 from oodscen.protocols import Control
-from oodscen.registry import (
-    driver_maker,
-    make_catalogue,
-    make_encoder,
-    make_llm,
-    make_simulator,
-)
-from oodscen.simulation import simulate
-from oodscen.study import Extras, StudyConfig, run_study
-from oodscen.study.sweep import Job, run_chunk
+from oodscen.stages._drive import drive
+from oodscen.stages._simulate import simulate
+from oodscen.study import StudyConfig
 from oodscen.testing import FlatSimulator, check_simulator
-from oodscen.testing.scenes import example_scene
-from tests.study.quick import QUICK
+from oodscen.testing._scenes import example_scene
+from tests.pipeline.quick import QUICK
 
 MAKERS = {
     "llm": make_llm,

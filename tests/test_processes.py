@@ -11,9 +11,9 @@ from contextlib import suppress
 
 import pytest
 
+from oodscen._processes import Processes
+from oodscen._registry import make_simulator
 from oodscen.errors import RunStopped, UnknownComponent, UsageError
-from oodscen.processes import Processes
-from oodscen.registry import make_simulator
 
 PATIENCE_S = 60.0
 
@@ -124,7 +124,7 @@ def test_nobody_outlives_a_parent_that_is_killed(begun, code):
 
 
 def test_a_process_that_does_not_start_stops_the_run(monkeypatch):
-    monkeypatch.setattr("oodscen.processes._START", "raise SystemExit(3)")
+    monkeypatch.setattr("oodscen._processes._START", "raise SystemExit(3)")
     with Processes(1) as pool, pytest.raises(RunStopped, match="exit code 3"):
         pool.submit(os.getpid).result()
 

@@ -5,7 +5,7 @@ import pytest
 from oodscen.errors import UsageError
 from oodscen.protocols import MAX_SIZE, Camera, Control
 from oodscen.testing import FlatSimulator
-from oodscen.testing.scenes import example_scene
+from oodscen.testing._scenes import example_scene
 
 
 @pytest.mark.parametrize(

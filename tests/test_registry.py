@@ -6,11 +6,8 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from oodscen import registry
-from oodscen.encoders import SentenceTransformerEncoder
-from oodscen.errors import MissingExtra, UnknownComponent, UsageError
-from oodscen.llms.reference import ConstantAnswerer, RandomAnswerer
-from oodscen.registry import (
+from oodscen import _registry as registry
+from oodscen._registry import (
     find,
     make_catalogue,
     make_encoder,
@@ -19,6 +16,9 @@ from oodscen.registry import (
     names,
     survey,
 )
+from oodscen.encoders import SentenceTransformerEncoder
+from oodscen.errors import MissingExtra, UnknownComponent, UsageError
+from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.testing import FlatSimulator, HashEncoder, ScriptedLLM
 
 
@@ -120,13 +120,13 @@ def test_a_name_may_carry_an_argument():
 
 def test_the_seed_reaches_a_model_that_takes_one(plugins):
     assert make_llm("random", seed=5).seed == 5
-    assert make_llm("oodscen.llms.reference:RandomAnswerer", seed=5).seed == 5
+    assert make_llm("oodscen.judging._constant_answerers:RandomAnswerer", seed=5).seed == 5
     assert make_llm("toy_models:Seeded", seed=5).settings == {"seed": 5}
     assert make_llm("plain", seed=5).name == "plain"
 
 
 def test_a_reference_to_a_module_works_for_every_kind():
-    assert find("llm", "oodscen.llms.reference:RandomAnswerer") is RandomAnswerer
+    assert find("llm", "oodscen.judging._constant_answerers:RandomAnswerer") is RandomAnswerer
     assert isinstance(make_encoder("oodscen.testing:HashEncoder"), HashEncoder)
     with pytest.raises(UsageError, match="Missing"):
         make_encoder("oodscen.testing:Missing")

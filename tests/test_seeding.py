@@ -6,7 +6,7 @@ import sys
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.seeding import stream
+from oodscen._seeding import stream
 
 KEYS = st.lists(st.text(max_size=5) | st.integers(0, 9), max_size=3)
 
@@ -26,6 +26,6 @@ def test_other_keys_and_seeds_give_other_streams(seed, one, other):
 
 
 def test_a_fresh_process_draws_the_same():
-    code = "from oodscen.seeding import stream; print(stream(7, 'actor', 'deer').integers(2**60))"
+    code = "from oodscen._seeding import stream; print(stream(7, 'actor', 'deer').integers(2**60))"
     printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
     assert int(printed) == stream(7, "actor", "deer").integers(2**60)

@@ -1,5 +1,5 @@
 """The reference adapter: urban, rural and highway roads with PyBullet's bodies and camera."""
 
-from oodscen_pybullet.simulator import PyBulletSimulator
+from oodscen_pybullet._simulator import PyBulletSimulator
 
 __all__ = ["PyBulletSimulator"]

@@ -4,13 +4,13 @@
 `load_controls(split)` and `load_off_topic(split)` are texts to test a measure with.
 """
 
-from oodscen.baselines.baseline import Baseline, load_baseline
-from oodscen.baselines.controls import Control, load_controls
-from oodscen.baselines.duplicates import Duplicate, NearDuplicates, near_duplicates
-from oodscen.baselines.handwritten import handwritten_driving
-from oodscen.baselines.off_topic import OffTopic, load_off_topic
-from oodscen.baselines.ordinary import ordinary_driving
-from oodscen.baselines.texts import Record, check_texts, read_records
+from oodscen.baselines._baseline import Baseline, load_baseline
+from oodscen.baselines._controls import Control, load_controls
+from oodscen.baselines._duplicates import Duplicate, NearDuplicates, near_duplicates
+from oodscen.baselines._handwritten import handwritten_driving
+from oodscen.baselines._off_topic import OffTopic, load_off_topic
+from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.baselines._texts import Record, check_texts, read_records
 
 __all__ = [
     "Baseline",

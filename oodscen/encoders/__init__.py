@@ -7,11 +7,11 @@ dependency at all.
 
 from importlib.util import find_spec
 
-from oodscen.encoders.cached import CachedEncoder
-from oodscen.encoders.check import check_embeddings, encode
-from oodscen.encoders.minilm import MiniLM
-from oodscen.encoders.onnx import OnnxMiniLM
-from oodscen.encoders.sentence_transformers import SentenceTransformerEncoder
+from oodscen.encoders._cached import CachedEncoder
+from oodscen.encoders._check import check_embeddings, encode
+from oodscen.encoders._minilm import MiniLM
+from oodscen.encoders._onnx import OnnxMiniLM
+from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 
 __all__ = [
     "CachedEncoder",

@@ -1,1 +1,5 @@
-"""Judging models and drivers: answers, references, safe sets, statistics and the leaderboard."""
+"""Judging models and drivers: answers, references, safe sets and the leaderboard."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

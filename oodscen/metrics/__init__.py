@@ -4,13 +4,15 @@
 its table fits; `docs/metrics.md` sets them side by side.
 """
 
-from oodscen.metrics.calibration import Calibration
-from oodscen.metrics.detectors import DETECTORS
-from oodscen.metrics.diversity import Diversity
-from oodscen.metrics.guard import OffTopicFlags
-from oodscen.metrics.metrics import Metrics
-from oodscen.metrics.oodness import Definition, Measure, Neighbour, Oodness
-from oodscen.metrics.report import (
+from oodscen._statistics.resampling import Interval
+from oodscen.metrics._detection.calibration import Calibration
+from oodscen.metrics._detection.detectors import DETECTORS
+from oodscen.metrics._detection.guard import OffTopicFlags
+from oodscen.metrics._detection.separation import Auroc, auroc
+from oodscen.metrics._diversity import Diversity
+from oodscen.metrics._metrics import Metrics
+from oodscen.metrics._oodness import Definition, Measure, Neighbour, Oodness
+from oodscen.metrics._report import (
     Band,
     BaselineBatch,
     Comparison,
@@ -22,10 +24,8 @@ from oodscen.metrics.report import (
     SetDistance,
     Variety,
 )
-from oodscen.metrics.score import score_file, table_of_file
-from oodscen.metrics.separation import Auroc, auroc
-from oodscen.metrics.statistics import Interval
-from oodscen.metrics.table import Table, paper_table
+from oodscen.metrics._score import score_file, table_of_file
+from oodscen.metrics._table import Table, paper_table
 
 __all__ = [
     "DETECTORS",

@@ -2,24 +2,28 @@
 
 from typing import Any
 
-from oodscen.prompts.base import Prompt
-from oodscen.prompts.choose_action import ActionOption, ChooseAction, ChosenAction
-from oodscen.prompts.choose_aspect import ChooseAspect, ChosenAspect
-from oodscen.prompts.classify_examples import Classification, ClassifiedExample, ClassifyExamples
-from oodscen.prompts.describe_frame import DescribeFrame, FrameDescription
-from oodscen.prompts.describe_ordinary import DescribeOrdinary, OrdinaryText
-from oodscen.prompts.describe_path import STYLES, DescribePath, Descriptions, Style
-from oodscen.prompts.digest import CatalogueDigest
-from oodscen.prompts.extract_claims import Claims, ExtractClaims
-from oodscen.prompts.give_examples import Examples, GiveExamples
-from oodscen.prompts.imagine_scenario import ImaginedScenario, ImagineScenario
-from oodscen.prompts.judge_aspect import AspectJudgement, JudgeAspect
-from oodscen.prompts.judge_branch import BranchJudgement, JudgeBranch
-from oodscen.prompts.name_aspect import NameAspect, OodAspect
-from oodscen.prompts.name_ood_aspect import NamedAspect, NameOodAspect
-from oodscen.prompts.place_scenario import PlacedScenario, PlaceScenario
-from oodscen.prompts.propose_tree import ProposedNode, ProposedTree, ProposeTree
-from oodscen.prompts.stage_scene import SceneDraft, StageScene
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction, ChosenAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect, ChosenAspect
+from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
+from oodscen.prompts._judging.judge_aspect import AspectJudgement, JudgeAspect
+from oodscen.prompts._judging.name_aspect import NameAspect, OodAspect
+from oodscen.prompts._judging.name_ood_aspect import NamedAspect, NameOodAspect
+from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText
+from oodscen.prompts._scenario.describe_path import STYLES, DescribePath, Descriptions, Style
+from oodscen.prompts._scenario.extract_claims import Claims, ExtractClaims
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
+from oodscen.prompts._tree.classify_examples import (
+    Classification,
+    ClassifiedExample,
+    ClassifyExamples,
+)
+from oodscen.prompts._tree.give_examples import Examples, GiveExamples
+from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
+from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
+from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
+from oodscen.prompts._tree.propose_tree import ProposedNode, ProposedTree, ProposeTree
 
 QUESTIONS: tuple[type[Prompt[Any]], ...] = (
     GiveExamples,

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.baselines import near_duplicates, ordinary_driving
-from oodscen.baselines.ordinary import bare
+from oodscen.baselines._ordinary import bare
 from oodscen.errors import DataError, UsageError
 
 quick = settings(deadline=None, max_examples=40)
@@ -56,7 +56,7 @@ def test_blocks_change_nothing(monkeypatch):
     texts = ordinary_driving().texts[::12]
     whole = near_duplicates(texts, 0.6)
     assert whole.found
-    monkeypatch.setattr("oodscen.baselines.duplicates._BLOCK", 7)
+    monkeypatch.setattr("oodscen.baselines._duplicates._BLOCK", 7)
     assert near_duplicates(texts, 0.6) == whole
 
 

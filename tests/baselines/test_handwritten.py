@@ -1,8 +1,8 @@
 import re
 
 from oodscen.baselines import handwritten_driving
-from oodscen.baselines.handwritten import by_subject
-from oodscen.baselines.ordinary import bare
+from oodscen.baselines._handwritten import by_subject
+from oodscen.baselines._ordinary import bare
 
 TEXTS = handwritten_driving().texts
 

@@ -3,7 +3,7 @@ from collections import Counter
 
 import pytest
 
-from oodscen.baselines.off_topic import load_off_topic
+from oodscen.baselines._off_topic import load_off_topic
 
 TUNE, FROZEN = load_off_topic("tune"), load_off_topic("frozen")
 ALL = (*TUNE, *FROZEN)

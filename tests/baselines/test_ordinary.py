@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from oodscen.baselines import handwritten_driving, ordinary_driving
-from oodscen.baselines.ordinary import bare, draw
+from oodscen.baselines._ordinary import bare, draw
 from oodscen.errors import UsageError
 
 TEXTS = draw(2000)
@@ -36,7 +36,7 @@ def test_more_than_there_is_cannot_be_drawn(monkeypatch):
         "road": [],
         "situation": [{"name": "s", "on": ["a road"], "bare": True, "captions": ["A car waits"]}],
     }
-    monkeypatch.setattr("oodscen.baselines.ordinary._rules", lambda: rules)
+    monkeypatch.setattr("oodscen.baselines._ordinary._rules", lambda: rules)
     assert draw(1) == ("A car waits.",)
     with pytest.raises(UsageError):
         draw(2)

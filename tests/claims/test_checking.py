@@ -3,9 +3,9 @@
 import pytest
 
 from oodscen.claims import Claim, check_claims, judge_claims, watch
-from oodscen.scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
-from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
-from oodscen.testing.scenes import example_scene
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing._scenes import example_scene
 
 BOX = "cardboard box"
 CLAIMS = (

@@ -2,8 +2,8 @@
 
 import pytest
 
-from oodscen.claims.things import may_be, mentions, named, things
-from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
+from oodscen.claims._things import may_be, mentions, named, things
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 
 def test_every_name_is_found_in_a_sentence():

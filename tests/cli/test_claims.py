@@ -5,9 +5,9 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from oodscen.cli import main
-from oodscen.scenario import Scenario
-from oodscen.testing.scenes import example_scene
+from oodscen._cli import main
+from oodscen.data._scenario import Scenario
+from oodscen.testing._scenes import example_scene
 
 TEXT = "A cardboard box stands in the ego's lane ahead on a two-lane residential street."
 
@@ -17,7 +17,7 @@ def call(folder, scene, text, *options):
     (folder / "scenes.jsonl").write_text(scene.to_json() + "\n")
     (folder / "texts.jsonl").write_text(scenario.to_json() + "\n")
     files = (str(folder / "scenes.jsonl"), "--scenarios", str(folder / "texts.jsonl"))
-    simulator = ("--simulator", "oodscen.testing.flat:FlatSimulator")
+    simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
     return CliRunner().invoke(main, ["faithful", *files, *simulator, *options])
 
 
@@ -63,7 +63,7 @@ def test_what_is_wrong_with_one_line_leaves_the_others_judged(tmp_path, line, ex
     lines = [scene.to_json(), line, last.to_json(), ""]
     (tmp_path / "scenes.jsonl").write_text("\n".join(lines))
     files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl"))
-    simulator = ("--simulator", "oodscen.testing.flat:FlatSimulator")
+    simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
     done = CliRunner().invoke(main, ["faithful", *files, *simulator, *option])
     assert done.exit_code == 1
     assert expected in done.output
@@ -79,7 +79,7 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     path = tmp_path / "texts.jsonl"
     path.write_text('{"id": 1}\n' + path.read_text())
     files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(path))
-    simulator = ("--simulator", "oodscen.testing.flat:FlatSimulator")
+    simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
     done = CliRunner().invoke(main, ["faithful", *files, *simulator])
     assert done.exit_code == 1
     assert "texts.jsonl:1" in done.output

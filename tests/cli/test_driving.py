@@ -3,9 +3,9 @@ import sys
 
 from click.testing import CliRunner
 
-from oodscen.cli import main
-from oodscen.study import run_study
-from tests.study.quick import QUICK
+from oodscen._cli import main
+from oodscen._pipeline import run_study
+from tests.pipeline.quick import QUICK
 
 STACK = """
 from oodscen.driving import Cruise

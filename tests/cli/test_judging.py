@@ -3,13 +3,13 @@ import json
 import pytest
 from click.testing import CliRunner
 
-import oodscen.study.models as models
+import oodscen._pipeline.models as models
 from oodscen import Study
-from oodscen.cli import main
-from oodscen.llms.reference import ConstantAnswerer
-from oodscen.study import run_study
+from oodscen._cli import main
+from oodscen._pipeline import run_study
+from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.testing import AnsweringServer
-from tests.study.quick import QUICK
+from tests.pipeline.quick import QUICK
 
 
 def test_models_on_other_servers_than_the_author_s_are_judged(tmp_path, monkeypatch) -> None:

@@ -8,8 +8,8 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from oodscen.cli import main
-from oodscen.testing.scenes import example_scene
+from oodscen._cli import main
+from oodscen.testing._scenes import example_scene
 
 VALUES = [
     *("nan", "inf", "-inf", "1e308", str(10**30), "-1", "0", "", "wrong", "a\0b", "\udcff"),

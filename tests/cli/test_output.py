@@ -8,10 +8,10 @@ import threading
 import pytest
 from click.testing import CliRunner
 
-from oodscen.cli import main
-from oodscen.cli.output import read_lines, write
+from oodscen._cli import main
+from oodscen._cli.output import read_lines, write
+from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, FolderTaken, OodscenError
-from oodscen.scenario import Scenario
 
 
 def test_a_file_is_replaced_where_a_link_leads_and_keeps_its_mode(tmp_path):
@@ -71,8 +71,8 @@ def test_closed_or_full_output_is_one_line(monkeypatch):
     def full(*words, **more):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("oodscen.cli.output.click.echo", full)
-    monkeypatch.setattr("oodscen.cli.say", lambda words, err: said.append(words))
+    monkeypatch.setattr("oodscen._cli.output.click.echo", full)
+    monkeypatch.setattr("oodscen._cli.say", lambda words, err: said.append(words))
     said: list[str] = []
     assert CliRunner().invoke(main, ["grow", "--nodes", "12"]).exit_code == 1
     monkeypatch.setattr("sys.stdout", None)
@@ -99,7 +99,7 @@ def test_a_malformed_line_is_a_data_error(tmp_path, content):
 
 
 def test_simulating_touches_no_study_and_nothing_simulated_before(tmp_path):
-    from oodscen.testing.scenes import example_scene
+    from oodscen.testing._scenes import example_scene
 
     scenes = tmp_path / "scenes.jsonl"
     scenes.write_text(example_scene().to_json() + "\n")
@@ -122,7 +122,7 @@ def test_simulating_touches_no_study_and_nothing_simulated_before(tmp_path):
 
 
 def test_an_id_too_long_for_a_file_is_refused_before_anything_runs(tmp_path):
-    from oodscen.testing.scenes import example_scene
+    from oodscen.testing._scenes import example_scene
 
     row = json.loads(example_scene().to_json()) | {"id": "x" * 300}
     (tmp_path / "scenes.jsonl").write_text(json.dumps(row))

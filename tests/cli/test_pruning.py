@@ -6,11 +6,11 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen import ScenarioTree, TreeGrower
-from oodscen.cli import main
-from oodscen.llms.author import BuiltinAuthor
-from oodscen.prune import PruneDecision
-from oodscen.pruning.restoring import Restoration
-from oodscen.registry import make_catalogue
+from oodscen._author import BuiltinAuthor
+from oodscen._cli import main
+from oodscen._registry import make_catalogue
+from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.restoration import Restoration
 
 
 def call(*arguments):

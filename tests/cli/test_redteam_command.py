@@ -6,9 +6,9 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen import ScenarioTree
-from oodscen.cli import main
-from oodscen.redteaming.rounds import Round
-from oodscen.registry import DEFAULT_ENCODER
+from oodscen._cli import main
+from oodscen._registry import DEFAULT_ENCODER
+from oodscen.stages._redteam.rounds import Round
 from oodscen.testing import HashEncoder
 
 

@@ -3,8 +3,8 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from oodscen.cli import main
-from oodscen.testing.scenes import example_scene
+from oodscen._cli import main
+from oodscen.testing._scenes import example_scene
 
 BOX = "On a two-lane residential street, a large cardboard box lies in ego's lane ahead."
 

@@ -8,13 +8,13 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen import Study
-from oodscen.cli import EXIT_CODES, main
-from oodscen.cli.output import left_out
+from oodscen._cli import EXIT_CODES, main
+from oodscen._cli.output import left_out
+from oodscen._pipeline import run_study
+from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
-from oodscen.study import run_study
 from oodscen.testing import FunctionLLM
-from oodscen.verdict import Verdict
-from tests.study.quick import QUICK
+from tests.pipeline.quick import QUICK
 
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
 ORDER = (
@@ -126,7 +126,7 @@ def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch
 
     monkeypatch.setattr("oodscen.study.run_study", interrupt)
     monkeypatch.setattr("oodscen.report.write_report", interrupt)
-    monkeypatch.setattr("oodscen.study.dropping.drop_models", lambda study, names: {})
+    monkeypatch.setattr("oodscen._pipeline.dropping.drop_models", lambda study, names: {})
     order = (
         ("evaluate", study, "--drop", "x", "--vlm", "a b")
         if command == "evaluate"
@@ -154,7 +154,7 @@ def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch
     def stopping(ledger=None):
         yield stop
 
-    monkeypatch.setattr("oodscen.cli.study.bars", stopping)
+    monkeypatch.setattr("oodscen._cli.study.bars", stopping)
     before = [*map(signal.getsignal, SIGNALS)]
     order = ("run", tmp_path / "out", "--quick", "--simulator", "flat", "--encoder", "hash")
     found = invoke(*order, "--workers", "1")

@@ -5,12 +5,12 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from oodscen.cli import main
-from oodscen.cli.tree import _TREES
-from oodscen.scenario import Scenario
+from oodscen._cli import main
+from oodscen._cli.tree import _TREES
+from oodscen.data._scenario import Scenario
 from oodscen.study import TREES, Store
-from oodscen.tree import ScenarioTree, TreeEdit
-from oodscen.trees import to_mermaid
+from oodscen.tree import to_mermaid
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 BEFORE = ScenarioTree.planted().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather", stage="grow"),

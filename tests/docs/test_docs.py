@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from oodscen._pipeline import run_study
 from oodscen.baselines import Baseline
-from oodscen.study import StudyConfig, run_study
-from tests.study.quick import ORDINARY
+from oodscen.study import StudyConfig
+from tests.pipeline.quick import ORDINARY
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -28,7 +29,7 @@ def study(tmp_path_factory):
 def workplace(tmp_path, monkeypatch, study):
     """Have `out`, and fifty ordinary texts where `Metrics()` would have thousands encoded."""
     few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
-    monkeypatch.setattr("oodscen.metrics.metrics.ordinary_driving", lambda: few)
+    monkeypatch.setattr("oodscen.metrics._metrics.ordinary_driving", lambda: few)
     (tmp_path / "out").symlink_to(study)
     monkeypatch.chdir(tmp_path)
 

@@ -1,8 +1,8 @@
 """Scenes and catalogues that the driving tests share."""
 
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving import KinematicWorld, load_corridor
-from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 CATALOGUE = FLAT_CATALOGUE
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from oodscen._lock import locked
 from oodscen.encoders import CachedEncoder
-from oodscen.encoders.cached import cache_folder
-from oodscen.testing.encoder import HashEncoder
+from oodscen.encoders._cached import cache_folder
+from oodscen.testing._encoder import HashEncoder
 
 TEXTS = ["a car waits", "a deer jumps", "a van turns left", "a car waits"]
 
@@ -119,7 +119,7 @@ def test_nothing_is_lost_of_what_several_processes_save_at_once(tmp_path):
 
 
 def test_a_process_that_halts_while_it_saves_holds_up_nobody_for_ever(tmp_path, monkeypatch):
-    monkeypatch.setattr("oodscen.encoders.cached._WAIT_S", 0.0)
+    monkeypatch.setattr("oodscen.encoders._cached._WAIT_S", 0.0)
     cached = CachedEncoder(Counting(), tmp_path)
     holder = threading.Thread(target=lambda: _hold(cached.path, held, done))
     held, done = threading.Event(), threading.Event()

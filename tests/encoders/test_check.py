@@ -3,7 +3,7 @@ import pytest
 
 from oodscen.encoders import check_embeddings
 from oodscen.errors import EncoderError
-from oodscen.testing.encoder import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder(4)
 

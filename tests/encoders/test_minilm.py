@@ -4,7 +4,8 @@ import sys
 import numpy as np
 import pytest
 
-from oodscen.encoders import MiniLM, minilm
+from oodscen.encoders import MiniLM
+from oodscen.encoders import _minilm as minilm
 from oodscen.errors import EncoderError, MissingExtra
 from oodscen.protocols import Encoder
 

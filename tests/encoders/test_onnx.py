@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from oodscen.encoders import MiniLM, OnnxMiniLM, all_minilm
-from oodscen.encoders.cached import cache_folder
+from oodscen.encoders._cached import cache_folder
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Encoder
 

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from oodscen.encoders import SentenceTransformerEncoder, minilm
+from oodscen.encoders import SentenceTransformerEncoder
+from oodscen.encoders import _minilm as minilm
 from oodscen.errors import EncoderError
 
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from oodscen.episode import ACTIONS, ActionOutcome, Episode
-from oodscen.scenario import Scenario
-from oodscen.verdict import Verdict
+from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._verdict import Verdict
 
 ROOT = "Scenario"
 

@@ -3,9 +3,9 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.judging.closed_loop import DriveResult
-from oodscen.judging.drives import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
-from oodscen.testing.scenes import example_scene
+from oodscen.judging._drives import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
+from oodscen.stages._drive import DriveResult
+from oodscen.testing._scenes import example_scene
 
 
 def drives(driver, outcomes, progress=1.0):

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen._seeding import stream
 from oodscen.baselines import Baseline, ordinary_driving
+from oodscen.data._scenario import Scenario
 from oodscen.encoders import CachedEncoder, MiniLM
 from oodscen.errors import DataError, EncoderError, UsageError
 from oodscen.metrics import Metrics, Report
-from oodscen.scenario import Scenario
-from oodscen.seeding import stream
-from oodscen.testing.encoder import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 
 class Directions:

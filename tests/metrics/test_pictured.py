@@ -3,8 +3,8 @@ import json
 import pytest
 
 from oodscen.metrics import DETECTORS, Metrics
-from oodscen.metrics.pictured import BEST, picture_data
-from oodscen.testing.encoder import HashEncoder
+from oodscen.metrics._pictured import BEST, picture_data
+from oodscen.testing._encoder import HashEncoder
 
 ORDINARY = [
     f"A {colour} {kind} {act}."

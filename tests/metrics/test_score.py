@@ -5,7 +5,7 @@ import pytest
 from oodscen.baselines import Baseline
 from oodscen.errors import DataError, UsageError
 from oodscen.metrics import Metrics, score_file
-from oodscen.testing.encoder import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 TEXTS = ["a deer jumps onto the road", "a car waits at the light", "a sofa lies in the lane"]
 ORDINARY = ["a car waits at the light", "a van turns left", "a bus stops"]

@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
 from oodscen.metrics import Metrics
-from oodscen.metrics.selection import most_diverse
-from oodscen.metrics.similarity import unit
-from oodscen.testing.encoder import HashEncoder
+from oodscen.metrics._selection import most_diverse
+from oodscen.metrics._vectors.similarity import unit
+from oodscen.testing._encoder import HashEncoder
 
 
 def rows(seed: int, n: int, d: int = 5) -> np.ndarray:

@@ -1,6 +1,6 @@
 """One question of every kind, with every field filled."""
 
-from oodscen.messages import Image
+from oodscen.data._messages import Image
 from oodscen.prompts import (
     ActionOption,
     CatalogueDigest,
@@ -21,10 +21,10 @@ from oodscen.prompts import (
     ProposeTree,
     StageScene,
 )
-from oodscen.prompts.digest import AssetLine, BehaviourLine, MapLine
-from oodscen.prompts.landmarks import Landmark
-from oodscen.prompts.place_scenario import Hidden
-from oodscen.tree import Node
+from oodscen.prompts._digest import AssetLine, BehaviourLine, MapLine
+from oodscen.prompts._landmarks import Landmark
+from oodscen.prompts._tree.place_scenario import Hidden
+from oodscen.tree._scenario_tree import Node
 
 DIGEST = CatalogueDigest(
     assets=(

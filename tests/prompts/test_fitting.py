@@ -3,10 +3,10 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet.catalogue import load_catalogue
+from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.prompts import CatalogueDigest, JudgeBranch, StageScene
-from oodscen.prompts.fitting import ANSWER_TOKENS, fitted, tokens_of
+from oodscen.prompts._fitting import ANSWER_TOKENS, fitted, tokens_of
 
 CATALOGUE = CatalogueDigest.of(load_catalogue())
 PATH = ("OOD", "Interactional", "Animals", "Deer on the road")

@@ -1,8 +1,8 @@
 import pytest
 
 from oodscen.driving import load_corridor
-from oodscen.driving.maps.shipped import SHIPPED_MAPS
-from oodscen.prompts.landmarks import Landmark, landmarks
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
+from oodscen.prompts._landmarks import Landmark, landmarks
 
 MAPS = {road.id: road for road in SHIPPED_MAPS}
 

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from oodscen.messages import Image
-from oodscen.prompts import QUESTIONS, DescribePath, PlaceScenario, StageScene, base
-from oodscen.prompts.base import data_block
-from oodscen.tree import Node
+from oodscen.data._messages import Image
+from oodscen.prompts import QUESTIONS, DescribePath, PlaceScenario, StageScene
+from oodscen.prompts import _base as base
+from oodscen.prompts._base import data_block
+from oodscen.tree._scenario_tree import Node
 from tests.prompts.samples import DIGEST, NODES, PATH, SAMPLES
 
 UNSHOWN = {(Node, "attested"), (Image, "path")}

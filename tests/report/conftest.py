@@ -10,15 +10,15 @@ import cv2
 import numpy as np
 import pytest
 
-from oodscen.episode import ACTIONS, MOMENTS, ActionOutcome, Episode
-from oodscen.prune import PruneDecision, all_decisions
-from oodscen.redteam import Round
-from oodscen.scenario import Scenario
-from oodscen.scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.sketch import Body, Lane, Sketch
+from oodscen.data._bird_sketch import Body, Lane, Sketch
+from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._verdict import Verdict
+from oodscen.stages._prune.pruner import PruneDecision, all_decisions
+from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study import Study, StudyConfig
-from oodscen.tree import ScenarioTree, TreeEdit
-from oodscen.verdict import Verdict
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LEAVES = {
     "thick-fog-at-night": ("environmental", "Thick fog at night with a vehicle ahead"),

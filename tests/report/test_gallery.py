@@ -3,10 +3,10 @@ from typing import Any
 
 import pytest
 
-from oodscen.episode import ActionOutcome, Episode
-from oodscen.report.gallery import choice, conditions, payload
-from oodscen.report.reading import read
-from oodscen.scene import Weather
+from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.data._scene import Weather
+from oodscen.report._gallery import choice, conditions, payload
+from oodscen.report._load import read
 from oodscen.study import Study
 
 SAFE, HIT = ActionOutcome(safe=True), ActionOutcome(safe=False)

@@ -1,8 +1,8 @@
 import pytest
 
 from oodscen.metrics import Metrics
-from oodscen.report import measures
-from oodscen.report.reading import read
+from oodscen.report import _measures as measures
+from oodscen.report._load import read
 from oodscen.study import Study
 from oodscen.testing import HashEncoder
 

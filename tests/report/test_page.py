@@ -1,5 +1,5 @@
-from oodscen.report.page import context
-from oodscen.report.reading import Material, read
+from oodscen.report._load import Material, read
+from oodscen.report._page import context
 from oodscen.study import Study
 
 

@@ -6,9 +6,9 @@ import xml.etree.ElementTree as ElementTree
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.redteaming.rounds import Round
-from oodscen.redteaming.saturation import saturation
-from oodscen.report.saturation import saturation_chart
+from oodscen.report._charts.saturation import saturation_chart
+from oodscen.stages._redteam.rounds import Round
+from oodscen.stages._redteam.saturation import saturation
 
 
 @given(st.lists(st.sampled_from(["A", "B", "C", "D", "old"]), max_size=40))

@@ -1,16 +1,16 @@
 """The comparison of simulators on the page: figures, what is lacking, what is dropped and why."""
 
-from oodscen.prune import PruneDecision
-from oodscen.pruning.additions import Addition
-from oodscen.pruning.comparing import compare
-from oodscen.registry import make_catalogue
-from oodscen.report.parts import drawn
-from oodscen.report.reading import Material, read
-from oodscen.report.simulators import part
+from oodscen._pipeline.steps.compare import CATALOGUES
+from oodscen._registry import make_catalogue
+from oodscen.data._additions import Addition
+from oodscen.report._load import Material, read
+from oodscen.report._sections import drawn
+from oodscen.report._simulators import part
+from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.side_by_side import compare
 from oodscen.study import Study
-from oodscen.study.stages.comparing import CATALOGUES
 from oodscen.testing import FlatSimulator
-from oodscen.tree import ScenarioTree, TreeEdit
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LABELS = {"dog": "A dog", "ridge": "Rain or snow", "box": "A box"}
 

@@ -2,9 +2,9 @@
 
 from lxml import html
 
-from oodscen.episode import ActionOutcome, Episode
-from oodscen.report.reading import Material
-from oodscen.report.undecided import part
+from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.report._load import Material
+from oodscen.report._undecided import part
 from oodscen.study import Study
 
 

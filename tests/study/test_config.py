@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen import paper
+from oodscen import _paper as paper
 from oodscen.errors import DataError
 from oodscen.study import StudyConfig
 

@@ -2,7 +2,7 @@
 
 from oodscen import __version__
 from oodscen.study import StudyConfig
-from oodscen.study.record import authors, record
+from oodscen.study._record import authors, record
 
 
 def test_the_built_in_author_is_never_called_a_model():

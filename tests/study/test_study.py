@@ -4,7 +4,7 @@ import pytest
 
 from oodscen import Scenario, Study
 from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent
-from oodscen.redteam import Round
+from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study import Store
 
 

@@ -6,14 +6,14 @@ import os
 import numpy as np
 import pytest
 
+from oodscen.data._scene import Weather
 from oodscen.driving import SHIPPED_MAPS
 from oodscen.errors import SpawnError, UnknownComponent
 from oodscen.protocols import Control, Frame, State
-from oodscen.scene import Weather
 from oodscen.testing import FlatSimulator, check_simulator
-from oodscen.testing.check import PARTS, QUICK
-from oodscen.testing.flat_catalogue import FLAT_CATALOGUE
-from oodscen.testing.isolation import process_faults
+from oodscen.testing._check import PARTS, QUICK
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing._isolation import process_faults
 from tests.driving.staging import actor, scene
 
 SMALL = FLAT_CATALOGUE.model_copy(

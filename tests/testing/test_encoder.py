@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.protocols import Encoder
-from oodscen.testing.encoder import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 
 @given(st.lists(st.text(max_size=30), max_size=8), st.integers(1, 64))
@@ -40,7 +40,7 @@ def test_it_is_an_encoder_with_a_name():
 
 def test_another_process_gives_the_same_bytes():
     program = (
-        "from oodscen.testing.encoder import HashEncoder as H; import sys;"
+        "from oodscen.testing._encoder import HashEncoder as H; import sys;"
         "sys.stdout.write(H(32).encode(['a car waits']).tobytes().hex())"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)

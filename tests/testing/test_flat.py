@@ -3,10 +3,10 @@ import math
 import numpy as np
 import pytest
 
+from oodscen.data._scene import Weather
 from oodscen.driving import SHIPPED_MAPS
 from oodscen.protocols import Camera
-from oodscen.scene import Weather
-from oodscen.testing.flat import FlatSimulator, _transmittance
+from oodscen.testing._flat import FlatSimulator, _transmittance
 from tests.driving.staging import actor, scene
 
 CAMERA = Camera(width=160, height=120, pitch_deg=0.0)

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import pytest
 
-from oodscen.ask import ask
-from oodscen.concurrency import as_finished
+from oodscen._concurrency import as_finished
+from oodscen.data._messages import Image
 from oodscen.errors import LLMError
-from oodscen.llms.litellm import LiteLLM
-from oodscen.messages import Image
+from oodscen.llm._ask import ask
+from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts import DescribeFrame
 from oodscen.testing import AnsweringServer, FunctionLLM
 from tests.prompts.samples import SAMPLES

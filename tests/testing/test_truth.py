@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from oodscen.data._scene import Hazard, Trigger, Weather
 from oodscen.protocols import Camera
-from oodscen.scene import Hazard, Trigger, Weather
 from oodscen.testing import FlatSimulator, check_truth
-from oodscen.testing.scenes import example_scene
-from oodscen.testing.truth import measured_visual_range
+from oodscen.testing._scenes import example_scene
+from oodscen.testing._truth import measured_visual_range
 
 CAMERA = Camera(width=320, height=240)
 

@@ -1,1 +1,1 @@
-"""The shipped OpenDRIVE files, and the script that writes them."""
+"""The shipped OpenDRIVE files."""

@@ -3,10 +3,10 @@
 import pytest
 from oodscen_carla import load_catalogue
 
-from oodscen.catalogue import Catalogue
-from oodscen.llms.author import load_knowledge
-from oodscen.llms.author.feasibility import realise
-from oodscen.paper import ATTESTED
+from oodscen._author import load_knowledge
+from oodscen._author.feasibility import realise
+from oodscen._paper import ATTESTED
+from oodscen.data._catalogue import Catalogue
 from oodscen.prompts import CatalogueDigest
 
 CATALOGUE = load_catalogue()
@@ -61,7 +61,7 @@ def test_it_shows_whatever_the_paper_simulated_in_it(diverse_labels):
 
 @pytest.fixture
 def diverse_labels():
-    from oodscen.llms.author import BuiltinAuthor
+    from oodscen._author import BuiltinAuthor
 
     return [hazard.label for hazard in BuiltinAuthor()._trees.simulated]
 

@@ -4,10 +4,10 @@ import sys
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from oodscen_pybullet.catalogue import load_catalogue
-from oodscen_pybullet.meshes import FLASHING, GAITS, SMOKING, asset_ids, asset_mesh, paints_of
+from oodscen_pybullet._catalogue import load_catalogue
+from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, asset_ids, asset_mesh, paints_of
 
-from oodscen.catalogue import Asset, Catalogue
+from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.driving import BEHAVIOURS, SHIPPED_MAPS
 
 CATALOGUE = load_catalogue()

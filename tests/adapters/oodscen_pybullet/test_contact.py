@@ -8,9 +8,9 @@ import pytest
 from oodscen_pybullet import PyBulletSimulator
 
 from oodscen import simulate
-from oodscen.conflict import Footprints, overlap
-from oodscen.scene import Actor, Ego, Hazard, Scene, Trigger
-from oodscen.trace import Course
+from oodscen.data._scene import Actor, Ego, Hazard, Scene, Trigger
+from oodscen.driving._surrogate_safety import Footprints, overlap
+from oodscen.driving._trace import Course
 
 MakeActor = Callable[..., Actor]
 BESIDE = (

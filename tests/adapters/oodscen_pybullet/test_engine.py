@@ -3,7 +3,7 @@ import subprocess
 import sys
 
 import pytest
-from oodscen_pybullet.engine import load_pybullet
+from oodscen_pybullet._engine import load_pybullet
 
 from oodscen.errors import MissingExtra
 
@@ -29,7 +29,7 @@ def test_a_missing_package_is_named_with_its_extra(
 
 def test_the_engine_prints_nothing() -> None:
     code = (
-        "from oodscen_pybullet.engine import load_pybullet; engine = load_pybullet();"
+        "from oodscen_pybullet._engine import load_pybullet; engine = load_pybullet();"
         "engine.disconnect(engine.connect(engine.DIRECT)); print('end')"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -6,15 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oodscen_pybullet import PyBulletSimulator, renderers
-from oodscen_pybullet.canvas import Canvas
-from oodscen_pybullet.engine import load_pybullet
-from oodscen_pybullet.renderers import choose_renderer, open_stage
-from oodscen_pybullet.stage import BulletStage
+from oodscen_pybullet import PyBulletSimulator
+from oodscen_pybullet import _renderers as renderers
+from oodscen_pybullet._engine import load_pybullet
+from oodscen_pybullet._renderers import choose_renderer, open_stage
+from oodscen_pybullet._rendering.bullet_camera import BulletStage
+from oodscen_pybullet._rendering.rasteriser import Canvas
 
+from oodscen.data._scene import Actor, Scene
 from oodscen.errors import SimulatorError, UnknownComponent
 from oodscen.protocols import Camera
-from oodscen.scene import Actor, Scene
 
 MakeActor = Callable[..., Actor]
 MakeScene = Callable[..., Scene]

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from oodscen_pybullet import PyBulletSimulator
-from oodscen_pybullet.catalogue import load_catalogue
+from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.catalogue import Asset
+from oodscen.data._catalogue import Asset
+from oodscen.data._scene import Actor, Scene
 from oodscen.driving import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
-from oodscen.scene import Actor, Scene
-from oodscen.testing.check import PARTS, check_simulator
+from oodscen.testing._check import PARTS, check_simulator
 
 MakeActor = Callable[..., Actor]
 MakeScene = Callable[..., Scene]

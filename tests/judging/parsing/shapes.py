@@ -1,6 +1,6 @@
 """Shapes of answers as models give them, and what a person would read in each.
 
-Actions are read from a list offered in the order of `oodscen.episode.ACTIONS`. `None` is an answer that a
+Actions are read from a list offered in the order of `oodscen.data._episode.ACTIONS`. `None` is an answer that a
 person could not use, `REFUSED` one that declines.
 """
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.judging.parsing import Detected, names_nothing, read_aspect, read_named_aspect
+from oodscen.judging._parsing import Detected, names_nothing, read_aspect, read_named_aspect
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.judging.parsing import read_description
+from oodscen.judging._parsing import read_description
 
 
 @pytest.mark.parametrize(

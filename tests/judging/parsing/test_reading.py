@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.episode import ACTIONS
-from oodscen.judging.parsing import (
+from oodscen.data._episode import ACTIONS
+from oodscen.judging._parsing import (
     contradiction,
     is_refusal,
     read_action,
@@ -17,7 +17,7 @@ from oodscen.judging.parsing import (
     read_named_aspect,
     reasoning_in,
 )
-from oodscen.judging.parsing.text import LONGEST
+from oodscen.judging._parsing.text import LONGEST
 from tests.judging.parsing.shapes import LEAVES
 
 WORDS = st.sampled_from(

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from oodscen.episode import ACTIONS
-from oodscen.judging.parsing import (
+from oodscen.data._episode import ACTIONS
+from oodscen.judging._parsing import (
     Reading,
     read_action,
     read_aspect,

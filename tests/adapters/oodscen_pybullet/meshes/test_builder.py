@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet.meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH
-from oodscen_pybullet.meshes.builder import Mesh, MeshBuilder
+from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH
+from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
 
 sizes = st.floats(0.05, 5.0)
 spots = st.floats(-10.0, 10.0)

@@ -1,0 +1,1 @@
+"""The land: roads' surfaces, terrain and islands."""

@@ -1,0 +1,354 @@
+"""The ground beside the roads: kerbs, pavements, lawns and fields, out to the hills.
+
+It is a grid of squares, small at the roads and large far off, cut along lines of equal distance
+from the asphalt, so that any net of roads has kerbs that go around its corners and no holes.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving import Corridor
+from oodscen.driving._roads.corridor import Structure
+from oodscen_pybullet._land.adaptive_grid import Squares, crossing
+from oodscen_pybullet._land.ground import TIGHT, Ground
+from oodscen_pybullet._land.islands import Islands
+from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
+from oodscen_pybullet._meshes.builder import Mesh
+from oodscen_pybullet._rendering.clipping import cut
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+Theme = Literal["residential", "urban", "highway", "rural"]
+
+KERB = 0.10
+"""Height of pavements above the road, m."""
+WIDE_M = 215.0
+"""The ground reaches so far from the ego's road, m."""
+PORTAL_M = 7.4
+"""Height of a tunnel's front above the road, m."""
+BANK_M = 13.0
+"""From the asphalt to where the ground beside a tunnel's front is as high as the front, m."""
+VALLEY_M = 11.0
+"""Depth of the ground below a bridge, m."""
+WATER_M = 5.5
+"""Depth of the water's surface below a bridge, m."""
+ISLAND_RIM = 1.6
+"""Width of the paved edge of an island, m."""
+_GAP = 2.0
+"""Points where roads meet are no closer to each other, m."""
+_X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _IN = range(9)
+
+
+@dataclass(frozen=True)
+class _Band:
+    """What the ground is made of up to a distance from pavements."""
+
+    reach: float
+    surface: str
+    is_region: bool = False
+
+
+_BANDS: dict[Theme, tuple[_Band, ...]] = {
+    "residential": (
+        _Band(13.0, "turf", True),
+        _Band(60.0, "grass"),
+        _Band(1e9, "hill"),
+    ),
+    "urban": (_Band(3.5, "paving", True), _Band(70.0, "concrete_dark"), _Band(1e9, "hill")),
+    "highway": (_Band(12.0, "turf", True), _Band(90.0, ""), _Band(1e9, "hill")),
+    "rural": (_Band(9.0, "turf", True), _Band(110.0, ""), _Band(1e9, "hill")),
+}
+_CROPS = ("field", "grass", "grass_dark", "field", "earth", "grass")
+_RELIEF: dict[Theme, tuple[float, float]] = {
+    "residential": (0.0, 11.0),
+    "urban": (0.0, 2.0),
+    "highway": (5.0, 16.0),
+    "rural": (7.0, 20.0),
+}
+"""Height of the waves of the land, and of the hills at the world's end, m."""
+
+
+class Terrain:
+    """The ground's shape and surface around the roads of a map."""
+
+    def __init__(self, ground: Ground, theme: Theme, rng: np.random.Generator) -> None:
+        """Choose hills and fields.
+
+        Args:
+            ground: The roads.
+            theme: What kind of land it is.
+            rng: Decides hills and fields.
+        """
+        self.ground = ground
+        self.theme: Theme = theme
+        self._waves = rng.uniform(-1.0, 1.0, (64, 64))
+        self._crops = rng.integers(0, len(_CROPS), (64, 64))
+        self._meeting = _meeting_points(ground)
+        self._islands = Islands.of(ground, self._meeting)
+        self._known: dict[tuple[float, float], float] = {}
+
+    @property
+    def islands(self) -> "Islands":
+        """Land that roads go around."""
+        return self._islands
+
+    @property
+    def lift(self) -> float:
+        """Height of the ground beside the asphalt above it, m."""
+        return KERB if self.ground.kerbed else -0.02
+
+    def height(self, x: float, y: float) -> float:
+        """Return the height of the ground at a place, m."""
+        if (x, y) not in self._known:
+            outside, inside, within = self._heights(np.array([x]), np.array([y]))
+            self._known[x, y] = float((inside if within[0] else outside)[0]) + self.lift
+        return self._known[x, y]
+
+    def surface(self, x: float, y: float) -> float:
+        """Return the height at a place of the ground, or of the road where it is on one, m."""
+        near = self.ground.near(np.array([x]), np.array([y]))
+        return float(near.z[0]) if near.asphalt[0] <= 0.0 else self.height(x, y)
+
+    def lifts(self, x: Array, y: Array) -> Array:
+        """Return how far the ground is above the roads around it at places, m; 0 on asphalt."""
+        if len(x) == 0:
+            return np.zeros(0)
+        near = self.ground.near(x, y)
+        outside, inside, within = self._heights(x, y)
+        high = np.where(within, inside, outside) + self.lift - near.z
+        return np.where(near.asphalt > 0.0, high, 0.0)
+
+    def is_corner(self, x: float, y: float, reach: float) -> bool:
+        """Tell whether a place is so close, m, to where roads meet or turn tightly."""
+        if not len(self._meeting):
+            return False
+        square = (self._meeting[:, 0] - x) ** 2 + (self._meeting[:, 1] - y) ** 2
+        return bool(square.min() < reach * reach)
+
+    def mesh(self) -> Mesh:
+        """Return the ground with its kerbs."""
+        corners = self._corners()
+        pieces: list[tuple[Array, Array]] = []
+        open_, over = self._spanned(corners)
+        _, land, border = cut(open_, _ASPHALT, 0.0, self._edge)
+        is_edge = land[:, :, _ASPHALT] <= 0.0
+        x, y = land[is_edge][:, _X], land[is_edge][:, _Y]
+        land[is_edge, _PAVED] = np.minimum(self.ground.near(x, y).paved, 0.0) if len(x) else 0.0
+        if self.ground.kerbed:
+            pieces.append(_walls(border))
+            kerb, land, _ = cut(land, _ASPHALT, 0.18)
+            pieces.append(self._surface(kerb, "kerb", False))
+            is_island = self._islands.covers(land[:, :, : _Y + 1].mean(axis=1))
+            island, land = land[is_island], land[~is_island]
+            rim, lawn, _ = cut(island, _ASPHALT, ISLAND_RIM)
+            pieces.append(self._surface(rim, "paving", True))
+            pieces.append(self._surface(lawn, "turf", True))
+            paved, land, _ = cut(land, _PAVED, 0.0)
+            pieces.append(self._surface(paved, "paving", True))
+        land = np.concatenate([land, over])
+        for band in _BANDS[self.theme]:
+            some, land, _ = cut(land, _PAVED, band.reach)
+            if band.surface:
+                pieces.append(self._surface(some, band.surface, band.is_region))
+            else:
+                pieces += self._fields(some)
+        vertices = np.concatenate([vertices for vertices, _ in pieces])
+        uvs = np.concatenate([uvs for _, uvs in pieces])
+        return _mesh(vertices, uvs)
+
+    def _edge(self, one: Array, two: Array) -> Array:
+        return crossing(
+            self.ground.asphalt,
+            one[:, : _Y + 1],
+            two[:, : _Y + 1],
+            one[:, _ASPHALT],
+            two[:, _ASPHALT],
+        )
+
+    def _spanned(self, corners: Array) -> tuple[Array, Array]:
+        """Cut the ground at tunnels and bridges: what is in the open, and what goes over or under.
+
+        Heights are asked for again along the cuts, since there they do not follow from those of
+        the squares' corners.
+        """
+        open_, over = corners, corners[:0]
+        for one in self.ground.corridor.structures:
+            ends: tuple[float, ...] = (one.start, one.end)
+            if one.kind == "bridge":
+                ends = (one.start, one.start + 10.0, one.end - 10.0, one.end)
+            before, rest, _ = cut(open_, _S, ends[0])
+            for index, end in enumerate(ends[1:]):
+                middle, rest, _ = cut(rest, _S, end)
+                if one.kind == "bridge" and index != 1:
+                    _, middle, _ = cut(middle, _PAVED, 0.46)
+                over = np.concatenate([over, middle])
+            open_ = np.concatenate([before, rest])
+        if len(over):
+            for part, column in ((open_, 0), (over, 1)):
+                flat = part.reshape(-1, part.shape[2])
+                heights = self._heights(flat[:, _X], flat[:, _Y])
+                flat[:, _Z] = heights[column]
+            over[:, :, _ASPHALT] = np.maximum(over[:, :, _ASPHALT], 20.0)
+            over[:, :, _PAVED] = over[:, :, _ASPHALT]
+        return open_, over
+
+    # ------------------------------------------------------------------ shape
+
+    def _tunnels(self) -> list[Structure]:
+        return [one for one in self.ground.corridor.structures if one.kind == "tunnel"]
+
+    def _bridges(self) -> list[Structure]:
+        return [one for one in self.ground.corridor.structures if one.kind == "bridge"]
+
+    def _heights(self, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return the ground's height in the open, above tunnels, and where the latter holds."""
+        near = self.ground.near(x, y)
+        away = np.maximum(near.asphalt, 0.0)
+        waves, rim = _RELIEF[self.theme]
+        relief = (waves * _rise(away, 18.0, 90.0) * self._wave(x, y, 75.0)) + rim * _rise(
+            away, 100.0, 190.0
+        ) * (1.0 + 0.45 * self._wave(x + 500.0, y, 60.0))
+        low = -0.25 * _rise(away, 0.5, 2.5) * (1.0 - _rise(away, 3.0, 6.0))
+        if self.ground.kerbed:
+            low = np.zeros(len(x))
+        outside = near.z + relief + low
+        inside, within = outside, np.zeros(len(x), bool)
+        for tunnel in self._tunnels():
+            gap = np.maximum(tunnel.start - near.s, near.s - tunnel.end)
+            deep = np.maximum(-gap, 0.0)
+            side = _rise(away, 3.0, BANK_M)
+            bank = PORTAL_M * side * (1.0 - _rise(np.maximum(gap, 0.0), 4.0, 60.0))
+            outside = outside + bank
+            inside = inside + PORTAL_M + np.minimum(0.45 * deep, 18.0)
+            within |= gap <= 0.0
+        for bridge in self._bridges():
+            deep = np.minimum(near.s - bridge.start, bridge.end - near.s)
+            share = _rise(deep, 0.0, 24.0)
+            dry = 1.0 - share * (1.0 - _rise(away, 120.0, 190.0))
+            outside = near.z + low + (outside - near.z - low) * dry
+            outside = outside - np.minimum(np.maximum(deep, 0.0), 0.5) - VALLEY_M * share
+            inside = np.where(deep > -0.5, outside, inside)
+        return outside, inside, within
+
+    def _wave(self, x: Array, y: Array, size: float) -> Array:
+        """Return smooth noise, -1 to 1, whose waves are about so long."""
+        u, v = x / size + 1000.0, y / size + 1000.0
+        i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
+        a, b = _rise(u - i, 0.0, 1.0), _rise(v - j, 0.0, 1.0)
+        grid = self._waves
+        low = grid[i % 64, j % 64] * (1 - a) + grid[(i + 1) % 64, j % 64] * a
+        high = grid[i % 64, (j + 1) % 64] * (1 - a) + grid[(i + 1) % 64, (j + 1) % 64] * a
+        return np.asarray(low * (1 - b) + high * b, np.float64)
+
+    # ------------------------------------------------------------------ squares
+
+    def _corners(self) -> Array:
+        """Return the squares as triangles, with everything that cutting needs."""
+        net = Squares.around(self.ground, self._meeting, WIDE_M)
+        points, order, held = net.triangles()
+        near = self.ground.near(points[:, 0], points[:, 1])
+        outside, inside, _ = self._heights(points[:, 0], points[:, 1])
+        paved = near.paved
+        if self.ground.kerbed and len(self._meeting):
+            paved = np.minimum(paved, np.where(self._is_corner(points), near.asphalt - 2.4, paved))
+        columns = np.stack(
+            [
+                points[:, 0], points[:, 1], outside, near.asphalt, paved,
+                np.zeros(len(points)), np.zeros(len(points)), near.s, inside,
+            ],
+            axis=1,
+        )  # fmt: skip
+        corners = columns[order]
+        corners[:, :, _U : _V + 1] = net.local(points[order], held)
+        return corners
+
+    def _is_corner(self, points: Array) -> NDArray[np.bool_]:
+        """Tell which points are so close to where roads meet that everything is paved."""
+        square = (points[:, :1] - self._meeting[None, :, 0]) ** 2
+        square += (points[:, 1:] - self._meeting[None, :, 1]) ** 2
+        return np.asarray(square.min(axis=1) < 9.0 * 9.0)
+
+    # ------------------------------------------------------------------ surfaces
+
+    def _surface(self, corners: Array, surface: str, is_region: bool) -> tuple[Array, Array]:
+        points = corners[:, :, : _Z + 1].copy()
+        points[:, :, _Z] += self.lift
+        if is_region:
+            uv = region_uv(surface)
+            low, high = uv[0], uv[2]
+            uvs = low + np.clip(corners[:, :, _U : _V + 1], 0.0, 1.0) * (high - low)
+        else:
+            uvs = np.broadcast_to(swatch_uv(surface), (len(corners), 3, 2))
+        return points.reshape(-1, 3), uvs.reshape(-1, 2)
+
+    def _fields(self, corners: Array) -> list[tuple[Array, Array]]:
+        middle = corners[:, :, : _Y + 1].mean(axis=1)
+        i = np.floor(middle[:, 0] / 72.0).astype(np.int64) % 64
+        j = np.floor(middle[:, 1] / 48.0).astype(np.int64) % 64
+        crop = self._crops[i, j]
+        return [
+            self._surface(corners[crop == index], name, False) for index, name in enumerate(_CROPS)
+        ]
+
+
+def _rise(value: Array, start: float, end: float) -> Array:
+    """Return 0 below `start`, 1 above `end`, and a smooth rise in between."""
+    share = np.clip((value - start) / (end - start), 0.0, 1.0)
+    return np.asarray(share * share * (3.0 - 2.0 * share), np.float64)
+
+
+def _meeting_points(ground: Ground) -> Array:
+    """Return points all along tight bends and ways through junctions, [n, 2]."""
+    found = []
+    for way in ground.ways:
+        line, road = way.course, way.corridor
+        bend = np.interp(line.s, road.s, np.abs(road.curvature))
+        is_tight = bend > TIGHT
+        if way.is_connecting:
+            is_tight[:] = True
+        is_tight |= np.interp(line.s, road.s, road.in_junction.astype(np.float64)) > 0.0
+        for edge in (way.asphalt[0], way.asphalt[1]):
+            points = line.points(edge)[is_tight]
+            found.append(points[:, :2])
+    every = np.concatenate(found)
+    return np.asarray(np.unique(np.floor(every / _GAP + 0.5), axis=0) * _GAP)
+
+
+def _walls(border: Array) -> tuple[Array, Array]:
+    """Return the fronts of kerbs along a cut, facing the road."""
+    p, q = border[:, 0, : _Z + 1], border[:, 1, : _Z + 1]
+    length = np.sqrt(((p - q) ** 2).sum(axis=1))
+    p, q = p[length > 1e-4], q[length > 1e-4]
+    rise, sink = np.array([0.0, 0.0, KERB]), np.array([0.0, 0.0, -0.03])
+    quads = np.stack([q + sink, p + sink, p + rise, q + rise], axis=1)
+    points = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    return points, np.broadcast_to(swatch_uv("kerb_side"), (len(points), 2)).copy()
+
+
+def _mesh(vertices: Array, uvs: Array) -> Mesh:
+    """Return triangles with flat shading as a mesh, without those that have no area."""
+    three = vertices.reshape(-1, 3, 3)
+    normal = np.cross(three[:, 1] - three[:, 0], three[:, 2] - three[:, 0])
+    length = np.sqrt((normal * normal).sum(axis=1))
+    keep = length > 1e-4
+    normal = normal[keep] / length[keep, None]
+    points = three[keep].reshape(-1, 3)
+    return Mesh(
+        vertices=points,
+        normals=np.repeat(normal, 3, axis=0),
+        uvs=uvs.reshape(-1, 3, 2)[keep].reshape(-1, 2),
+        triangles=np.arange(len(points)).reshape(-1, 3),
+    )
+
+
+def theme_of(traits: frozenset[str], corridor: Corridor) -> Theme:
+    """Return what kind of land a map's traits ask for."""
+    themes: tuple[Theme, ...] = ("residential", "urban", "highway", "rural")
+    for theme in themes:
+        if theme in traits:
+            return theme
+    return "urban" if any(strip.kind == "sidewalk" for strip in corridor.strips) else "rural"

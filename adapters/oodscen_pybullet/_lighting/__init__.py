@@ -1,0 +1,1 @@
+"""Light: sun, lamps, shadows, reflections, shelter."""

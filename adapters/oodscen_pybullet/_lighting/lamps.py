@@ -1,0 +1,202 @@
+"""Lamps in the dark: what they light up, how they glow, and how they dazzle."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.numerics import _exact as exact
+from oodscen.numerics._kernels import Kernel
+from oodscen_pybullet._lighting.light import Glow, Light
+from oodscen_pybullet._rendering.postprocess import GRID_AHEAD, GRID_ASIDE, GRID_CELL
+from oodscen_pybullet._rendering.view import Point, View
+
+Float = NDArray[np.float32]
+U8 = NDArray[np.uint8]
+
+HEADLAMP = 3.5
+"""Power from which on a lamp that faces somewhere throws a cone of light."""
+_FAR = GRID_AHEAD * GRID_CELL
+
+
+def ground_light(view: View, glows: Sequence[Glow], light: Light) -> Float | None:
+    """Return how brightly lamps light what stands before the camera.
+
+    Args:
+        view: The camera.
+        glows: All lamps.
+        light: Of the scene; by day lamps light nothing.
+
+    Returns:
+        [GRID_AHEAD, GRID_ASIDE, 3] by cells along the optical axis and to the right, the axis in the
+        middle; `None` where there is nothing to add.
+    """
+    dark = 1.0 - light.daylight
+    if dark < 0.3:
+        return None
+    grid = np.zeros((GRID_AHEAD, GRID_ASIDE, 3), np.float32)
+    is_lit = False
+    for glow in glows:
+        aside, _, ahead = view.to_camera(glow.position)
+        if not (-40.0 < ahead < _FAR + 10.0 and abs(aside) < GRID_ASIDE * GRID_CELL / 2 + 30.0):
+            continue
+        facing = (
+            sum(a * b for a, b in zip(glow.facing, view.right, strict=True)),
+            sum(a * b for a, b in zip(glow.facing, view.forward, strict=True)),
+        )
+        has_cone = glow.power >= HEADLAMP and facing != (0.0, 0.0) and not glow.is_street
+        reach = 26.0 if glow.is_street else 45.0 if has_cone else 9.0 * math.sqrt(glow.power)
+        i0, i1 = _cells(ahead - reach, ahead + reach, 0.0, GRID_AHEAD)
+        j0, j1 = _cells(aside - reach, aside + reach, GRID_ASIDE / 2, GRID_ASIDE)
+        if i0 >= i1 or j0 >= j1:
+            continue
+        y = (np.arange(i0, i1, dtype=np.float32) * np.float32(GRID_CELL) - np.float32(ahead))[
+            :, None
+        ]
+        x = np.arange(j0, j1, dtype=np.float32) - np.float32(GRID_ASIDE / 2)
+        x = (x * np.float32(GRID_CELL) - np.float32(aside))[None, :]
+        square = np.asarray(x * x + y * y, np.float32)
+        rim = np.maximum(np.float32(1.0) - square * np.float32(1.0 / reach**2), np.float32(0.0))
+        if glow.is_street:
+            fall = np.float32(1.0) + square * np.float32(1.0 / 55.0)
+            pool: NDArray[np.floating] = np.float32(0.62) / (fall * fall)
+        elif has_cone:
+            along = x * np.float32(facing[0]) + y * np.float32(facing[1])
+            across = square - along * along
+            width = np.maximum(along, np.float32(0.05)) * np.float32(0.38)
+            shape = np.float32(1.0) + across / (width * width)
+            pool = np.float32(0.20 * glow.power) / (shape * shape)
+            pool /= np.float32(1.0) + along * along * np.float32(1.0 / 170.0)
+            pool *= along > np.float32(0.0)
+        else:
+            pool = np.float32(0.16 * glow.power) / (np.float32(1.0) + square * np.float32(0.4))
+            if facing != (0.0, 0.0):
+                along = x * np.float32(facing[0]) + y * np.float32(facing[1])
+                pool *= along > np.float32(-0.3)
+        pool *= rim * np.float32(dark)
+        grid[i0:i1, j0:j1] += pool[..., None] * np.array(glow.colour, np.float32)
+        is_lit = True
+    return grid if is_lit else None
+
+
+def _cells(low: float, high: float, zero: float, count: int) -> tuple[int, int]:
+    return (
+        max(math.floor(low / GRID_CELL + zero), 0),
+        min(math.ceil(high / GRID_CELL + zero) + 1, count),
+    )
+
+
+def add_glows(
+    image: U8, view: View, depth: Float, glows: Sequence[Glow], light: Light, extinction: float
+) -> None:
+    """Add the halos of lamps that the camera sees, in place.
+
+    Args:
+        image: [height, width, 3]
+        view: The camera.
+        depth: m
+        glows: All lamps.
+        light: Of the scene; by day halos are faint.
+        extinction: Of the air, 1/m: it dims lamps and widens their halos.
+    """
+    dark = 1.0 - light.daylight
+    for glow in glows:
+        if glow.is_street and light.daylight > 0.5:
+            continue
+        spot = view.pixel(glow.position)
+        if spot is None or spot[2] > 300.0:
+            continue
+        column, row, ahead = spot
+        reach = view.width * 0.1
+        if not (-reach < column < view.width + reach and -reach < row < view.height + reach):
+            continue
+        seen = _facing(view, glow) * _visible(depth, column, row, ahead)
+        if seen <= 0.0:
+            continue
+        through = exact.exp(-extinction * ahead)
+        murk = min(1.0, extinction * 60.0)
+        strength = seen * through * (0.22 + 0.78 * dark) * math.sqrt(glow.power)
+        core = max(0.7, view.focal * 0.055 * math.sqrt(glow.power) / ahead)
+        wide = core * (2.6 + 2.5 * dark + 3.0 * murk * (0.3 + dark))
+        _add(image, column, row, core * 1.5, 235.0 * strength, _paler(glow.colour))
+        _add(image, column, row, min(wide, view.width * 0.16), 95.0 * strength, glow.colour)
+
+
+def add_glare(image: U8, view: View, light: Light, depth: Float) -> None:
+    """Add the dazzle of a low sun ahead, in place."""
+    far = tuple(view.eye[i] + 1000.0 * light.sun[i] for i in range(3))
+    spot = view.pixel((far[0], far[1], far[2]))
+    if not light.has_glare or spot is None:
+        return
+    column, row, _ = spot
+    warm = (1.0, 0.90, 0.66)
+    disc = _visible(depth, column, row, 399.0)
+    shown = 0.55 + 0.45 * disc
+    _add(image, column, row, view.width * 0.6, 52.0 * shown, (1.0, 0.94, 0.80))
+    _add(image, column, row, view.width * 0.12, 150.0 * disc, warm)
+    _add(image, column, row, view.width * 0.04, 255.0 * disc, (1.0, 0.98, 0.9))
+
+
+def _facing(view: View, glow: Glow) -> float:
+    fx, fy, fz = glow.facing
+    if fx == fy == fz == 0.0:
+        return 1.0
+    dx, dy, dz = (view.eye[i] - glow.position[i] for i in range(3))
+    length = math.sqrt(dx * dx + dy * dy + dz * dz) or 1.0
+    return max(0.0, min(1.0, 1.4 * (fx * dx + fy * dy + fz * dz) / length))
+
+
+def _visible(depth: Float, column: float, row: float, ahead: float) -> float:
+    """Return the share of a few pixels around a place at which nothing stands before it."""
+    height, width = depth.shape
+    c, r = round(column - 0.5), round(row - 0.5)
+    patch = depth[
+        max(r - 1, 0) : max(min(r + 2, height), 0), max(c - 1, 0) : max(min(c + 2, width), 0)
+    ]
+    if patch.size == 0:
+        return 0.6
+    return np.count_nonzero(patch > ahead - 0.35) / patch.size
+
+
+def _paler(colour: Point) -> Point:
+    return (0.5 + 0.5 * colour[0], 0.5 + 0.5 * colour[1], 0.5 + 0.5 * colour[2])
+
+
+def _add(
+    image: U8, column: float, row: float, radius: float, strength: float, colour: Point
+) -> None:
+    light = np.array([value * strength for value in colour], np.float32)
+    splash(image, np.float32(column), np.float32(row), np.float32(radius), light)
+
+
+@Kernel
+def splash(
+    image: U8, column: np.float32, row: np.float32, radius: np.float32, light: Float
+) -> None:
+    """Add a round blot of light that fades to nothing at twice its radius.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        column: Of the middle, pixels.
+        row: Of the middle.
+        radius: Pixels.
+        light: [3] to add in the middle, 0 to 255.
+    """
+    height, width = image.shape[0], image.shape[1]
+    one, half = np.float32(1.0), np.float32(0.5)
+    reach = np.float32(2.0) * radius + one
+    left, right = max(int(column - reach), 0), min(int(column + reach) + 1, width)
+    top, bottom = max(int(row - reach), 0), min(int(row + reach) + 1, height)
+    if left >= right or top >= bottom:
+        return
+    scale = one / (np.float32(4.0) * radius * radius + np.float32(1e-6))
+    aside = np.arange(left, right).astype(np.float32) + (half - column)
+    aside = aside * aside
+    for y in range(top, bottom):
+        aloft = np.float32(y) + half - row
+        fall = np.maximum(one - (aside + aloft * aloft) * scale, np.float32(0.0))
+        fall = fall * fall * fall
+        for e in range(3):
+            bright = image[y, left:right, e] + (fall * light[e] + half)
+            image[y, left:right, e] = np.minimum(bright, np.float32(255.0)).astype(np.uint8)

@@ -1,0 +1,121 @@
+"""Where light comes from: the sun, the sky, and lamps."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._scene import Weather
+from oodscen.numerics import _exact as exact
+from oodscen_pybullet._rendering.view import Point
+
+_DEGREE = 0.017453292519943295
+
+_DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
+"""Sun elevation, degrees, and how bright the day is."""
+STREET_LAMP: Point = (1.0, 0.82, 0.55)
+GLARE_DEG = 12.0
+"""Below this elevation the sun stands ahead of the ego and dazzles."""
+
+
+@dataclass(frozen=True)
+class Light:
+    """Where the light comes from and how bright it is."""
+
+    sun: Point
+    """Direction towards the sun, unit length."""
+    ambient: float
+    """Share of light that comes from everywhere."""
+    diffuse: float
+    """Share that comes from the sun."""
+    daylight: float
+    """0 in the deepest night, 1 at noon."""
+    shadow: float
+    """How dark shadows are, 0 to 1."""
+    tint: Point
+    """Colour of the light."""
+    has_glare: bool
+    shade: Point = (1.0, 1.0, 1.0)
+    """Colour of the light where the sun does not reach."""
+    shades: Point = (0.0, 0.0, 1.0)
+    """Direction from which shadows fall: the sun's, or near the zenith under an overcast sky."""
+
+    @classmethod
+    def of(cls, weather: Weather, heading: float, *, is_snowy: bool) -> "Light":
+        """Derive the light from the weather.
+
+        Args:
+            weather: Of the scene.
+            heading: Of the road where the ego starts, rad.
+            is_snowy: Whether snow lies, which throws light back.
+        """
+        elevation = weather.sun_elevation_deg
+        daylight = _between(_DAYLIGHT, elevation)
+        hidden = max(
+            weather.cloud_cover,
+            1.0 if weather.precipitation != "none" else 0.0,
+            1.0 if weather.fog_visual_range_m < 600.0 else 0.0,
+        )
+        has_glare = 0.0 < elevation < GLARE_DEG and hidden < 0.6
+        turn = heading + _DEGREE * (6.0 if has_glare else 144.0)
+        height = _DEGREE * max(elevation, 4.0 if has_glare else 12.0)
+        level = exact.cos(height)
+        sun = (level * exact.cos(turn), level * exact.sin(turn), exact.sin(height))
+        clear = (1.0 - hidden) * (1.0 if elevation > 0.0 else 0.0)
+        warm = max(0.0, 1.0 - max(elevation, 0.0) / 20.0) * clear
+        # Cameras expose for the shade where the sun hardly reaches the ground.
+        low = max(0.0, 1.0 - max(elevation, 0.0) / 28.0) * clear
+        blue = clear * (0.4 + 0.6 * warm)
+        dark = 1.0 - daylight
+        return cls(
+            sun=sun,
+            ambient=0.54 + 0.26 * low + 0.28 * (1.0 - clear) + (0.06 if is_snowy else 0.0),
+            diffuse=0.10 + 0.50 * clear,
+            daylight=daylight,
+            shadow=0.34 + 0.06 * clear - 0.2 * low,
+            tint=(
+                1.0 + 0.08 * warm - 0.22 * dark * (1 - warm),
+                1.0 - 0.04 * warm - 0.10 * dark * (1 - warm),
+                1.0 - 0.20 * warm + 0.10 * dark * (1 - warm),
+            ),
+            has_glare=has_glare,
+            shade=(1.0 - 0.07 * blue, 1.0 - 0.01 * blue, 1.0 + 0.08 * blue),
+            shades=sun if clear > 0.25 else (0.12, 0.16, 0.98),
+        )
+
+    def darkness(self) -> NDArray[np.float32]:
+        """Return how much darker a shadow is than the sunlit surface, 0 to 1, [256].
+
+        By how squarely the sun meets the surface, 0 to 255. It is the share of light that is the
+        sun's; under an overcast sky, where that is small, it is `shadow` near the foot of things.
+        """
+        slant = np.arange(256, dtype=np.float32) / np.float32(255.0)
+        share = self.diffuse * slant / (self.ambient + self.diffuse * slant)
+        level = self.diffuse * self.sun[2] / (self.ambient + self.diffuse * self.sun[2])
+        boost = min(max(self.shadow / max(level, 0.02), 1.0), 4.0)
+        most = np.maximum(share, np.float32(self.shadow))
+        return np.minimum(share * np.float32(boost), most).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Glow:
+    """A lamp that is on, in world coordinates."""
+
+    position: Point
+    colour: Point
+    facing: Point
+    """Where it shines to; (0, 0, 0) is all around."""
+    power: float
+    is_street: bool = False
+
+
+def _between(table: Sequence[tuple[float, float]], value: float) -> float:
+    """Interpolate in a table with ascending first column."""
+    if value <= table[0][0]:
+        return table[0][1]
+    for (x0, y0), (x1, y1) in itertools.pairwise(table):
+        if value <= x1:
+            return y0 + (y1 - y0) * (value - x0) / (x1 - x0)
+    return table[-1][1]

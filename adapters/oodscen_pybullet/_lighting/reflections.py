@@ -1,0 +1,74 @@
+"""What wet ground and standing water mirror."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.numerics._kernels import Kernel
+from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, SHELTERED, SOFT
+
+F32 = NDArray[np.float32]
+U8 = NDArray[np.uint8]
+
+
+@Kernel
+def add_reflections(
+    image: U8,
+    depth: F32,
+    kinds: U8,
+    wet: np.float32,
+    gain: np.float32,
+    seed: np.uint32,
+) -> None:
+    """Mirror what stands on wet ground in it, and the sky.
+
+    Column by column, what is above the line where ground and background meet is turned over at that
+    line: right for upright things, and near enough for the rest. Rough wet asphalt draws it out into
+    streaks; a puddle keeps it whole.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        depth: [height, width] m
+        kinds: The same with what is true of surfaces: `triangles.MIRROR` and so on.
+        wet: How much wet ground mirrors at flat angles, 0 to 1; 0 is dry.
+        gain: How much brighter lamps are than they look: 0 by day, when the sky outshines them.
+        seed: Of the roughness.
+    """
+    height, width = depth.shape
+    one, zero = np.float32(1.0), np.float32(0.0)
+    base = np.zeros(width, np.int32)
+    streak = np.zeros((width, 3), np.float32)
+    for y in range(height):
+        for x in range(width):
+            near = depth[y, x]
+            is_water = kinds[y, x] & MIRROR != 0
+            is_ground = is_water or (
+                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and near < np.float32(300.0)
+            )
+            if not is_ground:
+                base[x] = y
+                for e in range(3):
+                    streak[x, e] = np.float32(image[y, x, e])
+                continue
+            if not is_water and wet <= zero:
+                continue
+            noise = (np.uint32(y * width + x) + seed) * np.uint32(2654435761)
+            shift = int((noise >> np.uint32(16)) % np.uint32(3)) - 1
+            column = min(max(x + (0 if is_water else shift), 0), width - 1)
+            source = max(2 * base[x] - y, 0)
+            flat = near / (near + np.float32(13.0))
+            share, keep = wet * flat * flat, np.float32(0.93)
+            if is_water:
+                share, keep = np.float32(0.26) + np.float32(0.6) * flat, np.float32(0.4)
+            grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
+            grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
+            # The sky that lies about the horizon is paler than the one above, and water is murky.
+            pale = np.float32(0.7) if depth[source, column] > np.float32(400.0) else zero
+            for e in range(3):
+                mirrored = np.float32(image[source, column, e])
+                mirrored += (grey * np.float32(0.93) - mirrored) * pale
+                # A lamp is far brighter than the brightest that a picture can show.
+                mirrored += gain * max(mirrored - np.float32(205.0), zero)
+                streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)
+                before = np.float32(image[y, x, e])
+                after = before + (streak[x, e] - before) * share
+                image[y, x, e] = np.uint8(min(after + np.float32(0.5), np.float32(255.0)))

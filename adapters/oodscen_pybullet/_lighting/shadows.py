@@ -1,0 +1,304 @@
+"""What stands between the sun and the ground: a map of shadows.
+
+The map lies on the ground. Each of its cells says how high the topmost thing is on the sun's ray
+that ends there; whatever lies lower on the same ray is in shadow. Scenery is drawn once for as long
+as the sun and the camera's neighbourhood stay; actors are drawn over it for every picture.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from oodscen.numerics._kernels import Kernel
+from oodscen_pybullet._rendering.depth_kernel import F32, F64, I32, U8
+from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
+from oodscen_pybullet._rendering.view import Point, View
+
+CELLS = 1024
+"""Cells along a side of the map."""
+SIDE_M = 96.0
+"""Length of a side."""
+TILE = 16
+"""Cells along a side of a tile; what is above all that a tile holds is lit without a closer look."""
+SNAP_M = 16.0
+"""The map moves in steps of this size, so that scenery need not be drawn for every picture."""
+AHEAD_M = 38.0
+"""How far before the camera the middle of the map is."""
+LOWEST = 0.25
+"""Least rise of the sun's rays: the shadows of a sun that is lower would leave the map."""
+FAR_CELLS = 512
+"""Cells along a side of the coarse map, which goes on where the other one ends."""
+FAR_SIDE_M = 448.0
+"""Length of its side."""
+FAR_SNAP_M = 64.0
+FAR_AHEAD_M = 150.0
+NOTHING = -1e6
+"""Height in cells that nothing covers, m."""
+
+Key = tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Shade:
+    """A map of shadows as the developing kernel reads it."""
+
+    heights: F32
+    """[CELLS, CELLS] rows by y, columns by x: m above `level`."""
+    tiles: F32
+    """[CELLS / TILE, CELLS / TILE] highest of each tile and its neighbouring cells."""
+    corner: tuple[float, float]
+    """x and y of the map's lowest corner on the ground, m."""
+    level: float
+    """z of the ground, m."""
+    far: F32
+    """[FAR_CELLS, FAR_CELLS] heights of the coarse map, of scenery alone."""
+    far_corner: tuple[float, float]
+    """Of the coarse map, m."""
+    lean: tuple[float, float]
+    """How far a shadow falls against x and y for each metre of height."""
+
+
+@Kernel
+def cast(
+    corners: F32,
+    planes: F32,
+    spans: I32,
+    places: F64,
+    spheres: F32,
+    kinds: U8,
+    sun: F64,
+    frame: F64,
+    skipped: int,
+    heights: F32,
+    tiles: F32,
+) -> None:
+    """Draw the shadows of objects into a map.
+
+    Only faces turned away from the sun are drawn: they throw the same shadow as those towards it,
+    and cannot darken these by mistake.
+
+    Args:
+        corners: Of `raster.scatter`.
+        planes: Of `raster.scatter`.
+        spans: Of `raster.scatter`.
+        places: Of `raster.scatter`.
+        spheres: Of `raster.scatter`.
+        kinds: Of `raster.scatter`.
+        sun: [3] direction towards the sun.
+        frame: [7] x and y of the map's corner, z of the ground, lean along x and y, cells per metre,
+            and by how many cells everything is wider than it is.
+        skipped: Kinds of triangles that throw no shadow.
+        heights: [n, n] of the map, changed in place.
+        tiles: [n / TILE, n / TILE] of the map, changed in place.
+    """
+    cells = heights.shape[0]
+    most = np.float64(cells - 1)
+    x0, y0, level, lean_x, lean_y, scale = (
+        frame[0],
+        frame[1],
+        frame[2],
+        frame[3],
+        frame[4],
+        frame[5],
+    )
+    stretch = 1.0 + math.sqrt(lean_x * lean_x + lean_y * lean_y)
+    px, py, pz = np.empty(3), np.empty(3), np.empty(3)
+    for index in range(spans.shape[0]):
+        c, s = places[index, 3], places[index, 4]
+        bx = places[index, 0] + c * spheres[index, 0] - s * spheres[index, 1]
+        by = places[index, 1] + s * spheres[index, 0] + c * spheres[index, 1]
+        bz = places[index, 2] + spheres[index, 2] - level
+        reach = spheres[index, 3] * stretch * scale
+        at_x, at_y = (bx - lean_x * bz - x0) * scale, (by - lean_y * bz - y0) * scale
+        if at_x < -reach or at_y < -reach or at_x > most + reach or at_y > most + reach:
+            continue
+        sx, sy, sz = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0], sun[2]
+        for k in range(spans[index, 0], spans[index, 1]):
+            if kinds[k] & skipped:
+                continue
+            if planes[k, 0] * sx + planes[k, 1] * sy + planes[k, 2] * sz >= 0.0:
+                continue
+            for j in range(3):
+                a, b = np.float64(corners[k, j, 0]), np.float64(corners[k, j, 1])
+                z = places[index, 2] + corners[k, j, 2] - level
+                px[j] = (places[index, 0] + c * a - s * b - lean_x * z - x0) * scale
+                py[j] = (places[index, 1] + s * a + c * b - lean_y * z - y0) * scale
+                pz[j] = z
+            low_x, high_x = min(px[0], px[1], px[2]), max(px[0], px[1], px[2])
+            low_y, high_y = min(py[0], py[1], py[2]), max(py[0], py[1], py[2])
+            if high_x < -0.5 or high_y < -0.5 or low_x > most + 0.5 or low_y > most + 0.5:
+                continue
+            ux, uy, uz = px[1] - px[0], py[1] - py[0], pz[1] - pz[0]
+            vx, vy, vz = px[2] - px[0], py[2] - py[0], pz[2] - pz[0]
+            area = ux * vy - uy * vx
+            if abs(area) < 1e-9:
+                continue
+            slope_x, slope_y = (uz * vy - uy * vz) / area, (ux * vz - uz * vx) / area
+            low_z, high_z = min(pz[0], pz[1], pz[2]), max(pz[0], pz[1], pz[2])
+            # Lower by what the surface rises within half a cell, so that it stays off itself.
+            give = 0.5 * (abs(slope_x) + abs(slope_y))
+            first, last = int(max(math.floor(low_y), 0.0)), int(min(math.ceil(high_y), most))
+            floor, top = np.float32(low_z), np.float32(high_z)
+            west, east = float(most) + 1.0, -1.0
+            for row in range(first, last + 1):
+                at = min(max(np.float64(row), low_y), high_y)
+                left, right = 1e30, -1e30
+                for j in range(3):
+                    i = j + 1 if j < 2 else 0
+                    if (py[j] < at) != (py[i] < at) or py[j] == at:
+                        share = (at - py[j]) / (py[i] - py[j]) if py[j] != py[i] else 0.0
+                        x = px[j] + (px[i] - px[j]) * share
+                        left, right = min(left, x), max(right, x)
+                # Half a cell wider on both sides: what is thin must not be lost between cells.
+                start = max(math.ceil(left - frame[6]), 0.0)
+                stop = min(math.floor(right + frame[6]), most) + 1.0
+                if not start < stop:
+                    continue
+                west, east = min(west, float(start)), max(east, float(stop) - 1.0)
+                begin = np.float32(
+                    pz[0] + slope_x * (start - px[0]) + slope_y * (row - py[0]) - give
+                )
+                slope = np.float32(slope_x)
+                base = np.uint64(start)
+                line = heights[row]
+                for offset in range(np.uint64(int(stop) - int(start))):
+                    height = begin + slope * np.float32(np.int32(offset))
+                    height = min(max(height, floor), top)
+                    before = line[base + offset]
+                    line[base + offset] = height if height > before else before
+            if east < 0.0 or last < first:
+                continue
+            for tile_y in range(max(first - 1, 0) // TILE, min(last + 1, cells - 1) // TILE + 1):
+                for tile_x in range(
+                    max(int(west) - 1, 0) // TILE, min(int(east) + 1, cells - 1) // TILE + 1
+                ):
+                    tiles[tile_y, tile_x] = max(tiles[tile_y, tile_x], top)
+
+
+class ShadowMap:
+    """Keeps the map of one stage."""
+
+    def __init__(self) -> None:
+        """Start without a map."""
+        self._key: Key | None = None
+        self._far_key: Key | None = None
+        self._far = np.empty((0, 0), np.float32)
+        self._heights = self._still = np.empty((0, 0), np.float32)
+        self._tiles = self._still_tiles = np.empty((0, 0), np.float32)
+        self._touched: list[tuple[slice, slice]] = []
+
+    def forget(self) -> None:
+        """Let go of the map, as when scenery changes."""
+        self._key = self._far_key = None
+
+    def draw(
+        self,
+        view: View,
+        sun: Point,
+        level: float,
+        scenery: Triangles,
+        actors: Triangles,
+        *,
+        is_inside: bool = False,
+    ) -> Shade:
+        """Return the map for a picture.
+
+        Args:
+            view: Whence the picture is taken.
+            sun: Direction towards the sun.
+            level: Height of the ground near the camera, m.
+            scenery: What stays; the same object until `forget` is called.
+            actors: What moves.
+            is_inside: Whether the camera is in a tunnel: its roof then throws no shadow.
+        """
+        rise = max(sun[2], LOWEST)
+        flat = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1]) or 1.0
+        cosine = math.sqrt(1.0 - rise * rise)
+        towards = (sun[0] / flat * cosine, sun[1] / flat * cosine, rise)
+        lean = (towards[0] / rise, towards[1] / rise)
+        level = math.floor(level)
+        frame = np.array(
+            [*_corner(view, AHEAD_M, SNAP_M, SIDE_M), level, *lean, CELLS / SIDE_M, 0.5]
+        )
+        wide = np.array(
+            [
+                *_corner(view, FAR_AHEAD_M, FAR_SNAP_M, FAR_SIDE_M),
+                level,
+                *lean,
+                FAR_CELLS / FAR_SIDE_M,
+                0.0,
+            ]
+        )
+        skipped = SHELTERED if is_inside else 0
+        key: Key = (*frame.tolist(), *towards, skipped)
+        direction = np.array(towards)
+        far_key: Key = (*wide.tolist(), *towards, skipped)
+        if far_key != self._far_key:
+            self._far_key = far_key
+            self._far = np.full((FAR_CELLS, FAR_CELLS), NOTHING, np.float32)
+            tiles = np.full((FAR_CELLS // TILE, FAR_CELLS // TILE), NOTHING, np.float32)
+            _cast(scenery, direction, wide, skipped, self._far, tiles)
+        if key != self._key:
+            self._key = key
+            self._still = np.full((CELLS, CELLS), NOTHING, np.float32)
+            self._still_tiles = np.full((CELLS // TILE, CELLS // TILE), NOTHING, np.float32)
+            _cast(scenery, direction, frame, skipped, self._still, self._still_tiles)
+            self._heights, self._tiles = self._still.copy(), self._still_tiles.copy()
+            self._touched.clear()
+        for rows, columns in self._touched:
+            self._heights[rows, columns] = self._still[rows, columns]
+        np.copyto(self._tiles, self._still_tiles)
+        self._touched = _areas(actors, frame)
+        _cast(actors, direction, frame, 0, self._heights, self._tiles)
+        return Shade(
+            heights=self._heights,
+            tiles=self._tiles,
+            corner=(frame[0], frame[1]),
+            level=level,
+            far=self._far,
+            far_corner=(wide[0], wide[1]),
+            lean=lean,
+        )
+
+
+def _corner(view: View, ahead: float, snap: float, side: float) -> tuple[float, float]:
+    """Return x and y of the lowest corner of a map whose middle is some way before the camera."""
+    x, y = (
+        math.floor((view.eye[i] + ahead * view.forward[i]) / snap + 0.5) * snap - side / 2
+        for i in range(2)
+    )
+    return (x, y)
+
+
+def _cast(some: Triangles, sun: F64, frame: F64, skipped: int, heights: F32, tiles: F32) -> None:
+    cast(
+        some.corners,
+        some.planes,
+        some.spans,
+        some.places,
+        some.spheres,
+        some.kinds,
+        sun,
+        frame,
+        skipped,
+        heights,
+        tiles,
+    )
+
+
+def _areas(some: Triangles, frame: F64) -> list[tuple[slice, slice]]:
+    """Return rows and columns of the map that objects may cover."""
+    c, s = some.places[:, 3], some.places[:, 4]
+    x = some.places[:, 0] + c * some.spheres[:, 0] - s * some.spheres[:, 1]
+    y = some.places[:, 1] + s * some.spheres[:, 0] + c * some.spheres[:, 1]
+    z = some.places[:, 2] + some.spheres[:, 2] - frame[2]
+    reach = some.spheres[:, 3] * (1.0 + math.sqrt(frame[3] ** 2 + frame[4] ** 2)) * frame[5] + 2.0
+    column, row = (x - frame[3] * z - frame[0]) * frame[5], (y - frame[4] * z - frame[1]) * frame[5]
+    edges = np.stack([row - reach, row + reach, column - reach, column + reach])
+    edges = np.clip(np.floor(edges), 0, CELLS).astype(int)
+    return [
+        (slice(a, b + 1), slice(left, right + 1))
+        for a, b, left, right in edges.T.tolist()
+        if a < CELLS and left < CELLS and b > 0 and right > 0
+    ]

@@ -1,0 +1,105 @@
+"""What tunnels shelter: neither sun nor rain nor snow comes inside."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving import Corridor
+from oodscen_pybullet._rendering.view import Point, View
+from oodscen_pybullet._scenery.structures import CEILING_M
+
+_WALL_M = 0.6
+"""Walls reach so far beyond the cross-section."""
+_USED_M = 25.0
+"""Way into a tunnel after which a camera is used to the light there."""
+
+
+@dataclass(frozen=True)
+class Portal:
+    """The end of a tunnel that is ahead of a camera: a plane across the road."""
+
+    is_inside: bool
+    """Whether the camera is in the tunnel and looks out, or the other way about."""
+    deep: float
+    """How used the camera is to the tunnel's light: 0 outside and at its ends, 1 well inside."""
+    distance: float
+    """From the camera to the plane along its normal, m."""
+    normal: Point
+    """Of the plane, away from the camera: its parts along the camera's right, up and forward."""
+
+    def ahead(
+        self, across: NDArray[np.floating], upwards: NDArray[np.floating]
+    ) -> NDArray[np.float32]:
+        """Return the depth of the plane on rays, m; infinity where they do not meet it.
+
+        Args:
+            across: x / depth of each ray.
+            upwards: y / depth.
+        """
+        towards = self.normal[0] * across + self.normal[1] * upwards + self.normal[2]
+        meets = towards > 1e-4
+        depth = self.distance / np.where(meets, towards, 1.0)
+        return np.where(meets, depth, np.inf).astype(np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class Shelter:
+    """The tunnels of a road."""
+
+    corridor: Corridor
+
+    def covers(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tell which points, [n, 3] m, are in a tunnel, its walls and ceiling included."""
+        found = np.zeros(len(points), bool)
+        tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
+        if not tunnels or not len(points):
+            return found
+        road = self.corridor
+        low = np.array([road.x.min(), road.y.min()]) - 60.0
+        high = np.array([road.x.max(), road.y.max()]) + 60.0
+        some = np.flatnonzero(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
+        s, t = road.locate_all(points[some, 0].copy(), points[some, 1].copy())
+        above = points[some, 2] - np.interp(s, road.s, road.z)
+        right = np.interp(s, road.s, road.strips[0].right) - _WALL_M
+        left = np.interp(s, road.s, road.strips[-1].left) + _WALL_M
+        within = (t > right) & (t < left) & (above > -0.5) & (above < CEILING_M + 0.2)
+        for one in tunnels:
+            found[some] |= within & (s > one.start) & (s < one.end)
+        return found
+
+    def portal(self, view: View) -> Portal | None:
+        """Return the end of a tunnel that a camera looks at; `None` where there is none ahead."""
+        tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
+        if not tunnels:
+            return None
+        road = self.corridor
+        s, _ = road.locate(view.eye[0], view.eye[1])
+        is_inside = bool(self.covers(np.array([view.eye]))[0])
+        way = self._direction(s)
+        sign = 1.0 if view.forward[0] * way[0] + view.forward[1] * way[1] >= 0.0 else -1.0
+        ends = [(one.start, one.end) for one in tunnels]
+        deep = 0.0
+        if is_inside:
+            start, end = next(pair for pair in ends if pair[0] < s < pair[1])
+            place = end if sign > 0 else start
+            deep = min(1.0, min(s - start, end - s) / _USED_M)
+        else:
+            ahead = [(pair[0] if sign > 0 else pair[1]) for pair in ends]
+            ahead = [at for at in ahead if (at - s) * sign > 0.0]
+            if not ahead:
+                return None
+            place = min(ahead, key=lambda at: abs(at - s))
+        x, y, _, _ = road.point(place, 0.0)
+        along = self._direction(place)
+        normal = (sign * along[0], sign * along[1])
+        parts = [
+            axis[0] * normal[0] + axis[1] * normal[1]
+            for axis in (view.right, view.up, view.forward)
+        ]
+        distance = (x - view.eye[0]) * normal[0] + (y - view.eye[1]) * normal[1]
+        return Portal(is_inside, deep, max(distance, 0.01), (parts[0], parts[1], parts[2]))
+
+    def _direction(self, s: float) -> tuple[float, float]:
+        road = self.corridor
+        return float(np.interp(s, road.s, road.cos)), float(np.interp(s, road.s, road.sin))

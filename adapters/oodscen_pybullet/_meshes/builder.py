@@ -1,0 +1,430 @@
+"""A small polygon builder: every mesh of this adapter is written with it."""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.numerics._exact import cos, sin
+from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
+from oodscen_pybullet._meshes.shapes import Array, Point, flat_normal, moved, ring, unit_rows
+
+__all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A light on a mesh, for its glow in the dark."""
+
+    position: Point
+    """In the mesh's frame, m."""
+    colour: Point
+    """Red, green, blue, 0 to 1."""
+    facing: Point
+    """Direction in which it shines, in the mesh's frame; (0, 0, 0) shines all around."""
+    power: float = 1.0
+    """1 is a tail lamp; a headlamp on low beam is about 4."""
+
+
+@dataclass(frozen=True)
+class Puff:
+    """A soft ball of smoke, fire or dust."""
+
+    position: Point
+    """Its middle in the mesh's frame, m."""
+    radius: float
+    """m"""
+    colour: Point
+    """Red, green, blue, 0 to 1."""
+    density: float
+    """Share of what is behind it that its middle hides, 0 to 1."""
+    is_bright: bool = False
+    """Whether it shines by itself, as fire does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh with flat shading that takes its colours from the atlas."""
+
+    vertices: Array
+    """[n, 3] m; x forward, y left, z up; the footprint's centre is the origin."""
+    normals: Array
+    """[n, 3] unit length."""
+    uvs: Array
+    """[n, 2] into the atlas."""
+    triangles: NDArray[np.int64]
+    """[m, 3] rows of `vertices`, counter-clockwise seen from outside."""
+    lamps: tuple[Lamp, ...] = ()
+    """What shines."""
+    puffs: tuple[Puff, ...] = ()
+    """Smoke, fire and dust, which the bounds leave out."""
+    is_ground: bool = False
+    """Whether it is road or land: what faces up gets wet, and lies in the beams' full light."""
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner, m."""
+        return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+
+class MeshBuilder:
+    """Collects polygons; every method that adds something returns the builder."""
+
+    def __init__(self) -> None:
+        self._points: list[Array] = []
+        self._normals: list[Array] = []
+        self._uvs: list[Array] = []
+        self._lamps: list[Lamp] = []
+        self._puffs: list[Puff] = []
+
+    def polygon(self, points: Sequence[Sequence[float]] | Array, colour: str) -> Self:
+        """Add a flat convex polygon, counter-clockwise seen from the side that shows."""
+        corners = np.asarray(points, dtype=np.float64)
+        return self._add(corners, np.tile(swatch_uv(colour), (len(corners), 1)))
+
+    def picture(self, points: Sequence[Sequence[float]] | Array, region: str) -> Self:
+        """Add a quad that shows a region of the atlas.
+
+        Args:
+            points: Bottom left, bottom right, top right, top left, as the beholder sees them.
+            region: Name of the region.
+        """
+        return self._add(np.asarray(points, dtype=np.float64), region_uv(region))
+
+    def sticker(
+        self,
+        points: Sequence[Sequence[float]] | Array,
+        shares: Sequence[tuple[float, float]],
+        region: str,
+    ) -> Self:
+        """Add a flat convex polygon that shows a part of a region of the atlas.
+
+        Args:
+            points: Counter-clockwise seen from the side that shows.
+            shares: Where each is in the region, from its bottom left, 0 to 1.
+            region: Name of the region.
+        """
+        left, low = region_uv(region)[0]
+        right, high = region_uv(region)[2]
+        uvs = np.array([(left + (right - left) * u, low + (high - low) * v) for u, v in shares])
+        return self._add(np.asarray(points, dtype=np.float64), uvs)
+
+    def _add(self, corners: Array, uvs: Array, normals: Array | None = None) -> Self:
+        if normals is None:
+            normal = flat_normal(corners.tolist())
+            if normal is None:
+                return self
+            normals = np.tile(np.array(normal), (len(corners), 1))
+        for index in range(1, len(corners) - 1):
+            rows = [0, index, index + 1]
+            self._points.append(corners[rows])
+            self._normals.append(normals[rows])
+            self._uvs.append(uvs[rows])
+        return self
+
+    def hull(
+        self,
+        bottom: tuple[float, float, float, float, float],
+        top: tuple[float, float, float, float, float],
+        colour: str,
+        *,
+        caps: str = "bt",
+        cap_colour: str = "",
+        sides: Sequence[str] = (),
+    ) -> Self:
+        """Add a box whose top may be smaller than its bottom.
+
+        Args:
+            bottom: x0, x1, y0, y1, z of the lower rectangle.
+            top: The same of the upper one.
+            colour: Name of the colour.
+            caps: Which ends are closed: `b`, `t` or both.
+            cap_colour: Colour of the ends, if another.
+            sides: Colours of the sides right, front, left, back; empty strings leave a side open.
+        """
+        (a0, a1, b0, b1, low), (c0, c1, d0, d1, high) = bottom, top
+        lower = [(a0, b0, low), (a1, b0, low), (a1, b1, low), (a0, b1, low)]
+        upper = [(c0, d0, high), (c1, d0, high), (c1, d1, high), (c0, d1, high)]
+        for i in range(4):
+            side = sides[i] if sides else colour
+            if side:
+                j = (i + 1) % 4
+                self.polygon([lower[i], lower[j], upper[j], upper[i]], side)
+        if "t" in caps:
+            self.polygon(upper, cap_colour or colour)
+        if "b" in caps:
+            self.polygon(lower[::-1], cap_colour or colour)
+        return self
+
+    def box(self, centre: Point, size: Point, colour: str, *, caps: str = "bt") -> Self:
+        """Add an upright box by its centre and full size."""
+        (x, y, z), (a, b, c) = centre, (size[0] / 2, size[1] / 2, size[2] / 2)
+        low = (x - a, x + a, y - b, y + b, z - c)
+        high = (x - a, x + a, y - b, y + b, z + c)
+        return self.hull(low, high, colour, caps=caps)
+
+    def beam(
+        self, start: Point, end: Point, width: float, colour: str, *, end_width: float | None = None
+    ) -> Self:
+        """Add a square bar from one point to another, which may taper."""
+        ring_a = ring(start, end, [width / 2] * 4, 4, start)
+        ring_b = ring(start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end)
+        return self._tube(ring_a, ring_b, colour, colour, smooth=False)
+
+    def cylinder(
+        self,
+        start: Point,
+        end: Point,
+        radius: float,
+        colour: str,
+        *,
+        sides: int = 10,
+        end_radius: float | None = None,
+        cap_colour: str = "",
+        phase: float = 0.0,
+    ) -> Self:
+        """Add a round bar, cone or disc from one point to another."""
+        last = radius if end_radius is None else end_radius
+        ring_a = ring(start, end, [radius] * sides, sides, start, phase)
+        ring_b = ring(start, end, [last] * sides, sides, end, phase)
+        return self._tube(ring_a, ring_b, colour, cap_colour or colour, smooth=True)
+
+    def _tube(
+        self, ring_a: Array, ring_b: Array, colour: str, cap_colour: str, *, smooth: bool
+    ) -> Self:
+        sides = len(ring_a)
+        uvs = np.tile(swatch_uv(colour), (4, 1))
+        outward_a = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
+        for i in range(sides):
+            j = (i + 1) % sides
+            corners = np.array([ring_a[i], ring_a[j], ring_b[j], ring_b[i]])
+            normals = outward_a[[i, j, j, i]] if smooth else None
+            self._add(corners, uvs, normals)
+        self.polygon(ring_a[::-1], cap_colour)
+        return self.polygon(ring_b, cap_colour)
+
+    def ball(
+        self,
+        centre: Point,
+        radii: Point,
+        colour: str,
+        *,
+        around: int = 8,
+        down: int = 5,
+        jitter: float = 0.0,
+        key: int = 0,
+        second_colour: str = "",
+    ) -> Self:
+        """Add an ellipsoid; `jitter` makes it a rock or a bush.
+
+        Args:
+            centre: Its middle.
+            radii: Along x, y, z.
+            colour: Name of the colour.
+            around: Segments around the vertical axis.
+            down: Segments from pole to pole.
+            jitter: Share of the radius by which corners move in and out.
+            key: Which of many different shapes.
+            second_colour: Colours every other patch, if given.
+        """
+        rng = np.random.Generator(np.random.PCG64(key))
+        grid = np.zeros((down + 1, around, 3))
+        for i in range(down + 1):
+            polar = math.pi * i / down
+            for j in range(around):
+                turn = 2 * math.pi * j / around
+                grid[i, j] = (
+                    sin(polar) * cos(turn),
+                    sin(polar) * sin(turn),
+                    cos(polar),
+                )
+        smooth = grid.copy()
+        if jitter:
+            grid *= 1 + jitter * rng.uniform(-1, 1, (down + 1, around, 1))
+            grid[0], grid[-1] = grid[0, 0], grid[-1, 0]
+        surface = grid * np.array(radii) + np.array(centre)
+        for i in range(down):
+            for j in range(around):
+                k = (j + 1) % around
+                rows = [(i, j), (i + 1, j), (i + 1, k), (i, k)]
+                if i == 0:
+                    rows = [(0, j), (1, j), (1, k)]
+                elif i == down - 1:
+                    rows = [(i, j), (down, j), (i, k)]
+                shade = second_colour if second_colour and (i + j) % 2 else colour
+                normals = None if jitter else np.array([smooth[row] for row in rows])
+                corners = np.array([surface[row] for row in rows])
+                self._add(corners, np.tile(swatch_uv(shade), (len(rows), 1)), normals)
+        return self
+
+    def column(
+        self,
+        rings: Sequence[tuple[Point, float, float]],
+        colours: str | Sequence[str],
+        *,
+        axis: str = "z",
+        sides: int = 8,
+        caps: str = "bt",
+    ) -> Self:
+        """Add a smooth body of elliptic rings one behind the other.
+
+        Args:
+            rings: Each ring's middle and its two radii: along x and y for a body that rises along
+                z, along y and z for one that reaches along x. They go upwards, or forwards.
+            colours: One, or one per stretch between two rings.
+            axis: `z` or `x`.
+            sides: Corners of a ring.
+            caps: Which ends are closed: `b`, `t` or both.
+        """
+        turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
+        round_off = [(cos(turn), sin(turn)) for turn in turns]
+        corners, outward = [], []
+        for (x, y, z), one, two in rings:
+            if axis == "z":
+                row = [(x + one * c, y + two * s, z) for c, s in round_off]
+                way = [(c * two, s * one, 0.0) for c, s in round_off]
+            else:
+                row = [(x, y + one * c, z + two * s) for c, s in round_off]
+                way = [(0.0, c * two, s * one) for c, s in round_off]
+            corners.append(np.array(row))
+            rows = np.array(way)
+            outward.append(unit_rows(rows, rows + np.array([0.0, 0.0, 1.0])))
+        names = [colours] * (len(rings) - 1) if isinstance(colours, str) else list(colours)
+        for k, name in enumerate(names):
+            uvs = np.tile(swatch_uv(name), (4, 1))
+            for i in range(sides):
+                j = (i + 1) % sides
+                self._add(
+                    np.array([corners[k][i], corners[k][j], corners[k + 1][j], corners[k + 1][i]]),
+                    uvs,
+                    np.array([outward[k][i], outward[k][j], outward[k + 1][j], outward[k + 1][i]]),
+                )
+        if "b" in caps:
+            self.polygon(corners[0][::-1], names[0])
+        if "t" in caps:
+            self.polygon(corners[-1], names[-1])
+        return self
+
+    def loft(self, sections: Sequence[Sequence[Point]], colours: Sequence[str]) -> Self:
+        """Join open outlines, one behind the other, by panels.
+
+        Args:
+            sections: Outlines of equal length; each is mirrored to the other side by the caller.
+            colours: One per edge of an outline; an empty string leaves the panel open.
+        """
+        for one, two in itertools.pairwise(sections):
+            for k, colour in enumerate(colours):
+                if colour:
+                    self.polygon([one[k], two[k], two[k + 1], one[k + 1]], colour)
+        return self
+
+    def wheel(self, x: float, y: float, radius: float, width: float, *, hub: str = "hub") -> Self:
+        """Add a wheel that stands on the ground, its hub facing away from y = 0."""
+        out = 1.0 if y > 0 else -1.0
+        near, far = y - out * width / 2, y + out * width / 2
+        self.cylinder((x, near, radius), (x, far, radius), radius, "tyre", sides=14)
+        face = far + out * 0.004
+        return self.cylinder((x, far, radius), (x, face, radius), radius * 0.6, hub, sides=10)
+
+    def lamp(self, position: Point, colour: Point, facing: Point, power: float = 1.0) -> Self:
+        """Declare a light that glows in the dark."""
+        self._lamps.append(Lamp(position, colour, facing, power))
+        return self
+
+    def puff(
+        self,
+        position: Point,
+        radius: float,
+        colour: Point,
+        density: float,
+        *,
+        is_bright: bool = False,
+    ) -> Self:
+        """Declare a soft ball of smoke, fire or dust."""
+        self._puffs.append(Puff(position, radius, colour, density, is_bright))
+        return self
+
+    def add(
+        self,
+        other: Mesh,
+        at: Point = (0.0, 0.0, 0.0),
+        yaw: float = 0.0,
+        *,
+        upside_down: float | None = None,
+        roll: float = 0.0,
+    ) -> Self:
+        """Add a finished mesh, turned and moved; its lamps are left behind.
+
+        Args:
+            other: The mesh.
+            at: Where its origin goes.
+            yaw: Counter-clockwise turn, rad.
+            upside_down: Height whose level stays in place while the mesh is turned about x by
+                half a circle.
+            roll: Turn about x before the others, rad.
+        """
+        points, normals = other.vertices.copy(), other.normals.copy()
+        if roll:
+            c, s = cos(roll), sin(roll)
+            for rows in (points, normals):
+                y, z = rows[:, 1].copy(), rows[:, 2].copy()
+                rows[:, 1], rows[:, 2] = c * y - s * z, s * y + c * z
+        if upside_down is not None:
+            points[:, 1] *= -1
+            points[:, 2] = upside_down - points[:, 2]
+            normals[:, 1:] *= -1
+        c, s = cos(yaw), sin(yaw)
+        for rows in (points, normals):
+            x, y = rows[:, 0].copy(), rows[:, 1].copy()
+            rows[:, 0], rows[:, 1] = c * x - s * y, s * x + c * y
+        order = other.triangles.reshape(-1)
+        self._points.append(points[order] + np.array(at))
+        self._normals.append(normals[order])
+        self._uvs.append(other.uvs[order])
+        return self
+
+    def shift(self, offset: Point, *, scale: float = 1.0) -> Self:
+        """Scale about the origin, then move, everything added so far."""
+        move = np.array(offset)
+        self._points = [rows * scale + move for rows in self._points]
+        self._lamps = [
+            Lamp(moved(p.position, scale, offset), p.colour, p.facing, p.power) for p in self._lamps
+        ]
+        self._puffs = [
+            replace(p, position=moved(p.position, scale, offset), radius=p.radius * scale)
+            for p in self._puffs
+        ]
+        return self
+
+    def flatten(self, ground: float) -> Self:
+        """Press everything below a height flat onto it."""
+        for rows in self._points:
+            rows[:, 2] = np.maximum(rows[:, 2], ground)
+        return self
+
+    def centred(self) -> Self:
+        """Move everything so that the footprint's centre is the origin and the lowest z is 0."""
+        low, high = self.bounds
+        return self.shift((-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]))
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner so far, m."""
+        rows = np.concatenate(self._points)
+        return rows.min(axis=0), rows.max(axis=0)
+
+    def build(self) -> Mesh:
+        """Return the mesh."""
+        vertices = np.concatenate(self._points)
+        return Mesh(
+            vertices=vertices,
+            normals=np.concatenate(self._normals),
+            uvs=np.concatenate(self._uvs),
+            triangles=np.arange(len(vertices)).reshape(-1, 3),
+            lamps=tuple(self._lamps),
+            puffs=tuple(self._puffs),
+        )

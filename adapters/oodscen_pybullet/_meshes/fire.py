@@ -1,0 +1,69 @@
+"""Flames and smoke, which move in a cycle of eight pictures."""
+
+import math
+from collections.abc import Sequence
+
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.look import Shown
+
+BLACK_SMOKE: Point = (0.12, 0.115, 0.11)
+
+
+def flames(mesh: MeshBuilder, shown: Shown, seats: Sequence[Point], size: float) -> None:
+    """Add tongues of flame; each flickers in height and leans, and never grows out of `size`.
+
+    Args:
+        mesh: Where to.
+        shown: For the moment.
+        seats: Where they stand.
+        size: Radius at the foot, m; they are about three times as high.
+    """
+    for index, (x, y, z) in enumerate(seats):
+        turn = 2 * math.pi * (shown.cycle + 0.37 * index)
+        for part, (colour, width, height) in enumerate((("ember", 1.0, 2.3), ("flame", 0.6, 1.6))):
+            rise = size * height * (0.88 + 0.12 * math.sin(turn + part))
+            lean = 0.25 * size * math.cos(turn + 2.0 * part)
+            foot = (x, y, z - 0.1)
+            middle = (x + 0.5 * lean, y, z + 0.3 * rise)
+            tip = (x + lean, y + 0.3 * lean, z + rise)
+            mesh.cylinder(
+                foot, middle, 0.55 * size * width, colour, sides=6, end_radius=size * width * 0.62
+            )
+            mesh.cylinder(middle, tip, size * width * 0.62, colour, sides=6, end_radius=0.01)
+        mesh.puff((x, y, z + 0.9 * size), 1.7 * size, (1.0, 0.62, 0.18), 0.55, is_bright=True)
+
+
+def smoke_column(
+    mesh: MeshBuilder,
+    shown: Shown,
+    foot: Point,
+    radius: float,
+    height: float,
+    *,
+    colour: Point = BLACK_SMOKE,
+    drift: float = 0.25,
+    density: float = 0.9,
+    count: int = 9,
+) -> None:
+    """Add puffs that rise, widen and thin out.
+
+    Args:
+        mesh: Where to.
+        shown: For the moment.
+        foot: Where the smoke begins.
+        radius: Of the lowest puff, m.
+        height: Of the column, m.
+        colour: Of the smoke.
+        drift: How far it leans to the left per metre of height.
+        density: Of the lowest puff.
+        count: Puffs.
+    """
+    x, y, z = foot
+    for index in range(count):
+        share = (index + shown.cycle) / count
+        wide = radius * (1.0 + 1.6 * share)
+        sway = 0.35 * radius * math.sin(2.4 * index + 1.0)
+        place = (x + sway, y + drift * height * share + sway, z + height * share)
+        fade = density * (1.0 - share * share)
+        tint = (colour[0] + 0.14 * share, colour[1] + 0.14 * share, colour[2] + 0.14 * share)
+        mesh.puff(place, wide, tint, fade)

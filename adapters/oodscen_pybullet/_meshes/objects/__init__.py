@@ -1,0 +1,1 @@
+"""Meshes of things: props, cargo, signs, plants, road works."""

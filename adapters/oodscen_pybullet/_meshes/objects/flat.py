@@ -1,0 +1,191 @@
+"""What lies so flat on the road that one drives over it."""
+
+import math
+from collections.abc import Sequence
+
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.look import Shown
+
+
+def _blot(
+    radii: tuple[float, float], z: float, waves: Sequence[tuple[int, float, float]], count: int = 24
+) -> list[Point]:
+    """Return a wavy outline; `waves` are number, share and phase."""
+    outline = []
+    for index in range(count):
+        turn = 2 * math.pi * index / count
+        wave = 1.0 + sum(share * math.sin(n * turn + phase) for n, share, phase in waves)
+        outline.append((radii[0] * wave * math.cos(turn), radii[1] * wave * math.sin(turn), z))
+    return outline
+
+
+def _fan(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
+    """Fill an outline that need not be convex, from its middle."""
+    middle = (0.0, 0.0, outline[0][2])
+    for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
+        mesh.polygon([middle, one, two], colour)
+
+
+def _fan_at(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
+    """Fill an outline about its own middle."""
+    count = len(outline)
+    middle = (
+        sum(p[0] for p in outline) / count,
+        sum(p[1] for p in outline) / count,
+        outline[0][2],
+    )
+    for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
+        mesh.polygon([middle, one, two], colour)
+
+
+def _foot(mesh: MeshBuilder, colour: str) -> None:
+    """Reach down to the ground, so that the mesh has a thickness."""
+    mesh.polygon([(0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)], colour)
+
+
+def puddle(shown: Shown) -> MeshBuilder:
+    """A wide, shallow puddle; nothing that could be hit."""
+    mesh = MeshBuilder()
+    waves = ((3, 0.10, 0.6), (5, 0.05, 0.0))
+    _fan(mesh, _blot((1.25, 1.6), 0.02, waves), "water")
+    _fan(mesh, _blot((0.9, 1.15), 0.026, waves), "water_light")
+    _fan(mesh, _blot((0.62, 0.8), 0.032, waves), "water")
+    _foot(mesh, "water")
+    return mesh
+
+
+def oil_spill(shown: Shown) -> MeshBuilder:
+    """A black, mirroring pool of oil with streaks of purple sheen."""
+    mesh = MeshBuilder()
+    waves = ((2, 0.12, 0.2), (5, 0.08, 1.0), (9, 0.04, 0.0))
+    _fan(mesh, _blot((1.8, 1.35), 0.012, waves, 36), "oil")
+    streaks = (
+        (0.5, -0.3, 0.75, 0.22, "oil_sheen"),
+        (-0.5, 0.35, 0.6, 0.2, "oil_sheen"),
+        (0.35, -0.2, 0.4, 0.09, "oil_teal"),
+        (-0.75, 0.3, 0.28, 0.08, "oil_teal"),
+        (-0.2, -0.6, 0.5, 0.12, "oil_sheen"),
+        (0.7, 0.5, 0.35, 0.12, "oil_sheen"),
+    )
+    for index, (x, y, long, wide, colour) in enumerate(streaks):
+        outline = _blot((long, wide), 0.016 + 0.002 * index, ((2, 0.15, 0.5), (3, 0.1, 1.0)), 16)
+        c, s = math.cos(0.5 + 0.25 * index), math.sin(0.5 + 0.25 * index)
+        _fan_at(mesh, [(x + c * a - s * b, y + s * a + c * b, h) for a, b, h in outline], colour)
+    for x, y, r in ((-2.1, 0.5, 0.2), (1.9, -0.9, 0.26), (0.6, 1.55, 0.16), (-1.2, -1.4, 0.22)):
+        mesh.polygon([(x + a, y + b, h) for a, b, h in _blot((r, r), 0.012, (), 12)], "oil")
+    _foot(mesh, "oil")
+    return mesh
+
+
+def broken_glass(shown: Shown) -> MeshBuilder:
+    """Glittering shards of glass and pieces of a lamp, spread over the lane."""
+    mesh = MeshBuilder()
+    for index in range(130):
+        turn, reach = index * 2.399963, math.sqrt((index + 0.5) / 130)
+        x, y = 1.2 * reach * math.cos(turn), 1.5 * reach * math.sin(turn)
+        size, spin = 0.035 + 0.012 * (index % 5), 1.7 * index
+        colour = ("plastic", "white", "glass_light", "sky_blue", "plastic")[index % 5]
+        if index % 31 == 30:
+            colour = "tail"
+        z = 0.008 + 0.002 * (index % 7)
+        points = [
+            (x + size * math.cos(spin + a), y + 1.3 * size * math.sin(spin + a), z + 0.012 * k)
+            for k, a in enumerate((0.0, 2.0, 4.3))
+        ]
+        mesh.polygon(points, colour)
+    _foot(mesh, "glass_light")
+    return mesh
+
+
+def pothole(shown: Shown) -> MeshBuilder:
+    """A deep hole in the asphalt: a pale broken rim, dark walls and a puddle at the bottom."""
+    mesh = MeshBuilder()
+    waves = ((3, 0.10, 0.3), (7, 0.07, 0.9))
+    rings = (
+        ((1.0, 1.3), 0.006, "asphalt_dark", 0.0),
+        ((0.86, 1.12), 0.010, "rubble", 0.0),
+        ((0.74, 0.98), 0.014, "hole", 0.04),
+        ((0.60, 0.80), 0.017, "mud", 0.10),
+        ((0.46, 0.62), 0.020, "water_light", 0.12),
+    )
+    for radii, z, colour, shift in rings:
+        _fan_at(mesh, [(x + shift, y, h) for x, y, h in _blot(radii, z, waves, 28)], colour)
+    for index in range(26):
+        turn = index * 2.399963
+        reach = 1.0 + 0.16 * (index % 5)
+        x, y = 0.9 * reach * math.cos(turn), 1.15 * reach * math.sin(turn)
+        size = 0.045 + 0.02 * (index % 3)
+        mesh.box((x, y, 0.02), (2 * size, 1.6 * size, 0.04), "asphalt" if index % 2 else "rubble")
+    for index in range(7):
+        turn = 0.9 * index + 0.2
+        a = (0.95 * math.cos(turn), 1.25 * math.sin(turn))
+        b = (1.45 * math.cos(turn + 0.12), 1.8 * math.sin(turn + 0.12))
+        mesh.polygon(
+            [
+                (a[0] - 0.03, a[1] - 0.03, 0.008),
+                (b[0], b[1], 0.008),
+                (a[0] + 0.03, a[1] + 0.03, 0.008),
+            ],
+            "hole",
+        )
+        mesh.polygon(
+            [
+                (a[0] + 0.03, a[1] + 0.03, 0.008),
+                (b[0], b[1], 0.008),
+                (a[0] - 0.03, a[1] - 0.03, 0.008),
+            ],
+            "hole",
+        )
+    return mesh
+
+
+def flood_water(shown: Shown) -> MeshBuilder:
+    """Brown flood water across the whole lane, with ripples and drifting twigs."""
+    mesh = MeshBuilder()
+    waves = ((2, 0.05, 0.0), (5, 0.04, 0.7))
+    _fan(mesh, _blot((4.5, 3.4), 0.015, waves, 36), "flood")
+    for index in range(26):
+        turn, reach = index * 2.399963, math.sqrt((index + 0.5) / 28)
+        x, y = 3.7 * reach * math.cos(turn), 2.8 * reach * math.sin(turn)
+        wide = 0.3 + 0.12 * (index % 3)
+        points = [(x + a, y + b, z) for a, b, z in _blot((0.07, wide), 0.022, ((1, 0.2, 0.4),), 10)]
+        mesh.polygon(points, "flood_light" if index % 3 else "water_light")
+    for x, y, turn in ((1.6, -1.0, 0.4), (-1.5, 1.2, 2.0), (0.2, 2.1, 1.1), (-2.6, -1.4, 0.2)):
+        dx, dy = 0.4 * math.cos(turn), 0.4 * math.sin(turn)
+        mesh.beam((x - dx, y - dy, 0.03), (x + dx, y + dy, 0.04), 0.05, "bark_dark", end_width=0.02)
+    _foot(mesh, "flood")
+    return mesh
+
+
+def road_plate(shown: Shown) -> MeshBuilder:
+    """A steel plate over a trench, with a chequered surface and striped edges."""
+    mesh = MeshBuilder()
+    mesh.box((0, 0, 0.015), (2.4, 1.8, 0.03), "rust")
+    for i in range(6):
+        for j in range(5):
+            x, y = -0.95 + 0.38 * i, -0.64 + 0.32 * j
+            dx, dy = (0.13, 0.025) if (i + j) % 2 else (0.025, 0.11)
+            mesh.polygon(
+                [
+                    (x - dx, y - dy, 0.034),
+                    (x + dx, y - dy, 0.034),
+                    (x + dx, y + dy, 0.034),
+                    (x - dx, y + dy, 0.034),
+                ],
+                "metal",
+            )
+    for side in (-1.0, 1.0):
+        for k in range(8):
+            colour = "yellow" if k % 2 else "black"
+            y0 = -0.9 + 0.225 * k
+            x0, x1 = sorted((side * 1.08, side * 1.2))
+            mesh.polygon(
+                [
+                    (x0, y0, 0.033),
+                    (x1, y0, 0.033),
+                    (x1, y0 + 0.225, 0.033),
+                    (x0, y0 + 0.225, 0.033),
+                ],
+                colour,
+            )
+    return mesh

@@ -1,0 +1,305 @@
+"""Trees, standing and fallen."""
+
+import math
+
+import numpy as np
+
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.look import Shown
+
+
+def fallen_tree(shown: Shown) -> MeshBuilder:
+    """A tree lying along its y axis: roots on the right, a leafy crown on the left."""
+    mesh = MeshBuilder()
+    mesh.cylinder(
+        (0, -3.1, 0.42),
+        (0.0, 0.6, 0.56),
+        0.40,
+        "bark",
+        sides=9,
+        end_radius=0.30,
+        cap_colour="wood_fresh",
+    )
+    mesh.cylinder((0.0, 0.6, 0.56), (0.2, 3.2, 0.95), 0.30, "bark", sides=7, end_radius=0.08)
+    for index in range(11):
+        turn = 2 * math.pi * index / 11
+        reach = 0.85 + 0.25 * (index % 3)
+        end = (
+            0.9 * reach * math.cos(turn),
+            -3.5 - 0.2 * (index % 2),
+            max(0.05, 0.5 + reach * math.sin(turn)),
+        )
+        mesh.beam((0, -3.0, 0.44), end, 0.22, "bark_dark", end_width=0.05)
+    mesh.ball((0, -3.2, 0.5), (0.62, 0.22, 0.6), "soil", around=9, down=6, jitter=0.2, key=5)
+    boughs = (
+        ((0.0, 0.2, 0.55), (1.2, 1.1, 1.5)),
+        ((0.0, 0.4, 0.55), (-1.1, 1.5, 1.7)),
+        ((0.1, 1.2, 0.65), (0.9, 2.4, 2.0)),
+        ((0.1, 1.5, 0.7), (-0.8, 2.9, 1.9)),
+        ((0.0, -0.9, 0.5), (-0.5, -0.3, 1.5)),
+        ((0.0, -1.5, 0.5), (0.3, -1.2, 1.3)),
+        ((0.0, 0.9, 0.6), (0.2, 1.2, 2.2)),
+    )
+    for start, end in boughs:
+        mesh.beam(start, end, 0.17, "bark_dark", end_width=0.04)
+    clumps = (
+        (1.15, 1.2, 1.2, 0.55),
+        (-1.1, 1.6, 1.3, 0.55),
+        (0.2, 1.4, 1.9, 0.5),
+        (0.85, 2.4, 1.5, 0.7),
+        (-0.7, 2.8, 1.4, 0.75),
+        (0.2, 3.1, 1.0, 0.85),
+        (0.9, 3.2, 0.6, 0.6),
+        (-0.8, 3.5, 0.5, 0.55),
+        (-0.9, 1.9, 0.5, 0.5),
+        (0.9, 1.7, 0.4, 0.5),
+        (-0.5, -0.3, 1.45, 0.25),
+        (0.1, 3.8, 0.7, 0.55),
+    )
+    greens = ("leaf", "leaf_dark", "leaf_light")
+    for index, (x, y, z, size) in enumerate(clumps):
+        mesh.ball(
+            (x, y, z),
+            (size, size, size * 0.8),
+            greens[index % 3],
+            around=8,
+            down=6,
+            jitter=0.24,
+            key=50 + index,
+        )
+    mesh.flatten(0.0)
+    return mesh.centred()
+
+
+def branch(shown: Shown) -> MeshBuilder:
+    """A broken bough with twigs and leaves, along its y axis."""
+    mesh = MeshBuilder()
+    mesh.cylinder(
+        (0, -1.1, 0.09),
+        (0.05, 0.3, 0.16),
+        0.09,
+        "bark",
+        sides=7,
+        end_radius=0.07,
+        cap_colour="wood_fresh",
+    )
+    mesh.cylinder((0.05, 0.3, 0.16), (0.1, 1.1, 0.3), 0.07, "bark", sides=6, end_radius=0.03)
+    for start, end in (
+        ((0.0, -0.5, 0.12), (0.45, 0.0, 0.36)),
+        ((0.0, -0.1, 0.14), (-0.45, 0.5, 0.4)),
+        ((0.05, 0.4, 0.17), (0.4, 0.9, 0.45)),
+        ((0.0, -0.7, 0.12), (-0.35, -0.4, 0.3)),
+    ):
+        mesh.beam(start, end, 0.05, "bark_dark", end_width=0.02)
+    clumps = (
+        (0.45, 0.05, 0.3, 0.24),
+        (-0.42, 0.5, 0.32, 0.28),
+        (0.4, 0.9, 0.36, 0.3),
+        (0.05, 1.15, 0.3, 0.34),
+        (-0.3, -0.35, 0.24, 0.18),
+        (0.1, 0.7, 0.34, 0.26),
+    )
+    for index, (x, y, z, size) in enumerate(clumps):
+        mesh.ball(
+            (x, y, z),
+            (size, size, size * 0.75),
+            "leaf" if index % 2 else "leaf_light",
+            around=7,
+            down=5,
+            jitter=0.25,
+            key=70 + index,
+            second_colour="leaf_dark",
+        )
+    mesh.flatten(0.0)
+    return mesh.centred()
+
+
+def broad_tree(key: int) -> MeshBuilder:
+    """A broad-leaved tree of about seven metres."""
+    mesh = MeshBuilder()
+    rng = np.random.Generator(np.random.PCG64(1000 + key))
+    mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.2, "bark", sides=7, end_radius=0.13)
+    for turn in (0.4, 2.5, 4.4):
+        mesh.beam(
+            (0, 0, 2.3),
+            (1.0 * math.cos(turn), 1.0 * math.sin(turn), 3.6),
+            0.14,
+            "bark",
+            end_width=0.06,
+        )
+    greens = ("leaf", "leaf_dark", "leaf_light")
+    for index in range(5):
+        turn = index * 2.2 + key
+        reach = 0.0 if index == 0 else 0.95 + 0.35 * float(rng.uniform())
+        size = 1.75 if index == 0 else 1.05 + 0.3 * float(rng.uniform())
+        z = 4.7 if index == 0 else 3.6 + 1.9 * float(rng.uniform())
+        at = (reach * math.cos(turn), reach * math.sin(turn), z)
+        mesh.ball(
+            at,
+            (size, size, size * 0.86),
+            greens[(index + key) % 3],
+            around=7,
+            down=4,
+            jitter=0.15,
+            key=90 + key * 7 + index,
+        )
+    return mesh
+
+
+def conifer(key: int) -> MeshBuilder:
+    """A fir of about nine metres."""
+    mesh = MeshBuilder()
+    mesh.cylinder((0, 0, 0), (0, 0, 1.6), 0.18, "bark_dark", sides=6)
+    for z0, z1, radius in ((1.0, 4.0, 2.0), (2.9, 5.8, 1.6), (4.7, 7.4, 1.2), (6.2, 9.0, 0.8)):
+        mesh.cylinder(
+            (0, 0, z0), (0, 0, z1), radius, "needle", sides=9, end_radius=0.02, phase=key + z0
+        )
+    return mesh
+
+
+def bush(key: int) -> MeshBuilder:
+    """A bush of about one metre."""
+    mesh = MeshBuilder()
+    mesh.ball(
+        (0, 0, 0.5),
+        (0.9, 0.8, 0.6),
+        "leaf_dark" if key % 2 else "leaf",
+        around=8,
+        down=5,
+        jitter=0.2,
+        key=200 + key,
+    )
+    return mesh
+
+
+def fallen_pole(shown: Shown) -> MeshBuilder:
+    """A wooden power pole lying across the lane, with cross arms, insulators and slack wires."""
+    mesh = MeshBuilder()
+    mesh.cylinder(
+        (0, -3.6, 0.17),
+        (0.1, 3.4, 0.24),
+        0.17,
+        "bark",
+        sides=9,
+        end_radius=0.12,
+        cap_colour="wood_fresh",
+    )
+    for k in range(5):
+        turn = 1.3 * k
+        mesh.beam(
+            (0, -3.5, 0.2),
+            (0.16 * math.cos(turn), -3.9, 0.2 + 0.16 * math.sin(turn)),
+            0.07,
+            "wood_fresh",
+            end_width=0.01,
+        )
+    for y in (2.3, 2.9):
+        mesh.beam((-0.95, y, 0.3), (1.1, y, 0.42), 0.13, "wood_dark")
+        for x in (-0.8, -0.4, 0.5, 0.95):
+            mesh.cylinder((x, y, 0.36), (x, y, 0.56), 0.05, "teal", sides=6, end_radius=0.035)
+    mesh.cylinder((0.36, 1.5, 0.36), (0.36, 2.1, 0.38), 0.2, "grey", sides=10)
+    for start, side in (
+        ((-0.8, 2.3, 0.5), -1.0),
+        ((0.95, 2.9, 0.5), 1.0),
+        ((-0.4, 2.9, 0.5), -1.0),
+        ((0.5, 2.3, 0.5), 1.0),
+    ):
+        before = start
+        for k in range(1, 7):
+            share = k / 6
+            point = (
+                start[0] + side * 1.3 * share,
+                start[1] - 4.6 * share + 0.3 * math.sin(7 * share),
+                max(0.02, 0.5 * (1 - 1.8 * share) + 0.05 * (k % 2)),
+            )
+            mesh.beam(before, point, 0.03, "black")
+            before = point
+    return mesh.flatten(0.0)
+
+
+def leaves_pile(shown: Shown) -> MeshBuilder:
+    """A heap of autumn leaves."""
+    mesh = MeshBuilder()
+    mesh.ball(
+        (0, 0, 0),
+        (0.85, 1.0, 0.34),
+        "leaf_autumn",
+        around=12,
+        down=8,
+        jitter=0.12,
+        key=701,
+        second_colour="leaf_yellow",
+    )
+    mesh.ball(
+        (0.3, 0.5, 0),
+        (0.55, 0.6, 0.28),
+        "leaf_yellow",
+        around=10,
+        down=6,
+        jitter=0.15,
+        key=702,
+        second_colour="burgundy",
+    )
+    for index in range(70):
+        turn, reach = index * 2.399963, 0.55 + 0.65 * ((index * 7) % 10) / 10
+        x, y = 1.05 * reach * math.cos(turn), 1.2 * reach * math.sin(turn)
+        dome = max(0.0, 1 - (x / 0.85) ** 2 - (y / 1.0) ** 2)
+        z, spin = 0.36 * math.sqrt(dome) + 0.02, 1.3 * index
+        leaf = [
+            (x + 0.09 * math.cos(spin + a) * r, y + 0.09 * math.sin(spin + a) * r, z + 0.02 * k)
+            for k, (a, r) in enumerate(((0.0, 1.0), (1.57, 0.6), (3.14, 1.0), (4.71, 0.6)))
+        ]
+        colour = ("leaf_autumn", "leaf_yellow", "burgundy", "rust", "straw")[index % 5]
+        mesh.polygon(leaf, colour).polygon(leaf[::-1], colour)
+    return mesh.flatten(0.0)
+
+
+def stump(shown: Shown) -> MeshBuilder:
+    """A tree stump with roots and rings."""
+    mesh = MeshBuilder()
+    mesh.cylinder((0, 0, 0), (0, 0, 0.28), 0.44, "bark", sides=12, end_radius=0.34)
+    mesh.cylinder(
+        (0, 0, 0.28),
+        (0.02, 0, 0.58),
+        0.34,
+        "bark",
+        sides=12,
+        end_radius=0.32,
+        cap_colour="wood_fresh",
+    )
+    for radius, colour, z in (
+        (0.25, "wood", 0.582),
+        (0.19, "wood_fresh", 0.586),
+        (0.12, "wood", 0.59),
+        (0.06, "wood_dark", 0.594),
+    ):
+        mesh.cylinder((0.02, 0, 0.57), (0.02, 0, z), radius, colour, sides=12)
+    for k in range(7):
+        turn = 0.9 * k
+        mesh.beam(
+            (0.3 * math.cos(turn), 0.3 * math.sin(turn), 0.2),
+            (0.72 * math.cos(turn), 0.72 * math.sin(turn), 0.03),
+            0.2,
+            "bark_dark",
+            end_width=0.05,
+        )
+    return mesh.flatten(0.0)
+
+
+def hay_bale(shown: Shown) -> MeshBuilder:
+    """A big round bale of straw."""
+    mesh = MeshBuilder()
+    mesh.cylinder(
+        (0, -0.6, 0.65), (0, 0.6, 0.65), 0.65, "straw", sides=18, cap_colour="leaf_yellow"
+    )
+    for radius, colour in ((0.5, "straw"), (0.34, "leaf_yellow"), (0.18, "straw")):
+        mesh.cylinder(
+            (0, -0.6 - 0.01 / radius, 0.65),
+            (0, 0.6 + 0.01 / radius, 0.65),
+            radius,
+            colour,
+            sides=14,
+        )
+    for y in (-0.4, -0.13, 0.13, 0.4):
+        mesh.cylinder((0, y - 0.01, 0.655), (0, y + 0.01, 0.655), 0.655, "white", sides=18)
+    return mesh.flatten(0.0)

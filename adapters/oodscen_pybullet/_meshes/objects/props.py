@@ -1,0 +1,378 @@
+"""Things that lie on roads."""
+
+import itertools
+import math
+
+from oodscen_pybullet._meshes.builder import MeshBuilder, Point
+from oodscen_pybullet._meshes.look import Shown
+
+
+def cardboard_box(shown: Shown) -> MeshBuilder:
+    """A large carton, one pair of flaps open, taped and printed."""
+    mesh = MeshBuilder()
+    half, top = 0.45, 0.8
+    mesh.hull(
+        (-half, half, -half, half, 0.0), (-half, half, -half, half, top), "cardboard", caps="b"
+    )
+    mesh.polygon(
+        [
+            (-half, -half, top - 0.12),
+            (half, -half, top - 0.12),
+            (half, half, top - 0.12),
+            (-half, half, top - 0.12),
+        ],
+        "cardboard_inside",
+    )
+    for side in (-1.0, 1.0):
+        flap = [
+            (-half, side * half, top),
+            (half, side * half, top),
+            (half, side * (half + 0.10), top + 0.22),
+            (-half, side * (half + 0.10), top + 0.22),
+        ]
+        mesh.polygon(flap, "cardboard_dark").polygon(flap[::-1], "cardboard_dark")
+        lid = [
+            (side * half, -half, top),
+            (side * half, half, top),
+            (side * 0.06, half, top + 0.09),
+            (side * 0.06, -half, top + 0.09),
+        ]
+        mesh.polygon(lid, "cardboard").polygon(lid[::-1], "cardboard_inside")
+        e = half + 0.004
+        front = [
+            (side * e, -0.05, 0.0),
+            (side * e, 0.05, 0.0),
+            (side * e, 0.05, top),
+            (side * e, -0.05, top),
+        ]
+        mesh.polygon(front if side > 0 else front[::-1], "tape")
+        print_x = side * (half + 0.003)
+        mark = [
+            (print_x, -side * 0.40, 0.2),
+            (print_x, -side * 0.08, 0.2),
+            (print_x, -side * 0.08, 0.62),
+            (print_x, -side * 0.40, 0.62),
+        ]
+        mesh.picture(mark, "box_print")
+        mark = [
+            (side * 0.40, side * e, 0.2),
+            (side * 0.02, side * e, 0.2),
+            (side * 0.02, side * e, 0.62),
+            (side * 0.40, side * e, 0.62),
+        ]
+        mesh.picture(mark, "box_print")
+    return mesh.centred()
+
+
+def plant_pot(shown: Shown) -> MeshBuilder:
+    """A big terracotta pot with a bushy plant."""
+    mesh = MeshBuilder()
+    mesh.cylinder((0, 0, 0), (0, 0, 0.46), 0.22, "terracotta", sides=14, end_radius=0.32)
+    mesh.cylinder((0, 0, 0.44), (0, 0, 0.54), 0.36, "terracotta", sides=14, cap_colour="soil")
+    for index in range(11):
+        turn = index * 2.4
+        reach, rise = 0.34 + 0.08 * (index % 3), 0.86 + 0.12 * (index % 4)
+        tip = (reach * math.cos(turn), reach * math.sin(turn), rise)
+        bend = (reach * 0.5 * math.cos(turn), reach * 0.5 * math.sin(turn), rise - 0.06)
+        mesh.beam((0, 0, 0.52), bend, 0.035, "leaf_dark")
+        _leaf(mesh, bend, tip, 0.11, ("leaf", "leaf_light", "leaf_dark")[index % 3])
+    mesh.ball(
+        (0, 0, 0.86), (0.22, 0.22, 0.26), "leaf", jitter=0.2, key=3, second_colour="leaf_dark"
+    )
+    for index in range(5):
+        turn = index * 1.3 + 0.4
+        mesh.ball(
+            (0.2 * math.cos(turn), 0.2 * math.sin(turn), 1.08),
+            (0.055, 0.055, 0.05),
+            "red",
+            around=6,
+            down=4,
+        )
+    return mesh.centred()
+
+
+def _leaf(mesh: MeshBuilder, start: Point, end: Point, width: float, colour: str) -> None:
+    """Add a leaf that shows from above and below."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = math.sqrt(dx * dx + dy * dy) or 1.0
+    ax, ay = -dy / length * width, dx / length * width
+    mx, my, mz = (start[0] + end[0]) / 2, (start[1] + end[1]) / 2, (start[2] + end[2]) / 2 + 0.05
+    outline = [start, (mx - ax, my - ay, mz), end, (mx + ax, my + ay, mz)]
+    mesh.polygon(outline, colour).polygon(outline[::-1], colour)
+
+
+def _torus(mesh: MeshBuilder, centre: Point, radius: float, thick: float, colour: str) -> None:
+    """Add a ring that lies flat."""
+    ring, sides = 18, 8
+    points = [
+        [
+            (
+                centre[0]
+                + (radius + thick * math.cos(2 * math.pi * j / sides))
+                * math.cos(2 * math.pi * i / ring),
+                centre[1]
+                + (radius + thick * math.cos(2 * math.pi * j / sides))
+                * math.sin(2 * math.pi * i / ring),
+                centre[2] + thick * math.sin(2 * math.pi * j / sides),
+            )
+            for j in range(sides)
+        ]
+        for i in range(ring)
+    ]
+    for i in range(ring):
+        for j in range(sides):
+            k, m = (i + 1) % ring, (j + 1) % sides
+            mesh.polygon([points[i][j], points[k][j], points[k][m], points[i][m]], colour)
+
+
+def tyre(shown: Shown) -> MeshBuilder:
+    """A lorry tyre that leans on another one lying flat."""
+    mesh = MeshBuilder()
+    _torus(mesh, (0, 0, 0.14), 0.36, 0.14, "tyre")
+    _torus(mesh, (0, 0, 0.14), 0.25, 0.03, "dark_grey")
+    lean = MeshBuilder()
+    _torus(lean, (0, 0, 0), 0.36, 0.14, "tyre")
+    _torus(lean, (0, 0, 0.1), 0.25, 0.03, "grey")
+    mesh.add(lean.build(), (0.0, 0.36, 0.60), roll=math.radians(62))
+    return mesh.centred()
+
+
+def mattress(shown: Shown) -> MeshBuilder:
+    """A sagging mattress with striped sides, one end bent up."""
+    mesh = MeshBuilder()
+    rows = [(-1.0, 0.0), (-0.4, 0.0), (0.2, 0.0), (0.6, 0.12), (0.92, 0.42)]
+    half, thick = 0.72, 0.24
+    for (x0, z0), (x1, z1) in itertools.pairwise(rows):
+        for index in range(6):
+            y0, y1 = -half + 0.24 * index, -half + 0.24 * (index + 1)
+            colour = "mattress_stripe" if index % 2 else "mattress"
+            mesh.polygon(
+                [
+                    (x0, y0, z0 + thick),
+                    (x1, y0, z1 + thick),
+                    (x1, y1, z1 + thick),
+                    (x0, y1, z0 + thick),
+                ],
+                colour,
+            )
+        mesh.polygon([(x0, -half, z0), (x0, half, z0), (x1, half, z1), (x1, -half, z1)], "mattress")
+        for side in (-1.0, 1.0):
+            edge = [
+                (x0, side * half, z0),
+                (x1, side * half, z1),
+                (x1, side * half, z1 + thick),
+                (x0, side * half, z0 + thick),
+            ]
+            mesh.polygon(edge if side < 0 else edge[::-1], "mattress_edge")
+    (x0, z0), (x1, z1) = rows[0], rows[-1]
+    mesh.polygon(
+        [(x0, half, z0), (x0, -half, z0), (x0, -half, z0 + thick), (x0, half, z0 + thick)],
+        "mattress_edge",
+    )
+    mesh.polygon(
+        [(x1, -half, z1), (x1, half, z1), (x1, half, z1 + thick), (x1, -half, z1 + thick)],
+        "mattress_edge",
+    )
+    return mesh.centred()
+
+
+def sofa(shown: Shown) -> MeshBuilder:
+    """A red three-seater; its seat faces against x, towards a beholder who drives up."""
+    mesh = MeshBuilder()
+    mesh.box((0, 0, 0.26), (0.86, 2.0, 0.32), "sofa")
+    mesh.hull((0.16, 0.44, -1.0, 1.0, 0.4), (0.26, 0.46, -1.0, 1.0, 0.86), "sofa_dark")
+    for side in (-1.0, 1.0):
+        mesh.box((0, side * 0.92, 0.36), (0.9, 0.2, 0.54), "sofa_dark")
+        mesh.cylinder((-0.45, side * 0.92, 0.63), (0.45, side * 0.92, 0.63), 0.11, "sofa", sides=8)
+        for x in (-0.36, 0.36):
+            mesh.box((x, side * 0.9, 0.05), (0.07, 0.07, 0.1), "wood_dark")
+    for y in (-0.55, 0.0, 0.55):
+        mesh.box((-0.12, y, 0.49), (0.6, 0.53, 0.15), "sofa")
+        mesh.hull(
+            (0.06, 0.2, y - 0.25, y + 0.25, 0.56), (0.16, 0.28, y - 0.25, y + 0.25, 0.84), "sofa"
+        )
+    return mesh.centred()
+
+
+def pallet(shown: Shown) -> MeshBuilder:
+    """A stack of three wooden pallets."""
+    flat = MeshBuilder()
+    for index in range(7):
+        flat.box((-0.52 + 0.173 * index, 0, 0.135), (0.11, 1.2, 0.022), "wood")
+    for y in (-0.54, 0.0, 0.54):
+        flat.box((0, y, 0.115), (1.15, 0.1, 0.02), "wood_dark")
+        flat.box((0, y, 0.011), (1.15, 0.1, 0.022), "wood_dark")
+        for x in (-0.5, 0.0, 0.5):
+            flat.box((x, y, 0.063), (0.14, 0.1, 0.085), "wood")
+    one = flat.build()
+    mesh = MeshBuilder().add(one)
+    mesh.add(one, (0.05, -0.12, 0.16), yaw=0.16)
+    mesh.add(one, (-0.04, 0.05, 0.32), yaw=-0.1)
+    return mesh.centred()
+
+
+def ladder(shown: Shown) -> MeshBuilder:
+    """An aluminium ladder lying across the lane, along its y axis."""
+    mesh = MeshBuilder()
+    for x in (-0.22, 0.22):
+        mesh.box((x, 0, 0.06), (0.06, 3.2, 0.10), "silver")
+    for index in range(11):
+        mesh.beam(
+            (-0.22, -1.5 + 0.3 * index, 0.08), (0.22, -1.5 + 0.3 * index, 0.08), 0.05, "light_grey"
+        )
+    for y in (-1.58, 1.58):
+        mesh.box((0, y, 0.06), (0.5, 0.05, 0.12), "red")
+    return mesh.centred()
+
+
+def rock(shown: Shown) -> MeshBuilder:
+    """A boulder with two smaller stones."""
+    mesh = MeshBuilder()
+    mesh.ball(
+        (0, 0, 0.36),
+        (0.62, 0.52, 0.46),
+        "rock",
+        around=8,
+        down=6,
+        jitter=0.16,
+        key=11,
+        second_colour="rock_dark",
+    )
+    mesh.ball(
+        (-0.45, 0.52, 0.14),
+        (0.24, 0.2, 0.17),
+        "rock_dark",
+        around=7,
+        down=5,
+        jitter=0.16,
+        key=12,
+        second_colour="rock",
+    )
+    mesh.ball(
+        (-0.4, -0.55, 0.10), (0.18, 0.17, 0.13), "rock", around=7, down=5, jitter=0.16, key=13
+    )
+    return mesh.centred()
+
+
+def debris(shown: Shown) -> MeshBuilder:
+    """A heap of broken planks, bent metal and rubble."""
+    mesh = MeshBuilder()
+    planks = (
+        ((-0.9, -0.7, 0.05), (0.8, 0.4, 0.30), "wood"),
+        ((-0.7, 0.8, 0.06), (0.6, -0.6, 0.42), "wood_dark"),
+        ((-0.2, -1.0, 0.05), (0.3, 0.9, 0.22), "wood_fresh"),
+        ((0.9, -0.8, 0.05), (-0.3, 0.2, 0.62), "wood"),
+        ((-1.0, 0.1, 0.05), (0.4, 0.3, 0.52), "wood_dark"),
+        ((0.1, 1.0, 0.05), (0.0, -0.1, 0.74), "wood_fresh"),
+        ((0.95, 0.6, 0.05), (-0.6, -0.3, 0.34), "wood"),
+    )
+    for start, end, colour in planks:
+        mesh.beam(start, end, 0.12, colour)
+    for turn in (0.3, 2.1, 4.0):
+        x, y = 0.6 * math.cos(turn), 0.6 * math.sin(turn)
+        sheet = [
+            (x - 0.4, y - 0.25, 0.05),
+            (x + 0.3, y - 0.3, 0.12),
+            (x + 0.35, y + 0.3, 0.36),
+            (x - 0.35, y + 0.25, 0.22),
+        ]
+        mesh.polygon(sheet, "rust").polygon(sheet[::-1], "metal")
+    for index in range(9):
+        turn = index * 0.7
+        reach = 0.55 + 0.08 * (index % 5)
+        mesh.ball(
+            (reach * math.cos(turn), reach * math.sin(turn), 0.08),
+            (0.15, 0.13, 0.10),
+            "concrete_dark" if index % 2 else "wall_brick",
+            around=6,
+            down=4,
+            jitter=0.25,
+            key=20 + index,
+        )
+    mesh.ball((0, 0, 0.1), (0.75, 0.7, 0.24), "earth", around=9, down=4, jitter=0.2, key=31)
+    return mesh.centred()
+
+
+def shopping_cart(shown: Shown) -> MeshBuilder:
+    """A supermarket trolley."""
+    mesh = MeshBuilder()
+    low, high = (-0.28, 0.36, -0.2, 0.2, 0.42), (-0.42, 0.46, -0.28, 0.28, 0.92)
+    corners_low = [(low[0], low[2]), (low[1], low[2]), (low[1], low[3]), (low[0], low[3])]
+    corners_high = [(high[0], high[2]), (high[1], high[2]), (high[1], high[3]), (high[0], high[3])]
+    for i in range(4):
+        j = (i + 1) % 4
+        for k in range(6):
+            f = k / 5
+            a = _between(corners_low[i], corners_low[j], f)
+            b = _between(corners_high[i], corners_high[j], f)
+            mesh.beam((*a, 0.42), (*b, 0.92), 0.018, "silver")
+        for k in range(4):
+            g = k / 3
+            z = 0.42 + 0.5 * g
+            a = _between(corners_low[i], corners_high[i], g)
+            b = _between(corners_low[j], corners_high[j], g)
+            mesh.beam((*a, z), (*b, z), 0.022, "silver" if k < 3 else "light_grey")
+    mesh.polygon(
+        [
+            (low[0], low[2], 0.42),
+            (low[1], low[2], 0.42),
+            (low[1], low[3], 0.42),
+            (low[0], low[3], 0.42),
+        ],
+        "metal",
+    )
+    mesh.beam((-0.50, -0.28, 1.0), (-0.50, 0.28, 1.0), 0.05, "red")
+    for side in (-1.0, 1.0):
+        mesh.beam((-0.42, side * 0.27, 0.92), (-0.50, side * 0.27, 1.0), 0.03, "silver")
+        mesh.beam((-0.34, side * 0.24, 0.14), (-0.40, side * 0.27, 0.9), 0.035, "silver")
+        mesh.beam((-0.36, side * 0.22, 0.16), (0.42, side * 0.20, 0.16), 0.035, "silver")
+        mesh.beam((0.38, side * 0.2, 0.16), (0.30, side * 0.2, 0.42), 0.03, "silver")
+        for x in (-0.34, 0.40):
+            mesh.cylinder((x, side * 0.19, 0.07), (x, side * 0.24, 0.07), 0.07, "black", sides=8)
+    mesh.box((0.05, -0.05, 0.56), (0.3, 0.2, 0.26), "cardboard")
+    mesh.box((-0.15, 0.09, 0.52), (0.16, 0.16, 0.18), "shirt_green")
+    return mesh.centred()
+
+
+def _between(a: tuple[float, float], b: tuple[float, float], f: float) -> tuple[float, float]:
+    return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])
+
+
+def suitcase(shown: Shown) -> MeshBuilder:
+    """An upright blue suitcase with its handle drawn out."""
+    mesh = MeshBuilder()
+    mesh.box((0, 0, 0.40), (0.3, 0.52, 0.68), "blue")
+    for y in (-0.16, 0.0, 0.16):
+        mesh.box((0, y, 0.40), (0.32, 0.03, 0.66), "navy")
+    for side in (-1.0, 1.0):
+        mesh.box((0, side * 0.25, 0.4), (0.31, 0.04, 0.69), "navy")
+        mesh.beam((0.08, side * 0.13, 0.74), (0.08, side * 0.13, 1.04), 0.022, "silver")
+        for x in (-0.1, 0.1):
+            mesh.cylinder((x, side * 0.2, 0.035), (x, side * 0.24, 0.035), 0.035, "black", sides=8)
+    mesh.beam((0.08, -0.15, 1.04), (0.08, 0.15, 1.04), 0.04, "black")
+    mesh.box((-0.163, 0.0, 0.62), (0.012, 0.16, 0.1), "yellow")
+    return mesh.centred()
+
+
+def wheelie_bin(shown: Shown) -> MeshBuilder:
+    """A green wheeled rubbish bin."""
+    mesh = MeshBuilder()
+    mesh.hull((-0.22, 0.26, -0.22, 0.22, 0.06), (-0.32, 0.32, -0.29, 0.29, 0.94), "bin_green")
+    mesh.hull((-0.36, 0.36, -0.31, 0.31, 0.94), (-0.34, 0.34, -0.29, 0.29, 1.02), "bin_dark")
+    mesh.hull((-0.3, 0.2, -0.24, 0.24, 1.02), (-0.2, 0.1, -0.16, 0.16, 1.07), "bin_dark")
+    mesh.beam((0.38, -0.24, 0.98), (0.38, 0.24, 0.98), 0.05, "bin_dark")
+    for side in (-1.0, 1.0):
+        mesh.cylinder((0.22, side * 0.22, 0.1), (0.22, side * 0.3, 0.1), 0.1, "black", sides=10)
+    mesh.box((-0.29, 0, 0.6), (0.03, 0.22, 0.16), "white")
+    return mesh.centred()
+
+
+def snow_pile(shown: Shown) -> MeshBuilder:
+    """A heap of ploughed snow, dirty at the foot."""
+    mesh = MeshBuilder()
+    mesh.ball((0, 0, 0.02), (0.95, 1.25, 0.62), "snow", around=12, down=8, jitter=0.08, key=41)
+    mesh.ball((0.35, 0.6, 0.05), (0.6, 0.6, 0.5), "snow", around=9, down=6, jitter=0.12, key=42)
+    mesh.ball(
+        (-0.3, -0.6, 0.05), (0.6, 0.65, 0.42), "snow_shade", around=9, down=6, jitter=0.12, key=43
+    )
+    return mesh.flatten(0.0).centred()

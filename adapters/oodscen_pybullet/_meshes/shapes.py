@@ -1,0 +1,61 @@
+"""Plain geometry of corners, rings and boxes."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.numerics._exact import cos, sin
+
+Point = tuple[float, float, float]
+Array = NDArray[np.float64]
+
+
+def flat_normal(corners: list[list[float]]) -> Point | None:
+    """Return a flat polygon's unit normal, or `None` where it has no area."""
+    nx = ny = nz = 0.0
+    for (x0, y0, z0), (x1, y1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
+        nx += (y0 - y1) * (z0 + z1)
+        ny += (z0 - z1) * (x0 + x1)
+        nz += (x0 - x1) * (y0 + y1)
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    return (nx / length, ny / length, nz / length) if length > 1e-9 else None
+
+
+def moved(point: Point, scale: float, offset: Point) -> Point:
+    """Return a point scaled about the origin, then moved."""
+    return (
+        point[0] * scale + offset[0],
+        point[1] * scale + offset[1],
+        point[2] * scale + offset[2],
+    )
+
+
+def ring(
+    start: Point, end: Point, radii: Sequence[float], sides: int, at: Point, phase: float = 0.0
+) -> Array:
+    """Return points around the axis from `start` to `end`, counter-clockwise seen from `end`."""
+    axis = np.array(end) - np.array(start)
+    axis = axis / math.sqrt(float((axis * axis).sum()))
+    helper = np.array([0.0, 0.0, 1.0]) if abs(axis[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    first = np.cross(helper, axis)
+    first = first / math.sqrt(float((first * first).sum()))
+    second = np.cross(axis, first)
+    if sides == 4:
+        radii = [radius * math.sqrt(2.0) for radius in radii]
+        phase += math.pi / 4
+    turns = [2 * math.pi * i / sides + phase for i in range(sides)]
+    return np.array(
+        [
+            np.array(at) + radius * (cos(turn) * first + sin(turn) * second)
+            for radius, turn in zip(radii, turns, strict=True)
+        ]
+    )
+
+
+def unit_rows(rows: Array, fallback: Array) -> Array:
+    """Scale rows to unit length; rows of length zero take the fallback's direction."""
+    lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
+    rows = np.where(lengths > 1e-9, rows, fallback)
+    return np.asarray(rows / np.maximum(np.sqrt((rows * rows).sum(axis=1, keepdims=True)), 1e-9))

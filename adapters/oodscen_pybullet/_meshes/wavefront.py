@@ -1,0 +1,37 @@
+"""Meshes as Wavefront OBJ text."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_pybullet._meshes.builder import Mesh
+
+
+def wavefront(mesh: Mesh) -> str:
+    """Return a mesh as OBJ text, rows that are equal to 0.1 mm written once."""
+    corners = mesh.triangles.reshape(-1)
+    places, place = _distinct(mesh.vertices[corners])
+    colours, colour = _distinct(mesh.uvs[corners])
+    normals, normal = _distinct(mesh.normals[corners])
+    lines = ["v {:.4f} {:.4f} {:.4f}".format(*row) for row in places]
+    lines += ["vt {:.6f} {:.6f}".format(*row) for row in colours]
+    lines += ["vn {:.4f} {:.4f} {:.4f}".format(*row) for row in normals]
+    faces = np.stack([place, colour, normal], axis=1).reshape(-1, 9) + 1
+    columns = faces.T.tolist()
+    face = "f {}/{}/{} {}/{}/{} {}/{}/{}"
+    lines += [face.format(*row) for row in zip(*columns, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+def _distinct(
+    rows: NDArray[np.float64],
+) -> tuple[list[tuple[float, ...]], NDArray[np.int64]]:
+    """Return the distinct rows, and for each row which of them it is."""
+    scale = 1e4 if rows.shape[1] == 3 else 1e6
+    which = np.zeros(len(rows), np.int64)
+    first = np.zeros(0, np.int64)
+    for column in range(rows.shape[1]):
+        whole = np.round(rows[:, column] * scale).astype(np.int64)
+        low = int(whole.min())
+        codes = which * (int(whole.max()) - low + 1) + (whole - low)
+        _, first, which = np.unique(codes, return_index=True, return_inverse=True)
+    return list(zip(*rows[first].T.tolist(), strict=True)), which

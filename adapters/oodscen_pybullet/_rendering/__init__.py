@@ -1,0 +1,1 @@
+"""The software renderer: from triangles to a camera's picture."""

@@ -1,0 +1,172 @@
+"""What everybody looks like now: paint, lamps, the step of a gait, the phase of a flashing lamp."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from oodscen._seeding import stream
+from oodscen.data._catalogue import Asset
+from oodscen.data._scene import Scene
+from oodscen.numerics import _exact as exact
+from oodscen_pybullet._lighting.light import Glow
+from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
+
+Pose = tuple[float, float, float, float]
+
+STEPS = 8
+"""Pictures of one stride, and of one cycle of smoke."""
+RUNNING = 2.4
+"""Speed from which on legs run, in walking strides per second."""
+BRAKING = -1.0
+"""Acceleration below which brake lamps are on, m/s^2."""
+_STANDING = 0.05
+"""Speed below which somebody stands, m/s."""
+_IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "hard_brake", "cut_in", "cut_out"})
+"""Behaviours of drivers who keep a foot on the brake while they stand."""
+_FLASHES = 1.5
+"""Cycles of a flashing lamp per second; it is lit for two thirds of each."""
+_PUFFS = 6.0
+"""Pictures of smoke per second."""
+
+
+class Look(NamedTuple):
+    """Which mesh shows a body."""
+
+    asset: str
+    state: str = ""
+    """One of the asset's states; `+brake` after it lights the brake lamps as well."""
+    paint: str = ""
+    running: bool = False
+    """Whether head and tail lamps are on."""
+    frame: int = 0
+    """Which picture of what moves by itself.
+
+    Legs: 0 stands, 1 to 8 walk, 9 to 16 run. Lamps that flash: 0 is lit, 1 dark. Smoke: 0 to 7.
+    """
+
+
+class Cast:
+    """The bodies of one scene, the ego first, as they are to be shown."""
+
+    def __init__(self, scene: Scene, seed: int) -> None:
+        """Start without anybody.
+
+        Args:
+            scene: For the weather, and for who drives.
+            seed: For paints.
+        """
+        self._scene = scene
+        self._seed = seed
+        self._members: list[tuple[Asset, str, str, bool, bool]] = []
+        self._behaviours = {actor.id: actor.behaviour.name for actor in scene.actors}
+
+    def __len__(self) -> int:
+        """Return how many bodies there are."""
+        return len(self._members)
+
+    @property
+    def assets(self) -> list[Asset]:
+        """Everybody's asset, the ego's first."""
+        return [asset for asset, *_ in self._members]
+
+    def add(self, actor_id: str, asset: Asset, state: str) -> None:
+        """Add one body; the ego comes first."""
+        paint = _paint(self._seed, actor_id, asset.id)
+        holds = self._behaviours.get(actor_id) in _IN_TRAFFIC
+        self._members.append((asset, state, paint, _runs(self._scene, actor_id), holds))
+
+    def looks(
+        self,
+        poses: Sequence[Pose],
+        speeds: Sequence[float],
+        accelerations: Sequence[float],
+        time: float,
+    ) -> list[Look]:
+        """Return what every body looks like.
+
+        Args:
+            poses: x, y, z and yaw of each, m and rad.
+            speeds: Along the headings, m/s.
+            accelerations: The same, m/s^2.
+            time: Since the start, s.
+        """
+        looks = []
+        for (asset, state, paint, runs, holds), pose, speed, acceleration in zip(
+            self._members, poses, speeds, accelerations, strict=True
+        ):
+            shown = state
+            brakes = acceleration < BRAKING or (holds and abs(speed) < _STANDING)
+            if brakes and "brake" in asset.states and state != "unlit":
+                shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
+            frame = frame_of(asset.id, state, pose, speed, time)
+            looks.append(Look(asset.id, shown, paint, runs, frame))
+        return looks
+
+    def glows(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Glow]:
+        """Return every lamp that is on in world coordinates, the ego's left out."""
+        glows = []
+        for look, (x, y, z, yaw) in zip(looks[1:], poses[1:], strict=True):
+            s, c = exact.sincos(yaw)
+            for lamp in mesh_of(look).lamps:
+                (px, py, pz), (fx, fy, fz) = lamp.position, lamp.facing
+                place = (x + c * px - s * py, y + s * px + c * py, z + pz)
+                facing = (c * fx - s * fy, s * fx + c * fy, fz)
+                glows.append(Glow(place, lamp.colour, facing, lamp.power))
+        return glows
+
+
+def mesh_of(look: Look) -> Mesh:
+    """Return a look's mesh."""
+    asset, state, paint, running, frame = look
+    return asset_mesh(asset, state, paint, running=running, frame=frame)
+
+
+def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> int:
+    """Return which picture of an asset shows now; see `Look.frame`.
+
+    Legs go by the place along the heading, lamps and smoke by the time.
+    """
+    if asset in GAITS:
+        return _step(GAITS[asset], pose, speed)
+    if state in FLASHING or asset in FLASHING:
+        return 0 if math.floor(time * _FLASHES * 3.0 + 1e-6) % 3 < 2 else 1
+    if asset in SMOKING:
+        return math.floor(time * _PUFFS + 1e-6) % STEPS
+    return 0
+
+
+def _step(stride: float, pose: Pose, speed: float) -> int:
+    pace = abs(speed)
+    if pace < _STANDING:
+        return 0
+    runs = pace > RUNNING * stride
+    length = stride * (1.7 if runs else 1.0)
+    x, y, _, yaw = pose
+    s, c = exact.sincos(yaw)
+    way = (x * c + y * s) / length
+    step = math.floor(round(STEPS * (way - math.floor(way)), 3)) % STEPS
+    return 1 + step + (STEPS if runs else 0)
+
+
+def _paint(seed: int, actor_id: str, asset: str) -> str:
+    """Choose an actor's look; the same in a scene and its twin."""
+    paints = paints_of(asset)
+    return paints[int(stream(seed, "paint", actor_id).integers(len(paints)))]
+
+
+def _runs(scene: Scene, actor_id: str) -> bool:
+    """Tell whether an actor has its lamps on: it drives, and it is not broad daylight.
+
+    What is unlit never has, and whatever merely stands with its lights off is dark at night as well.
+    """
+    weather = scene.weather
+    is_bright = (
+        weather.sun_elevation_deg > 3.0
+        and weather.fog_visual_range_m > 1000.0
+        and weather.precipitation == "none"
+    )
+    if is_bright:
+        return False
+    behaviours = {actor.id: (actor.behaviour.name, actor.state) for actor in scene.actors}
+    name, state = behaviours.get(actor_id, ("stand", ""))
+    return state != "unlit" and (name != "stand" or state not in ("", "off"))

@@ -1,0 +1,302 @@
+"""What the camera sees: a PyBullet world of visual shapes only."""
+
+import contextlib
+import math
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.errors import SimulatorError
+from oodscen_pybullet._engine import QuietDescriptors
+from oodscen_pybullet._lighting.shadows import Shade
+from oodscen_pybullet._lighting.shelter import Shelter
+from oodscen_pybullet._meshes import Mesh
+from oodscen_pybullet._meshes.atlas import draw_atlas
+from oodscen_pybullet._meshes.wavefront import wavefront
+from oodscen_pybullet._rendering.appearance import Look, mesh_of
+from oodscen_pybullet._rendering.view import Point, View, metres
+
+Pose = tuple[float, float, float, float]
+
+_MOST_TRIANGLES = 20_000
+"""PyBullet takes no more than about 130,000 corners in one shape."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What a camera sees before light and weather."""
+
+    rgb: NDArray[np.uint8]
+    """[height, width, 3]; where there is some sky, the colour of the rest."""
+    depth: NDArray[np.float32]
+    """[height, width], metres along the optical axis at the pixel's centre; infinity for sky."""
+    rows: NDArray[np.int32]
+    """The same with the row of the actor, -1 for scenery and sky."""
+    reach: NDArray[np.float32]
+    """The same with the mean depth of what is not sky; light and weather go by it."""
+    sky: NDArray[np.uint8]
+    """The same with the share of sky, 0 to 255."""
+    lit: NDArray[np.uint8]
+    """The same with how squarely the sun meets the surface, 0 to 255."""
+    kinds: NDArray[np.uint8] | None
+    """The same with what is true of the surface: `triangles.SHINING` and so on; `None` if unknown."""
+    shade: Shade | None = None
+    """Where the sun does not reach; `None` where that was not asked for, or is in `rgb` already."""
+
+
+class Stage(Protocol):
+    """Bodies to be photographed: scenery, which stays while the road does, and the actors."""
+
+    def close(self) -> None:
+        """Let go of everything; may be called twice."""
+
+    def show_scenery(
+        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+    ) -> None:
+        """Put up scenery in place of everything that is there, with the road's tunnels."""
+
+    def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
+        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i."""
+
+    def pose_actors(self, poses: Sequence[Pose]) -> None:
+        """Move every actor: x, y, z, yaw."""
+
+    def photograph(
+        self,
+        view: View,
+        *,
+        sun: Point,
+        ambient: float,
+        diffuse: float,
+        ground: float | None = None,
+        shades: Point | None = None,
+        is_inside: bool = False,
+    ) -> Shot:
+        """Take a picture.
+
+        Args:
+            view: The camera.
+            sun: Direction towards the sun.
+            ambient: Share of light from everywhere.
+            diffuse: Share of light from the sun.
+            ground: Height of the road below the camera, m, where shadows are wanted.
+            shades: Direction from which shadows fall, where it is not the sun's.
+            is_inside: Whether the camera is in a tunnel, the roof of which then throws no shadow.
+        """
+        ...
+
+    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+        """Return how many pixels each actor would fill if nothing stood before it, [actors].
+
+        `None` where that cannot be told.
+        """
+        ...
+
+
+class BulletStage:
+    """The stage of PyBullet's own cameras.
+
+    Shapes and textures are made once; showing another scene moves what can be moved.
+    """
+
+    def __init__(
+        self, engine: ModuleType, *, casts_shadows: bool = False, plugin: str | None = None
+    ) -> None:
+        """Connect to the engine.
+
+        Args:
+            engine: PyBullet.
+            casts_shadows: Whether the camera draws its own shadows, which takes it longer; pictures
+                get theirs when they are developed.
+            plugin: File of the OpenGL camera, which then stands in for the software camera.
+
+        Raises:
+            SimulatorError: When the plugin does not load.
+        """
+        self._engine = engine
+        self._casts_shadows = casts_shadows
+        self._client: int = engine.connect(engine.DIRECT)
+        self._has_plugin = plugin is not None
+        if plugin is not None:
+            with QuietDescriptors():
+                loaded = engine.loadPlugin(
+                    plugin, "_eglRendererPlugin", physicsClientId=self._client
+                )
+            if loaded < 0:
+                engine.disconnect(self._client)
+                raise SimulatorError(f"PyBullet's OpenGL camera does not load: {plugin}")
+        self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
+        self._written = 0
+        self._textures: dict[bool, int] = {}
+        self._shapes: dict[object, int] = {}
+        self._is_snowy = False
+        self._rows: dict[int, int] = {}
+        self._actors: list[int] = []
+
+    def close(self) -> None:
+        """Disconnect; may be called twice."""
+        if self._client >= 0:
+            with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
+                self._engine.disconnect(self._client)
+            self._client = -1
+            self._folder.cleanup()
+
+    def clear(self) -> None:
+        """Remove every body; shapes and textures stay."""
+        self._engine.resetSimulation(physicsClientId=self._client)
+        self._textures.clear()
+        self._shapes.clear()
+        self._rows.clear()
+        self._actors.clear()
+
+    def show_scenery(
+        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+    ) -> None:
+        """Put up scenery in place of everything that is there, with the road's tunnels."""
+        self.clear()
+        self._engine.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=self._client)
+        self._is_snowy = is_snowy
+        for mesh in meshes:
+            for start in range(0, len(mesh.triangles), _MOST_TRIANGLES):
+                self._body(self._shape(_piece(mesh, start)))
+        self._engine.setPhysicsEngineParameter(enableFileCaching=1, physicsClientId=self._client)
+
+    def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
+        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i.
+
+        Earlier ones leave last in, first out, so that the order in which the renderer draws never
+        depends on what was shown before.
+        """
+        for body in reversed(self._actors):
+            self._engine.removeBody(body, physicsClientId=self._client)
+        self._actors.clear()
+        self._rows.clear()
+        for row, look in enumerate(looks):
+            if isinstance(look, Mesh):
+                shape = self._shape(look)
+            else:
+                if look not in self._shapes:
+                    self._shapes[look] = self._shape(mesh_of(look))
+                shape = self._shapes[look]
+            body = self._body(shape)
+            self._actors.append(body)
+            self._rows[body] = row
+
+    def pose_actors(self, poses: Sequence[Pose]) -> None:
+        """Move every actor: x, y, z, and yaw as the sine and cosine of half the angle."""
+        for body, (x, y, z, yaw) in zip(self._actors, poses, strict=True):
+            turn = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+            self._engine.resetBasePositionAndOrientation(
+                body, (x, y, z), turn, physicsClientId=self._client
+            )
+
+    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+        """Return nothing: it would take as many pictures as there are actors."""
+        return None
+
+    def photograph(
+        self,
+        view: View,
+        *,
+        sun: Point,
+        ambient: float,
+        diffuse: float,
+        ground: float | None = None,
+        shades: Point | None = None,
+        is_inside: bool = False,
+    ) -> Shot:
+        """Take a picture."""
+        engine = self._engine
+        with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
+            _, _, rgba, buffer, bodies = engine.getCameraImage(
+                view.width,
+                view.height,
+                view.view_matrix(),
+                view.projection_matrix(samples_corners=not self._has_plugin),
+                lightDirection=sun,
+                lightColor=(1, 1, 1),
+                lightAmbientCoeff=ambient,
+                lightDiffuseCoeff=diffuse,
+                lightSpecularCoeff=0.0,
+                shadow=int(self._casts_shadows),
+                renderer=engine.ER_BULLET_HARDWARE_OPENGL
+                if self._has_plugin
+                else engine.ER_TINY_RENDERER,
+                physicsClientId=self._client,
+            )
+        shape = (view.height, view.width)
+        rgb = np.ascontiguousarray(np.reshape(rgba, (*shape, 4))[..., :3], dtype=np.uint8)
+        depth = metres(np.reshape(buffer, shape).astype(np.float32, copy=False))
+        seen = np.reshape(bodies, shape).astype(np.int64)
+        rows = np.full(max([*self._rows, 0]) + 2, -1, np.int32)
+        for body, row in self._rows.items():
+            rows[body + 1] = row
+        seen = np.where((seen >= 0) & (seen < len(rows) - 1), seen + 1, 0)
+        return Shot(
+            rgb=_smooth(rgb, depth),
+            depth=depth,
+            rows=rows[seen],
+            reach=depth,
+            sky=np.where(np.isinf(depth), np.uint8(255), np.uint8(0)),
+            lit=np.zeros(shape, np.uint8),
+            kinds=None,
+        )
+
+    def _shape(self, mesh: Mesh) -> int:
+        """Make a shape by way of a file: PyBullet never frees the lists that it is handed."""
+        self._written += 1
+        path = Path(self._folder.name) / f"{self._written}.obj"
+        path.write_text(wavefront(mesh), encoding="ascii")
+        shape: int = self._engine.createVisualShape(
+            self._engine.GEOM_MESH,
+            fileName=str(path),
+            rgbaColor=(1, 1, 1, 1),
+            physicsClientId=self._client,
+        )
+        return shape
+
+    def _body(self, shape: int) -> int:
+        body: int = self._engine.createMultiBody(0, -1, shape, physicsClientId=self._client)
+        self._engine.changeVisualShape(
+            body, -1, textureUniqueId=self._texture(), physicsClientId=self._client
+        )
+        return body
+
+    def _texture(self) -> int:
+        if self._is_snowy not in self._textures:
+            import cv2
+
+            name = str(Path(self._folder.name) / f"atlas{int(self._is_snowy)}.png")
+            cv2.imwrite(name, draw_atlas(self._is_snowy)[:, :, ::-1])
+            self._textures[self._is_snowy] = self._engine.loadTexture(
+                name, physicsClientId=self._client
+            )
+        return self._textures[self._is_snowy]
+
+
+def _piece(mesh: Mesh, start: int) -> Mesh:
+    """Return some of a mesh's triangles as a mesh."""
+    rows = mesh.triangles[start : start + _MOST_TRIANGLES].reshape(-1)
+    return Mesh(
+        vertices=mesh.vertices[rows],
+        normals=mesh.normals[rows],
+        uvs=mesh.uvs[rows],
+        triangles=np.arange(len(rows)).reshape(-1, 3),
+    )
+
+
+def _smooth(rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Soften the stairs along silhouettes and distant texture."""
+    import cv2
+
+    grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
+    edges = cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 22
+    far = np.minimum(depth, np.float32(500.0)) > np.float32(40.0)
+    soft = cv2.GaussianBlur(rgb, (3, 3), 0.65)
+    return np.asarray(np.where((edges | far)[..., None], soft, rgb), np.uint8)

@@ -1,0 +1,238 @@
+"""From what the renderer saw to what a camera would have recorded."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._seeding import stream
+from oodscen.data._scene import Weather
+from oodscen.driving._sight.visibility import extinction
+from oodscen.numerics._kernels import is_compiled
+from oodscen_pybullet._lighting.lamps import add_glare, add_glows, ground_light
+from oodscen_pybullet._lighting.light import Glow, Light
+from oodscen_pybullet._lighting.reflections import add_reflections
+from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M
+from oodscen_pybullet._lighting.shelter import Portal
+from oodscen_pybullet._rendering import postprocess as d
+from oodscen_pybullet._rendering.bullet_camera import Shot
+from oodscen_pybullet._rendering.particles import Ball, add_puffs
+from oodscen_pybullet._rendering.triangles import GROUND, MIRROR
+from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.weather import (
+    SKY_M,
+    add_rain,
+    add_snow,
+    air_colour,
+    cloud_columns,
+    cloud_cover,
+    cloud_sheet,
+    heaven,
+)
+
+F32 = NDArray[np.float32]
+
+_WET = 0.62
+"""How bright wet asphalt is, compared with dry."""
+_MIRRORING = 0.62
+"""How much it mirrors at the flattest angles."""
+_NO_GRID = np.zeros((1, 1, 3), np.float32)
+_NO_SHADE = np.zeros((1, 1), np.float32)
+_TUNNEL = (1.03, 1.0, 0.93)
+"""Colour of a tunnel's lamps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A raw picture and everything that decides how it is developed."""
+
+    shot: Shot
+    """Pixels that smoke fills become those of the body that it belongs to."""
+    view: View
+    weather: Weather
+    light: Light
+    glows: Sequence[Glow]
+    time: float
+    """Since the start, s; rain and snow differ from moment to moment."""
+    seed: int
+    road_height: float
+    """Where the ground is below the camera, m."""
+    portal: Portal | None = None
+    """The end of a tunnel that the camera looks at."""
+    balls: Sequence[Ball] = ()
+    """Smoke, fire and dust."""
+
+
+def develop(picture: Picture) -> NDArray[np.uint8]:
+    """Apply light and weather: [height, width, 3] uint8; a function of its argument alone."""
+    view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
+    rate, air = extinction(weather), air_colour(weather, light)
+    across, upwards = view.slopes()
+    axes = np.array([view.right, view.up, view.forward], np.float32)
+    settings, halo = _settings(picture, rate, air), _halo(upwards)
+    spread = np.stack([_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]).astype(
+        np.float32
+    )
+    kinds = _kinds(picture)
+    planes = np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0))
+    sky, sheet = heaven(view, weather, light), cloud_sheet(picture.seed)
+    if is_compiled():
+        grid = ground_light(view, picture.glows, light)
+        settings[d.HAS_GRID] = float(grid is not None)
+        shade = shot.shade
+        image = np.empty((view.height, view.width, 3), np.uint8)
+        d.develop_pixels(
+            planes,
+            shot.depth,
+            shot.reach,
+            shot.lit,
+            kinds,
+            shot.sky,
+            settings,
+            across,
+            upwards,
+            axes,
+            light.darkness(),
+            spread,
+            halo,
+            sky,
+            sheet,
+            _NO_GRID if grid is None else grid,
+            _NO_SHADE if shade is None else shade.heights,
+            _NO_SHADE if shade is None else shade.tiles,
+            _NO_SHADE if shade is None else shade.far,
+            image,
+        )
+    else:
+        image = d.develop_arrays(
+            planes, shot.reach, kinds, shot.sky, settings, across, upwards, axes, spread, halo,
+            sky, sheet,
+        )  # fmt: skip
+    if picture.balls:
+        add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
+    add_glows(image, view, shot.depth, picture.glows, light, rate)
+    is_raining = weather.precipitation == "rain"
+    if is_compiled() and (is_raining or (kinds & MIRROR).any()):
+        add_reflections(
+            image,
+            shot.depth,
+            kinds,
+            np.float32(_MIRRORING if is_raining else 0.0),
+            np.float32(5.0 * max(1.0 - 2.0 * light.daylight, 0.0)),
+            np.uint32(picture.seed % 2**20),
+        )
+    add_glare(image, view, light, shot.depth)
+    if is_raining:
+        add_rain(
+            image,
+            view,
+            weather,
+            light,
+            shot.reach,
+            kinds,
+            picture.portal,
+            picture.seed,
+            picture.time,
+        )
+    elif weather.precipitation == "snow":
+        add_snow(
+            image,
+            view,
+            weather,
+            light,
+            shot.reach,
+            kinds,
+            picture.portal,
+            picture.seed,
+            picture.time,
+        )
+    return image
+
+
+def _kinds(picture: Picture) -> NDArray[np.uint8]:
+    """Return what is true of the surfaces; where that is unknown, what lies low is ground."""
+    shot, view = picture.shot, picture.view
+    if shot.kinds is not None:
+        return shot.kinds
+    _, upwards = view.slopes()
+    near = np.minimum(shot.reach, np.float32(400.0))
+    rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
+    height = np.float32(view.eye[2] - picture.road_height) + near * rise[:, None]
+    is_low = height < np.float32(0.16) + near * np.float32(0.02)
+    return np.where((shot.rows < 0) & is_low, np.uint8(GROUND), np.uint8(0))
+
+
+def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
+    """Return the numbers that `develop_pixels` wants."""
+    view, light, weather, shade = (
+        picture.view, picture.light, picture.weather, picture.shot.shade,
+    )  # fmt: skip
+    values = np.zeros(d.SETTINGS, np.float32)
+    dark, cover = 1.0 - light.daylight, cloud_cover(weather)
+    values[d.RATE] = rate
+    values[d.AIR_R : d.AIR_B + 1] = air
+    values[d.SKY_THROUGH] = d.fade(np.float32(min(rate * SKY_M, 40.0))) if rate > 0.0 else 1.0
+    values[d.EYE_HEIGHT] = view.eye[2] - picture.road_height
+    values[d.DAY_R : d.DAY_B + 1] = [tint * light.daylight for tint in light.tint]
+    if light.daylight >= 0.99:
+        values[d.DAY_R : d.DAY_B + 1] = light.tint
+    else:
+        values[d.BEAM] = 1.15 * dark
+    if shade is not None:
+        scale = CELLS / SIDE_M
+        x, y, z = view.eye[0], view.eye[1], view.eye[2] - shade.level
+        values[d.HAS_SHADOW] = 1.0
+        values[d.SHADOW_X] = (x - shade.lean[0] * z - shade.corner[0]) * scale
+        values[d.SHADOW_Y] = (y - shade.lean[1] * z - shade.corner[1]) * scale
+        values[d.SHADOW_Z], values[d.SHADOW_SCALE] = z, scale
+        values[d.LEAN_X], values[d.LEAN_Y] = shade.lean
+        x, y = (view.eye[i] - shade.lean[i] * z - shade.far_corner[i] for i in range(2))
+        scale = FAR_CELLS / FAR_SIDE_M
+        values[d.FAR_X], values[d.FAR_Y], values[d.FAR_SCALE] = x * scale, y * scale, scale
+        values[d.SUN_GAIN] = 1.0 / max(float(light.darkness()[round(255 * light.sun[2])]), 0.05)
+    values[d.SHADE_R : d.SHADE_B + 1] = [
+        values[d.DAY_R + e] / light.tint[e] * (light.shade[e] if shade else light.tint[e])
+        for e in range(3)
+    ]
+    _set_portal(values, picture)
+    values[d.WET] = _WET if weather.precipitation == "rain" else 0.0
+    if light.daylight <= 0.6 and rate > 0.0:
+        values[d.HALO] = 104.0 * dark * min(1.0, rate * 30.0)
+    values[d.CLOUD_EDGE] = 1.0 - 0.9 * cover - 0.12 if cover > 0.02 else 9.0
+    values[d.CLOUD_FLOOR] = max(0.0, (cover - 0.75) * 4.0)
+    values[d.CLOUD_SHADE] = 0.86 - 0.12 * cover
+    values[d.CLOUD_BRIGHT] = 243.0 * (0.06 + 0.94 * light.daylight)
+    if light.daylight < 0.5:
+        values[d.GRAIN] = 1.0
+        noise = stream(picture.seed, "grain", round(picture.time, 3))
+        values[d.NOISE] = int(noise.integers(1 << 22))
+    return values
+
+
+def _set_portal(values: F32, picture: Picture) -> None:
+    """Add what `develop_pixels` wants to know of a tunnel ahead."""
+    portal, weather, daylight = picture.portal, picture.weather, picture.light.daylight
+    if portal is None:
+        return
+    values[d.HAS_PORTAL], values[d.IS_INSIDE] = 1.0, float(portal.is_inside)
+    values[d.PORTAL] = portal.distance
+    values[d.PORTAL_RIGHT : d.PORTAL_AHEAD + 1] = portal.normal
+    values[d.FOG_RATE] = extinction(weather.model_copy(update={"precipitation": "none"}))
+    # A camera in daylight hardly sees into the dark.
+    dull, used = 0.6 + 0.15 * (1.0 - daylight), 1.06 - 0.26 * (1.0 - daylight)
+    bright = dull + (used - dull) * portal.deep
+    values[d.TUNNEL_R : d.TUNNEL_B + 1] = [bright * part for part in _TUNNEL]
+    values[d.AIR_INSIDE] = 0.55 if daylight > 0.4 else 1.0
+
+
+def _spread(across: F32, width: float) -> F32:
+    """Return how the ego's beams fall off to the sides, [width]."""
+    aside = across * np.float32(1.0 / width)
+    return np.asarray(d.fade(np.minimum(aside * aside, np.float32(40.0))), np.float32)
+
+
+def _halo(upwards: F32) -> F32:
+    """Return how bright the air before the ego's lamps is, by rows, [height]."""
+    high = np.clip((upwards + np.float32(0.06)) * np.float32(1.0 / 0.3), 0.0, 8.0)
+    return np.asarray(np.float32(1.0) / (np.float32(1.0) + high * high), np.float32)

@@ -1,0 +1,437 @@
+"""The kernel that turns raw colours into what a camera records: one pass over the rows.
+
+Shadows, wetness, lamps, fog, sky and grain meet here, in plain arithmetic on 32-bit numbers, so that
+the bits do not depend on the processor. What is written with `np.minimum` and the like takes single
+numbers and whole arrays alike: `develop_arrays` does the same without numba.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from oodscen.numerics._kernels import Kernel, inlined, part
+from oodscen_pybullet._rendering.depth_kernel import F32, U8
+from oodscen_pybullet._rendering.triangles import GROUND, SHELTERED, SHINING, SOFT
+
+GRID_AHEAD, GRID_ASIDE, GRID_CELL = 192, 160, 0.5
+"""Cells before and across the camera in which lamps light the ground, and their size, m."""
+SETTINGS = 56
+(
+    RATE, AIR_R, AIR_G, AIR_B, SKY_THROUGH, EYE_HEIGHT, DAY_R, DAY_G, DAY_B, BEAM, HAS_SHADOW,
+    SHADOW_X, SHADOW_Y, SHADOW_Z, SHADOW_SCALE, LEAN_X, LEAN_Y, WET, HALO, GRAIN, CLOUD_EDGE,
+    CLOUD_FLOOR, CLOUD_SHADE, CLOUD_BRIGHT, HAS_GRID, NOISE, SHADE_R, SHADE_G, SHADE_B, SUN_GAIN,
+    FAR_X, FAR_Y, FAR_SCALE, FOG_RATE, HAS_PORTAL, IS_INSIDE, PORTAL, PORTAL_RIGHT, PORTAL_UP,
+    PORTAL_AHEAD, TUNNEL_R, TUNNEL_G, TUNNEL_B, AIR_INSIDE,
+) = range(44)  # fmt: skip
+"""Places in the settings of `develop_pixels`."""
+_ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
+_BEAM_G, _BEAM_B = np.float32(0.97), np.float32(0.88)
+_FARTHEST = np.float32(400.0)
+_TINY = np.float32(1.0 / 255.0)
+
+
+@inlined
+def fade(optical_depth: Any) -> Any:
+    """Return exp(-x) for 0 <= x <= 40, to about 0.1 % where it matters."""
+    y = optical_depth * np.float32(1.0 / 16.0)
+    grown = _ONE + y * (
+        _ONE + y * (_HALF + y * (np.float32(1.0 / 6.0) + y * np.float32(1.0 / 24.0)))
+    )
+    two = grown * grown
+    four = two * two
+    eight = four * four
+    return _ONE / (eight * eight)
+
+
+@part
+def lit_share(heights: Any, u: Any, v: Any, z: Any) -> Any:
+    """Return which share of the sun reaches a place of a map of shadows.
+
+    Args:
+        heights: The map.
+        u: Column of the place, not on the last one.
+        v: Row of the place.
+        z: Its height.
+    """
+    one = np.uint64(1)
+    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+    fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
+    a = _ONE if heights[j, i] <= z else _ZERO
+    b = _ONE if heights[j, i + one] <= z else _ZERO
+    c = _ONE if heights[j + one, i] <= z else _ZERO
+    d = _ONE if heights[j + one, i + one] <= z else _ZERO
+    a += (b - a) * fu
+    c += (d - c) * fu
+    return a + (c - a) * fv
+
+
+@inlined
+def beam(near: Any, height: Any, spread: Any, strength: Any) -> Any:
+    """Return how brightly the ego's low beams light something: they have a soft cut-off in height."""
+    reach = near * np.float32(1.0 / 36.0)
+    cut = (np.float32(0.9) - height) / (np.float32(0.25) + near * np.float32(0.03))
+    cut = np.minimum(np.maximum(cut, _ZERO), _ONE)
+    return strength * spread / (_ONE + reach * reach) * (np.float32(0.42) + np.float32(0.58) * cut)
+
+
+@inlined
+def cloud_share(cloud: Any, edge: Any, floor: Any) -> Any:
+    """Return how much of the blue a cloud of some density hides."""
+    share = (cloud - edge) * np.float32(3.2)
+    return np.maximum(np.minimum(np.maximum(share, _ZERO), _ONE), floor)
+
+
+@inlined
+def grain(number: Any) -> Any:
+    """Return noise between -4 and 4 from the number of a pixel; uint32 in."""
+    # numba multiplies in 64 bits, NumPy in 32.
+    mixed = np.uint32(number * np.uint32(2654435761))
+    mixed = np.uint32((mixed ^ (mixed >> np.uint32(15))) * np.uint32(2246822519))
+    mixed = np.uint32(mixed ^ (mixed >> np.uint32(13)))
+    return np.float32(mixed % np.uint32(9)) - np.float32(4.0)
+
+
+@Kernel
+def develop_pixels(
+    rgb: U8,
+    depth: F32,
+    reach: F32,
+    lit: U8,
+    kinds: U8,
+    sky: U8,
+    settings: F32,
+    across: F32,
+    upwards: F32,
+    axes: F32,
+    dark: F32,
+    spread: F32,
+    halo: F32,
+    heaven: F32,
+    sheet: F32,
+    grid: F32,
+    heights: F32,
+    tiles: F32,
+    far_heights: F32,
+    image: U8,
+) -> None:
+    """Develop a picture.
+
+    Args:
+        rgb: [3, height, width] raw colours.
+        depth: [height, width] m, of the pixels' centres.
+        reach: The same, mean of what is not sky.
+        lit: The same, how squarely the sun meets the surface, 0 to 255.
+        kinds: The same, `triangles.SHINING` and so on.
+        sky: The same, share of sky, 0 to 255.
+        settings: [SETTINGS], see the names above.
+        across: [width] x / depth.
+        upwards: [height] y / depth.
+        axes: [3, 3] the camera's right, up and forward.
+        dark: [256] how much of the light is the sun's, by `lit`.
+        spread: [2, width] of the ego's beams on things, and in the air.
+        halo: [height] of the ego's beams in the air.
+        heaven: [height, 5] colour of the clear sky, row of the sheet of clouds and share of the next.
+        sheet: [n, m] density of clouds by height and heading, one column more than a full turn.
+        grid: [GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground.
+        heights: Of the map of shadows.
+        tiles: Of the map of shadows.
+        far_heights: Of the coarse map of shadows.
+        image: [height, width, 3] to be filled.
+    """
+    height, width = depth.shape
+    top, full = np.float32(255.0), np.uint8(255)
+    rate, eye = settings[RATE], settings[EYE_HEIGHT]
+    has_shadow, has_grid = settings[HAS_SHADOW] > _ZERO, settings[HAS_GRID] > _ZERO
+    has_beam, has_grain = settings[BEAM] > _ZERO, settings[GRAIN] > _ZERO
+    is_wet = settings[WET] > _ZERO
+    has_portal, is_inside = settings[HAS_PORTAL] > _ZERO, settings[IS_INSIDE] > _ZERO
+    far_cells = np.float32(far_heights.shape[0] - 1)
+    far_share = settings[FAR_SCALE] / settings[SHADOW_SCALE] if has_shadow else _ONE
+    # 1 in the sun, 0 in the shade; how bright a tunnel's lamps make what is in it; way to the portal.
+    sunny, indoors, gate = (
+        np.ones(width, np.float32),
+        np.zeros(width, np.float32),
+        np.empty(width, np.float32),
+    )
+    cells = np.float32(heights.shape[0] - 1)
+    clear = np.empty(width, np.float32)
+    red, green, blue = (
+        np.empty(width, np.float32),
+        np.empty(width, np.float32),
+        np.empty(width, np.float32),
+    )
+    veil = np.empty(width, np.float32)
+    clouds = np.empty(sheet.shape[1], np.float32)
+    turns, parts = np.empty(width, np.int32), np.empty(width, np.float32)
+    for x in range(width):
+        turn = spread[2, x]
+        turns[x] = np.int32(turn)
+        parts[x] = turn - np.float32(turns[x])
+    scale = settings[SHADOW_SCALE]
+    right_x, right_y = (
+        (axes[0, 0] - settings[LEAN_X] * axes[0, 2]) * scale,
+        (axes[0, 1] - settings[LEAN_Y] * axes[0, 2]) * scale,
+    )
+    for y in range(height):
+        up = upwards[y]
+        rise = up * axes[1, 2] + axes[2, 2]
+        for x in range(width):
+            clear[x] = _ONE
+        if has_shadow:
+            step_x = (axes[2, 0] + up * axes[1, 0] - settings[LEAN_X] * rise) * scale
+            step_y = (axes[2, 1] + up * axes[1, 1] - settings[LEAN_Y] * rise) * scale
+            for x in range(width):
+                sunny[x] = _ZERO
+                kind = kinds[y, x]
+                if lit[y, x] == 0 or kind & SHINING:
+                    continue
+                if kind & SHELTERED and not is_inside:
+                    continue
+                sunny[x] = _ONE
+                far = depth[y, x]
+                z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
+                if not kind & GROUND:
+                    # Things are made of faces that meet at all angles: more room for them.
+                    slant = _ONE - np.float32(lit[y, x]) * _TINY
+                    z += np.float32(0.05) + np.float32(0.25) * slant
+                aside = step_x + across[x] * right_x
+                along = step_y + across[x] * right_y
+                u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
+                edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
+                share = np.minimum(np.float32(78.0) - far, edge * np.float32(0.25))
+                share = np.minimum(share * np.float32(0.07), _ONE)
+                sun = _ONE
+                if share > _ZERO:
+                    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+                    if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
+                        sun = lit_share(heights, u, v, z)
+                else:
+                    share = _ZERO
+                if share < _ONE:
+                    u = settings[FAR_X] + far * aside * far_share
+                    v = settings[FAR_Y] + far * along * far_share
+                    wide = _ONE
+                    if _ZERO <= u < far_cells and _ZERO <= v < far_cells:
+                        wide = lit_share(far_heights, u, v, z + np.float32(0.3))
+                    sun = wide + (sun - wide) * share
+                loss = dark[lit[y, x]]
+                if kind & SHELTERED:
+                    loss = _HALF
+                clear[x] = _ONE - loss * (_ONE - sun)
+                sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
+        if has_portal:
+            for x in range(width):
+                towards = (
+                    settings[PORTAL_AHEAD]
+                    + up * settings[PORTAL_UP]
+                    + across[x] * settings[PORTAL_RIGHT]
+                )
+                gate[x] = np.float32(1e6)
+                if towards > np.float32(1e-4):
+                    gate[x] = settings[PORTAL] / towards
+                indoors[x] = _ZERO
+                if kinds[y, x] & SHELTERED:
+                    # Daylight comes in for some metres.
+                    way = (np.minimum(reach[y, x], _FARTHEST) * towards - settings[PORTAL]) * (
+                        np.float32(1.0 / 7.0)
+                    )
+                    indoors[x] = clear[x]
+                    clear[x] = clear[x] / (_ONE + way * way)
+                    sunny[x] = _ZERO
+        for x in range(width):
+            part = sunny[x]
+            bright = clear[x]
+            red[x] = (settings[SHADE_R] + (settings[DAY_R] - settings[SHADE_R]) * part) * bright
+            green[x] = (settings[SHADE_G] + (settings[DAY_G] - settings[SHADE_G]) * part) * bright
+            blue[x] = (settings[SHADE_B] + (settings[DAY_B] - settings[SHADE_B]) * part) * bright
+        if has_beam:
+            for x in range(width):
+                near = np.minimum(reach[y, x], _FARTHEST)
+                aloft = _ZERO if kinds[y, x] & (GROUND | SOFT) == GROUND else eye + near * rise
+                bright = beam(near, aloft, spread[0, x], settings[BEAM])
+                red[x] += bright
+                green[x] += bright * _BEAM_G
+                blue[x] += bright * _BEAM_B
+        if has_grid:
+            for x in range(width):
+                near = np.minimum(reach[y, x], _FARTHEST)
+                u = near * np.float32(1.0 / GRID_CELL)
+                v = near * across[x] * np.float32(1.0 / GRID_CELL) + np.float32(GRID_ASIDE / 2)
+                if not (u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(GRID_ASIDE - 1)):
+                    continue
+                i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+                one = np.uint64(1)
+                fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
+                aloft = np.maximum(eye + near * rise, _ZERO) * np.float32(0.2)
+                if kinds[y, x] & (GROUND | SOFT) == GROUND:
+                    aloft = _ZERO
+                share = _ONE / (_ONE + aloft * aloft)
+                w11 = fu * fv * share
+                w10, w01 = fu * share - w11, fv * share - w11
+                w00 = share - w11 - w10 - w01
+                for e in range(3):
+                    k = np.uint64(e)
+                    bright = (
+                        grid[i, j, k] * w00
+                        + grid[i, j + one, k] * w01
+                        + grid[i + one, j, k] * w10
+                        + grid[i + one, j + one, k] * w11
+                    )
+                    if e == 0:
+                        red[x] += bright
+                    elif e == 1:
+                        green[x] += bright
+                    else:
+                        blue[x] += bright
+        if has_portal:
+            for x in range(width):
+                red[x] = np.maximum(red[x], settings[TUNNEL_R] * indoors[x])
+                green[x] = np.maximum(green[x], settings[TUNNEL_G] * indoors[x])
+                blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
+        for x in range(width):
+            # What shines by itself is as bright by night as it is by day.
+            shines = kinds[y, x] & SHINING != 0
+            red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
+            green[x] = np.float32(rgb[1, y, x]) * (
+                np.maximum(green[x], _ONE) if shines else green[x]
+            )
+            blue[x] = np.float32(rgb[2, y, x]) * (np.maximum(blue[x], _ONE) if shines else blue[x])
+        if is_wet:
+            for x in range(width):
+                if kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND:
+                    red[x] *= settings[WET]
+                    green[x] *= settings[WET]
+                    blue[x] *= settings[WET]
+        if rate > _ZERO:
+            back = settings[HALO] * halo[y]
+            for x in range(width):
+                stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
+                far = np.minimum(reach[y, x], np.float32(1e6)) * stretch
+                veil[x] = far * rate
+            if has_portal:
+                # Rain and snow are in the way outside only.
+                fog = settings[FOG_RATE]
+                for x in range(width):
+                    stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
+                    near = np.minimum(reach[y, x], np.float32(1e6))
+                    wet = np.minimum(near, gate[x]) if kinds[y, x] & SHELTERED else near
+                    if is_inside:
+                        wet = (
+                            _ZERO if kinds[y, x] & SHELTERED else np.maximum(near - gate[x], _ZERO)
+                        )
+                    veil[x] = (near * fog + wet * (rate - fog)) * stretch
+            for x in range(width):
+                veil[x] = fade(np.minimum(veil[x], np.float32(40.0)))
+            for x in range(width):
+                glow = back * spread[1, x]
+                r, g, b = settings[AIR_R] + glow, settings[AIR_G] + glow, settings[AIR_B] + glow
+                if has_portal and is_inside and kinds[y, x] & SHELTERED:
+                    r = settings[AIR_R] * settings[AIR_INSIDE] + glow
+                    g = settings[AIR_G] * settings[AIR_INSIDE] + glow
+                    b = settings[AIR_B] * settings[AIR_INSIDE] + glow
+                red[x] = r + (red[x] - r) * veil[x]
+                green[x] = g + (green[x] - g) * veil[x]
+                blue[x] = b + (blue[x] - b) * veil[x]
+        is_sky = False
+        for x in range(width):
+            is_sky |= sky[y, x] > 0
+        if is_sky:
+            through = settings[SKY_THROUGH]
+            low, between = np.int64(heaven[y, 3]), heaven[y, 4]
+            for x in range(sheet.shape[1]):
+                clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
+            for x in range(width):
+                if sky[y, x] == 0:
+                    continue
+                i = np.uint64(turns[x])
+                cloud = clouds[i] + (clouds[i + np.uint64(1)] - clouds[i]) * parts[x]
+                share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
+                grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
+                glow = settings[HALO] * halo[y] * spread[1, x]
+                r = heaven[y, 0] + (grey * np.float32(0.971) - heaven[y, 0]) * share
+                g = heaven[y, 1] + (grey * np.float32(0.984) - heaven[y, 1]) * share
+                b = heaven[y, 2] + (grey - heaven[y, 2]) * share
+                if through < _ONE:
+                    air_r, air_g = settings[AIR_R] + glow, settings[AIR_G] + glow
+                    air_b = settings[AIR_B] + glow
+                    r = air_r + (r - air_r) * through
+                    g = air_g + (g - air_g) * through
+                    b = air_b + (b - air_b) * through
+                if sky[y, x] == full:
+                    red[x], green[x], blue[x] = r, g, b
+                else:
+                    part = np.float32(sky[y, x]) * _TINY
+                    red[x] += (r - red[x]) * part
+                    green[x] += (g - green[x]) * part
+                    blue[x] += (b - blue[x]) * part
+        if has_grain:
+            first = np.uint32(y * width) + np.uint32(settings[NOISE])
+            for x in range(width):
+                speck = grain(first + np.uint32(x))
+                red[x] += speck
+                green[x] += speck
+                blue[x] += speck
+        for x in range(width):
+            image[y, x, 0] = np.uint8(np.minimum(np.maximum(red[x] + _HALF, _ZERO), top))
+            image[y, x, 1] = np.uint8(np.minimum(np.maximum(green[x] + _HALF, _ZERO), top))
+            image[y, x, 2] = np.uint8(np.minimum(np.maximum(blue[x] + _HALF, _ZERO), top))
+
+
+def develop_arrays(
+    rgb: U8,
+    reach: F32,
+    kinds: U8,
+    sky: U8,
+    settings: F32,
+    across: F32,
+    upwards: F32,
+    axes: F32,
+    spread: F32,
+    halo: F32,
+    heaven: F32,
+    sheet: F32,
+) -> U8:
+    """Develop a picture without numba: as `develop_pixels` does, without shadows, lamps, tunnels.
+
+    Args are those of `develop_pixels`.
+
+    Returns:
+        [height, width, 3]
+    """
+    height, width = reach.shape
+    rise = (upwards * axes[1, 2] + axes[2, 2])[:, None]
+    near = np.minimum(reach, _FARTHEST)
+    aloft = np.where((kinds & 20) == 4, _ZERO, settings[EYE_HEIGHT] + near * rise)
+    light = settings[DAY_R : DAY_B + 1].reshape(3, 1, 1) * np.ones((1, height, width), np.float32)
+    if settings[BEAM] > 0.0:
+        bright = beam(near, aloft, spread[0][None, :], settings[BEAM])
+        light += bright[None] * np.array([1.0, _BEAM_G, _BEAM_B], np.float32).reshape(3, 1, 1)
+    colours = rgb.astype(np.float32) * light
+    if settings[WET] > 0.0:
+        colours *= np.where((kinds & 28) == 4, settings[WET], _ONE)
+    air = settings[AIR_R : AIR_B + 1].reshape(3, 1, 1)
+    air = air + (settings[HALO] * halo[:, None] * spread[1][None, :])[None]
+    if settings[RATE] > 0.0:
+        stretch = np.sqrt(
+            _ONE + across[None, :] * across[None, :] + upwards[:, None] * upwards[:, None]
+        )
+        far = np.minimum(reach, np.float32(1e6)) * stretch * settings[RATE]
+        colours = air + (colours - air) * fade(np.minimum(far, np.float32(40.0)))
+    low, between = heaven[:, 3].astype(np.int64), heaven[:, 4:5]
+    lines = sheet[low] + (sheet[low + 1] - sheet[low]) * between
+    turn = spread[2].astype(np.int64)
+    cloud = lines[:, turn] + (lines[:, turn + 1] - lines[:, turn]) * (spread[2] - turn)
+    cloud = cloud.astype(np.float32)
+    share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
+    grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
+    blue = heaven[:, :3].T[:, :, None]
+    tones = np.array([0.971, 0.984, 1.0], np.float32).reshape(3, 1, 1)
+    behind = blue + (grey[None] * tones - blue) * share[None]
+    if settings[SKY_THROUGH] < _ONE:
+        behind = air + (behind - air) * settings[SKY_THROUGH]
+    colours += (behind - colours) * (sky.astype(np.float32) * _TINY)[None]
+    if settings[GRAIN] > 0.0:
+        numbers = np.arange(height * width, dtype=np.uint32) + np.uint32(settings[NOISE])
+        colours += grain(numbers).reshape(height, width)
+    done = np.clip(colours + _HALF, 0.0, 255.0).astype(np.uint8)
+    return np.ascontiguousarray(np.moveaxis(done, 0, 2))

@@ -1,0 +1,417 @@
+"""The numba kernels that give pixels their colours, from what `raster` found in front.
+
+Each pixel is shaded once, at its centre, with textures in a size that fits; where its corners show
+another surface, these are mixed.
+"""
+
+import numpy as np
+
+from oodscen.numerics._kernels import Kernel, inlined, part
+from oodscen_pybullet._rendering.depth_kernel import (
+    F32,
+    I32,
+    TUNNEL_AMBIENT,
+    TUNNEL_DIFFUSE,
+    U8,
+    U64,
+)
+
+_RUN = 32
+"""Most pixels that are shaded together."""
+_FINEST = 2.0
+"""Texels per pixel from which on the next coarser size is taken."""
+
+
+@inlined
+def _paint(
+    mark: int,
+    column: np.float32,
+    row: int,
+    count: int,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    detail: int,
+    scratch: I32,
+    red: U8,
+    green: U8,
+    blue: U8,
+    lit: U8,
+    at: int,
+) -> None:
+    """Shade neighbouring pixels of one record that is textured or lit unevenly.
+
+    Args:
+        mark: The record.
+        column: Of the first sample, pixels.
+        row: Of the samples, in their own count.
+        count: Pixels; so few that one size of texture fits all.
+        records: Of `scatter`.
+        labels: Of `scatter`.
+        texels: Of `gather`.
+        sizes: Of `gather`.
+        light: Of `gather`.
+        detail: Rows of samples from one row of pixels to the next.
+        scratch: [5, at least count] to work in.
+        red: A row of pixels, to be filled from `at` on.
+        green: The same.
+        blue: The same.
+        lit: The same with how squarely the sun meets the surface, 0 to 255.
+        at: Column of the first pixel.
+    """
+    k, first = np.uint64(mark), np.uint64(at)
+    zero, half, full = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    region = labels[k, 0]
+    is_uneven = records[k, 17] != zero
+    across, down = column - records[k, 0], np.float32(row) - records[k, 1]
+    iwx = records[k, 3]
+    iw = records[k, 2] + records[k, 3] * across + records[k, 4] * down
+    shade, shade_x = zero, zero
+    if is_uneven:
+        shade_x = records[k, 12]
+        shade = records[k, 11] + records[k, 12] * across + records[k, 13] * down
+    ambient, diffuse = light[0], light[1]
+    if labels[k, 3] & 8:
+        ambient, diffuse = np.float32(TUNNEL_AMBIENT), np.float32(TUNNEL_DIFFUSE)
+    if region < 0:
+        plain_r, plain_g, plain_b = records[k, 14], records[k, 15], records[k, 16]
+        for i in range(np.uint64(count)):
+            t = np.float32(np.int32(i))
+            slant = max((shade + shade_x * t) / (iw + iwx * t), zero)
+            strength = ambient + diffuse * slant
+            red[first + i] = np.uint8(min(plain_r * strength + half, full))
+            green[first + i] = np.uint8(min(plain_g * strength + half, full))
+            blue[first + i] = np.uint8(min(plain_b * strength + half, full))
+            lit[first + i] = np.uint8(min(slant * full, full))
+        return
+    ux, vx = records[k, 6], records[k, 9]
+    u0 = records[k, 5] + records[k, 6] * across + records[k, 7] * down
+    v0 = records[k, 8] + records[k, 9] * across + records[k, 10] * down
+    t = np.float32(count - 1) * half
+    w = np.float32(1.0) / (iw + iwx * t)
+    u, v = (u0 + ux * t) * w, (v0 + vx * t) * w
+    along = max(abs((ux - u * iwx) * w), abs((vx - v * iwx) * w))
+    iwy = records[k, 4]
+    deep = max(abs((records[k, 7] - u * iwy) * w), abs((records[k, 10] - v * iwy) * w))
+    spread = along * deep * np.float32(detail)
+    size = np.uint64(0)
+    limit = np.float32(_FINEST * _FINEST)
+    shrink = np.float32(1.0)
+    for _ in range(sizes.shape[1] - 1):
+        if spread <= limit:
+            break
+        spread *= np.float32(0.25)
+        shrink *= half
+        size += np.uint64(1)
+    one, picked = np.uint64(1), np.uint64(region)
+    start = sizes[picked, size, 0]
+    wide, tall = sizes[picked, size, one], sizes[picked, size, np.uint64(2)]
+    most_u, most_v = np.float32(wide - 1), np.float32(tall - 1)
+    # Every size has one column and one row more, which repeat the last ones.
+    line = np.int32(wide + 1)
+    two, three, four = np.uint64(2), np.uint64(3), np.uint64(4)
+    # In two loops: the first becomes vectors, which fetching texels would forbid.
+    for i in range(np.uint64(count)):
+        t = np.float32(np.int32(i))
+        w = np.float32(1.0) / (iw + iwx * t)
+        u = min(max((u0 + ux * t) * w * shrink - half, zero), most_u)
+        v = min(max((v0 + vx * t) * w * shrink - half, zero), most_v)
+        x0, y0 = np.int32(u), np.int32(v)
+        scratch[0, i] = start + y0 * line + x0
+        scratch[one, i] = np.int32((u - np.float32(x0)) * np.float32(64.0))
+        scratch[two, i] = np.int32((v - np.float32(y0)) * np.float32(64.0))
+        slant = max((shade + shade_x * t) * w, zero)
+        strength = ambient + diffuse * slant if is_uneven else records[k, 14]
+        scratch[three, i] = np.int32(strength * np.float32(4096.0))
+        scratch[four, i] = np.int32(min(slant * full, full) if is_uneven else records[k, 18])
+    rounding = np.uint64(0x800 + (0x800 << 21) + (0x800 << 42))
+    lanes = np.uint64(0xFF + (0xFF << 21) + (0xFF << 42))
+    most = np.uint64(255)
+    for i in range(np.uint64(count)):
+        fu, fv = np.uint64(np.uint32(scratch[one, i])), np.uint64(np.uint32(scratch[two, i]))
+        a = np.uint64(np.uint32(scratch[0, i]))
+        c = a + np.uint64(np.uint32(line))
+        k11 = fu * fv
+        k10, k01 = (fv << np.uint64(6)) - k11, (fu << np.uint64(6)) - k11
+        k00 = np.uint64(4096) - k01 - k10 - k11
+        texel = texels[a] * k00 + texels[a + one] * k01 + texels[c] * k10 + texels[c + one] * k11
+        texel = ((texel + rounding) >> np.uint64(12)) & lanes
+        texel = texel * np.uint64(np.uint32(scratch[three, i])) + rounding
+        red[first + i] = np.uint8(min((texel >> np.uint64(12)) & np.uint64(0x1FF), most))
+        green[first + i] = np.uint8(min((texel >> np.uint64(33)) & np.uint64(0x1FF), most))
+        blue[first + i] = np.uint8(min((texel >> np.uint64(54)) & np.uint64(0x1FF), most))
+        lit[first + i] = np.uint8(scratch[four, i])
+
+
+@inlined
+def _differs(mark: int, other: int, labels: I32) -> bool:
+    """Tell whether two samples show different surfaces."""
+    if mark == other:
+        return False
+    if mark < 0 or other < 0:
+        return True
+    return bool(labels[np.uint64(mark), 2] != labels[np.uint64(other), 2])
+
+
+@part
+def _smooth(
+    spots: I32,
+    begin: int,
+    end: int,
+    mixed: U8,
+    nearness: F32,
+    shown: I32,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    rgb: U8,
+    reach: F32,
+    sky: U8,
+) -> None:
+    """Mix what some pixels show in the middle, by a half, and at the corners, into `mixed`.
+
+    A surface that a neighbour shows at its centre has that neighbour's colour; only what is too
+    thin for that is shaded anew.
+    """
+    height, width = reach.shape
+    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    scratch = np.empty((5, 1), np.int32)
+    paint = np.empty((4, 1), np.uint8)
+    for n in range(np.uint64(begin), np.uint64(end)):
+        y, x = int(spots[n, 0]), int(spots[n, 1])
+        red = green = blue = weight = total = zero
+        one_r = one_g = one_b = zero
+        one, before = -1, np.int32(-1)
+        for tap in range(5):
+            # The middle, then the corners from the upper left.
+            part = np.float32(4.0 if tap == 0 else 1.0)
+            i, j = (0, 0) if tap == 0 else (2 * ((tap - 1) & 1) - 1, 2 * ((tap - 1) >> 1) - 1)
+            r = max(2 * y + j, 0)
+            c = max(x - 1, 0) if i < 0 else x
+            mark = shown[np.uint64(r), np.uint64(c)]
+            if mark < 0:
+                continue
+            if mark != before:
+                before = mark
+                k = np.uint64(mark)
+                surface = labels[k, 2]
+                if surface != one:
+                    one = surface
+                    is_known = False
+                    if labels[k, 0] < 0 and records[k, 17] == zero:
+                        one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
+                        is_known = True
+                    for step in range(4):
+                        # The pixel's own middle, and those of the others that share the corner,
+                        # are as near as any.
+                        if is_known:
+                            break
+                        b = min(max(y + j, 0), height - 1) if step & 2 else y
+                        a = min(max(x + i, 0), width - 1) if step & 1 else x
+                        other = shown[np.uint64(2 * b), np.uint64(a)]
+                        if other >= 0 and labels[np.uint64(other), 2] == surface:
+                            one_r = np.float32(rgb[0, np.uint64(b), np.uint64(a)])
+                            one_g = np.float32(rgb[1, np.uint64(b), np.uint64(a)])
+                            one_b = np.float32(rgb[2, np.uint64(b), np.uint64(a)])
+                            is_known = True
+                    if not is_known:
+                        _paint(
+                            mark,
+                            np.float32(x) + half * np.float32(i),
+                            2 * y + j,
+                            1,
+                            records,
+                            labels,
+                            texels,
+                            sizes,
+                            light,
+                            2,
+                            scratch,
+                            paint[0],
+                            paint[1],
+                            paint[2],
+                            paint[3],
+                            0,
+                        )
+                        one_r = np.float32(paint[0, 0])
+                        one_g = np.float32(paint[1, 0])
+                        one_b = np.float32(paint[2, 0])
+            red += part * one_r
+            green += part * one_g
+            blue += part * one_b
+            total += part * nearness[np.uint64(r), np.uint64(c)]
+            weight += part
+        scale = np.float32(1.0) / weight
+        reach[np.uint64(y), np.uint64(x)] = weight / total
+        mixed[n, 0] = np.uint8(min(red * scale + half, most))
+        mixed[n, 1] = np.uint8(min(green * scale + half, most))
+        mixed[n, 2] = np.uint8(min(blue * scale + half, most))
+        sky[np.uint64(y), np.uint64(x)] = np.uint8(
+            (np.float32(8.0) - weight) * np.float32(255.0 / 8.0) + half
+        )
+
+
+@part
+def _settle(spots: I32, begin: int, end: int, mixed: U8, rgb: U8) -> None:
+    """Write the mixed colours of some pixels."""
+    for n in range(np.uint64(begin), np.uint64(end)):
+        for e in range(3):
+            rgb[e, np.uint64(spots[n, 0]), np.uint64(spots[n, 1])] = mixed[n, e]
+
+
+@Kernel
+def gather(
+    nearness: F32,
+    shown: I32,
+    records: F32,
+    labels: I32,
+    texels: U64,
+    sizes: I32,
+    light: F32,
+    detail: int,
+    rgb: U8,
+    depth: F32,
+    rows: I32,
+    reach: F32,
+    sky: U8,
+    lit: U8,
+    kinds: U8,
+) -> None:
+    """Shade every pixel.
+
+    Args:
+        nearness: Of `scatter`, [height * detail, width].
+        shown: Of `scatter`, likewise.
+        records: Of `scatter`.
+        labels: Of `scatter`.
+        texels: Every texture in every size, row by row; red, green and blue 21 bits apart, so that
+            one product weighs all three.
+        sizes: [regions, sizes, 3] where each begins in `texels`, its width and height.
+        light: Shares of light from everywhere and from the sun.
+        detail: Of `scatter`.
+        rgb: [3, height, width] to be filled.
+        depth: [height, width] to be filled: at the pixel's centre, m, infinity for the sky.
+        rows: The same with the label, -1 for the sky.
+        reach: The same with the mean distance of what is not sky, m.
+        sky: The same with the share of sky, 0 to 255.
+        lit: The same with how squarely the sun meets the surface at the centre, 0 to 255.
+        kinds: The same with what that surface is made of.
+    """
+    height, width = depth.shape
+    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    scratch = np.empty((5, _RUN), np.int32)
+    mixed = np.zeros(width, np.int32)
+    spots = np.empty((height * width if detail == 2 else 0, 2), np.int32)
+    mixtures = np.empty((len(spots), 3), np.uint8)
+    starts = np.zeros(height + 1, np.int64)
+    count = 0
+    marks = np.empty(width, np.int32)
+    one, wide = np.uint64(1), np.uint64(width)
+    for y in range(np.uint64(height)):
+        row = int(y) * detail
+        middle, near = shown[row], nearness[row]
+        for x in range(wide):
+            mark = middle[x]
+            marks[x] = mark
+            far = np.float32(1.0) / near[x]
+            depth[y, x] = np.float32(np.inf) if mark < 0 else far
+            reach[y, x] = depth[y, x]
+            rows[y, x] = -1 if mark < 0 else labels[np.uint64(mark if mark >= 0 else 0), 1]
+        if detail == 2:
+            over, under = shown[max(row - 1, 0)], shown[row + 1]
+            for i in range(wide):
+                mixed[i] = (over[i] ^ middle[i]) | (under[i] ^ middle[i])
+            for i in range(np.uint64(width - 1)):
+                mixed[i + one] |= (over[i] ^ middle[i + one]) | (under[i] ^ middle[i + one])
+            for i in range(wide):
+                if mixed[i]:
+                    mark = middle[i]
+                    left = i - one if i > 0 else i
+                    if (
+                        _differs(mark, over[i], labels)
+                        or _differs(mark, under[i], labels)
+                        or _differs(mark, over[left], labels)
+                        or _differs(mark, under[left], labels)
+                    ):
+                        spots[np.uint64(count), 0], spots[np.uint64(count), 1] = y, i
+                        count += 1
+        x = 0
+        while x < width:
+            at = np.uint64(x)
+            mark = marks[at]
+            stop = x + 1
+            limit = min(x + _RUN, width)
+            while stop < limit and marks[np.uint64(stop)] == mark:
+                stop += 1
+            if mark < 0:
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 255
+                    rgb[0, y, at + i] = rgb[1, y, at + i] = rgb[2, y, at + i] = 0
+                    lit[y, at + i] = kinds[y, at + i] = 0
+            elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
+                k = np.uint64(mark)
+                plain_r = np.uint8(min(records[k, 14] + half, most))
+                plain_g = np.uint8(min(records[k, 15] + half, most))
+                plain_b = np.uint8(min(records[k, 16] + half, most))
+                plain_lit, made = np.uint8(records[k, 18]), np.uint8(labels[k, 3])
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 0
+                    rgb[0, y, at + i] = plain_r
+                    rgb[1, y, at + i] = plain_g
+                    rgb[2, y, at + i] = plain_b
+                    lit[y, at + i] = plain_lit
+                    kinds[y, at + i] = made
+            else:
+                _paint(
+                    mark,
+                    np.float32(x),
+                    row,
+                    stop - x,
+                    records,
+                    labels,
+                    texels,
+                    sizes,
+                    light,
+                    detail,
+                    scratch,
+                    rgb[0, y],
+                    rgb[1, y],
+                    rgb[2, y],
+                    lit[y],
+                    x,
+                )
+                made = np.uint8(labels[np.uint64(mark), 3])
+                for i in range(np.uint64(stop - x)):
+                    sky[y, at + i] = 0
+                    kinds[y, at + i] = made
+            x = stop
+        if detail == 2:
+            # A row is mixed when the one below it is painted, while all of them are at hand, and
+            # written when the one below it is mixed.
+            starts[y + one] = count
+            for last in range(int(y) - 1, int(y) + (1 if y + one == height else 0)):
+                if last >= 0:
+                    _smooth(
+                        spots,
+                        int(starts[last]),
+                        int(starts[last + 1]),
+                        mixtures,
+                        nearness,
+                        shown,
+                        records,
+                        labels,
+                        texels,
+                        sizes,
+                        light,
+                        rgb,
+                        reach,
+                        sky,
+                    )
+                if last >= 1:
+                    _settle(spots, int(starts[last - 1]), int(starts[last]), mixtures, rgb)
+    if detail == 2:
+        _settle(spots, int(starts[height - 1]), int(starts[height]), mixtures, rgb)

@@ -1,0 +1,235 @@
+"""Meshes as the rasteriser wants them: flat arrays of corners, in chunks with spheres around them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_pybullet._meshes.atlas import COLOURS, EMISSIVE, REGIONS, SIZE, SWATCH, draw_atlas
+from oodscen_pybullet._meshes.builder import Mesh
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
+
+LEVELS = 9
+"""Sizes in which a texture is kept, each half of the one before."""
+CHUNK = 256
+"""Most triangles that stand or fall together when the camera looks elsewhere."""
+CELL = 24.0
+"""Chunks are gathered from squares of this size, m."""
+PLAIN, SHINING, MIRROR, GROUND, SHELTERED, SOFT = 0, 1, 2, 4, 8, 16
+"""What is true of a triangle, added up: lamps shine in the dark, water mirrors, ground gets wet, what
+is in a tunnel does not, nor does the sun reach it, and grass and soil drink what falls on them."""
+DRINKS = frozenset({"grass", "grass_dark", "field", "crop", "earth", "soil", "turf", "hedge"})
+"""Colours and textures of soft ground."""
+_LEVEL = 0.6
+"""Upward part of the normal from which on ground is ground and not a kerb's or a bank's side."""
+WATER = frozenset({"water", "water_light", "flood", "flood_light"})
+"""Colours of what mirrors."""
+_GRID = 2.0**14
+"""Corners lie on a grid of so many lines per metre: their differences are exact in any chunk."""
+
+
+@dataclass(frozen=True, eq=False)
+class Textures:
+    """The regions of the atlas, each in every size."""
+
+    texels: NDArray[np.uint64]
+    """All of them, row by row: red, green and blue 21 bits apart.
+
+    Each has one column and one row more than its size says; they repeat the last ones.
+    """
+    sizes: I32
+    """[regions, LEVELS, 3] where each begins, its width and height."""
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles in chunks."""
+
+    corners: F32
+    """[n, 3, 8] x, y, z relative to the chunk's origin, normal, texel column and row."""
+    planes: F32
+    """[n, 4] normal and offset of each triangle's plane."""
+    colours: F32
+    """[n, 3] of triangles without texture."""
+    regions: I32
+    """[n] which texture, -1 for none."""
+    kinds: NDArray[np.uint8]
+    """[n] SHINING and so on, added up; `sheltered` changes it."""
+    spans: I32
+    """[m, 3] first triangle, the one after the last, and label of each chunk."""
+    places: F64
+    """[m, 5] origin of each chunk, and the cosine and sine of its yaw."""
+    spheres: F32
+    """[m, 4] centre relative to the origin, and radius, m."""
+
+    @classmethod
+    def of(cls, mesh: Mesh, atlas: NDArray[np.uint8], *, is_chunked: bool) -> "Triangles":
+        """Convert a mesh.
+
+        Args:
+            mesh: The mesh.
+            atlas: Where its colours are.
+            is_chunked: Whether it is cut into chunks, for scenery; else it is one chunk about the
+                mesh's origin, which `placed` can move.
+        """
+        order = mesh.triangles
+        points = np.round(mesh.vertices[order] * _GRID) / _GRID
+        normals, uvs = np.round(mesh.normals[order] * _GRID) / _GRID, mesh.uvs[order]
+        facing = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+        size = np.sqrt((facing * facing).sum(axis=1))
+        keep = size > 1e-9
+        points, normals, uvs = points[keep], normals[keep], uvs[keep]
+        facing = facing[keep] / size[keep, None]
+        if is_chunked:
+            rank, starts = _chunks(points)
+            points, normals, uvs, facing = points[rank], normals[rank], uvs[rank], facing[rank]
+        else:
+            starts = np.zeros(1, np.int64)
+        ends = np.append(starts[1:], len(points))
+        origins = np.zeros((len(starts), 3))
+        spheres = np.zeros((len(starts), 4))
+        for index, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
+            some = points[start:end].reshape(-1, 3)
+            middle = (some.min(axis=0) + some.max(axis=0)) / 2
+            if is_chunked:
+                origins[index] = np.round(middle)
+            spheres[index, :3] = middle - origins[index]
+            spheres[index, 3] = np.sqrt(((some - middle) ** 2).sum(axis=1).max()) + 1e-3
+        points = points - np.repeat(origins, ends - starts, axis=0)[:, None]
+        regions, texels = _regions(uvs)
+        middle_uv = uvs.mean(axis=1)
+        column = np.clip((middle_uv[:, 0] * SIZE).astype(np.int64), 0, SIZE - 1)
+        row = np.clip(((1.0 - middle_uv[:, 1]) * SIZE).astype(np.int64), 0, SIZE - 1)
+        return cls(
+            corners=np.concatenate([points, normals, texels], axis=2).astype(np.float32),
+            planes=np.concatenate(
+                [facing, (facing * points[:, 0]).sum(axis=1, keepdims=True)], axis=1
+            ).astype(np.float32),
+            colours=atlas[row, column].astype(np.float32),
+            regions=regions,
+            kinds=_kinds(regions, column, row)
+            + np.where(mesh.is_ground & (facing[:, 2] > _LEVEL), GROUND, 0).astype(np.uint8),
+            spans=np.stack([starts, ends, np.full(len(starts), -1)], axis=1).astype(np.int32),
+            places=np.concatenate(
+                [origins, np.tile(np.array([1.0, 0.0]), (len(starts), 1))], axis=1
+            ),
+            spheres=spheres.astype(np.float32),
+        )
+
+    def shelter(self, is_sheltered: NDArray[np.bool_]) -> None:
+        """Say which triangles, [n], are in a tunnel."""
+        self.kinds[:] = np.where(
+            is_sheltered, self.kinds | np.uint8(SHELTERED), self.kinds & np.uint8(255 - SHELTERED)
+        )
+
+    def middles(self) -> F64:
+        """Return the middle of each triangle, [n, 3] m, as it is placed."""
+        lengths = self.spans[:, 1] - self.spans[:, 0]
+        place = np.repeat(self.places, lengths, axis=0)
+        middle = self.corners[:, :, :3].astype(np.float64).mean(axis=1)
+        c, s = place[:, 3], place[:, 4]
+        return np.stack(
+            [
+                place[:, 0] + c * middle[:, 0] - s * middle[:, 1],
+                place[:, 1] + s * middle[:, 0] + c * middle[:, 1],
+                place[:, 2] + middle[:, 2],
+            ],
+            axis=1,
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence["Triangles"]) -> "Triangles":
+        """Return several as one, in their order."""
+        shifts = np.cumsum([0, *(len(part.corners) for part in parts)])
+        spans = [
+            part.spans + np.array([shift, shift, 0], np.int32)
+            for part, shift in zip(parts, shifts[:-1].tolist(), strict=True)
+        ]
+        return cls(
+            corners=np.concatenate([part.corners for part in parts]),
+            planes=np.concatenate([part.planes for part in parts]),
+            colours=np.concatenate([part.colours for part in parts]),
+            regions=np.concatenate([part.regions for part in parts]),
+            kinds=np.concatenate([part.kinds for part in parts]),
+            spans=np.concatenate(spans).astype(np.int32),
+            places=np.concatenate([part.places for part in parts]),
+            spheres=np.concatenate([part.spheres for part in parts]),
+        )
+
+
+def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return an order of triangles in which neighbours are together, and where chunks start."""
+    cells = np.floor(points.mean(axis=1)[:, :2] / CELL).astype(np.int64)
+    rank = np.lexsort((cells[:, 1], cells[:, 0]))
+    sorted_cells = cells[rank]
+    is_new = np.ones(len(rank), bool)
+    is_new[1:] = (sorted_cells[1:] != sorted_cells[:-1]).any(axis=1)
+    first = np.flatnonzero(is_new)
+    within = np.arange(len(rank)) - np.repeat(first, np.diff(np.append(first, len(rank))))
+    return rank, np.flatnonzero(within % CHUNK == 0)
+
+
+def _regions(uvs: F64) -> tuple[I32, F64]:
+    """Return which region each triangle shows, and its corners' texel columns and rows there."""
+    place = np.stack([uvs[..., 0] * SIZE, (1.0 - uvs[..., 1]) * SIZE], axis=2)
+    middle = place.mean(axis=1)
+    regions = np.full(len(uvs), -1, np.int32)
+    is_flat = (np.abs(place - place[:, :1]) < 1e-6).all(axis=(1, 2))
+    for index, (x, y, width, height) in enumerate(REGIONS.values()):
+        inside = (
+            (middle[:, 0] > x)
+            & (middle[:, 0] < x + width)
+            & (middle[:, 1] > y)
+            & (middle[:, 1] < y + height)
+            & ~is_flat
+        )
+        regions[inside] = index
+        place[inside] -= np.array([x, y])
+    return regions, place
+
+
+def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """Return what each triangle is made of, from its texture or its colour in the atlas."""
+    swatches, prints = (
+        np.zeros(SIZE * SIZE // SWATCH**2, np.uint8),
+        np.zeros(len(REGIONS), np.uint8),
+    )
+    for index, name in enumerate(COLOURS):
+        swatches[index] = SHINING if name in EMISSIVE else MIRROR if name in WATER else PLAIN
+        swatches[index] += SOFT if name in DRINKS else PLAIN
+    for index, name in enumerate(REGIONS):
+        prints[index] = SHINING if name in EMISSIVE else SOFT if name in DRINKS else PLAIN
+    plain = swatches[(row // SWATCH) * (SIZE // SWATCH) + column // SWATCH]
+    return np.where(regions >= 0, prints[np.maximum(regions, 0)], plain)
+
+
+@lru_cache(maxsize=2)
+def textures(is_snowy: bool) -> Textures:
+    """Return every region of the atlas in every size."""
+    atlas = draw_atlas(is_snowy)
+    texels: list[NDArray[np.uint64]] = []
+    sizes: list[tuple[int, int, int]] = []
+    start = 0
+    for x, y, width, height in REGIONS.values():
+        image = atlas[y : y + height, x : x + width]
+        for _ in range(LEVELS):
+            sizes.append((start, image.shape[1], image.shape[0]))
+            wide = np.pad(image, ((0, 1), (0, 1), (0, 0)), mode="edge").reshape(-1, 3)
+            wide = wide.astype(np.uint64)
+            texels.append(wide[:, 0] + (wide[:, 1] << 21) + (wide[:, 2] << 42))
+            start += len(wide)
+            image = _halved(image)
+    return Textures(np.concatenate(texels), np.array(sizes, np.int32).reshape(-1, LEVELS, 3))
+
+
+def _halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return an image of half the width and height, rounded up; integers only."""
+    height, width = image.shape[:2]
+    padded = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge").astype(np.int32)
+    four = padded[::2, ::2] + padded[1::2, ::2] + padded[::2, 1::2] + padded[1::2, 1::2]
+    return ((four + 2) // 4).astype(np.uint8)

@@ -1,0 +1,111 @@
+"""Where a dash camera is, and where points fall on its picture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.numerics import _exact as exact
+from oodscen.protocols import Camera
+
+_DEGREE = 0.017453292519943295
+NEAR = 0.2
+"""Closest thing that is drawn, m."""
+FAR = 420.0
+"""Farthest thing that is drawn, m."""
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera at its place in the world; pixel centres are at halves."""
+
+    width: int
+    height: int
+    focal: float
+    """Pixels per unit of x / depth."""
+    eye: Point
+    right: Point
+    up: Point
+    forward: Point
+
+    @classmethod
+    def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "View":
+        """Mount a camera on a vehicle whose footprint's centre and yaw are given."""
+        x, y, z, yaw = pose
+        s, c = exact.sincos(yaw)
+        sp, cp = exact.sincos(camera.pitch_deg * _DEGREE)
+        return cls(
+            width=camera.width,
+            height=camera.height,
+            focal=camera.width / 2 / exact.tan(camera.fov_deg * _DEGREE / 2),
+            eye=(
+                x + c * camera.x - s * camera.y,
+                y + s * camera.x + c * camera.y,
+                z + camera.z,
+            ),
+            right=(s, -c, 0.0),
+            up=(c * sp, s * sp, cp),
+            forward=(c * cp, s * cp, -sp),
+        )
+
+    def view_matrix(self) -> list[float]:
+        """Return OpenGL's view matrix, column by column."""
+        rows = (self.right, self.up, tuple(-v for v in self.forward))
+        moves = [-sum(a * b for a, b in zip(row, self.eye, strict=True)) for row in rows]
+        columns: list[float] = []
+        for axis in range(3):
+            columns += [row[axis] for row in rows] + [0.0]
+        return [*columns, *moves, 1.0]
+
+    def projection_matrix(self, *, samples_corners: bool = True) -> list[float]:
+        """Return OpenGL's projection matrix, column by column.
+
+        Args:
+            samples_corners: Whether the renderer samples pixel corners; the principal point then
+                moves by half a pixel so that what it samples is the middle of each pixel.
+        """
+        half = 1.0 if samples_corners else 0.0
+        w, h, f = self.width, self.height, self.focal
+        depth = FAR - NEAR
+        return [
+            2 * f / w, 0.0, 0.0, 0.0,
+            0.0, 2 * f / h, 0.0, 0.0,
+            half / w, half / h, -(FAR + NEAR) / depth, -1.0,
+            0.0, 0.0, -2 * FAR * NEAR / depth, 0.0,
+        ]  # fmt: skip
+
+    def to_camera(self, point: Point) -> Point:
+        """Return a world point's metres to the right, upwards and ahead of the camera."""
+        dx, dy, dz = point[0] - self.eye[0], point[1] - self.eye[1], point[2] - self.eye[2]
+        return (
+            dx * self.right[0] + dy * self.right[1] + dz * self.right[2],
+            dx * self.up[0] + dy * self.up[1] + dz * self.up[2],
+            dx * self.forward[0] + dy * self.forward[1] + dz * self.forward[2],
+        )
+
+    def pixel(self, point: Point) -> tuple[float, float, float] | None:
+        """Return column, row and depth of a world point, or `None` if it is behind the camera."""
+        across, upwards, ahead = self.to_camera(point)
+        if ahead < NEAR:
+            return None
+        return (
+            self.width / 2 + self.focal * across / ahead,
+            self.height / 2 - self.focal * upwards / ahead,
+            ahead,
+        )
+
+    def slopes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return x / depth by column, [width], and y / depth by row, [height], upwards."""
+        columns = (np.arange(self.width, dtype=np.float32) + np.float32(0.5)) - self.width / 2
+        rows = self.height / 2 - (np.arange(self.height, dtype=np.float32) + np.float32(0.5))
+        scale = np.float32(1.0 / self.focal)
+        return (columns * scale).astype(np.float32), (rows * scale).astype(np.float32)
+
+
+def metres(buffer: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Turn the renderer's depth buffer into metres along the optical axis, infinity for the sky."""
+    near, far = np.float32(NEAR), np.float32(FAR)
+    depth = far * near / (far - (far - near) * buffer)
+    return np.where(buffer >= np.float32(0.9999995), np.float32(np.inf), depth).astype(np.float32)

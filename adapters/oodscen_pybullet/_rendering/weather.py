@@ -1,0 +1,302 @@
+"""The air and what falls through it: fog, sky, rain and snow.
+
+Fog follows Koschmieder's law: contrast falls to 5 % at the visual range.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._seeding import stream
+from oodscen.data._scene import Weather
+from oodscen.numerics import _exact as exact
+from oodscen.numerics._kernels import Kernel
+from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._lighting.shelter import Portal
+from oodscen_pybullet._rendering.postprocess import beam, fade
+from oodscen_pybullet._rendering.triangles import SHELTERED
+from oodscen_pybullet._rendering.view import View
+
+Float = NDArray[np.float32]
+U8 = NDArray[np.uint8]
+Colour = tuple[float, float, float]
+
+SKY_M = 6_000.0
+"""How far the sky is away for the fog."""
+SHEET = (256, 1024)
+"""Rows by height and columns by heading of the clouds."""
+_EYE_M = 1.3
+"""Height of a camera above the road, for the beams' cut-off."""
+_TAU = 6.283185307179586
+
+
+def air_colour(weather: Weather, light: Light) -> Colour:
+    """Return the colour into which everything fades, 0 to 255."""
+    grey: Colour = (196.0, 201.0, 207.0)
+    if weather.precipitation == "rain":
+        grey = (158.0, 164.0, 171.0)
+    elif weather.precipitation == "snow":
+        grey = (208.0, 212.0, 219.0)
+    bright = 0.045 + 0.955 * light.daylight
+    return (
+        grey[0] * bright * light.tint[0],
+        grey[1] * bright * light.tint[1],
+        grey[2] * bright * light.tint[2],
+    )
+
+
+def heaven(view: View, weather: Weather, light: Light) -> Float:
+    """Return the sky by rows of pixels: [height, 5] float32.
+
+    Red, green and blue of the clear sky, 0 to 255; row of the sheet of clouds; share of the next
+    row. Below the horizon it is the haze over distant ground.
+    """
+    _, upwards = view.slopes()
+    rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
+    high = np.clip(rise * np.float32(1.6), 0.0, 1.0).astype(np.float32)
+    horizon, zenith = (204.0, 222.0, 240.0), (92.0, 148.0, 222.0)
+    night_horizon, night_zenith = (26.0, 30.0, 44.0), (7.0, 9.0, 20.0)
+    low = 1.0 - min(1.0, max(0.0, weather.sun_elevation_deg) / 14.0)
+    dusk = 0.6 * low * max(0.0, min(1.0, (weather.sun_elevation_deg + 8.0) / 8.0))
+    day = light.daylight
+    glow = (248.0, 186.0, 128.0)
+    rows = np.empty((view.height, 5), np.float32)
+    for e in range(3):
+        bottom = night_horizon[e] + (horizon[e] - night_horizon[e]) * day
+        bottom += (glow[e] * max(day, 0.5) - bottom) * dusk
+        top = night_zenith[e] + (zenith[e] - night_zenith[e]) * day
+        rows[:, e] = np.float32(bottom) + np.float32(top - bottom) * high
+    place = np.clip(rise * np.float32(420.0), 0.0, np.float32(SHEET[0] - 1.001))
+    rows[:, 3] = np.floor(place)
+    rows[:, 4] = place - rows[:, 3]
+    return rows
+
+
+def cloud_columns(view: View) -> Float:
+    """Return which column of the sheet of clouds each column of pixels shows: [width] float32."""
+    across, _ = view.slopes()
+    turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
+    columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / _TAU)
+    columns -= np.floor(columns * np.float32(1 / SHEET[1])) * np.float32(SHEET[1])
+    return np.asarray(np.clip(columns, 0.0, np.float32(SHEET[1] - 0.001)), np.float32)
+
+
+def cloud_cover(weather: Weather) -> float:
+    """Return the share of the sky that clouds hide."""
+    return max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
+
+
+@lru_cache(maxsize=8)
+def cloud_sheet(seed: int) -> Float:
+    """Return the density of clouds by height and heading, one column more than a full turn."""
+    rng = stream(seed, "clouds")
+    height, width = SHEET
+    sheet = np.zeros((height, width), np.float32)
+    octaves = ((10, 48, 0.52), (22, 96, 0.26), (44, 256, 0.15), (88, 512, 0.07))
+    for rows, columns, weight in octaves:
+        noise = rng.integers(0, 4096, (rows + 1, columns)).astype(np.float32) * np.float32(1 / 4095)
+        sheet += np.float32(weight) * _stretched(noise, height, width)
+    sheet = np.clip((sheet - np.float32(0.5)) * np.float32(1.7) + np.float32(0.5), 0.0, 1.0)
+    sheet = np.hstack([sheet, sheet[:, :1]]).astype(np.float32)
+    sheet.flags.writeable = False
+    return sheet
+
+
+def _stretched(noise: Float, height: int, width: int) -> Float:
+    """Return noise of another size, smooth between its places; the last column meets the first."""
+    rows, columns = noise.shape
+    y = np.arange(height, dtype=np.float32) * np.float32((rows - 1) / height)
+    x = np.arange(width, dtype=np.float32) * np.float32(columns / width)
+    i, j = y.astype(np.int64), x.astype(np.int64)
+    v, u = y - i.astype(np.float32), x - j.astype(np.float32)
+    v, u = v * v * (np.float32(3.0) - 2 * v), u * u * (np.float32(3.0) - 2 * u)
+    lines = noise[i] + (noise[i + 1] - noise[i]) * v[:, None]
+    other = lines[:, (j + 1) % columns]
+    return np.asarray(lines[:, j] + (other - lines[:, j]) * u[None, :], np.float32)
+
+
+def add_rain(
+    image: U8,
+    view: View,
+    weather: Weather,
+    light: Light,
+    depth: Float,
+    kinds: U8,
+    portal: Portal | None,
+    seed: int,
+    time: float,
+) -> None:
+    """Add streaks of falling drops, in place, where nothing stands before them.
+
+    Args:
+        image: [height, width, 3]
+        view: The camera.
+        weather: How hard it rains.
+        light: Of the scene.
+        depth: [height, width] m
+        kinds: The same with what is true of surfaces: what is in a tunnel is dry.
+        portal: Of the tunnel that the camera looks into, or out of.
+        seed: Of the run.
+        time: s
+    """
+    rng = stream(seed, "rain", round(time, 3))
+    area = view.width * view.height / (640 * 480)
+    intensity = math.sqrt(weather.precipitation_mm_h / 50.0)
+    scale = view.height / 480 * (0.75 + 0.5 * intensity)
+    shine = 0.3 + 0.45 * light.daylight
+    layers = []
+    for share, length, thick, bright, near, far in (
+        (1.0, 18.0, 0.7, 76.0, 5.0, 22.0),
+        (0.35, 42.0, 1.0, 92.0, 2.2, 6.0),
+        (0.05, 84.0, 1.8, 70.0, 1.3, 2.5),
+    ):
+        count = int(area * share * (160 + 760 * intensity))
+        x = rng.uniform(-20, view.width + 20, count)
+        size = rng.uniform(0.6, 1.3, count) * length * scale
+        y = rng.uniform(-40, view.height, count)
+        shade = rng.uniform(0.4, 1.0, count) * bright * shine
+        layers.append(
+            np.stack(
+                [
+                    x,
+                    y,
+                    size,
+                    shade,
+                    np.full(count, max(thick * scale, 0.6)),
+                    rng.uniform(near, far, count),
+                    np.zeros(count),
+                ],
+                axis=1,
+            )
+        )
+    streaks = np.concatenate(layers).astype(np.float32)
+    across = (streaks[:, 0] - np.float32(view.width / 2)) * np.float32(1.0 / view.focal)
+    high = (np.float32(view.height / 2) - streaks[:, 1]) * np.float32(1.0 / view.focal)
+    streaks = _outside(streaks, streaks[:, 5], across, high, portal)
+    draw_streaks(image, depth, kinds, streaks)
+
+
+def _outside(
+    drops: Float, ahead: Float, across: Float, upwards: Float, portal: Portal | None
+) -> Float:
+    """Return the drops or flakes that are not in a tunnel for sure.
+
+    The last number of each becomes 1 where it may be in one: behind the portal ahead.
+    """
+    if portal is None:
+        return drops
+    is_behind = ahead > portal.ahead(across, upwards)
+    if portal.is_inside:
+        return drops[is_behind]
+    drops[:, -1] = is_behind
+    return drops
+
+
+@Kernel
+def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
+    """Add slightly slanted lines of light.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        depth: [height, width] m
+        kinds: The same with what is true of surfaces.
+        streaks: [n, 7] column and row of the upper end, length, brightness, width, pixels; distance,
+            m; 1 where it is hidden by what is in a tunnel.
+    """
+    height, width = image.shape[0], image.shape[1]
+    one, most = np.float32(1.0), np.float32(255.0)
+    for n in range(streaks.shape[0]):
+        length, thick = streaks[n, 2], streaks[n, 4]
+        first, last = int(np.floor(streaks[n, 1])), int(np.floor(streaks[n, 1] + length))
+        for y in range(max(first, 0), min(last + 1, height)):
+            along = (np.float32(y) - streaks[n, 1]) / length
+            # Faint at both ends.
+            part = np.float32(4.0) * along * (one - along)
+            if part <= np.float32(0.0):
+                continue
+            middle = streaks[n, 0] - np.float32(0.10) * (np.float32(y) - streaks[n, 1])
+            left = int(np.floor(middle - thick))
+            for x in range(max(left, 0), min(int(np.floor(middle + thick)) + 2, width)):
+                away = abs(np.float32(x) - middle)
+                cover = min(
+                    max(thick * np.float32(0.5) + np.float32(0.5) - away, np.float32(0.0)), one
+                )
+                if depth[y, x] < streaks[n, 5]:
+                    continue
+                if streaks[n, 6] > np.float32(0.0) and kinds[y, x] & SHELTERED:
+                    continue
+                bright = streaks[n, 3] * part * cover
+                for e in range(3):
+                    image[y, x, e] = np.uint8(min(np.float32(image[y, x, e]) + bright, most))
+
+
+def add_snow(
+    image: U8,
+    view: View,
+    weather: Weather,
+    light: Light,
+    depth: Float,
+    kinds: U8,
+    portal: Portal | None,
+    seed: int,
+    time: float,
+) -> None:
+    """Add falling flakes, in place, where nothing stands before them; see `add_rain`."""
+    rng = stream(seed, "snow", round(time, 3))
+    intensity = min(1.0, weather.precipitation_mm_h / 12.0)
+    count = int(700 + 5200 * intensity)
+    share = rng.uniform(0.0, 1.0, count)
+    ahead = 0.9 + 26.0 * share * np.sqrt(np.sqrt(share))
+    across = rng.uniform(-1.0, 1.0, count) * ahead * view.width / view.focal * 0.55
+    upwards = rng.uniform(-1.0, 1.0, count) * ahead * view.height / view.focal * 0.55
+    column = view.width / 2 + view.focal * across / ahead
+    row = view.height / 2 - view.focal * upwards / ahead
+    radius = np.maximum(view.focal * 0.0055 / ahead, 0.5)
+    aside = np.asarray(across / ahead * np.float32(1.0 / 0.5), np.float32)
+    spread = fade(np.minimum(aside * aside, np.float32(40.0)))
+    near = ahead.astype(np.float32)
+    height = upwards.astype(np.float32)
+    strength = np.float32(2.6 * (1.0 - light.daylight))
+    shine = beam(near, height + np.float32(_EYE_M), spread, strength)
+    bright = np.minimum(np.float32(0.34 + 0.66 * light.daylight) + shine, np.float32(1.0))
+    flakes = np.stack([column, row, radius, ahead, bright, np.zeros(count)], axis=1).astype(
+        np.float32
+    )
+    slopes = (across / ahead).astype(np.float32), (upwards / ahead).astype(np.float32)
+    flakes = _outside(flakes, flakes[:, 3], *slopes, portal)
+    draw_flakes(image, depth, kinds, flakes, np.array([248.0, 250.0, 254.0], np.float32))
+
+
+@Kernel
+def draw_flakes(image: U8, depth: Float, kinds: U8, flakes: Float, colour: Float) -> None:
+    """Draw soft round flakes where nothing stands before them; they darken nothing.
+
+    Args:
+        image: [height, width, 3], changed in place.
+        depth: [height, width] m
+        kinds: The same with what is true of surfaces.
+        flakes: [n, 6] column, row and radius, pixels; distance, m; brightness, 0 to 1; 1 where it
+            is hidden by what is in a tunnel.
+        colour: [3] of the brightest, 0 to 255.
+    """
+    height, width = depth.shape
+    one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)
+    for n in range(flakes.shape[0]):
+        column, row, radius = flakes[n, 0] - half, flakes[n, 1] - half, flakes[n, 2]
+        edge = radius + one
+        for y in range(max(int(row - edge), 0), min(int(row + edge) + 2, height)):
+            for x in range(max(int(column - edge), 0), min(int(column + edge) + 2, width)):
+                if depth[y, x] < flakes[n, 3]:
+                    continue
+                if flakes[n, 5] > zero and kinds[y, x] & SHELTERED:
+                    continue
+                away = (np.float32(x) - column) * (np.float32(x) - column)
+                away += (np.float32(y) - row) * (np.float32(y) - row)
+                cover = min(max((edge - np.sqrt(away)) / (one + half * radius), zero), one)
+                cover *= np.float32(0.8)
+                for e in range(3):
+                    before = np.float32(image[y, x, e])
+                    more = max(colour[e] * flakes[n, 4] - before, zero)
+                    image[y, x, e] = np.uint8(before + more * cover + half)

@@ -1,0 +1,1 @@
+"""Scenery beside the roads."""

@@ -1,0 +1,220 @@
+"""Puts finished meshes beside roads, never on them and never into each other."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_pybullet._land.ground import Ground, Way
+from oodscen_pybullet._land.terrain import Terrain
+from oodscen_pybullet._meshes.builder import Mesh, Point
+
+Array = NDArray[np.float64]
+Heading = tuple[float, float]
+"""Cosine and sine of a direction."""
+
+Rectangle = tuple[float, float, Heading, float, float]
+"""Middle, direction of the first side, and half of both sides' lengths, m."""
+
+FAR_M = 280.0
+"""Small things are left out so far ahead of the ego's start, m."""
+SHORT_M = 110.0
+"""Scenery ends so far before the ego's road does: it is small by then."""
+_CELL = 24.0
+"""What was claimed is looked up in squares of this size, m."""
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A place beside a road."""
+
+    x: float
+    y: float
+    heading: Heading
+    """Along the road for things on its left, against it for things on its right."""
+    s: float
+    """On that road."""
+    side: int
+    """+1 left, -1 right."""
+
+    def beside(self, along: float, out: float) -> tuple[float, float]:
+        """Return x, y of a point so far along the heading and so far away from the road, m."""
+        c, s = self.heading
+        return self.x + along * c - out * s, self.y + along * s + out * c
+
+
+@dataclass
+class Site:
+    """Collects what stands beside the roads."""
+
+    ground: Ground
+    terrain: Terrain
+    rng: np.random.Generator
+    lamps: list[Point] = field(default_factory=list)
+    _vertices: list[Array] = field(default_factory=list)
+    _normals: list[Array] = field(default_factory=list)
+    _uvs: list[Array] = field(default_factory=list)
+    _taken: dict[tuple[int, int], list[Rectangle]] = field(default_factory=dict)
+
+    def add(self, mesh: Mesh, at: Point, heading: Heading) -> None:
+        """Add a mesh with its x axis along a heading, without asking what is there."""
+        c, s = heading
+        order = mesh.triangles.reshape(-1)
+        for source, target, move in (
+            (mesh.vertices, self._vertices, np.array(at)),
+            (mesh.normals, self._normals, np.zeros(3)),
+        ):
+            rows = source[order]
+            turned = np.stack(
+                [c * rows[:, 0] - s * rows[:, 1], s * rows[:, 0] + c * rows[:, 1], rows[:, 2]],
+                axis=1,
+            )
+            target.append(turned + move)
+        self._uvs.append(mesh.uvs[order])
+
+    def stand(
+        self, mesh: Mesh, spot: Spot, along: float, out: float, heading: Heading | None = None
+    ) -> Point:
+        """Add a small thing on the ground beside a spot, and return where it stands."""
+        x, y = spot.beside(along, out)
+        at = (x, y, self.terrain.height(x, y))
+        self.add(mesh, at, heading or spot.heading)
+        return at
+
+    def try_to_stand(
+        self, mesh: Mesh, spot: Spot, along: float, out: float, *, margin: float, radius: float
+    ) -> bool:
+        """Add a small thing where it is clear of asphalt and of what was claimed.
+
+        Args:
+            mesh: What.
+            spot: Beside which place.
+            along: Along the spot's heading, m.
+            out: Away from the road, m.
+            margin: Distance that its middle keeps from asphalt, m.
+            radius: Of its footprint, m.
+        """
+        x, y = spot.beside(along, out)
+        if not self.ground.is_free((x,), (y,), margin):
+            return False
+        if not self.claim(x, y, spot.heading, radius, radius, margin=0.0):
+            return False
+        self.stand(mesh, spot, along, out)
+        return True
+
+    def claim(
+        self, x: float, y: float, heading: Heading, half_x: float, half_y: float, *, margin: float
+    ) -> bool:
+        """Reserve a rectangle unless it is taken or too close to asphalt.
+
+        Args:
+            x: Its middle, m.
+            y: The same.
+            heading: Of its first side.
+            half_x: Half of that side's length, m.
+            half_y: Half of the other's, m.
+            margin: Distance kept from asphalt, m.
+        """
+        own, reach = (x, y, heading, half_x, half_y), half_x + half_y
+        cells = [
+            (i, j)
+            for i in range(int((x - reach) // _CELL), int((x + reach) // _CELL) + 1)
+            for j in range(int((y - reach) // _CELL), int((y + reach) // _CELL) + 1)
+        ]
+        for cell in cells:
+            if any(_overlap(own, other) for other in self._taken.get(cell, ())):
+                return False
+        if margin > 0.0:
+            c, s = heading
+            steps = [-1.0, -0.5, 0.0, 0.5, 1.0]
+            points = [
+                (x + a * half_x * c - b * half_y * s, y + a * half_x * s + b * half_y * c)
+                for a in steps
+                for b in steps
+            ]
+            if not self.ground.is_free([p for p, _ in points], [q for _, q in points], margin):
+                return False
+        for cell in cells:
+            self._taken.setdefault(cell, []).append(own)
+        return True
+
+    def spots(
+        self, way: Way, side: int, spacing: float, *, jitter: float = 0.0, first: float = 0.0
+    ) -> list[Spot]:
+        """Return places on the edge of a road's pavement at about equal distances."""
+        line = way.course
+        start = float(line.s[0]) + first
+        end = float(line.s[-1]) - (SHORT_M if way.is_ego else 0.0)
+        count = max(0, int((end - start) / spacing))
+        shifts = self.rng.uniform(-jitter, jitter, count) if jitter else np.zeros(count)
+        return [
+            self.spot(way, start + spacing * (i + 0.5) + float(shifts[i]), side)
+            for i in range(count)
+        ]
+
+    def spot(self, way: Way, s: float, side: int) -> Spot:
+        """Return the place on the edge of a road's pavement at `s`."""
+        line = way.course
+        t = float(np.interp(s, line.s, way.paved[1] if side > 0 else way.paved[0]))
+        x, y = float(np.interp(s, line.s, line.x)), float(np.interp(s, line.s, line.y))
+        c, n = float(np.interp(s, line.s, line.cos)), float(np.interp(s, line.s, line.sin))
+        norm = math.sqrt(c * c + n * n)
+        c, n = c / norm, n / norm
+        heading = (c, n) if side > 0 else (-c, -n)
+        return Spot(x - t * n, y + t * c, heading, s, side)
+
+    def is_spanned(self, spot: Spot, margin: float = 6.0) -> bool:
+        """Tell whether a spot is on a bridge or in a tunnel, or close to one's end."""
+        if not self.ground.corridor.structures:
+            return False
+        s, _ = self.ground.along(spot.x, spot.y)
+        return any(
+            one.start - margin < s < one.end + margin for one in self.ground.corridor.structures
+        )
+
+    def is_far(self, spot: Spot) -> bool:
+        """Tell whether a spot is so far that nobody sees small things there."""
+        s, away = self.ground.along(spot.x, spot.y)
+        ahead = s - self.ground.corridor.start
+        return ahead > FAR_M or ahead < -40.0 or away > 0.35 * FAR_M
+
+    def turn(self) -> Heading:
+        """Return some direction."""
+        u = float(self.rng.uniform(-1.0, 1.0))
+        norm = 1.0 + u * u
+        flip = 1.0 if self.rng.uniform() < 0.5 else -1.0
+        return flip * (1.0 - u * u) / norm, flip * 2.0 * u / norm
+
+    def mesh(self) -> Mesh:
+        """Return everything that was added."""
+        vertices = np.concatenate(self._vertices)
+        return Mesh(
+            vertices=vertices,
+            normals=np.concatenate(self._normals),
+            uvs=np.concatenate(self._uvs),
+            triangles=np.arange(len(vertices)).reshape(-1, 3),
+        )
+
+
+def _overlap(
+    one: Rectangle,
+    two: Rectangle,
+) -> bool:
+    """Tell whether two rectangles overlap: no side's direction separates them."""
+    x0, y0, h0, a0, b0 = one
+    x1, y1, h1, a1, b1 = two
+    dx, dy = x1 - x0, y1 - y0
+    reach = a0 + b0 + a1 + b1
+    if dx * dx + dy * dy > reach * reach:
+        return False
+    dot = abs(h0[0] * h1[0] + h0[1] * h1[1])
+    cross = abs(h0[0] * h1[1] - h0[1] * h1[0])
+    for (c, s), own, other in (
+        (h0, (a0, b0), (a1 * dot + b1 * cross, a1 * cross + b1 * dot)),
+        (h1, (a1, b1), (a0 * dot + b0 * cross, a0 * cross + b0 * dot)),
+    ):
+        along, across = abs(dx * c + dy * s), abs(dy * c - dx * s)
+        if along > own[0] + other[0] or across > own[1] + other[1]:
+            return False
+    return True

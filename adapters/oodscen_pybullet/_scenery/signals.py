@@ -1,0 +1,113 @@
+"""The traffic lights and signs of a map's file."""
+
+from collections.abc import Sequence
+
+from oodscen.driving import Corridor
+from oodscen.driving._roads.corridor import RoadSignal
+from oodscen.numerics._exact import cos, sin
+from oodscen_pybullet._meshes import asset_ids, asset_mesh
+from oodscen_pybullet._meshes.builder import Lamp, Mesh, Point
+from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
+from oodscen_pybullet._scenery.placing import Heading, Site
+
+INSTEAD_M = 4.0
+"""A scene's own signal stands in for the map's signals this near, m."""
+_ALONG = 0.7
+"""Cosine between a light and the ego's road from which on the light is meant for the road."""
+
+_SIGNS = {
+    "206": "stop_sign",
+    "205": "yield_sign",
+    "274": "speed_limit_sign",
+    "267": "no_entry_sign",
+    "220": "one_way_sign",
+    "101": "warning_sign",
+}
+"""OpenDRIVE's German sign types, and the asset that shows each."""
+
+
+def stand_signals(site: Site, without: frozenset[str]) -> list[Lamp]:
+    """Put up the map's signals: green for the ego's road, red for those that cross it.
+
+    Args:
+        site: Where they stand.
+        without: Ids of signals that are left out.
+
+    Returns:
+        What shines, in world coordinates.
+    """
+    shining: list[Lamp] = []
+    for signal in site.ground.corridor.signals:
+        if signal.id in without:
+            continue
+        mesh = _mesh_of(site, signal)
+        if mesh is None:
+            continue
+        c, s = -cos(signal.yaw), -sin(signal.yaw)
+        at = (signal.x, signal.y, site.terrain.surface(signal.x, signal.y))
+        site.add(mesh, at, (c, s))
+        shining += [_moved(lamp, at, (c, s)) for lamp in mesh.lamps]
+    return shining
+
+
+def _mesh_of(site: Site, signal: RoadSignal) -> Mesh | None:
+    asset = asset_of(signal)
+    if asset is None or asset not in asset_ids():
+        return None
+    if asset == "speed_limit_sign":
+        limit = limit_of(signal)
+        if limit is None:
+            return None
+        if limit != 30:
+            return speed_sign(limit)
+    return asset_mesh(asset, state_of(site, signal) if signal.kind == "traffic_light" else "")
+
+
+def limit_of(signal: RoadSignal) -> int | None:
+    """Return what a speed limit sign says, km/h, or `None` where there is no such face."""
+    try:
+        limit = round(float(signal.value))
+    except (ValueError, OverflowError):
+        return None
+    return limit if limit in LIMITS else None
+
+
+def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> frozenset[str]:
+    """Return the ids of the map's signals for which a scene's own ones stand in.
+
+    Args:
+        corridor: With the map's signals.
+        places: x and y of the scene's own signals, m.
+    """
+    reach = INSTEAD_M * INSTEAD_M
+    return frozenset(
+        signal.id
+        for signal in corridor.signals
+        if any((signal.x - x) ** 2 + (signal.y - y) ** 2 <= reach for x, y in places)
+    )
+
+
+def asset_of(signal: RoadSignal) -> str | None:
+    """Return the asset that shows a signal, or `None` where nothing does."""
+    if signal.kind == "traffic_light":
+        return "traffic_light"
+    return _SIGNS.get(signal.type)
+
+
+def state_of(site: Site, signal: RoadSignal) -> str:
+    """Return "green" for lights on the ego's road, else "red"."""
+    road = site.ground.corridor
+    place = min(max(signal.s, 0.0), road.length)
+    index = int(place / road.step + 0.5)
+    along = cos(signal.yaw) * float(road.cos[index]) + sin(signal.yaw) * float(road.sin[index])
+    return "green" if abs(along) > _ALONG else "red"
+
+
+def _moved(lamp: Lamp, at: Point, heading: Heading) -> Lamp:
+    (x, y, z), (fx, fy, fz), (c, s) = lamp.position, lamp.facing, heading
+    return Lamp(
+        (at[0] + c * x - s * y, at[1] + s * x + c * y, at[2] + z),
+        lamp.colour,
+        (c * fx - s * fy, s * fx + c * fy, fz),
+        lamp.power,
+    )

@@ -1,0 +1,207 @@
+"""Tunnels and bridges of the ego's road."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving._roads.corridor import Structure
+from oodscen_pybullet._land.ground import Course, Ground
+from oodscen_pybullet._land.surfaces import Ribbons, joined
+from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
+from oodscen_pybullet._meshes.atlas import swatch_uv
+from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+
+Array = NDArray[np.float64]
+
+CEILING_M = 5.4
+"""Height of a tunnel's ceiling above the road, m."""
+_LAMP_GAP = 10.0
+_WALL = 0.35
+
+
+def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
+    """Return the meshes of all tunnels and bridges, and where tunnels' lamps hang."""
+    meshes: list[Mesh] = []
+    lamps: list[Point] = []
+    for one in ground.corridor.structures:
+        reach = 0.45 if one.kind == "tunnel" else 0.0
+        line = Course.between(ground.corridor, one.start - reach, one.end + reach)
+        edges = [np.interp(line.s, ground.ego.course.s, edge) for edge in ground.ego.paved]
+        if one.kind == "tunnel":
+            meshes.append(_tunnel(ground, one, line, edges[0], edges[1], lamps))
+        else:
+            meshes += _bridge(ground, line, edges[0], edges[1])
+    return meshes, lamps
+
+
+def _tunnel(
+    ground: Ground, one: Structure, line: Course, right: Array, left: Array, lamps: list[Point]
+) -> Mesh:
+    """Return walls, ceiling, lamps and the fronts at both ends."""
+    ribbons = Ribbons(line)
+    low, high, top = -0.1, CEILING_M - 1.3, CEILING_M
+    near, far = right - _WALL, left + _WALL
+    for base, knee, colour in ((low, 1.1, "tunnel_light"), (1.1, high, "tunnel")):
+        ribbons.band(far, far + 1e-4, colour, heights=(base, knee))
+        ribbons.band(near - 1e-4, near, colour, heights=(knee, base))
+    inner_left, inner_right = far - 1.2, near + 1.2
+    ribbons.band(far, inner_left, "tunnel", heights=(high, top))
+    ribbons.band(inner_left, inner_right, "tunnel_dark", heights=(top, top))
+    ribbons.band(inner_right, near, "tunnel", heights=(top, high))
+    for edge, sign in ((right, 1.0), (left, -1.0)):
+        a, b = edge, edge - sign * _WALL
+        surface = "tunnel_light"
+        if sign > 0:
+            ribbons.band(b, a, surface, heights=(KERB, KERB))
+        else:
+            ribbons.band(a, b, surface, heights=(KERB, KERB))
+    mesh = MeshBuilder()
+    for s in np.arange(one.start + 3.0, one.end, _LAMP_GAP).tolist():
+        t0 = float(np.interp(s, line.s, inner_right))
+        t1 = float(np.interp(s, line.s, inner_left))
+        for share in (0.2, 0.8):
+            x, y, z, _ = ground.corridor.point(s, t0 + share * (t1 - t0))
+            c, n = float(np.interp(s, line.s, line.cos)), float(np.interp(s, line.s, line.sin))
+            panel = [
+                (x + a * c - b * n, y + a * n + b * c, z + top - 0.03)
+                for a, b in ((-0.9, -0.22), (-0.9, 0.22), (0.9, 0.22), (0.9, -0.22))
+            ]
+            mesh.polygon(panel, "lamp_on")
+            lamps.append((x, y, z + top - 0.1))
+    for s, forward in ((one.start, True), (one.end, False)):
+        _portal(mesh, ground, s, forward=forward)
+    return joined([ribbons.mesh(), mesh.build()])
+
+
+def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> None:
+    """Add the front of a tunnel, seen by those who drive in."""
+    road, ego = ground.corridor, ground.ego
+    x, y, z, _ = road.point(s, 0.0)
+    c = float(np.interp(s, road.s, road.cos))
+    n = float(np.interp(s, road.s, road.sin))
+    right = float(np.interp(s, ego.course.s, ego.paved[0])) - _WALL
+    left = float(np.interp(s, ego.course.s, ego.paved[1])) + _WALL
+    wide, step = BANK_M + 5.0, -0.25 if forward else 0.25
+
+    def at(t: float, h: float, out: float = 0.0) -> Point:
+        return (x + out * c - t * n, y + out * n + t * c, z + h)
+
+    def panel(outline: list[tuple[float, float]], colour: str, out: float = step) -> None:
+        points = [at(t, h, out) for t, h in outline]
+        mesh.polygon(points if not forward else points[::-1], colour)
+
+    high, top, roof = CEILING_M - 1.3, CEILING_M, PORTAL_M + 0.7
+    panel(
+        [(right - wide, -2.0), (right, -2.0), (right, roof), (right - wide, roof)], "concrete_dark"
+    )
+    panel([(left, -2.0), (left + wide, -2.0), (left + wide, roof), (left, roof)], "concrete_dark")
+    panel([(right, top), (left, top), (left, roof), (right, roof)], "concrete_dark")
+    panel([(right, high), (right + 1.2, top), (right, top)], "concrete_dark")
+    panel([(left, top), (left - 1.2, top), (left, high)], "concrete_dark")
+    rim = 0.6
+    out = step * 1.6
+    panel(
+        [(right - rim, 0.0), (right, 0.0), (right, high), (right - rim, high + 0.3)],
+        "concrete",
+        out,
+    )
+    panel([(left, 0.0), (left + rim, 0.0), (left + rim, high + 0.3), (left, high)], "concrete", out)
+    panel(
+        [(right - rim, high + 0.3), (right, high), (right + 1.2, top), (right + 0.9, top + rim)],
+        "concrete",
+        out,
+    )
+    panel(
+        [(left, high), (left + rim, high + 0.3), (left - 0.9, top + rim), (left - 1.2, top)],
+        "concrete",
+        out,
+    )
+    panel(
+        [(right + 0.9, top + rim), (right + 1.2, top), (left - 1.2, top), (left - 0.9, top + rim)],
+        "concrete",
+        out,
+    )
+    cap = [
+        at(right - wide, roof, step),
+        at(left + wide, roof, step),
+        at(left + wide, roof, -4 * step),
+        at(right - wide, roof, -4 * step),
+    ]
+    mesh.polygon(cap[::-1] if forward else cap, "concrete")
+    sides = [
+        at(right, -0.1, step),
+        at(right, -0.1, 0.0),
+        at(right, high, 0.0),
+        at(right, high, step),
+    ]
+    other = [at(left, -0.1, step), at(left, -0.1, 0.0), at(left, high, 0.0), at(left, high, step)]
+    mesh.polygon(sides, "concrete").polygon(sides[::-1], "concrete")
+    mesh.polygon(other, "concrete").polygon(other[::-1], "concrete")
+
+
+def _arches(mesh: MeshBuilder, ground: Ground, line: Course, right: Array, left: Array) -> None:
+    """Add a steel arch above each edge of a bridge, with hangers, and braces between them."""
+    first, last = float(line.s[0]) + 8.0, float(line.s[-1]) - 8.0
+    count = max(8, 2 * int((last - first) / 18.0))
+    rise = min(16.0, 0.11 * (last - first))
+    if last - first < 40.0:
+        return
+
+    def at(index: int, edge: Array, out: float, height: float) -> Point:
+        s = first + (last - first) * index / count
+        x, y, z, _ = ground.corridor.point(s, float(np.interp(s, line.s, edge)) + out)
+        return (x, y, z + height)
+
+    heights = [4.0 * rise * k * (count - k) / (count * count) - 0.6 for k in range(count + 1)]
+    for edge, out in ((right, -0.75), (left, 0.75)):
+        for index in range(count):
+            start = at(index, edge, out, heights[index])
+            mesh.beam(start, at(index + 1, edge, out, heights[index + 1]), 0.55, "steel")
+            if index and heights[index] > 2.0:
+                mesh.beam(at(index, edge, out, 0.0), start, 0.12, "steel")
+        mesh.box(at(0, edge, out, -2.0), (1.6, 1.6, 4.0), "concrete", caps="t")
+        mesh.box(at(count, edge, out, -2.0), (1.6, 1.6, 4.0), "concrete", caps="t")
+    for index in range(1, count):
+        if heights[index] > 6.5:
+            one = at(index, right, -0.75, heights[index])
+            mesh.beam(one, at(index, left, 0.75, heights[index]), 0.3, "steel")
+
+
+def _bridge(ground: Ground, line: Course, right: Array, left: Array) -> list[Mesh]:
+    """Return deck edges, railings, piers and the water below."""
+    ribbons = Ribbons(line)
+    deck = 0.45
+    high = KERB if ground.ego.has_kerb else 0.02
+    ribbons.band(right - deck, right, "concrete", heights=(high, high))
+    ribbons.band(left, left + deck, "concrete", heights=(high, high))
+    ribbons.band(right - deck - 1e-4, right - deck, "concrete_dark", heights=(-1.3, high))
+    ribbons.band(left + deck, left + deck + 1e-4, "concrete_dark", heights=(high, -1.3))
+    ribbons.band(left + deck, right - deck, "concrete_dark", heights=(-1.3, -1.3))
+    for t in (right - 0.25, left + 0.25):
+        for base, top in ((0.42, 0.48), (0.72, 0.78), (1.0, 1.1)):
+            ribbons.band(t, t + 1e-4, "post", heights=(base, top))
+            ribbons.band(t - 1e-4, t, "post", heights=(top, base))
+        ribbons.band(t - 0.05, t + 0.05, "rail", heights=(1.1, 1.1))
+    mesh = MeshBuilder()
+    for s in np.arange(float(line.s[0]) + 0.5, float(line.s[-1]), 2.5).tolist():
+        for edge, shift in ((right, -0.25), (left, 0.25)):
+            x, y, z, _ = ground.corridor.point(s, float(np.interp(s, line.s, edge)) + shift)
+            mesh.box((x, y, z + 0.55), (0.1, 0.1, 1.1), "post", caps="")
+    for s in np.arange(float(line.s[0]) + 26.0, float(line.s[-1]) - 20.0, 28.0).tolist():
+        for across in (float(right.mean()) * 0.6, float(left.mean()) * 0.6):
+            x, y, z, _ = ground.corridor.point(s, across)
+            mesh.box((x, y, z - 1.3 - VALLEY_M / 2), (1.2, 1.2, VALLEY_M), "concrete", caps="")
+    _arches(mesh, ground, line, right, left)
+    water = Ribbons(line)
+    middle = line.z - line.z.min()
+    for side in (-1.0, 1.0):
+        for a, b in ((0.0, 40.0), (40.0, 110.0), (110.0, WIDE_M + 30.0)):
+            near, far = side * a, side * b
+            heights = -WATER_M - middle
+            lower, upper = (
+                line.points(min(near, far), heights),
+                line.points(max(near, far), heights),
+            )
+            quads = np.stack([lower[:-1], lower[1:], upper[1:], upper[:-1]], axis=1)
+            surface = "water" if a < 100 else "water_light"
+            water.quads(quads, np.broadcast_to(swatch_uv(surface), (len(quads), 4, 2)))
+    return [joined([ribbons.mesh(), mesh.build(), water.mesh()])]

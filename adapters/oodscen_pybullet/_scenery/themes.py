@@ -1,0 +1,422 @@
+"""What stands beside the roads of a suburb, a city, a highway and the country."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from oodscen_pybullet._land.ground import Array, Way
+from oodscen_pybullet._land.surfaces import Ribbons, strip_edges
+from oodscen_pybullet._land.terrain import Theme
+from oodscen_pybullet._meshes import asset_mesh
+from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder, Point
+from oodscen_pybullet._scenery import furniture, greenery
+from oodscen_pybullet._scenery.buildings import (
+    BLOCK_DEPTH,
+    HOUSE,
+    STYLES,
+    barn,
+    city_block,
+    house,
+    tower,
+)
+from oodscen_pybullet._scenery.placing import Site, Spot
+
+BUS_STOP_M = 17.0
+"""A bus stop stands so far ahead of the ego's start, m: not where scenes put people."""
+_SIDES = (1, -1)
+_PAINTS = ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy")
+_BACK = (-1.0, 0.0)
+
+
+def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
+    """Put up everything beside the roads.
+
+    Args:
+        site: Where.
+        theme: What kind of land it is.
+        is_night: Whether windows and lamps are lit.
+    """
+    makers: dict[Theme, Callable[[Site, bool], None]] = {
+        "residential": _residential,
+        "urban": _urban,
+        "highway": _highway,
+        "rural": _rural,
+    }
+    for x, y, radius in site.terrain.islands.middles:
+        _plant_island(site, x, y, radius)
+    makers[theme](site, is_night)
+
+
+def _plant_island(site: Site, x: float, y: float, radius: float) -> None:
+    """Plant trees and bushes on the middle of a roundabout."""
+    spot = Spot(x, y, (1.0, 0.0), 0.0, 1)
+    site.claim(x, y, spot.heading, radius, radius, margin=0.0)
+    site.stand(greenery.broad_tree(int(site.rng.integers(0, 10)), is_tall=True), spot, 0.0, 0.0)
+    for share, count in ((0.35, 5), (0.62, 9)):
+        for index in range(count):
+            c, s = _CIRCLE[(index * len(_CIRCLE)) // count]
+            reach = share * radius
+            site.stand(
+                greenery.bush(int(site.rng.integers(0, 10))),
+                spot,
+                reach * c,
+                reach * s,
+                site.turn(),
+            )
+
+
+_CIRCLE = tuple(
+    (sign * c, other * s)
+    for sign, other, flip in ((1, 1, 0), (-1, 1, 1), (-1, -1, 0), (1, -1, 1))
+    for c, s in (
+        ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
+        if not flip
+        else ((0.0, 1.0), (0.3827, 0.9239), (0.7071, 0.7071), (0.9239, 0.3827))
+    )
+)
+
+
+def _streets(site: Site) -> list[Way]:
+    """Return the roads along which something stands, the ego's first."""
+    return [way for way in site.ground.ways if not way.is_connecting]
+
+
+def _lamps(
+    site: Site, way: Way, spacing: float, out: float, *, height: float, is_night: bool
+) -> None:
+    """Put street lamps along a road, on alternate sides."""
+    reach = 1.6
+    mesh = furniture.street_lamp(reach, height, is_night=is_night)
+    for side in _SIDES:
+        for index, spot in enumerate(site.spots(way, side, spacing)):
+            if index % 2 == (side > 0) or site.is_spanned(spot, 0.0):
+                continue
+            x, y = spot.beside(0.0, out)
+            if not site.ground.is_free((x,), (y,), 0.25):
+                continue
+            _, _, z = site.stand(mesh, spot, 0.0, out)
+            hx, hy = spot.beside(0.0, out - reach)
+            site.lamps.append((hx, hy, z + height))
+
+
+def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
+    """Put up signs with the road's own limit, where signs with that number exist."""
+    limit = round(way.corridor.speed_limit * 3.6)
+    if limit not in furniture.LIMITS:
+        return
+    mesh = asset_mesh("speed_limit_sign") if limit == 30 else furniture.speed_sign(limit)
+    for spot in site.spots(way, -1, 210.0, first=first):
+        x, y = spot.beside(0.0, out)
+        if site.ground.is_free((x,), (y,), 0.4) and not site.is_spanned(spot):
+            site.stand(mesh, spot, 0.0, out, (-spot.heading[0], -spot.heading[1]))
+
+
+def _tree(site: Site, spot: Spot, along: float, out: float, margin: float, kind: str = "") -> None:
+    """Put up a tree unless there is no room for it."""
+    key = int(site.rng.integers(0, 10))
+    is_far = out > 14.0 or site.is_far(spot)
+    if is_far and kind == "bush":
+        return
+    mesh = greenery.broad_tree(key, is_tall=kind == "tall", is_far=is_far)
+    if kind == "conifer":
+        mesh = greenery.conifer(key)
+    elif kind == "bush":
+        mesh = greenery.bush(key)
+    elif kind == "thicket":
+        mesh = greenery.thicket(key)
+    radius = {"bush": 0.5, "thicket": 7.0}.get(kind, 0.9)
+    site.try_to_stand(mesh, spot, along, out, margin=margin, radius=radius)
+
+
+# ------------------------------------------------------------------ suburb
+
+
+def _residential(site: Site, is_night: bool) -> None:
+    streets = _streets(site)
+    for way in streets:
+        for side in _SIDES:
+            for spot in site.spots(way, side, 15.5, jitter=0.8, first=4.0):
+                _home(site, spot, is_night)
+    for way in streets:
+        _lamps(site, way, 26.0, -0.5, height=5.6, is_night=is_night)
+        _speed_signs(site, way, -0.4, 70.0)
+        for side in _SIDES:
+            for spot in site.spots(way, side, 21.0, jitter=5.0):
+                mesh = _any_house(site, is_night)
+                x, y = spot.beside(0.0, 36.0)
+                if site.claim(x, y, spot.heading, HOUSE[0] / 2, HOUSE[1] / 2, margin=8.0):
+                    turned = (-spot.heading[0], -spot.heading[1])
+                    site.stand(mesh, spot, 0.0, 36.0, turned)
+                _tree(site, spot, 9.0, 24.0 + 6.0 * float(site.rng.uniform()), 6.0)
+    _horizon(site, 62.0)
+
+
+def _any_house(site: Site, is_night: bool) -> Mesh:
+    rng = site.rng
+    kind, roof, look = (int(rng.integers(0, n)) for n in (3, 3, 12))
+    return house(kind, roof, look, is_night=is_night)
+
+
+def _home(site: Site, spot: Spot, is_night: bool) -> None:
+    """Add a house with its garden."""
+    rng = site.rng
+    setback = 5.0 + float(rng.uniform(0, 1.6)) + HOUSE[1] / 2
+    mesh = _any_house(site, is_night)
+    style, has_car, paint = int(rng.integers(0, 4)), rng.uniform() < 0.4, int(rng.integers(0, 7))
+    x, y = spot.beside(0.0, setback)
+    if site.is_spanned(spot):
+        return
+    if not site.claim(x, y, spot.heading, HOUSE[0] / 2 + 0.3, HOUSE[1] / 2 + 0.3, margin=6.0):
+        return
+    site.stand(mesh, spot, 0.0, setback)
+    if site.is_far(spot):
+        _tree(site, spot, -4.5, 2.6, 3.5)
+        return
+    x, y = spot.beside(-1.8, 0.35)
+    if style < 3 and site.claim(x, y, spot.heading, 5.0, 0.3, margin=2.2):
+        site.stand(furniture.front(style), spot, -1.8, 0.35)
+    x, y = spot.beside(6.3, 4.6)
+    if site.claim(x, y, spot.heading, 1.0, 4.2, margin=2.0):
+        site.stand(furniture.drive(9.0), spot, 6.3, 0.0)
+        if has_car:
+            heading = (-spot.heading[1], spot.heading[0])
+            if rng.uniform() < 0.5:
+                heading = (-heading[0], -heading[1])
+            site.stand(furniture.parked_car(_PAINTS[paint]), spot, 6.3, 4.4, heading)
+        site.try_to_stand(furniture.mailbox(), spot, 4.6, 0.3, margin=1.8, radius=0.2)
+    if rng.uniform() < 0.75:
+        _tree(site, spot, -4.5 + 2.0 * float(rng.uniform()), 2.6, 3.5)
+    for _ in range(2):
+        _tree(site, spot, float(rng.uniform(-4.0, 3.5)), setback - 4.8, 3.5, "bush")
+    if rng.uniform() < 0.5:
+        _tree(site, spot, 3.0, setback + 8.5, 6.0, "tall" if rng.uniform() < 0.4 else "")
+    if rng.uniform() < 0.3:
+        x, y = spot.beside(-7.6, 6.0)
+        if site.claim(x, y, spot.heading, 0.3, 4.0, margin=3.5):
+            site.stand(furniture.side_hedge(), spot, -7.6, 1.5)
+
+
+# ------------------------------------------------------------------ city
+
+
+def _urban(site: Site, is_night: bool) -> None:
+    streets = _streets(site)
+    for way in streets:
+        for side in _SIDES:
+            _frontage(site, way, side, is_night)
+    stop = site.spot(streets[0], site.ground.corridor.start + BUS_STOP_M, -1)
+    x, y = stop.beside(0.0, -0.95)
+    is_free = site.ground.is_free((x,), (y,), 0.9) and not site.is_spanned(stop)
+    is_free = is_free and not site.terrain.is_corner(x, y, 14.0)
+    if is_free and site.claim(x, y, stop.heading, 3.0, 0.9, margin=0.0):
+        site.stand(furniture.bus_stop(is_night=is_night), stop, 0.0, -0.95)
+    for way in streets:
+        _lamps(site, way, 28.0, -1.9, height=7.5, is_night=is_night)
+        _speed_signs(site, way, -2.2, 60.0)
+        for side in _SIDES:
+            for index, spot in enumerate(site.spots(way, side, 17.0, jitter=1.5)):
+                x, y = spot.beside(0.0, -1.0)
+                if site.terrain.is_corner(x, y, 16.0) or site.is_spanned(spot):
+                    continue
+                _street_thing(site, spot, index)
+    for way in streets:
+        for side in _SIDES:
+            for spot in site.spots(way, side, 34.0, jitter=8.0):
+                out = 34.0 + 40.0 * float(site.rng.uniform())
+                style, look = int(site.rng.integers(0, STYLES)), int(site.rng.integers(0, 9))
+                x, y = spot.beside(0.0, out)
+                if not site.is_spanned(spot) and site.claim(
+                    x, y, spot.heading, 13.0, 13.0, margin=6.0
+                ):
+                    site.stand(tower(style, look, is_night=is_night), spot, 0.0, out)
+    if any(way.corridor.structures for way in streets):
+        _horizon(site, 60.0)
+
+
+def _frontage(site: Site, way: Way, side: int, is_night: bool) -> None:
+    """Line one side of a street with buildings, wall to wall but for a few gaps."""
+    rng, line = site.rng, way.course
+    s, end = float(line.s[0]), float(line.s[-1]) - (90.0 if way.is_ego else 0.0)
+    while s < end:
+        width = 6 * int(rng.integers(2, 5))
+        floors, style = int(rng.integers(3, 7)), int(rng.integers(0, STYLES))
+        look, has_shop = int(rng.integers(0, 12)), bool(rng.uniform() < 0.6)
+        gap = 6.5 if rng.uniform() < 0.12 else 0.06
+        is_placed = False
+        while width >= 12 and not is_placed:
+            spot = site.spot(way, s + width / 2, side)
+            out = 1.0 + BLOCK_DEPTH / 2
+            x, y = spot.beside(0.0, out)
+            is_placed = not site.is_spanned(spot, width / 2 + 8.0) and site.claim(
+                x, y, spot.heading, width / 2 - 0.05, BLOCK_DEPTH / 2, margin=2.3
+            )
+            if is_placed:
+                mesh = city_block(width, floors, style, look, has_shop=has_shop, is_night=is_night)
+                site.stand(mesh, spot, 0.0, out)
+            else:
+                width -= 6
+        s += width + gap if is_placed else 3.0
+
+
+def _street_thing(site: Site, spot: Spot, index: int) -> None:
+    """Add a tree at the kerb, or a bench, a bin, a hydrant."""
+    choice = float(site.rng.uniform())
+    wide = site.ground.near(np.array([spot.x]), np.array([spot.y])).asphalt[0]
+    kerb = 0.75 - float(wide)
+    if choice < 0.6:
+        _tree(site, spot, 0.0, kerb + 0.2, 0.6)
+    elif choice < 0.72:
+        site.try_to_stand(furniture.bench(), spot, 0.0, -0.35, margin=1.2, radius=0.5)
+        site.try_to_stand(furniture.litter_bin(), spot, 1.5, -0.35, margin=1.2, radius=0.2)
+    elif choice < 0.8:
+        site.try_to_stand(furniture.hydrant(), spot, 2.0, kerb - 0.1, margin=0.4, radius=0.2)
+    elif choice < 0.9:
+        for step in range(3):
+            site.try_to_stand(
+                furniture.bollard(), spot, 1.8 * step, kerb - 0.3, margin=0.3, radius=0.15
+            )
+
+
+# ------------------------------------------------------------------ highway
+
+
+def _highway(site: Site, is_night: bool) -> None:
+    for way in _streets(site):
+        for strip in way.corridor.strips:
+            if strip.kind == "median" and strip.direction >= 0:
+                _, left = strip_edges(way.corridor, way.course, strip)
+                _median_rail(site, way, left)
+                break
+        _guard_rails(site, way)
+        for side in _SIDES:
+            for spot in site.spots(way, side, 50.0):
+                site.try_to_stand(furniture.delineator(), spot, 0.0, 2.0, margin=1.5, radius=0.1)
+        if way.is_ego:
+            wide = abs(float(way.asphalt[0][0])) + 0.6
+            for spot in site.spots(way, -1, 420.0, first=20.0):
+                if not site.is_spanned(spot, 20.0):
+                    mesh = furniture.gantry(wide)
+                    site.stand(mesh, spot, 0.0, 0.9)
+        _woods(site, way, 15.0, (7.0, 46.0))
+    _horizon(site, 95.0)
+
+
+def _guard_rails(site: Site, way: Way) -> None:
+    """Add rails with posts along both sides, a metre beside the asphalt."""
+    right, left = way.asphalt
+    _rail(site, way, left + 1.0, 1)
+    _rail(site, way, right - 1.0, -1)
+
+
+def _median_rail(site: Site, way: Way, t: Array) -> None:
+    """Add a rail with two faces, back to back, between two carriageways."""
+    _rail(site, way, t - 0.16, 1)
+    _rail(site, way, t + 0.16, -1)
+
+
+def _rail(site: Site, way: Way, t: Array, side: int) -> None:
+    """Add a steel rail whose face looks towards the road: to the right for `side` +1."""
+    ribbons, line = Ribbons(way.course), way.course
+    for low, high, colour in ((0.44, 0.56, "rail"), (0.56, 0.60, "post"), (0.60, 0.74, "rail")):
+        if side > 0:
+            ribbons.band(t, t + 1e-4, colour, heights=(low, high))
+        else:
+            ribbons.band(t - 1e-4, t, colour, heights=(high, low))
+    ribbons.band(t - 0.05, t + 0.05, "rail", heights=(0.74, 0.74))
+    site.add(ribbons.mesh(), (0.0, 0.0, 0.0), (1.0, 0.0))
+    for row in range(0, len(line.s) - 1):
+        c, s = float(line.cos[row]), float(line.sin[row])
+        x, y = float(line.x[row] - t[row] * s), float(line.y[row] + t[row] * c)
+        heading = (c, s) if side > 0 else (-c, -s)
+        if not any(o.start < line.s[row] < o.end for o in way.corridor.structures):
+            site.add(furniture.rail_post(), (x, y, float(line.z[row])), heading)
+
+
+# ------------------------------------------------------------------ country
+
+
+def _woods(site: Site, way: Way, spacing: float, reach: tuple[float, float]) -> None:
+    """Add scattered trees and bushes on both sides."""
+    near, far = reach
+    for side in _SIDES:
+        for spot in site.spots(way, side, spacing, jitter=spacing * 0.4):
+            share = float(site.rng.uniform())
+            out = near + (far - near) * share * share
+            key = int(site.rng.integers(0, 6))
+            kind = "conifer" if key >= 4 else "tall" if key == 3 else ""
+            if site.is_spanned(spot, 2.0):
+                continue
+            _tree(site, spot, 0.0, out, near - 0.5, kind)
+            if site.rng.uniform() < 0.4:
+                _tree(site, spot, 3.0, max(near, out - 3.0), near - 0.5, "bush")
+
+
+def _horizon(site: Site, out: float) -> None:
+    """Add the edges of woods far off, along the ego's road."""
+    way = site.ground.ego
+    for side in _SIDES:
+        for spot in site.spots(way, side, 24.0, jitter=5.0):
+            far = out + 55.0 * float(site.rng.uniform())
+            if not any(one.kind == "bridge" for one in site.ground.corridor.structures) or (
+                not site.is_spanned(spot, 8.0)
+            ):
+                _tree(site, spot, 0.0, far, 24.0, "thicket")
+
+
+def _rural(site: Site, is_night: bool) -> None:
+    for way in _streets(site):
+        for side in _SIDES:
+            for spot in site.spots(way, side, 25.0):
+                if not site.is_spanned(spot, 0.0):
+                    site.try_to_stand(
+                        furniture.delineator(), spot, 0.0, 0.7, margin=0.5, radius=0.1
+                    )
+        for spot in site.spots(way, 1, 4.0):
+            if not site.is_spanned(spot):
+                site.try_to_stand(furniture.field_fence(), spot, 0.0, 10.0, margin=6.0, radius=0.3)
+        _power_line(site, way)
+        _speed_signs(site, way, 1.6, 90.0)
+        for spot in site.spots(way, 1, 330.0, first=40.0):
+            _farm(site, spot, is_night)
+        for spot in site.spots(way, -1, 90.0, jitter=30.0):
+            for along in (0.0, 7.0, 15.0):
+                site.try_to_stand(
+                    furniture.hay_bale(), spot, along, 26.0 + along / 3, margin=8.0, radius=0.8
+                )
+        _woods(site, way, 15.0, (7.5, 40.0))
+    _horizon(site, 70.0)
+
+
+def _power_line(site: Site, way: Way) -> None:
+    """Put up poles along the right side, with wires from each to the next."""
+    last: tuple[Point, Point] | None = None
+    wires = MeshBuilder()
+    for spot in site.spots(way, -1, 40.0):
+        x, y = spot.beside(0.0, 13.0)
+        if not site.ground.is_free((x,), (y,), 6.0) or site.is_spanned(spot, 24.0):
+            last = None
+            continue
+        site.claim(x, y, spot.heading, 0.3, 0.3, margin=0.0)
+        _, _, z = site.stand(furniture.power_pole(), spot, 0.0, 13.0)
+        (ax, ay), (bx, by) = spot.beside(0.0, 12.1), spot.beside(0.0, 13.9)
+        ends: tuple[Point, Point] = ((ax, ay, z + 8.15), (bx, by, z + 8.15))
+        if last is not None:
+            for start, end in zip(last, ends, strict=True):
+                middle = [0.5 * (p + q) for p, q in zip(start, end, strict=True)]
+                low = (middle[0], middle[1], middle[2] - 0.5)
+                wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
+        last = ends
+    if last is not None:
+        site.add(wires.build(), (0.0, 0.0, 0.0), (1.0, 0.0))
+
+
+def _farm(site: Site, spot: Spot, is_night: bool) -> None:
+    """Add a farmhouse and its barn."""
+    x, y = spot.beside(0.0, 24.0)
+    if site.is_spanned(spot, 30.0):
+        return
+    if site.claim(x, y, spot.heading, HOUSE[0] / 2 + 1, HOUSE[1] / 2 + 1, margin=8.0):
+        site.stand(_any_house(site, is_night), spot, 0.0, 24.0)
+    x, y = spot.beside(19.0, 29.0)
+    if site.claim(x, y, spot.heading, 9.5, 5.5, margin=8.0):
+        site.stand(barn("burgundy"), spot, 19.0, 29.0)

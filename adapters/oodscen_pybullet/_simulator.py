@@ -1,0 +1,250 @@
+"""The reference simulator: PyBullet's bodies and camera, motion by the kinematic world."""
+
+import math
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Scene
+from oodscen.driving import Corridor, MirrorSimulator, find_map
+from oodscen.errors import SpawnError
+from oodscen.protocols import Camera, Frame
+from oodscen_pybullet._catalogue import load_catalogue
+from oodscen_pybullet._contacts import Bodies, Pose
+from oodscen_pybullet._engine import load_pybullet
+from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
+from oodscen_pybullet._lighting.shelter import Shelter
+from oodscen_pybullet._meshes import Mesh, asset_ids
+from oodscen_pybullet._meshes.vehicles.cars import bonnet
+from oodscen_pybullet._renderers import Renderer, choose_renderer, open_stage
+from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
+from oodscen_pybullet._rendering.bullet_camera import Stage
+from oodscen_pybullet._rendering.particles import Ball, filled, placed
+from oodscen_pybullet._rendering.picture import Picture, develop
+from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
+from oodscen_pybullet._scenery.signals import replaced
+
+REACH = 20.0
+"""Gaps are measured up to this distance, m."""
+STAGES = 16
+"""Roads whose scenery stays loaded."""
+DARK = 0.2
+"""Daylight up to which nothing throws a shadow."""
+LIT_DEG = 1.0
+"""Elevation of the sun below which windows are lit."""
+LYING_SNOW_MM_H = 1.0
+"""Snowfall from which on the ground is white."""
+
+
+class PyBulletSimulator(MirrorSimulator):
+    """Shows scenes with PyBullet; needs no display.
+
+    PyBullet measures the distances between the catalogue's boxes; pictures come from a software
+    rasteriser with light and weather added from depth. Nothing is started before the first scene, and the camera's world
+    is not built before the first picture. The very first picture after installation waits for some
+    seconds while the rasteriser is compiled; numba keeps the result on disk.
+    """
+
+    name = "pybullet"
+
+    renderer: Renderer
+    """Which camera is in use: the rasteriser, or PyBullet's own."""
+
+    def __init__(self, renderer: Renderer = "raster") -> None:
+        """Choose a camera.
+
+        Args:
+            renderer: "raster" draws with numba, quickly; "pybullet" is PyBullet's own software
+                camera, which also stands in, with a `RuntimeWarning`, where numba is missing.
+
+        Raises:
+            UnknownComponent: When there is no such camera.
+        """
+        super().__init__()
+        self.renderer = choose_renderer(renderer)
+        self._engine: Any = None
+        self._bodies: Bodies | None = None
+        self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
+        self._loaded: tuple[Corridor, Scene, int] | None = None
+        self._cast: Cast
+        self._poses: list[Pose] = []
+        self._speeds: list[float] = []
+        self._shown: object = None
+
+    # ------------------------------------------------------------------ MirrorSimulator
+
+    def catalogue(self) -> Catalogue:
+        """Return the assets, behaviours, maps and weather on offer."""
+        return load_catalogue()
+
+    def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
+        """Clear the world; the scenery waits for the first picture.
+
+        Raises:
+            MissingExtra: When PyBullet or OpenCV is not installed.
+        """
+        if self._bodies is None:
+            self._engine = load_pybullet()
+            self.renderer = choose_renderer(self.renderer, is_tried=True)
+            self._bodies = Bodies(self._engine)
+        self._bodies.clear()
+        self._loaded = (corridor, scene, seed)
+        self._cast = Cast(scene, seed)
+        self._poses, self._speeds = [], []
+        self._shown = None
+
+    def spawn(self, actor_id: str, asset: Asset, state: str, pose: Pose) -> None:
+        """Add one body.
+
+        Raises:
+            SpawnError: When there is no such mesh, the pose is no place, or the engine refuses.
+        """
+        assert self._bodies is not None
+        if not all(map(math.isfinite, pose)):
+            raise SpawnError(actor_id, asset.id, pose, "the pose is not finite")
+        if asset.id not in asset_ids():
+            raise SpawnError(actor_id, asset.id, pose, "there is no mesh for this asset")
+        if not self._bodies.add(asset.length, asset.width, asset.height):
+            raise SpawnError(actor_id, asset.id, pose, "PyBullet refused the collision shape")
+        self._cast.add(actor_id, asset, state)
+
+    def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """Remember where everything is; bodies move when a gap or a picture asks for them."""
+        self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
+        self._speeds = speeds.tolist()
+
+    def gaps(self, rows: Sequence[int]) -> list[float]:
+        """Measure the distance from the ego's box to others', m."""
+        bodies = self._bodies
+        assert bodies is not None
+        bodies.move(0, self._poses[0])
+        distances = []
+        for row in rows:
+            bodies.move(row, self._poses[row])
+            distances.append(bodies.distance(0, row, REACH))
+        return distances
+
+    def draw(self, camera: Camera) -> Frame:
+        """Take the dash camera's picture of the current state."""
+        assert self._loaded is not None
+        corridor, scene, seed = self._loaded
+        stage, scenery = self._set(corridor, scene, seed)
+        view = View.of(camera, self._poses[0])
+        is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
+        looks = self._cast.looks(
+            self._poses, self._speeds, self.world.accelerations().tolist(), self.world.time
+        )
+        if self._shown != (id(stage), is_inside, looks):
+            ego: Look | Mesh = bonnet("silver").build() if is_inside else looks[0]
+            stage.show_actors([ego, *looks[1:]])
+            self._shown = (id(stage), is_inside, looks)
+        poses = self._stand(scenery)
+        stage.pose_actors(poses)
+        light = Light.of(scene.weather, corridor.heading(corridor.start), is_snowy=_is_snowy(scene))
+        ground = poses[0][2]
+        portal = Shelter(corridor).portal(view)
+        shot = stage.photograph(
+            view,
+            sun=light.sun,
+            ambient=light.ambient,
+            diffuse=light.diffuse,
+            ground=ground if light.daylight > DARK else None,
+            shades=light.shades,
+            is_inside=portal is not None and portal.is_inside,
+        )
+        balls = [
+            ball
+            for row, (look, pose) in enumerate(zip(looks, poses, strict=True))
+            for ball in placed(mesh_of(look).puffs, pose, row)
+        ]
+        picture = Picture(
+            shot=shot,
+            view=view,
+            weather=scene.weather,
+            light=light,
+            glows=[*self._cast.glows(looks, poses), *_lamps_of(scenery)],
+            time=self.world.time,
+            seed=seed,
+            road_height=ground,
+            portal=portal,
+            balls=balls,
+        )
+        rgb = develop(picture)
+        return Frame(
+            rgb=rgb,
+            depth=shot.depth,
+            ids=shot.rows + np.int32(1),
+            unhidden=_unhidden(stage, view, balls),
+        )
+
+    def release(self) -> None:
+        """Disconnect from PyBullet."""
+        if self._bodies is not None:
+            self._bodies.close()
+            self._bodies = None
+        for stage, _ in self._stages.values():
+            stage.close()
+        self._stages.clear()
+        self._shown = None
+
+    # ------------------------------------------------------------------ the picture's parts
+
+    def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Scenery]:
+        """Return the stage with this road's scenery, built if it is new."""
+        road = find_map(scene.map, self.catalogue())
+        is_night = scene.weather.sun_elevation_deg < LIT_DEG
+        own = zip(self._cast.assets, self._poses, strict=True)
+        places = [(x, y) for asset, (x, y, _, _) in own if asset.category == "signal"]
+        without = replaced(corridor, places)
+        key = (road.id, id(corridor), seed, _is_snowy(scene), is_night, without)
+        if key in self._stages:
+            self._stages.move_to_end(key)
+            return self._stages[key]
+        if len(self._stages) >= STAGES:
+            _, (oldest, _) = self._stages.popitem(last=False)
+            oldest.close()
+        traits = frozenset(road.traits)
+        scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
+        stage = open_stage(self.renderer, self._engine)
+        stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene), shelter=Shelter(corridor))
+        self._stages[key] = (stage, replace(scenery, meshes=()))
+        return self._stages[key]
+
+    def _stand(self, scenery: Scenery) -> list[Pose]:
+        """Return the poses with everything beside the asphalt lifted onto the ground there."""
+        places = np.array(self._poses, np.float64)
+        lifts = scenery.terrain.lifts(places[1:, 0], places[1:, 1]).tolist()
+        lifted = [
+            (x, y, z + lift, yaw)
+            for (x, y, z, yaw), lift in zip(self._poses[1:], lifts, strict=True)
+        ]
+        return [self._poses[0], *lifted]
+
+
+def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
+    """Return how many pixels each body would fill if nothing stood before it."""
+    pixels = stage.unhidden(view)
+    if pixels is not None:
+        for row in sorted({ball.row for ball in balls}):
+            pixels[row] = max(pixels[row], np.count_nonzero(filled(view, balls, row)))
+    return pixels
+
+
+def _lamps_of(scenery: Scenery) -> list[Glow]:
+    """Return the street lamps and what shines at traffic lights."""
+    heads = [
+        Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
+    ]
+    signals = [Glow(one.position, one.colour, one.facing, one.power) for one in scenery.signals]
+    return [*heads, *signals]
+
+
+def _is_snowy(scene: Scene) -> bool:
+    weather = scene.weather
+    return weather.precipitation == "snow" and weather.precipitation_mm_h >= LYING_SNOW_MM_H

@@ -1,0 +1,1 @@
+"""The knowledge base of hazards: its entries, loading, validation, inspection."""

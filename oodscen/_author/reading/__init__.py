@@ -1,0 +1,1 @@
+"""Reading English: clauses, labels, settings and claims from words alone."""

@@ -1,0 +1,1 @@
+"""Staging by recipe: actors, lanes, weather, background traffic and the moment of decision."""

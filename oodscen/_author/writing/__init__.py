@@ -1,0 +1,1 @@
+"""Writing texts and their ordinary twins."""

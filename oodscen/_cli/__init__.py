@@ -1,0 +1,182 @@
+"""The command line: each command is a thin call of one public function.
+
+`EXIT_CODES` is what every command ends with. Modules in the current folder can be named, as in
+`--driver my_stack:Driver`.
+"""
+
+import os
+import shlex
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import Any
+
+import click
+
+from oodscen._cli import (
+    claims,
+    components,
+    driving,
+    judging,
+    measuring,
+    pruning,
+    stages,
+    study,
+    tree,
+)
+from oodscen._cli.output import drop_output, say, shortened
+from oodscen._text import one_line, plain, whole
+from oodscen._version import __version__
+from oodscen.errors import OodscenError, RunStopped, UsageError
+from oodscen.llm._remote.offline import enforce
+from oodscen.llm._remote.redaction import redact
+
+# Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+
+_ORDER = "oodscen.order"
+"""Key of the words behind the program's name in a context."""
+
+
+class _Group(click.Group):
+    """Turns errors of the library into one friendly line and an exit code."""
+
+    def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
+        try:
+            return super().main(args, *given, **options)
+        except OSError as error:
+            if "--debug" in (sys.argv if args is None else args):
+                raise
+            with suppress(OSError):
+                say(f"oodscen: {shortened(str(error))}", err=True)
+            drop_output()
+            sys.exit(1)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        for word in args:
+            if "\0" in word or whole(word) != word:
+                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is no text in UTF-8.")
+        ctx.meta[_ORDER] = list(args)
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        order = ctx.meta.get(_ORDER, [])
+        try:
+            if sys.stdout is None:
+                raise UsageError("standard output is closed; send it to a file or to /dev/null")
+            with _interruptible():
+                return super().invoke(ctx)
+        except click.ClickException as error:
+            vars(error)["message"] = shortened(error.message)  # click declares it final.
+            raise
+        except KeyboardInterrupt as interrupt:
+            again = ""
+            if ctx.invoked_subcommand in ("run", "evaluate"):
+                command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
+                again = f"; what is done is written, and this command continues: {command}"
+            with suppress(OSError):  # of a terminal that has hung up
+                say(f"oodscen: interrupted{again}", err=True)
+            ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
+        except OodscenError as error:
+            if ctx.params.get("debug"):
+                raise
+            say(f"oodscen: {shortened(redact(str(error)))}", err=True)
+            ctx.exit(
+                2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
+            )
+
+
+class _Interrupt(KeyboardInterrupt):
+    """A signal asked the command to end."""
+
+    def __init__(self, number: int) -> None:
+        self.signal = number
+        super().__init__()
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; the second signal ends the process at once.
+
+    A signal that the process was started to ignore, as `nohup` does, stays ignored.
+    """
+    before: dict[int, Any] = {}
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        for one in before:
+            signal.signal(one, signal.SIG_DFL)
+        raise _Interrupt(number)
+
+    try:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                if signal.getsignal(number) is not signal.SIG_IGN:
+                    before[number] = signal.getsignal(number)
+                    signal.signal(number, interrupt)
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
+
+
+def _without(order: list[str], option: str) -> list[str]:
+    """Leave out an option that is done once and for all, with its value."""
+    kept: list[str] = []
+    words = iter(order)
+    for word in words:
+        if word == option:
+            next(words, None)
+        elif not word.startswith(f"{option}="):
+            kept.append(word)
+    return kept
+
+
+EXIT_CODES = {
+    0: "all went well",
+    1: "some items failed, or a check says no; what succeeded is written",
+    2: "the request cannot be met: unknown name, malformed or empty file, folder of another study",
+    3: "stopped by a cap or a server that is down; the same command continues",
+    129: "interrupted by SIGHUP (the terminal is gone); the same command continues",
+    130: "interrupted by Ctrl-C (SIGINT); the same command continues",
+    143: "interrupted by SIGTERM; the same command continues",
+}
+
+_EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG)
+@click.version_option(__version__, prog_name="oodscen")
+@click.option("--debug", is_flag=True, help="Show tracebacks.")
+@click.pass_context
+def main(context: click.Context, debug: bool) -> None:
+    """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
+    enforce()
+    here = os.getcwd()
+    if here not in sys.path:
+        sys.path.append(here)
+        context.call_on_close(lambda: sys.path.remove(here))
+
+
+for _command in (
+    study.run,
+    stages.grow,
+    stages.redteam,
+    pruning.prune,
+    stages.describe,
+    stages.augment,
+    claims.faithful,
+    stages.simulate,
+    study.evaluate,
+    driving.drive,
+    measuring.score,
+    judging.power,
+    study.report,
+    tree.tree,
+    components.plugins,
+    components.doctor,
+):
+    main.add_command(_command)

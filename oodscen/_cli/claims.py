@@ -1,0 +1,108 @@
+"""Whether scenes hold to their texts."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import click
+from tqdm import tqdm
+
+from oodscen._cli.options import json_option, llm_options, seed_option, simulator_option
+from oodscen._cli.output import say
+from oodscen._cli.paths import READABLE
+from oodscen.claims._check import Faithfulness, Unjudged
+from oodscen.data._base import Data, canonical_json, read_text
+from oodscen.errors import AnswerError, DataError, Issue, LLMError
+
+Value = TypeVar("Value", bound=Data)
+
+
+@click.command()
+@click.argument("scenes", type=READABLE)
+@click.option(
+    "--scenarios", type=READABLE, required=True, help="The texts, one scenario per line, by id."
+)
+@llm_options
+@seed_option
+@simulator_option
+@json_option
+def faithful(
+    scenes: Path,
+    scenarios: Path,
+    llm: str,
+    api_base: str | None,
+    seed: int,
+    simulator: str,
+    as_json: bool,
+) -> None:
+    """Compare every scene of the file SCENES, whoever wrote it, with what its text says.
+
+    A line that holds no scene, a scene without a text and one that cannot be staged are told and
+    counted; the rest is compared. The exit code is 1 if there is one of these, or a scene that
+    contradicts its text.
+    """
+    from oodscen import Scenario, Scene, make_llm, make_simulator
+    from oodscen.claims import check_faithful
+    from oodscen.driving import check_scene
+
+    texts, faulty = {}, []
+    for number, scenario in _values(Scenario, scenarios):
+        if isinstance(scenario, Scenario):
+            texts[scenario.id] = scenario.text
+        else:
+            faulty.append(Unjudged(id=f"{scenarios.name}:{number}", faults=scenario))
+    model = make_llm(llm, seed=seed, api_base=api_base)
+    catalogue = make_simulator(simulator).catalogue()
+    rows: list[Data] = [*faulty]
+    for number, scene in tqdm(list(_values(Scene, scenes)), desc="faithful", disable=None):
+        if not isinstance(scene, Scene):
+            rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
+            continue
+        faults = [str(issue) for issue in check_scene(scene, catalogue)]
+        text = texts.get(scene.scenario_id)
+        if text is None:
+            faults.insert(0, f"{scenarios} has no text {scene.scenario_id!r}")
+        if text is None or faults:
+            rows.append(Unjudged(id=scene.id, faults=tuple(faults)))
+            continue
+        try:
+            rows.append(check_faithful(model, text, scene, catalogue))
+        except (AnswerError, LLMError) as error:
+            rows.append(Unjudged(id=scene.id, faults=(str(error),)))
+    judged = [row for row in rows if isinstance(row, Faithfulness)]
+    claims = sum(len(row.findings) for row in judged)
+    unjudged = [row for row in rows if isinstance(row, Unjudged)]
+    unfaithful = len(unjudged) + sum(not row.is_faithful for row in judged)
+    if as_json:
+        lines = [row.model_dump(mode="json") for row in rows]
+        say(canonical_json({"scenes": lines, "claims": claims, "unfaithful": unfaithful}))
+    else:
+        for row in judged:
+            for one in row.mismatches:
+                say(f"{row.id}: the text says {one.claim}, but {one.found}")
+        for failed in unjudged:
+            for fault in failed.faults:
+                say(f"{failed.id}: {fault}")
+        say(
+            f"{len(rows)} scenes, {claims} claims, {unfaithful} scenes that do not hold to them"
+            + (f", {len(unjudged)} of these could not be judged" if unjudged else "")
+        )
+    sys.exit(bool(unfaithful))
+
+
+def _values(kind: type[Value], path: Path) -> Iterator[tuple[int, Value | tuple[str, ...]]]:
+    """Read one value per line, or what is wrong with the line.
+
+    Raises:
+        DataError: When the file has no line, or is no text.
+    """
+    lines = read_text(path, kind.noun).split("\n")
+    if not any(map(str.strip, lines)):
+        raise DataError(kind.noun, [Issue("", f"holds no {kind.noun}")], source=str(path))
+    for number, line in enumerate(lines, start=1):
+        if line.strip():
+            try:
+                yield number, kind.parse(line)
+            except DataError as error:
+                yield number, tuple(f"no {kind.noun}: {issue}" for issue in error.issues)

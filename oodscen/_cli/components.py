@@ -1,0 +1,63 @@
+"""Commands about what is installed: list it, check it."""
+
+import json
+import sys
+
+import click
+
+from oodscen._cli.options import json_option
+from oodscen._cli.output import bars, say
+
+
+@click.command()
+@json_option
+def plugins(as_json: bool) -> None:
+    """List the models, encoders and simulators that are installed."""
+    from oodscen._registry import survey
+
+    rows = survey()
+    if as_json:
+        say(json.dumps(rows, indent=2))
+        return
+    for row in rows:
+        say(f"{row['kind']:10} {row['name']:22} {row['source']:55} {row['state']}")
+
+
+@click.command()
+@click.argument("what", required=False)
+@click.argument("name", required=False)
+@click.option("--api-base", help="With llm NAME: address of an OpenAI-compatible server.")
+@click.option("--quick", is_flag=True, help="With a simulator: only the parts that take seconds.")
+@json_option
+def doctor(
+    what: str | None, name: str | None, api_base: str | None, quick: bool, as_json: bool
+) -> None:
+    """Check that everything the default run needs is here; or judge one component.
+
+    `doctor llm NAME` asks a language model two small questions, one with a picture. `doctor knowledge [FILE]`
+    inspects what the built-in author knows, or a file of your own. `doctor SIMULATOR` judges an adapter by what
+    oodscen.testing.check_simulator looks at.
+    """
+    from oodscen._doctor import examine, examine_knowledge, examine_llm, examine_simulator
+
+    if name is not None and what not in ("llm", "knowledge"):
+        raise click.UsageError(f"{name!r} is too much: oodscen doctor SIMULATOR")
+    if api_base is not None and what != "llm":
+        raise click.UsageError("--api-base goes with a model: oodscen doctor llm NAME")
+    if what == "llm":
+        if name is None:
+            raise click.UsageError("name a model: oodscen doctor llm NAME")
+        findings = examine_llm(name, api_base=api_base)
+    elif what == "knowledge":
+        findings = examine_knowledge(name)
+    elif what is None:
+        findings = examine()
+    else:
+        with bars() as progress:
+            findings = examine_simulator(what, is_quick=quick, progress=progress)
+    if as_json:
+        say(json.dumps([finding._asdict() for finding in findings], indent=2))
+    else:
+        for finding in findings:
+            say(f"{'ok     ' if finding.is_ok else 'problem'} {finding.what}: {finding.detail}")
+    sys.exit(not all(finding.is_ok for finding in findings))

@@ -1,0 +1,105 @@
+"""The command that lets driving stacks drive a study's scenes."""
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from oodscen._cli.options import json_option
+from oodscen._cli.output import say
+from oodscen._cli.paths import PathName
+
+if TYPE_CHECKING:
+    from oodscen.judging._drives import DriveRow, Share
+    from oodscen.judging._leaderboard.board import Figure
+
+
+@click.command()
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "--driver",
+    "drivers",
+    multiple=True,
+    help="rule-based, or module:attr that makes a driver; repeatable.  [default: rule-based]",
+)
+@click.option("--limit", type=click.IntRange(min=1), help="Drive at most this many scenes.")
+@json_option
+def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool) -> None:
+    """Let driving stacks drive the scenes and twins of the study in the folder OUT.
+
+    Writes drives.jsonl beside the other files, prints what all drivers in it come to, and writes the report anew,
+    which shows the same. The exit code is 1 if a driver named here failed on an item, which a collision is not.
+    """
+    from oodscen._registry import driver_maker, make_simulator
+    from oodscen.data._twins import scene_of
+    from oodscen.judging._drives import current, drive_board, remarks
+    from oodscen.report import write_report
+    from oodscen.stages._drive import RuleBasedDriver
+    from oodscen.stages._drive import drive as drive_scenes
+    from oodscen.study import Study
+
+    study = Study.open(out)
+    click.get_current_context().with_resource(study.store.writing())
+    staged, scenarios = study.scenes, study.scenarios
+    scenes = staged[:limit]
+    names = drivers or ("rule-based",)
+    makers = [(n, RuleBasedDriver if n == "rule-based" else driver_maker(n)) for n in names]
+    before = study.drives
+    found = {row.id: row for row in current(before, staged)}
+    with make_simulator(study.config.simulator) as simulator:
+        for name, make in makers:
+            for result in drive_scenes(scenes, make, simulator, name=name, seed=study.config.seed):
+                found[result.id] = result
+    rows = current(found.values(), staged)
+    board = drive_board(rows, scenarios, seed=study.config.seed)
+    study.store.write_lines("drives.jsonl", rows)
+    page = write_report(study)
+    if as_json:
+        say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
+    else:
+        say("\n".join([*map(_line, board.rows), *remarks(board)]))
+        click.echo(f"report: {page.resolve()}")
+    ran = {scene.id for scene in scenes}
+    here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
+    if lost := len({one.id for one in before} - {row.id for row in rows}):
+        say(f"{lost} results of earlier drives are dropped: their scenes are others now", err=True)
+    sys.exit(any(row.status == "failed" for row in here))
+
+
+def _line(row: "DriveRow") -> str:
+    """Say in a few lines what became of one driver in the scenes, or in the twins."""
+    share, mean = row.shares, row.means
+    lines = [
+        f"{row.driver}, {row.items}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
+        f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed",
+        f"  least TTC {_mean(mean['min_ttc_s'], ' s')}, below 1.5 s in {share['critical'].hits}; least headway "
+        f"{_mean(mean['min_headway_s'], ' s')}; hardest braking {_mean(mean['peak_deceleration'], ' m/s2')}; jerk "
+        f"{_mean(mean['peak_jerk'], ' m/s3')}; progress {_mean(mean['progress'], '', percent=True)}",
+    ]
+    if (pair := row.paired) is not None and pair.n:
+        sound, test = pair.drives_and_passes, pair.against_rule_based
+        lines.append(
+            f"  of {pair.n} pairs {pair.both} passed both, {pair.twin_only} only the twin, {pair.scene_only} only the "
+            f"scene; drives and passes: {sound.hits}{_range(sound)}"
+            + (
+                f", {100 * test.difference:+.0f} points against rule-based (p {test.p_clustered:.3f})"
+                if test
+                else ""
+            )
+        )
+    return "\n".join(lines)
+
+
+def _range(share: "Share") -> str:
+    return f" [{share.interval.low:.0%}, {share.interval.high:.0%}]" if share.interval else ""
+
+
+def _mean(mean: "Figure", unit: str, *, percent: bool = False) -> str:
+    if mean.value is None:
+        return "-"
+    form = ".0%" if percent else ".1f"
+    between = mean.interval
+    text = f"{mean.value:{form}}{unit}"
+    return text + (f" [{between.low:{form}}, {between.high:{form}}]" if between else "")

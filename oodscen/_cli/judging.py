@@ -1,0 +1,87 @@
+"""Commands about how surely models are judged."""
+
+import json
+
+import click
+
+from oodscen._cli.numbers import SHARE, FiniteRange
+from oodscen._cli.options import json_option
+from oodscen._numbers import MOST
+
+_COUNT = click.IntRange(1, MOST)
+
+
+@click.command()
+@click.argument("first", type=SHARE)
+@click.argument("second", type=SHARE)
+@click.option("--unpaired", is_flag=True, help="Each model is judged on scenes of its own.")
+@click.option(
+    "--agreement",
+    type=FiniteRange(-1.0, 1.0),
+    default=0.0,
+    show_default=True,
+    help="Correlation of right and wrong between both models on the same scenes.",
+)
+@click.option("--power", "wanted", type=SHARE, default=0.8, show_default=True)
+@click.option("--alpha", type=SHARE, default=0.05, show_default=True)
+@click.option(
+    "--comparisons", type=_COUNT, default=1, show_default=True, help="How many are made (Holm)."
+)
+@click.option("--per-path", type=_COUNT, default=10, show_default=True, help="Scenes per path.")
+@click.option(
+    "--icc",
+    type=FiniteRange(0.0, 1.0),
+    default=0.2,
+    show_default=True,
+    help="Likeness of the scenes of one path, 0 to 1.",
+)
+@click.option("--scenes", type=_COUNT, help="Say instead what power so many scenes have.")
+@json_option
+def power(
+    first: float,
+    second: float,
+    unpaired: bool,
+    agreement: float,
+    wanted: float,
+    alpha: float,
+    comparisons: int,
+    per_path: int,
+    icc: float,
+    scenes: int | None,
+    as_json: bool,
+) -> None:
+    """Say how many scenes it takes to tell the success rates FIRST and SECOND apart (0.66 0.51)."""
+    from oodscen.judging._leaderboard.power import power_of, scenes_needed
+
+    needed = scenes_needed(
+        first,
+        second,
+        paired=not unpaired,
+        agreement=agreement,
+        power=wanted,
+        alpha=alpha,
+        comparisons=comparisons,
+        per_path=per_path,
+        icc=icc,
+    )
+    if scenes is None:
+        click.echo(needed.model_dump_json(indent=2) if as_json else str(needed))
+        return
+    found = power_of(
+        first,
+        second,
+        scenes,
+        paired=not unpaired,
+        agreement=agreement,
+        alpha=alpha,
+        comparisons=comparisons,
+        per_path=per_path,
+        icc=icc,
+    )
+    if as_json:
+        click.echo(json.dumps({"scenes": scenes, "power": found}))
+    else:
+        effect = (
+            f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
+        )
+        click.echo(f"{scenes} scenes{effect} show that difference with a chance of {found:.0%}")

@@ -1,0 +1,55 @@
+"""Commands that measure texts."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from oodscen._cli.numbers import FINITE
+from oodscen._cli.options import json_option, seed_option
+from oodscen._cli.paths import READABLE
+from oodscen._registry import DEFAULT_ENCODER
+from oodscen.errors import UsageError
+
+
+@click.command()
+@click.argument("texts", type=READABLE)
+@click.option(
+    "--baseline", type=READABLE, help="Ordinary-driving texts; the shipped corpus if left out."
+)
+@click.option("--encoder", default=DEFAULT_ENCODER, show_default=True)
+@click.option(
+    "--band",
+    nargs=2,
+    type=FINITE,
+    metavar="LO HI",
+    help="Count only texts inside this OOD-ness band.",
+)
+@click.option(
+    "--table", is_flag=True, help="Print the paper's table, all definitions side by side."
+)
+@seed_option
+@json_option
+def score(
+    texts: Path,
+    baseline: Path | None,
+    encoder: str,
+    band: tuple[float, float] | None,
+    table: bool,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Measure OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
+    from oodscen import make_encoder
+    from oodscen.metrics import score_file, table_of_file
+
+    report: Any
+    if table:
+        if band is not None:
+            raise UsageError("--table measures all texts: leave out --band")
+        report = table_of_file(texts, baseline=baseline, encoder=make_encoder(encoder), seed=seed)
+    else:
+        report = score_file(
+            texts, baseline=baseline, encoder=make_encoder(encoder), band=band, seed=seed
+        )
+    click.echo(report.model_dump_json(indent=2) if as_json else str(report))

@@ -1,0 +1,195 @@
+"""Options that several commands share."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from oodscen._cli.numbers import SHARE, FiniteRange
+from oodscen._cli.paths import PathName
+from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen._seeding import MAX_SEED
+from oodscen.errors import UsageError
+from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
+from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
+
+if TYPE_CHECKING:
+    from oodscen.llm._remote.limits import Price, Traffic
+
+Command = Callable[..., Any]
+
+
+def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    def apply(function: Command) -> Command:
+        for decorator in reversed(decorators):
+            function = decorator(function)
+        return function
+
+    return apply
+
+
+llm_options = _options(
+    click.option(
+        "--llm",
+        default=DEFAULT_LLM,
+        show_default=True,
+        help="Model, by litellm's name, builtin, or replay:FILE.",
+    ),
+    click.option("--api-base", help="Address of an OpenAI-compatible server."),
+)
+seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, MAX_SEED))
+simulator_option = click.option(
+    "--simulator", default=DEFAULT_SIMULATOR, show_default=True, help="Name, or module:attr."
+)
+out_option = click.option(
+    "-o",
+    "--out",
+    type=PathName(dir_okay=False, path_type=Path),
+    help="File to write; else standard output.",
+)
+extras_options = _options(
+    click.option(
+        "--traces", is_flag=True, help="Keep traces/SCENE.parquet: all ground truth, every action."
+    ),
+    click.option(
+        "--annotations", is_flag=True, help="Keep boxes, classes, ids and depth of every frame."
+    ),
+    click.option(
+        "--video",
+        is_flag=False,
+        flag_value="both",
+        type=click.Choice(("ego", "bird", "both")),
+        help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
+    ),
+)
+red_options = _options(
+    click.option(
+        "--open-loop", is_flag=True, help="The paper's way: show and refuse nothing, split nothing."
+    ),
+    click.option(
+        "--red-patience",
+        type=click.IntRange(min=1),
+        help="Stop red teaming after so many rounds in a row without a new kind.",
+    ),
+    click.option(
+        "--red-coverage",
+        type=SHARE,
+        help="Stop red teaming when the Good-Turing coverage is above this.",
+    ),
+    click.option(
+        "--in-flight",
+        type=click.IntRange(1, 256),
+        help="Proposals under way at once; each sees the tree as it was so many rounds ago.  [default: 1]",
+    ),
+    click.option(
+        "--nearest",
+        type=FiniteRange(-1.0, 1.01),
+        help=f"Refuse a proposal this similar to an earlier one.  [default: {NEAREST_TEXT}]",
+    ),
+    click.option(
+        "--nearest-label",
+        type=FiniteRange(-1.0, 1.01),
+        help=f"Refuse a proposal this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
+    ),
+    click.option(
+        "--broadenings",
+        type=click.IntRange(min=0),
+        help=f"So often a leaf is broadened before it is split.  [default: {BROADENINGS}]",
+    ),
+)
+style_option = click.option(
+    "--style",
+    type=click.Choice(("natural", "paper", "terse", "verbose", "first-person")),
+    help="Register of the texts.  [default: natural]",
+)
+judging_options = _options(
+    click.option(
+        "--protocol",
+        type=click.Choice(("ours", "paper")),
+        default="ours",
+        show_default=True,
+        help="`paper` adds the paper's exact protocol: whole traces, collisions only, no twins.",
+    ),
+    click.option("--judge", help="Model that decides whether an open aspect is right."),
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+traffic_options = _options(
+    click.option(
+        "--max-requests", type=click.IntRange(min=0), help="Largest number of HTTP requests."
+    ),
+    click.option(
+        "--max-tokens", type=click.IntRange(min=0), help="Largest number of tokens, in and out."
+    ),
+    click.option("--max-cost", type=FiniteRange(min=0), help="Largest cost, in USD."),
+    click.option(
+        "--max-seconds", type=FiniteRange(min=0), help="No request is begun after this time."
+    ),
+    click.option(
+        "--price",
+        "prices",
+        multiple=True,
+        metavar="MODEL=IN,OUT",
+        help="USD per million tokens of input and output; repeatable.",
+    ),
+    click.option(
+        "--concurrency",
+        default=8,
+        show_default=True,
+        type=click.IntRange(1, 1_000),
+        help="Requests to one server at once, at most; fewer while it says that there are too many.",
+    ),
+    click.option(
+        "--timeout",
+        default=TIMEOUT_S,
+        show_default=True,
+        type=FiniteRange(0, LONGEST_S, min_open=True),
+        help="Seconds for one answer, to its last byte; tried once more, then only its item fails.",
+    ),
+    click.option(
+        "--patience",
+        default=PATIENCE_S,
+        show_default=True,
+        type=FiniteRange(1, LONGEST_S),
+        help="Seconds without a response to anything after which a server is given up.",
+    ),
+)
+
+
+def traffic_from(choices: dict[str, Any]) -> "Traffic":
+    """Take what `traffic_options` gave out of a command's arguments.
+
+    Raises:
+        UsageError: When a price is malformed.
+    """
+    from oodscen.llm._remote.limits import Caps, Traffic
+
+    caps = Caps(
+        requests=choices.pop("max_requests"),
+        tokens=choices.pop("max_tokens"),
+        cost_usd=choices.pop("max_cost"),
+        seconds=choices.pop("max_seconds"),
+    )
+    prices = dict(map(_price, choices.pop("prices")))
+    return Traffic(
+        caps,
+        prices=prices,
+        concurrency=choices.pop("concurrency"),
+        patience_s=choices.pop("patience"),
+        timeout_s=choices.pop("timeout"),
+    )
+
+
+def _price(text: str) -> "tuple[str, Price]":
+    from oodscen.llm._remote.limits import Price
+
+    model, _, values = text.rpartition("=")
+    try:
+        asked, answered = map(float, values.split(","))
+    except ValueError:
+        model = ""
+    if not model:
+        raise UsageError(
+            f"{text!r} is no price; write MODEL=IN,OUT in USD per million tokens, e.g. gpt-4o=2.5,10"
+        )
+    return model, check_price(model, Price(asked, answered))

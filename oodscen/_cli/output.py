@@ -1,0 +1,288 @@
+"""What commands read, write and show."""
+
+import os
+import stat
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+from tqdm import tqdm
+
+from oodscen._files import replace
+from oodscen._text import plain
+from oodscen.data._base import Data, read_text
+from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
+
+if TYPE_CHECKING:
+    from oodscen.data._verdict import Verdict
+    from oodscen.judging._leaderboard.board import Figure, Leaderboard, Rate
+    from oodscen.llm._accounting import Account
+    from oodscen.stages._redteam.saturation import Saturation
+
+Row = TypeVar("Row", bound=Data)
+
+_LONGEST = 1_000
+
+
+def summary(info: dict[str, Any]) -> str:
+    """Say in a few lines what a study has come to."""
+    counts = info["counts"]
+    nodes = counts["nodes"]
+    lines = [
+        f"{info['status']} in {info['seconds']['total']:.0f} s (seed {info['config']['seed']}); "
+        f"texts by {info['authors']['llm']}",
+        f"trees: {nodes['initial']} -> {nodes['diverse']} -> {nodes['simulatable']} nodes, "
+        f"{counts['paths']} paths, {counts['attested']} of them attested by the paper",
+        f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
+        f"{counts['verdicts']} verdicts",
+    ]
+    failures = {name: number for name, number in info["failures"].items() if number}
+    if failures:
+        listed = ", ".join(f"{number} in {name}" for name, number in failures.items())
+        lines.append(
+            f"failed items (each line has its error): {listed}; the same command does those again that "
+            "got no answer, --retry-failed all of them"
+        )
+    return "\n".join(lines)
+
+
+def estimated(rows: Sequence["Account"]) -> str:
+    """Say what a run would ask, one line per stage and model."""
+    if not rows:
+        return "nothing is left to be asked of a model"
+    lines = []
+    for row in rows:
+        cost = "price not known" if row.cost_usd is None else f"${row.cost_usd:.2f}"
+        lines.append(
+            f"{row.group[0]:10} {row.group[1]:28} {row.calls:6} calls  about {row.input_tokens:9,} tokens "
+            f"in {row.output_tokens:8,} out  {cost}"
+        )
+    costs = [row.cost_usd for row in rows]
+    known = sum(cost for cost in costs if cost is not None)
+    rest = "" if None not in costs else " and what has no known price (give one with --price)"
+    total = f"{sum(row.calls for row in rows)} calls, about ${known:.2f}{rest}"
+    return "\n".join([*lines, f"together {total}; repairs and retries come on top"])
+
+
+def standings(board: "Leaderboard") -> str:
+    """Say in a line per model and protocol how it was judged, with the floor and the ceiling below it."""
+    head = ("", "safe action", "balanced accuracy", "names it", "picks it", "incomplete")
+    rows = [head]
+    for one in board.standings:
+        if one.kind == "reference" and (one.protocol == "paper" or one.model not in _BESIDE):
+            continue
+        safe = one.control.safe if one.protocol == "ours" else one.control.collision_free
+        rows.append(
+            (
+                one.model + (" (paper)" if one.protocol == "paper" else ""),
+                _share(safe),
+                _share(one.detection.balanced_accuracy),
+                _share(one.identification.open),
+                _share(one.identification.closed),
+                f"{one.asked - one.outcomes.get('answered', 0) - one.outcomes.get('unavailable', 0)} of {one.asked}",
+            )
+        )
+    widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    chance = "" if board.chance is None else f"; a random action is safe in {board.chance:.0%}"
+    return "\n".join(
+        [f"{board.scenes} scenes of {board.paths} paths{chance}", *lines, *_notes(board)]
+    )
+
+
+def _notes(board: "Leaderboard") -> list[str]:
+    """Say who scored the open aspects, and in how many of the paper's items the hazard can be seen."""
+    notes = []
+    if board.judge:
+        unjudged = sum(row.identification.unjudged for row in board.standings)
+        rest = (
+            f"; it gave no usable answer about {unjudged}, which the matcher scored"
+            if unjudged
+            else ""
+        )
+        notes.append(f"names it: judged by {board.judge.rpartition('@')[0]}, in every row{rest}")
+    if board.whole:
+        notes.append(
+            f"paper: the hazard can be seen in a frame of {board.whole_shown} of {board.whole} scenes"
+        )
+    return notes
+
+
+def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
+    """Say in a line per model how many items it was not asked about since it was given up, and why."""
+    found: dict[str, list[Verdict]] = {}
+    for verdict in verdicts:
+        if verdict.outcome == "unasked":
+            found.setdefault(verdict.model, []).append(verdict)
+    return [
+        f"{model}: {len(rows)} items {rows[0].error}; the same command asks them, --drop {model} takes "
+        "the model out of the study"
+        for model, rows in found.items()
+    ]
+
+
+_BESIDE = ("constant:stop", "random", "blind", "novelty", "oracle")
+
+
+def _share(found: "Rate | Figure") -> str:
+    if found.value is None:
+        return "-"
+    between = found.interval
+    return f"{found.value:.0%}" + (f" [{between.low:.0%}, {between.high:.0%}]" if between else "")
+
+
+def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = False) -> str:
+    """Say in a few lines what a red team has come to, and how much it has left to find.
+
+    Args:
+        found: The saturation of its rounds.
+        stop: The rule that ended it.
+        closed: Whether the loop was closed, in which case the estimates are biased.
+    """
+    rule = {
+        "rounds": "all rounds are played",
+        "budget": "the budget is spent",
+        "patience": "nothing new came for too long",
+        "coverage": "the coverage is reached",
+    }
+    last = f"the last in round {found.last_new}" if found.kinds else "none"
+    lines = [
+        f"{found.rounds} rounds, {found.calls} model calls; {rule.get(stop or '', 'stopped')}",
+        f"{found.kinds} new kinds, {last}; of the last {found.recent_rounds} rounds {found.recent:.0%} "
+        f"brought one [{found.recent_low:.0%}, {found.recent_high:.0%}]",
+        f"Good-Turing coverage {found.coverage:.2f} [{found.coverage_low:.2f}, {found.coverage_high:.2f}]; "
+        f"unseen kinds (Chao1) about {found.unseen:.0f} [{found.unseen_low:.0f}, {found.unseen_high:.0f}]",
+    ]
+    if closed:
+        lines.append(
+            "in a closed loop kinds are seldom met twice: that coverage is too low, the unseen too many; "
+            "go by the share of new kinds"
+        )
+    return "\n".join(lines)
+
+
+def say(text: str, *, err: bool = False) -> None:
+    """Print words, some of which a model may have written: nothing in them can steer a terminal."""
+    click.echo(plain(text), err=err)
+
+
+def shortened(text: str) -> str:
+    """Leave out the middle of very long lines of a message: somebody gave a very long name."""
+    return "\n".join(
+        line if len(line) <= _LONGEST else f"{line[: _LONGEST - 200]} ... {line[-200:]}"
+        for line in text.split("\n")
+    )
+
+
+def drop_output() -> None:
+    """Drop what an output that is full or gone did not take, or it is tried again, and fails, at exit."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with suppress(OSError, ValueError):
+                nowhere = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(nowhere, stream.fileno())
+                os.close(nowhere)
+
+
+def write(out: Path | None, text: str) -> None:
+    """Write a document to a file, or to standard output.
+
+    A regular file is replaced in one step, where a symbolic link leads too, and keeps its mode; a device or a
+    pipe is written through. What belongs to a study is not replaced.
+
+    Raises:
+        FolderTaken: When it is a file of a study.
+        OodscenError: When it cannot be written.
+    """
+    if out is None:
+        click.echo(text)
+        return
+    data = f"{text}\n".encode()
+    try:
+        if _is_written_through(out):
+            with out.open("wb") as stream:
+                stream.write(data)
+            return
+        target = Path(os.path.realpath(out))
+        _refuse_study(target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(13, "Permission denied")
+        replace(target, data)
+    except OSError as error:
+        raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
+
+
+def _is_written_through(out: Path) -> bool:
+    """Whether a name is of a device or a pipe, or of a file that somebody holds open, as `/dev/stdout` is."""
+    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
+        return True
+    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
+
+
+def _refuse_study(target: Path) -> None:
+    """Refuse to replace a file of a study; what compares its catalogues may be added to it."""
+    from oodscen._pipeline.steps.compare import CATALOGUES
+    from oodscen.study._study import is_own
+
+    if target.name == CATALOGUES and not target.exists():
+        return
+    if is_own(target.name) and (target.parent / "study.json").exists():
+        raise FolderTaken(str(target.parent), [target.name])
+
+
+def write_lines(out: Path | None, items: Iterable[Data]) -> None:
+    """Write one value per line."""
+    write(out, "\n".join(item.to_json() for item in items))
+
+
+def read_lines(kind: type[Row], path: Path) -> list[Row]:
+    """Read one value per line.
+
+    Raises:
+        DataError: With every malformed line, or when there is none at all.
+    """
+    rows, issues = [], []
+    for number, line in enumerate(read_text(path, kind.noun).split("\n"), start=1):
+        if line.strip():
+            try:
+                rows.append(kind.parse(line))
+            except DataError as error:
+                issues += [
+                    Issue(f"line {number}: {i.path}".rstrip(": "), i.message) for i in error.issues
+                ]
+    if not rows and not issues:
+        issues.append(Issue("", f"holds no {kind.noun}"))
+    if issues:
+        raise DataError(kind.noun, issues, source=str(path))
+    return rows
+
+
+@contextmanager
+def bars(ledger: object = "") -> Iterator[Callable[[str, int, int], None]]:
+    """Show one progress bar per stage on standard error, where that is a terminal.
+
+    Args:
+        ledger: Shown behind the bar as text.
+    """
+    bars: dict[str, tqdm[Any]] = {}
+
+    def progress(stage: str, done: int, total: int) -> None:
+        if stage not in bars:
+            bars[stage] = tqdm(total=total, desc=f"{stage:13}", disable=None)
+        bar = bars[stage]
+        bar.set_postfix_str(str(ledger), refresh=False)
+        bar.update(done - bar.n)
+        if done >= total:
+            bar.close()
+
+    try:
+        yield progress
+    finally:
+        for bar in bars.values():
+            bar.close()

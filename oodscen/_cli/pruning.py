@@ -1,0 +1,101 @@
+"""The command that prunes a tree, for one simulator or for several side by side."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from tqdm import tqdm
+
+from oodscen._cli.options import json_option, llm_options, out_option, seed_option, simulator_option
+from oodscen._cli.output import say, write, write_lines
+from oodscen._cli.paths import READABLE, PathName
+from oodscen.errors import UsageError
+
+if TYPE_CHECKING:
+    from oodscen.data._catalogue import Catalogue
+    from oodscen.protocols import LLM
+    from oodscen.stages._prune.pruner import PruneDecision
+    from oodscen.tree._scenario_tree import ScenarioTree
+
+_OUT = PathName(dir_okay=False, path_type=Path)
+
+
+@click.command()
+@click.argument("tree", type=READABLE)
+@llm_options
+@seed_option
+@simulator_option
+@click.option(
+    "--catalogue",
+    "catalogues",
+    multiple=True,
+    metavar="NAME|FILE",
+    help="Instead of a simulator, what one can show: carla-0.9.16, a JSON file ...; several are compared.",
+)
+@click.option(
+    "--exact", is_flag=True, help="Drop branches that are shown with substitute assets only."
+)
+@click.option("--decisions", type=_OUT, help="File to write: a decision with its reason per node.")
+@click.option(
+    "--restore", type=_OUT, help="File to write: what would restore the dropped branches."
+)
+@json_option
+@out_option
+def prune(
+    tree: Path,
+    llm: str,
+    api_base: str | None,
+    seed: int,
+    simulator: str,
+    catalogues: tuple[str, ...],
+    exact: bool,
+    decisions: Path | None,
+    restore: Path | None,
+    as_json: bool,
+    out: Path | None,
+) -> None:
+    """Prune the tree in the file TREE to what a simulator can show.
+
+    Writes the simulatable tree, and says on standard error what it came to. Branches that need substitute
+    assets stay unless --exact is given; a study drops them, as with --exact. With several --catalogue it compares them instead and writes a table of
+    all branches, or with --json the comparison.
+    """
+    from oodscen import ScenarioTree, make_llm
+    from oodscen._registry import make_catalogue
+    from oodscen.stages._prune.pruner import all_decisions, pruned
+    from oodscen.stages._prune.restoration import restoration
+    from oodscen.stages._prune.side_by_side import compare
+
+    grown = ScenarioTree.load(tree)
+    model = make_llm(llm, seed=seed, api_base=api_base)
+    offered = {name: make_catalogue(name) for name in catalogues or (simulator,)}
+    if len(offered) > 1:
+        if decisions or restore:
+            raise UsageError("--decisions and --restore are for one catalogue; use --json")
+        judged = {name: _judged(model, one, grown, exact) for name, one in offered.items()}
+        found = compare(grown, offered, judged)
+        words = found.model_dump_json(indent=2) if as_json else str(found)
+        say(words) if out is None else write(out, words)
+        return
+    (catalogue,) = offered.values()
+    answers = _judged(model, catalogue, grown, exact)
+    if decisions is not None:
+        write_lines(decisions, all_decisions(grown, answers))
+    if restore is not None:
+        write(restore, restoration(answers).to_json())
+    write(out, pruned(grown, answers).to_json())
+    (name,) = offered
+    (tally,) = compare(grown, offered, {name: answers}).tallies
+    say(str(tally), err=True)
+
+
+def _judged(
+    model: "LLM", catalogue: "Catalogue", tree: "ScenarioTree", exact: bool
+) -> "list[PruneDecision]":
+    from oodscen import Pruner
+
+    pruner = Pruner(model, catalogue, substitutes=not exact)
+    leaves = tqdm(
+        pruner.decisions(tree), total=len(tree.leaves), desc=f"prune {pruner.name}", disable=None
+    )
+    return list(leaves)

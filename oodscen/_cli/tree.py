@@ -1,0 +1,231 @@
+"""Commands about trees: show, compare, merge, count, export, replay."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from oodscen._cli.numbers import FiniteRange
+from oodscen._cli.options import json_option, out_option
+from oodscen._cli.output import say, write
+from oodscen._cli.paths import PathName
+from oodscen.errors import DataError, Issue
+from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.protocols import Encoder
+
+_TREES = ("initial", "diverse", "simulatable")
+_PLACE = PathName(exists=True, path_type=Path)
+_which_option = click.option(
+    "--which",
+    type=click.Choice(_TREES),
+    default="diverse",
+    show_default=True,
+    help="Tree of a study, where a folder is given.",
+)
+
+
+def _encoder_options(command: Any) -> Any:
+    threshold = click.option(
+        "--threshold",
+        type=FiniteRange(-1.0, 1.0),
+        help="Least centred cosine of two labels that mean the same.",
+    )
+    encoder = click.option(
+        "--encoder", help="Pair nodes by meaning too, e.g. minilm; else by id and label alone."
+    )
+    return encoder(threshold(command))
+
+
+@click.group()
+def tree() -> None:
+    """Look into scenario trees: files, or the trees of a study."""
+
+
+@tree.command()
+@click.argument("place", metavar="TREE", type=_PLACE)
+@click.option("--node", "node_id", help="Say who put this node there and why, and what came later.")
+@click.option("--ids", is_flag=True, help="Show the ids of nodes.")
+@_which_option
+@json_option
+def show(place: Path, node_id: str | None, ids: bool, which: str, as_json: bool) -> None:
+    """Print a tree, or the provenance of one node."""
+    found = _read(place, which)
+    if node_id is not None:
+        history = found.provenance(node_id)
+        say(history.model_dump_json(indent=2) if as_json else str(history))
+    else:
+        say(found.to_json() if as_json else found.outline(ids=ids))
+
+
+@tree.command()
+@click.argument("one", type=_PLACE)
+@click.argument("other", type=_PLACE)
+@_encoder_options
+@click.option("--mermaid", is_flag=True, help="Print a Mermaid chart of the changes.")
+@click.option("--exit-code", is_flag=True, help="Exit with 1 where the trees differ.")
+@_which_option
+@json_option
+def diff(
+    one: Path,
+    other: Path,
+    encoder: str | None,
+    threshold: float | None,
+    mermaid: bool,
+    exit_code: bool,
+    which: str,
+    as_json: bool,
+) -> None:
+    """Say what the tree OTHER adds to the tree ONE, lacks, calls otherwise and keeps elsewhere."""
+    from oodscen.tree import diff as compare
+
+    found = compare(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
+    say(
+        found.model_dump_json(indent=2)
+        if as_json
+        else found.to_mermaid()
+        if mermaid
+        else str(found)
+    )
+    if exit_code and not found.is_empty:
+        click.get_current_context().exit(1)
+
+
+@tree.command()
+@click.argument("one", type=_PLACE)
+@click.argument("other", type=_PLACE)
+@_encoder_options
+@click.option("--name", help="What OTHER is called in the log.  [default: merge-1, merge-2 ...]")
+@_which_option
+@out_option
+def merge(
+    one: Path,
+    other: Path,
+    encoder: str | None,
+    threshold: float | None,
+    name: str | None,
+    which: str,
+    out: Path | None,
+) -> None:
+    """Write the tree ONE with what only the tree OTHER has added in its place."""
+    from oodscen.tree import merge as merged
+
+    trees = _read(one, which), _read(other, which)
+    found = merged(*trees, name=name, **_meaning(encoder, threshold))
+    write(out, found.to_json())
+
+
+@tree.command()
+@click.argument("folder", type=PathName(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "--which", type=click.Choice(_TREES), default="simulatable", show_default=True, help="Its tree."
+)
+@click.option("--exit-code", is_flag=True, help="Exit with 1 where a leaf lacks something.")
+@json_option
+def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
+    """Count texts, scenes, episodes and outcomes of the study FOLDER per node, leaves too; list the holes."""
+    from oodscen.study import Study
+    from oodscen.tree import study_coverage
+
+    found = study_coverage(Study.open(folder), which)
+    say(found.model_dump_json(indent=2) if as_json else str(found))
+    if exit_code and found.holes:
+        click.get_current_context().exit(1)
+
+
+@tree.command()
+@click.argument("place", metavar="TREE", type=_PLACE)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(("mermaid", "dot", "json", "nested", "html")),
+    default="mermaid",
+    show_default=True,
+    help="json is the flat list with the log; nested has objects within each other.",
+)
+@_which_option
+@out_option
+def export(place: Path, form: str, which: str, out: Path | None) -> None:
+    """Write a tree for another tool."""
+    from oodscen import tree as trees
+
+    found = _read(place, which)
+    makers = {
+        "mermaid": trees.to_mermaid,
+        "dot": trees.to_dot,
+        "json": ScenarioTree.to_json,
+        "nested": trees.to_nested_json,
+        "html": trees.to_page,
+    }
+    write(out, makers[form](found))
+
+
+@tree.command()
+@click.argument("place", metavar="TREE", type=_PLACE)
+@click.option("--edit", type=click.IntRange(min=0), help="Stop after so many edits.")
+@click.option(
+    "--round", "round_", type=click.IntRange(min=0), help="Stop after this red-team round."
+)
+@click.option("--stage", help="Stop after the last edit of this stage: grow, redteam, prune ...")
+@click.option("--undo", type=int, multiple=True, help="Then undo this edit; repeatable.")
+@_which_option
+@json_option
+@out_option
+def replay(
+    place: Path,
+    edit: int | None,
+    round_: int | None,
+    stage: str | None,
+    undo: tuple[int, ...],
+    which: str,
+    as_json: bool,
+    out: Path | None,
+) -> None:
+    """Print the log of a tree up to a moment; with --out, write the tree as it stood then."""
+    from oodscen.tree import replay as played
+
+    found = _read(place, which)
+    if (edit, round_, stage) != (None, None, None):
+        found = found.at(edit=edit, round=round_, stage=stage)
+    for index in undo:
+        found = found.undo(index)
+    if out is not None:
+        write(out, found.to_json())
+        return
+    for index, (step, after) in enumerate(played(found)):
+        if as_json:
+            row = {"index": index, "nodes": len(after), **step.model_dump(exclude_defaults=True)}
+            say(json.dumps(row, ensure_ascii=False))
+        else:
+            who = ", ".join(
+                filter(None, (step.stage, f"round {step.round}" if step.round is not None else ""))
+            )
+            label = f": {step.label}" if step.label else ""
+            below = f" below {step.parent}" if step.parent else ""
+            say(
+                f"{index:6}  {len(after):6} nodes  {step.op:8}{step.node}{below}{label}"
+                f"{f'  ({who})' if who else ''}"
+            )
+
+
+def _read(place: Path, which: str) -> ScenarioTree:
+    """Read the tree in a file, or one of a study's."""
+    if place.is_dir():
+        from oodscen.study import Study
+
+        study = Study.open(place)
+        if not study.store.has(f"tree.{which}.json"):
+            issue = Issue("", f"the study holds no {which} tree yet")
+            raise DataError(ScenarioTree.noun, [issue], source=str(place))
+        return study.tree(which)
+    return ScenarioTree.load(place)
+
+
+def _meaning(encoder: str | None, threshold: float | None) -> dict[str, Any]:
+    from oodscen._registry import make_encoder
+    from oodscen.tree._matching import THRESHOLD
+
+    made: Encoder | None = make_encoder(encoder) if encoder is not None else None
+    return {"encoder": made, "threshold": THRESHOLD if threshold is None else threshold}

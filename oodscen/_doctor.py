@@ -1,0 +1,228 @@
+"""Check that the parts of the default run are installed and work."""
+
+import platform
+import struct
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+from zlib import compress, crc32
+
+from oodscen._conformance import reason, working
+from oodscen.errors import DataError, OodscenError, UsageError
+from oodscen.llm._call_log import Call, LoggedLLM
+from oodscen.protocols import LLM
+
+
+class Finding(NamedTuple):
+    """One thing that was checked."""
+
+    what: str
+    is_ok: bool
+    detail: str
+    """A version, or what is wrong and how to mend it."""
+
+
+def examine() -> list[Finding]:
+    """Check Python, the built-in author, the encoder and the simulator."""
+    return [
+        Finding("python", sys.version_info >= (3, 11), platform.python_version()),
+        _tried("built-in author", _author),
+        _tried("encoder", _encoder),
+        _tried("simulator", _simulator),
+        _tried("language models", _litellm),
+    ]
+
+
+def examine_simulator(
+    name: str, *, is_quick: bool = False, progress: Callable[[str, int, int], None] | None = None
+) -> list[Finding]:
+    """Judge one simulator by the conformance check; one finding per fault.
+
+    Args:
+        name: Registered, or `module:attr`.
+        is_quick: Leave out the parts that take long.
+        progress: Told about every part.
+
+    Raises:
+        UsageError: When there is no such simulator.
+    """
+    from oodscen._registry import make_simulator
+    from oodscen.testing._check import PARTS, QUICK, check_simulator
+
+    with working("simulator", name):
+        make_simulator(name).close()
+    parts = QUICK if is_quick else PARTS
+    told = progress or (lambda stage, done, total: None)
+    try:
+        check_simulator(
+            name, parts=parts, progress=lambda part: told("check", parts.index(part), len(parts))
+        )
+    except AssertionError as error:
+        faults = str(error).split("\n  - ")[1:]
+        return [Finding(f"simulator {name}", False, fault) for fault in faults]
+    told("check", len(parts), len(parts))
+    return [Finding(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
+
+
+WANTED = {"hazards": 220, "families": 30, "staged": 90}
+"""What the shipped knowledge base has at least."""
+_SHOWN_NOTES = 100
+
+
+def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
+    """Inspect the built-in author's knowledge base, or a user's own file on top of it.
+
+    Args:
+        path: A TOML file, or a folder of them; `None` inspects what ships.
+
+    Returns:
+        The counts, then one finding per fault with file, line and hazard; notes are findings that
+        are no fault.
+    """
+    from oodscen._author.knowledge.inspection import inspect_knowledge
+    from oodscen._registry import make_catalogue, names
+
+    catalogues = {}
+    for name in sorted(names("catalogue"), key=lambda name: (name != "pybullet", name)):
+        try:
+            catalogues[name] = make_catalogue(name)
+        except UsageError:
+            continue
+    found = inspect_knowledge(path, catalogues)
+    staged = max(found.shown.values(), default=0)
+    counts = {"hazards": found.hazards, "families": found.families, "staged": staged}
+    is_enough = path is not None or all(counts[key] >= least for key, least in WANTED.items())
+    wanted = "" if path is not None else " (at least 220 in 30, 90 of them shown)"
+    shown = ", ".join(f"{name} shows {number}" for name, number in found.shown.items())
+    total = (
+        f"{found.hazards} hazards in {found.families} families{wanted}; "
+        f"{found.recipes} have a recipe; {shown or 'no catalogue to try them on'}"
+    )
+    findings = []
+    if found.hazards or path is None:
+        findings.append(Finding("knowledge base", is_enough, total))
+    elif not found.faults:
+        findings.append(Finding("knowledge base", True, "it adds no hazard"))
+    findings += [Finding(fault.path or str(path), False, fault.message) for fault in found.faults]
+    findings += [
+        Finding(f"note: {note.path}", True, note.message) for note in found.notes[:_SHOWN_NOTES]
+    ]
+    return findings
+
+
+def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
+    """Ask a language model two small questions, one of them with a picture.
+
+    Args:
+        name: As for `--llm`.
+        api_base: Address of an OpenAI-compatible server.
+
+    Raises:
+        UsageError: When nobody knows the name, or the network is forbidden.
+    """
+    from oodscen._registry import make_llm
+    from oodscen.llm._remote.limits import Price
+
+    llm = make_llm(name, api_base=api_base)
+    calls: list[Call] = []
+    logged = LoggedLLM(llm, calls.append)
+    price = getattr(llm, "price", None)
+    known = (
+        f"${price.input_usd:g} in and ${price.output_usd:g} out per million tokens"
+        if isinstance(price, Price)
+        else f"not known; a cap on cost needs --price {name}=IN,OUT"
+    )
+    findings = [_tried("answer", lambda: _answer(logged, calls))]
+    if findings[0].is_ok or (calls and calls[-1].status == "ok"):
+        seconds = sorted(call.seconds for call in calls)
+        findings.append(_tried("image", lambda: _image(logged)))
+        findings.append(Finding("latency", True, f"{seconds[len(seconds) // 2]:.2f} s per call"))
+    return [*findings, Finding("price", True, known)]
+
+
+def _answer(llm: LLM, calls: list[Call]) -> str:
+    from oodscen.llm._ask import ask
+    from oodscen.prompts import ImagineScenario
+
+    text = ask(llm, ImagineScenario(shown=("A deer crosses the road.",))).text
+    repairs = len(calls) - 1
+    how = "valid at once" if not repairs else f"valid after {repairs} repairs"
+    return f"structured, {how}: {' '.join(text.split())[:100]}"
+
+
+def _image(llm: LLM) -> str:
+    from oodscen.data._messages import Image
+    from oodscen.llm._ask import ask
+    from oodscen.prompts import DescribeFrame
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "red.png"
+        path.write_bytes(_red_png())
+        text = ask(llm, DescribeFrame(frames=(Image.from_file(path),))).description
+    seen = "sees it" if "red" in text.casefold() else "answers, but does not say that it is red"
+    return f"{seen}: {' '.join(text.split())[:100]}"
+
+
+def _red_png(size: int = 64) -> bytes:
+    """Return a red square as a PNG file."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", crc32(kind + data))
+
+    rows = (b"\0" + b"\xff\0\0" * size) * size
+    header = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", compress(rows))
+        + chunk(b"IEND", b"")
+    )
+
+
+def _tried(what: str, check: Callable[[], str]) -> Finding:
+    try:
+        return Finding(what, True, check())
+    except OodscenError as error:
+        return Finding(what, False, str(error))
+    except (Exception, SystemExit) as error:  # A broken installation may raise anything.
+        return Finding(what, False, reason(error))
+
+
+def _author() -> str:
+    from oodscen._author import load_knowledge, validate_knowledge
+
+    issues = validate_knowledge()
+    if issues:
+        raise DataError("knowledge base", issues)
+    return f"{len(load_knowledge().hazards)} hazards"
+
+
+def _encoder() -> str:
+    from oodscen._registry import DEFAULT_ENCODER, make_encoder
+    from oodscen.encoders._check import encode
+
+    encoder = make_encoder(DEFAULT_ENCODER)
+    shape = encode(encoder, ["A car follows a van."]).shape
+    return f"{encoder.name}, {shape[1]} dimensions"
+
+
+def _simulator() -> str:
+    from oodscen._registry import DEFAULT_SIMULATOR, make_simulator
+    from oodscen.protocols import Camera
+    from oodscen.testing._scenes import example_scene
+
+    with make_simulator(DEFAULT_SIMULATOR) as simulator:
+        simulator.reset(example_scene(), seed=0)
+        spread = int(simulator.render(Camera(width=160, height=120)).rgb.std())
+    if spread < 4:
+        raise OodscenError("the simulator renders blank frames")
+    return f"{DEFAULT_SIMULATOR} renders"
+
+
+def _litellm() -> str:
+    from oodscen.llm._remote.litellm import load_litellm
+
+    load_litellm()
+    return "litellm is installed; keys are read from the environment when a model is asked"

@@ -1,0 +1,179 @@
+"""What the stages of one run share: the folder, the components, and how items are kept."""
+
+import time
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+from oodscen._pipeline.models import Models
+from oodscen._pipeline.sweep import Extras
+from oodscen._registry import make_encoder, make_simulator
+from oodscen.data._base import Data
+from oodscen.encoders import CachedEncoder
+from oodscen.errors import StudyError
+from oodscen.llm._accounting import Ledger
+from oodscen.llm._remote.limits import Traffic
+from oodscen.llm._remote.redaction import redact
+from oodscen.protocols import LLM
+from oodscen.study._config import StudyConfig
+from oodscen.study._study import Study
+
+Item = TypeVar("Item")
+
+Progress = Callable[[str, int, int], None]
+"""Told about every finished item of long work: the stage, how many are done, of how many."""
+
+
+class Context:
+    """One run of a study, as its stages see it.
+
+    Args:
+        out: The study's folder.
+        config: What to run.
+        workers: Processes that simulate, 0 for this one.
+        executor: Runs the simulation jobs instead of local processes.
+        progress: Told about finished items.
+        models: Objects that answer for model names of the configuration.
+        extras: What else is kept of the episodes.
+        traffic: Caps, prices and concurrency of the models.
+        ledger: Keeps running totals of the calls.
+        retry: Do failed items again; without it, only those that may succeed at another time.
+    """
+
+    def __init__(
+        self,
+        out: str | Path,
+        config: StudyConfig,
+        *,
+        workers: int = 0,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+        models: Mapping[str, LLM] | None = None,
+        extras: Extras | None = None,
+        traffic: Traffic | None = None,
+        ledger: Ledger | None = None,
+        retry: bool = False,
+    ) -> None:
+        self.study = Study(out)
+        self.store = self.study.store
+        self.config = config
+        self.workers = workers
+        self.executor = executor
+        self.progress = progress or (lambda stage, done, total: None)
+        self.retry = retry
+        self.models = Models(
+            config,
+            self.store,
+            traffic or Traffic(),
+            given=models,
+            ledger=ledger,
+            is_retry=retry,
+        )
+        self.cancel = self.models.traffic.close
+        """Called when the wait for answers is interrupted, so that what is under way ends soon."""
+        self.extras = extras or Extras()
+        self.seconds: dict[str, float] = {}
+        """By stage, of this run."""
+
+    def prepare(self) -> None:
+        """Make simulator, encoder and models.
+
+        Raises:
+            UsageError: For an unknown component or a missing extra.
+        """
+        self.simulator = make_simulator(self.config.simulator)
+        self.encoder = CachedEncoder(make_encoder(self.config.encoder))
+        self.llm = self.models.author(self.config.llm)
+        self.red_llm = self.models.author(self.config.red_llm or self.config.llm)
+        self.threads = self.models.threads(self.config.llm)
+        for name in filter(None, (*self.config.vlms, self.config.judge)):
+            self.models.get(name)
+
+    def each(
+        self,
+        stage: str,
+        file: str,
+        items: Mapping[str, Item],
+        work: Callable[[Mapping[str, Item]], Iterable[Data | Mapping[str, Any]]],
+        *,
+        made_from: Callable[[str], str] | None = None,
+        is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
+    ) -> list[dict[str, Any]]:
+        """Append one line per item that has none that fits; leave the file in the items' order.
+
+        A line fits where it was made from what it would be made from now, and all that belongs to it is there.
+        Where the work is interrupted, items that failed and were to be done again keep their old line.
+
+        Args:
+            stage: Named in the progress.
+            file: One line per item, with its `id`.
+            items: By id, in the order of the file.
+            work: Yields the lines of the items that it is given, in any order.
+            made_from: Returns the digest of what the line of an id is made from; lines keep it as `made_from`.
+            is_whole: Whether everything that belongs to a line is there.
+
+        Returns:
+            The lines of all items, in their order.
+        """
+        before = self.fitting(file, items, made_from, is_whole)
+        done = {name: line for name, line in before.items() if not self.is_again(line)}
+        if len(done) < len(items):
+            self.store.write_lines(file, done.values())
+        try:
+            self.progress(stage, len(done), len(items))
+            for result in work({name: item for name, item in items.items() if name not in done}):
+                row = result.model_dump(mode="json") if isinstance(result, Data) else dict(result)
+                if made_from is not None:
+                    row["made_from"] = made_from(row["id"])
+                self.store.append(file, row)
+                done[row["id"]] = row
+                self.progress(stage, len(done), len(items))
+        except BaseException:
+            if not before.keys() <= done.keys():
+                kept = before | done
+                with suppress(StudyError):
+                    self.store.write_lines(file, [kept[name] for name in items if name in kept])
+            raise
+        rows = [done[name] for name in items]
+        self.store.write_lines(file, rows)
+        return rows
+
+    def fitting(
+        self,
+        file: str,
+        items: Container[str],
+        made_from: Callable[[str], str] | None,
+        is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
+    ) -> dict[str, dict[str, Any]]:
+        """Return the lines of items that need not be made again, by id, those that failed included."""
+        return {
+            line["id"]: line
+            for line in self.store.lines(file)
+            if line["id"] in items
+            and (made_from is None or line.get("made_from") == made_from(line["id"]))
+            and is_whole(line)
+        }
+
+    def has(self, file: str) -> bool:
+        """Whether a file of the study is there; an empty one is as good as none."""
+        return self.store.has(file) and self.store.path(file).stat().st_size > 0
+
+    def is_again(self, line: Mapping[str, Any]) -> bool:
+        """Whether a line is of an item that is done again."""
+        return line.get("status") == "failed" and (self.retry or line.get("retryable") is True)
+
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Note how long a stage takes, and that calls are made for it."""
+        began = time.perf_counter()
+        self.models.stage = stage
+        yield
+        self.seconds[stage] = round(time.perf_counter() - began, 3)
+
+
+def failed(name: str, error: Exception, **more: Any) -> dict[str, Any]:
+    """Return the line of an item that failed."""
+    is_retryable = {"retryable": True} if getattr(error, "retryable", False) else {}
+    return {"id": name, **more, "status": "failed", "error": redact(str(error)), **is_retryable}

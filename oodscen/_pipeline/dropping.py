@@ -1,0 +1,92 @@
+"""Take judged models out of a study again."""
+
+from collections.abc import Sequence
+
+from oodscen._pipeline.steps.judge import ALWAYS, judged, outcomes
+from oodscen._registry import make_llm
+from oodscen.data._base import canonical_json
+from oodscen.errors import OodscenError, UnknownComponent
+from oodscen.judging._leaderboard.leaderboard import leaderboard
+from oodscen.study._config import StudyConfig
+from oodscen.study._study import Study
+
+
+def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
+    """Remove judged models: their verdicts, and their place in the configuration and the leaderboard.
+
+    Nobody is asked. Their answers stay in `answers.jsonl`, so judging one again asks only what it did not
+    answer, and their calls in `calls.jsonl`, since they were paid for. Reference answerers that every study has
+    keep their verdicts.
+
+    Args:
+        study: On disk.
+        names: As given to `vlms`, or as verdicts call them.
+
+    Returns:
+        How many verdicts each name had.
+
+    Raises:
+        UnknownComponent: When a name was never judged, with close matches.
+        InUse: When another process writes the study.
+    """
+    with study.store.writing():
+        return _dropped(study, names)
+
+
+def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
+    config, verdicts = study.config, study.verdicts
+    made = {name: _called(name, config) for name in config.vlms}
+    called = {name: other or name for name, other in made.items()}
+    known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}
+    for name in names:
+        if name not in known:
+            raise UnknownComponent("judged model", name, known)
+    gone = {name for name in called if name in names or called[name] in names}
+    models = {called.get(name, name) for name in (*names, *gone)}
+    if all(made[name] for name in called if name not in gone):
+        # One that cannot be made any more may have judged under another name: nobody else's are left.
+        judging = {called[name] for name in called if name not in gone}
+        models |= {one.model for one in verdicts} - judging
+    models -= {*ALWAYS}
+    kept = [one for one in verdicts if one.model not in models]
+    counts = {
+        name: sum(one.model in models and one.model == called.get(name, name) for one in verdicts)
+        for name in names
+    }
+    asked = {config.llm, config.red_llm, config.fallback, config.judge}
+    config = config.model_copy(
+        update={
+            "vlms": tuple(name for name in config.vlms if name not in gone),
+            "servers": {
+                name: address
+                for name, address in config.servers.items()
+                if name not in gone or name in asked
+            },
+        }
+    )
+    info = {**study.info, "config": config.model_dump(mode="json")}
+    if "counts" in info:
+        numbers = {"verdicts": len(kept), "outcomes": outcomes(kept), **judged(kept)}
+        info["counts"] = info["counts"] | numbers
+    if "failures" in info:
+        failed = sum(one.status == "failed" for one in kept)
+        info["failures"] = info["failures"] | {"verdicts": failed}
+        if info.get("status") == "incomplete" and not any(info["failures"].values()):
+            info["status"] = "success"
+    study.check()
+    board = leaderboard(kept, study.episodes, study.scenarios, seed=config.seed)
+    study.store.write("study.json", canonical_json(info) + "\n")
+    study.store.write_lines("verdicts.jsonl", kept)
+    study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
+    from oodscen.report import write_report
+
+    write_report(study)
+    return counts
+
+
+def _called(name: str, config: StudyConfig) -> str | None:
+    """Return what verdicts call a model of the configuration; `None` where it cannot be made any more."""
+    try:
+        return make_llm(name, api_base=config.servers.get(name, config.api_base)).name
+    except OodscenError:
+        return None

@@ -1,0 +1,136 @@
+"""What a run will ask and cost, from the prompts that it would send."""
+
+import shutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from oodscen._pipeline.pipeline import Pipeline
+from oodscen._registry import is_builtin, make_llm
+from oodscen.data._messages import Image, Message
+from oodscen.data._twins import twin_id
+from oodscen.data._verdict import verdict_id
+from oodscen.errors import MissingExtra, StudyError, StudyMismatch, UnknownComponent
+from oodscen.llm._accounting import Account, accounts
+from oodscen.llm._remote.limits import Price
+from oodscen.llm._remote.litellm import known_price, load_litellm
+from oodscen.llm._remote.usage import IMAGE_TOKENS
+from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
+from oodscen.prompts._base import Prompt
+from oodscen.protocols import LLM, Completion, Request, Usage
+from oodscen.stages._evaluate import OPTIONS
+from oodscen.study._config import StudyConfig
+from oodscen.study._store import Store
+from oodscen.study._study import Study
+
+CHARACTERS = 4
+"""Per token of English text."""
+
+DESCRIPTION = "word " * 60
+"""As long as a model's description of a frame."""
+
+_FRAMES = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in ("first", "middle", "last"))
+
+
+def estimate(
+    out: str | Path, config: StudyConfig, *, prices: Mapping[str, Price] | None = None
+) -> list[Account]:
+    """Return the calls, tokens and cost that a run into a folder still needs, per stage and model.
+
+    The text stages are played through in a temporary folder with what the folder holds already; the built-in author
+    stands in for every model that would be asked, so the prompts are those that would be sent, of the size they will
+    have, and the answers are as long as its answers. Faults that are repaired or retried come on top. Nothing is asked,
+    nothing is simulated and nothing is written to the folder.
+
+    Args:
+        out: The study's folder, which need not exist.
+        config: What would be run.
+        prices: By model name, where litellm knows none.
+
+    Raises:
+        StudyMismatch: When the folder holds a study of another configuration.
+        FolderTaken: When it holds no study, but files that one would write.
+    """
+    study = Study(out)
+    study.check()
+    with TemporaryDirectory() as folder:
+        _copy(study, Path(folder))
+        names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
+        asked = {name: _StandIn(name, config.seed, prices) for name in names if _is_asked(name)}
+        pipeline = Pipeline(folder, config, models=asked)
+        try:
+            pipeline.prepare()
+        except StudyMismatch as error:
+            raise StudyMismatch(str(out), error.differences) from None
+        calls = Store(folder)
+        scenes = pipeline.stage(pipeline.write_texts().scenarios)
+        lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
+        judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
+        for name in filter(_is_asked, config.vlms):
+            model = _StandIn(name, config.seed, prices)
+            lines += [
+                {"stage": "evaluate", "model": name, **model.usage(request, 300).model_dump()}
+                for scene in scenes
+                for item in (scene.id, twin_id(scene.id))
+                if verdict_id(item, name) not in judged
+                for request in _judging()
+            ]
+    return accounts(lines)
+
+
+def _is_asked(name: str) -> bool:
+    """Whether a name is of a model that somebody else runs."""
+    return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")
+
+
+def _copy(study: Study, target: Path) -> None:
+    for name in study.own():
+        if ".json" in name and name != "calls.jsonl":
+            try:
+                shutil.copy(study.store.path(name), target / name)
+            except OSError as error:
+                raise StudyError(f"cannot read {study.folder / name}: {error.strerror}") from None
+
+
+def _judging() -> Iterator[Request]:
+    """Return the questions of the evaluation of one scene, as long as they will be."""
+    seen = (DESCRIPTION,) * 3
+    prompts: tuple[Prompt[Any], ...] = (
+        *(DescribeFrame(frames=_FRAMES[:n], descriptions=seen[: n - 1]) for n in (1, 2, 3)),
+        NameAspect(frames=_FRAMES, descriptions=seen),
+        ChooseAspect(frames=_FRAMES, descriptions=seen, labels=(DESCRIPTION,) * 10),
+        ChooseAction(frames=_FRAMES, descriptions=seen, options=OPTIONS),
+    )
+    for prompt in prompts:
+        yield Request(prompt, prompt.messages(), prompt.answer_schema())
+
+
+class _StandIn:
+    """The built-in author under another model's name, with that model's price."""
+
+    def __init__(self, name: str, seed: int, prices: Mapping[str, Price] | None) -> None:
+        self.name = name
+        self._author: LLM = make_llm("builtin", seed=seed)
+        self._price = (prices or {}).get(name) or _price(name)
+
+    def complete(self, request: Request) -> Completion:
+        text = self._author.complete(request).text
+        return Completion(text=text, usage=self.usage(request, len(text)))
+
+    def usage(self, request: Request, characters: int) -> Usage:
+        asked = sum(map(_tokens, request.messages))
+        answered = characters // CHARACTERS
+        cost = self._price.of(asked, answered) if self._price else None
+        return Usage(input_tokens=asked, output_tokens=answered, cost_usd=cost)
+
+
+def _tokens(message: Message) -> int:
+    return len(message.text) // CHARACTERS + IMAGE_TOKENS * len(message.images)
+
+
+def _price(name: str) -> Price | None:
+    try:
+        return known_price(load_litellm(), name)
+    except (MissingExtra, UnknownComponent):
+        return None

@@ -1,0 +1,196 @@
+"""The whole paper as one resumable run: stage after stage, from wherever the folder stands."""
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from oodscen._pipeline.context import Context
+from oodscen._pipeline.steps.compare import compare_catalogues
+from oodscen._pipeline.steps.judge import evaluate, judged, outcomes
+from oodscen._pipeline.steps.measure import measure
+from oodscen._pipeline.steps.scenes import augment, simulate
+from oodscen._pipeline.steps.texts import describe, describe_sets
+from oodscen._pipeline.steps.trees import grow, prune, redteam
+from oodscen._version import __version__
+from oodscen.data._base import canonical_json
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.errors import RunStopped, StudyMismatch
+from oodscen.llm._accounting import accounts
+from oodscen.llm._remote.redaction import redact
+from oodscen.study._config import JUDGING, Status, StudyConfig
+from oodscen.study._record import record
+from oodscen.study._study import Study
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+class Texts(NamedTuple):
+    """What the stages before staging came to."""
+
+    initial: ScenarioTree
+    diverse: ScenarioTree
+    simulatable: ScenarioTree
+    scenarios: list[Scenario]
+    """Of the simulatable tree."""
+    sets: dict[int, list[Scenario]]
+    """Of the diverse tree, by size."""
+
+
+_LASTING = ("counts", "failures", "usage")
+"""Parts of `study.json` that a run which is not finished leaves as they were."""
+
+
+class Pipeline:
+    """Runs a study to its end, from wherever it stands.
+
+    Args:
+        out: The study's folder.
+        config: What to run.
+        options: Of `Context`: none of them is part of the study's identity.
+
+    Raises:
+        StudyMismatch: When the folder holds a study of another configuration.
+        FolderTaken: When it holds no study, but files that one would write.
+        StudyError: When the folder cannot be written.
+    """
+
+    def __init__(self, out: str | Path, config: StudyConfig, **options: Any) -> None:
+        self.context = Context(out, config, **options)
+        self.study = self.context.study
+        self.store = self.context.store
+        self.config = config
+
+    def run(self) -> Study:
+        """Run every stage; items that fail are recorded and the rest goes on.
+
+        Raises:
+            InUse: When another process writes the folder.
+            RunStopped: When a cap is reached or an endpoint given up; running again continues.
+            KeyboardInterrupt: When it is interrupted; running again continues as well.
+        """
+        with self.store.writing():
+            return self._run()
+
+    def _run(self) -> Study:
+        traffic = self.context.models.traffic
+        traffic.reopen()
+        began = time.perf_counter()
+        self.prepare()
+        try:
+            self._save("running")
+            counts = self._stages()
+            self._finish(counts, time.perf_counter() - began)
+        except RunStopped as stop:
+            self._save("stopped", stopped=redact(str(stop)), usage=self._usage())
+            self._report()
+            raise
+        except KeyboardInterrupt:
+            traffic.close()
+            self._save(
+                "stopped",
+                stopped="it was interrupted; the same command continues it",
+                usage=self._usage(),
+            )
+            self._report()
+            raise
+        return self.study
+
+    def prepare(self) -> None:
+        """Make simulator, encoder and models, and claim the folder."""
+        self.context.prepare()
+        self._claim()
+
+    def write_texts(self) -> Texts:
+        """Run the stages up to the texts."""
+        run = self.context
+        with run.timed("grow"):
+            initial = grow(run)
+        with run.timed("redteam"):
+            diverse = redteam(run, initial)
+        with run.timed("prune"):
+            simulatable = prune(run, diverse)
+        with run.timed("compare"):
+            compare_catalogues(run, diverse)
+        with run.timed("describe"):
+            scenarios, sets = describe(run, simulatable), describe_sets(run, diverse)
+        return Texts(initial, diverse, simulatable, scenarios, sets)
+
+    def stage(self, scenarios: list[Scenario]) -> list[Scene]:
+        """Run the stage that turns texts into scenes."""
+        with self.context.timed("augment"):
+            return augment(self.context, scenarios)
+
+    def _stages(self) -> dict[str, Any]:
+        run = self.context
+        texts = self.write_texts()
+        with run.timed("metrics"):
+            scenarios = measure(run, texts.scenarios, texts.sets)
+        self.stage(scenarios)
+        with run.timed("simulate"):
+            scenes, episodes = simulate(run)
+        with run.timed("evaluate"):
+            verdicts = evaluate(run, episodes, scenarios, scenes)
+        leaves = texts.simulatable.leaves
+        return {
+            "nodes": {
+                "initial": len(texts.initial),
+                "diverse": len(texts.diverse),
+                "simulatable": len(texts.simulatable),
+            },
+            "paths": len(leaves),
+            "attested": sum(leaf.attested == "paper" for leaf in leaves),
+            "texts": {str(size): len(chosen) for size, chosen in texts.sets.items()},
+            "scenarios": len(scenarios),
+            "scenes": len(scenes),
+            "episodes": sum(e.status == "ok" and not e.is_twin for e in episodes),
+            "twins": sum(e.status == "ok" and e.is_twin for e in episodes),
+            "restaged": sum(bool(episode.restaged) for episode in episodes),
+            "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
+            "verdicts": len(verdicts),
+            "outcomes": outcomes(verdicts),
+            **judged(verdicts),
+        }
+
+    def _usage(self) -> list[dict[str, Any]]:
+        return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
+
+    def _claim(self) -> None:
+        """Check that what the folder holds belongs to this run and is whole."""
+        if self.store.has("study.json"):
+            differences = self.study.config.differences(self.config)
+            for name in JUDGING:
+                differences.pop(name, None)
+            made_with = self.study.info.get("versions", {}).get("oodscen")
+            if made_with != __version__:
+                differences["oodscen"] = (made_with, __version__)
+            if differences:
+                raise StudyMismatch(str(self.study.folder), differences)
+        self.study.check()
+
+    def _save(self, status: Status, **more: Any) -> None:
+        """Write `study.json`; what it was last counted to be stays in it until it is counted anew."""
+        if self.store.has("study.json"):
+            before = self.study.info
+            more = {name: before[name] for name in _LASTING if name in before} | more
+        self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
+
+    def _report(self) -> None:
+        from oodscen.report import write_report
+
+        write_report(self.study)
+
+    def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
+        failures = {
+            name: len(self.study.failures(name))
+            for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
+        }
+        status: Status = "incomplete" if any(failures.values()) else "success"
+        self._save(
+            status,
+            counts=dict(counts),
+            failures=failures,
+            usage=self._usage(),
+            seconds={**self.context.seconds, "total": round(seconds, 3)},
+        )
+        self._report()

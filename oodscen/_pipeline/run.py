@@ -1,0 +1,67 @@
+"""A whole study in one call."""
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from pathlib import Path
+
+from oodscen._pipeline.context import Progress
+from oodscen._pipeline.pipeline import Pipeline
+from oodscen._pipeline.sweep import Extras, check_workers
+from oodscen.llm._accounting import Ledger
+from oodscen.llm._remote.limits import Traffic
+from oodscen.protocols import LLM
+from oodscen.study._config import StudyConfig
+from oodscen.study._study import Study
+
+
+def run_study(
+    out: str | Path,
+    config: StudyConfig | None = None,
+    *,
+    workers: int = 0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    models: Mapping[str, LLM] | None = None,
+    extras: Extras | None = None,
+    traffic: Traffic | None = None,
+    ledger: Ledger | None = None,
+    retry: bool = False,
+) -> Study:
+    """Run the whole paper into a folder, or continue where a run into it stopped.
+
+    Args:
+        out: The folder; made if it does not exist.
+        config: What to run; the paper's numbers on the embedded defaults if left out.
+        workers: Processes that simulate; 0 simulates in this one. They never import the script that runs, so it
+            needs no main guard, but a simulator of one's own must be in a module.
+        executor: Runs the simulation jobs instead of local processes.
+        progress: Told about finished items.
+        models: Objects that answer for model names of the configuration; other names are looked
+            up by `make_llm`.
+        extras: What else is kept of the episodes that this run simulates: traces, annotations,
+            videos.
+        traffic: Caps, prices and concurrency of the models.
+        ledger: Keeps running totals of the calls.
+        retry: Do every failed item again. Without it, only those are that failed because no answer came.
+
+    Raises:
+        UsageError: For an unknown component, a missing extra, a simulator that workers cannot import, or a folder
+            of another study.
+        RunStopped: When a cap is reached or an endpoint given up; running again continues.
+        StudyError: When the folder cannot be written.
+    """
+    config = config or StudyConfig()
+    check_workers(config.simulator, workers, executor)
+    pipeline = Pipeline(
+        out,
+        config,
+        workers=workers,
+        executor=executor,
+        progress=progress,
+        models=models,
+        extras=extras,
+        traffic=traffic,
+        ledger=ledger,
+        retry=retry,
+    )
+    return pipeline.run()

@@ -1,0 +1,44 @@
+"""The stage that puts other simulators beside the study's own."""
+
+from oodscen._pipeline.context import Context
+from oodscen._registry import make_catalogue
+from oodscen.stages._prune.pruner import PruneDecision, Pruner
+from oodscen.stages._prune.side_by_side import compare
+from oodscen.tree._scenario_tree import ScenarioTree
+
+CATALOGUES = "catalogues.json"
+"""File of a study with the comparison of catalogues."""
+
+
+def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
+    """Prune the diverse tree for other catalogues too, and keep the comparison.
+
+    Branches that substitutes show are kept here, and marked. The questions about the study's own
+    simulator are those of the pruning, so a recorded model is not asked them again.
+    """
+    names = run.config.compared
+    if not names or _is_compared(run, tree):
+        return
+    offered = {run.config.simulator: run.simulator.catalogue()}
+    offered |= {name: make_catalogue(name) for name in names}
+    total = len(offered) * len(tree.leaves)
+    judged: dict[str, list[PruneDecision]] = {}
+    done = 0
+    for name, catalogue in offered.items():
+        pruner = Pruner(
+            run.llm, catalogue, threads=run.threads, cancel=run.cancel, context=run.config.context
+        )
+        judged[name] = []
+        for decision in pruner.decisions(tree):
+            judged[name].append(decision)
+            done += 1
+            run.progress("compare", done, total)
+    if len(offered) > 1:
+        run.store.write(CATALOGUES, compare(tree, offered, judged).to_json() + "\n")
+
+
+def _is_compared(run: Context, tree: ScenarioTree) -> bool:
+    """Whether the comparison is there, and of this tree."""
+    if not run.has(CATALOGUES):
+        return False
+    return {line.id: line.path for line in run.study.comparison.lines} == tree.paths

@@ -1,0 +1,269 @@
+"""The stage that judges models."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+from oodscen._concurrency import as_finished
+from oodscen._pipeline.context import Context
+from oodscen._pipeline.steps.scenes import simulate_whole
+from oodscen.data._base import canonical_json, digest
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._messages import Image
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._twins import scene_of, twin_id
+from oodscen.data._verdict import Protocol, Verdict, verdict_id
+from oodscen.errors import StudyError
+from oodscen.judging._aspects.opinions import (
+    Opinion,
+    is_open,
+    judge_label,
+    opinion,
+    opinion_id,
+    rescored,
+)
+from oodscen.judging._leaderboard.leaderboard import leaderboard
+from oodscen.judging._references import Blind, Novelty, Oracle, is_reference
+from oodscen.llm._circuit_breaker import ContainedLLM
+from oodscen.llm._remote.limits import JUDGING
+from oodscen.prompts import NameAspect, prompt_versions
+from oodscen.protocols import LLM
+from oodscen.stages._evaluate import aspect_options, unjudged
+from oodscen.stages._evaluate import evaluate as judge_episode
+
+ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
+"""Reference answerers that are judged in every study."""
+
+OPINIONS = "opinions.jsonl"
+"""One line per distinct open aspect and path that a judge model was asked about."""
+
+
+class Item(NamedTuple):
+    """One episode to be shown to one model."""
+
+    episode: Episode
+    model: str
+    protocol: Protocol
+
+
+def evaluate(
+    run: Context,
+    episodes: Sequence[Episode],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
+) -> list[Verdict]:
+    """Judge the reference answerers and every named model on scenes and twins.
+
+    Writes `verdicts.jsonl` and, from it, `leaderboard.json`. A judge model scores the open aspects of
+    all verdicts in the end, those of earlier runs and of references too; `opinions.jsonl` holds what it said.
+
+    A model that is given up costs its own items only (`unasked`). What was never asked comes first, of all
+    models; then what a model that was given up left; last what failed before, which keeps its old verdict where
+    it is not asked again.
+    """
+    models = _models(run, episodes, scenarios, scenes)
+    shown: dict[Protocol, Sequence[Episode]] = {"ours": episodes}
+    if "paper" in run.config.protocols:
+        shown["paper"] = simulate_whole(run, scenes)
+    items: dict[str, Item] = {}
+    for protocol, found in shown.items():
+        for name, (model, _) in models.items():
+            for episode in found:
+                if not is_reference(model) or (episode.status == "ok" and episode.frames):
+                    key = verdict_id(episode.scene_id, model.name, protocol)
+                    items[key] = Item(episode, name, protocol)
+    ask_about = _questions(run, scenarios)
+    truths = _truths(shown, scenarios)
+
+    def made_from(name: str) -> str:
+        episode, model, protocol = items[name]
+        return truths[protocol, "" if is_reference(models[model][0]) else episode.scene_id]
+
+    earlier = run.fitting("verdicts.jsonl", items, made_from)
+    traffic = run.models.traffic
+
+    def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
+        def judge(item: Item) -> Verdict:
+            return ask_about(item, models[item.model][0])
+
+        for turn in ("new", "unasked", "failed"):
+            due = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
+            with traffic.lenient(math.inf if turn == "failed" else JUDGING):
+                for name, (_, threads) in models.items():
+                    batch = [item for item in due if item.model == name]
+                    found = as_finished(judge, batch, threads=threads, cancel=run.cancel)
+                    for _, verdict in found:
+                        is_kept = verdict.outcome == "unasked" and turn == "failed"
+                        yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
+
+    rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
+    kept = [Verdict.parse(row) for row in rows]
+    verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios)]
+    if verdicts != kept:
+        run.store.write_lines("verdicts.jsonl", verdicts)
+    board = leaderboard(
+        verdicts, episodes, scenarios, whole=shown.get("paper", ()), seed=run.config.seed
+    )
+    run.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
+    return verdicts
+
+
+def _truths(
+    shown: Mapping[Protocol, Sequence[Episode]], scenarios: Sequence[Scenario]
+) -> dict[tuple[Protocol, str], str]:
+    """Return the digest of all that judging goes by, by protocol and item.
+
+    The empty item stands for all, those of the protocols before included: references may look at every episode.
+    """
+    texts = {one.id: [one.leaf, one.path] for one in scenarios}
+    leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
+    found: dict[tuple[Protocol, str], str] = {}
+    for protocol, episodes in shown.items():
+        for one in episodes:
+            told = [one.digest(), texts.get(scene_of(one.scene_id)), leaves]
+            found[protocol, one.scene_id] = digest(told)
+        found[protocol, ""] = digest(list(found.values()))
+    return found
+
+
+def _turn(line: Mapping[str, Any] | None) -> str:
+    """Say when an item is due: what was never asked, what was left, what failed."""
+    if line is None:
+        return "new"
+    return "unasked" if line.get("outcome") == "unasked" else "failed"
+
+
+def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
+    """Count how judging ended, by model; `outdated` are answers to other versions of the prompts."""
+    counts: dict[str, Counter[str]] = {}
+    for verdict in verdicts:
+        if verdict.kind == "model":
+            count = counts.setdefault(verdict.model, Counter())
+            count[verdict.outcome] += 1
+            count["outdated"] += verdict.is_outdated
+    return {name: dict(sorted((+count).items())) for name, count in counts.items()}
+
+
+def judged(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
+    """Count the open aspects that a judge model scored, and those left to the matcher by its failures."""
+    counts = {
+        "judged": sum(bool(verdict.judge) for verdict in verdicts),
+        "matched": sum(bool(verdict.judge_error) for verdict in verdicts),
+    }
+    return {"judged": counts} if any(counts.values()) else {}
+
+
+def _models(
+    run: Context,
+    episodes: Sequence[Episode],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
+) -> dict[str, tuple[LLM, int]]:
+    """Return who is judged, and how many questions may be put to each at once."""
+    leaves = {one.id: (one.leaf, one.path[-1] if one.path else "") for one in scenarios}
+    pictures = {}
+    for episode in episodes:
+        if episode.status == "ok" and "last" in episode.frames:
+            with suppress(StudyError):
+                pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
+    maps = {scene.id: scene.map for scene in scenes}
+    maps |= {twin_id(name): place for name, place in maps.items()}
+    models: dict[str, tuple[LLM, int]] = {}
+    for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
+        models[name] = (run.models.get(name), 1)
+    for reference in (Blind(episodes, leaves), Novelty(pictures, maps), Oracle()):
+        models[reference.name] = (reference, 1)
+    for name in run.config.vlms:
+        model = run.models.get(name)
+        if is_reference(model):
+            models[name] = (model, 1)
+        else:
+            models[name] = (ContainedLLM(model), run.models.traffic.concurrency)
+    return models
+
+
+def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, LLM], Verdict]:
+    """Return what judges one item."""
+    by_id = {scenario.id: scenario for scenario in scenarios}
+    leaves = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
+
+    def ask_about(item: Item, model: LLM) -> Verdict:
+        episode = item.episode
+        if episode.status == "failed" or not episode.frames:
+            return unjudged(
+                episode,
+                model,
+                f"it did not run: {episode.error}",
+                episode.error_type or "",
+                item.protocol,
+            )
+        scenario = by_id.get(scene_of(episode.scene_id))
+        frames: dict[str, Image] = {}
+        if not is_reference(model):
+            try:
+                for moment, file in episode.frames.items():
+                    frames[moment] = Image.from_file(run.store.inside(file), file)
+            except (OSError, StudyError) as error:
+                return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
+            lacks = [f"there is no {moment} frame" for moment in MOMENTS if moment not in frames]
+            if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:
+                return unjudged(episode, model, "; ".join(faults), "DataError", item.protocol)
+        return judge_episode(
+            episode,
+            frames,
+            model,
+            path=scenario.path if scenario else (),
+            leaf=scenario.leaf if scenario else "",
+            options=aspect_options(leaves, seed=run.config.seed, item=episode.scene_id),
+            protocol=item.protocol,
+        )
+
+    return ask_about
+
+
+def _judged(
+    run: Context, verdicts: Sequence[Verdict], scenarios: Sequence[Scenario]
+) -> list[Verdict]:
+    """Score every open aspect alike: by the judge, or by the matcher where there is none."""
+    paths = {scenario.id: scenario.path for scenario in scenarios}
+
+    def path_of(verdict: Verdict) -> tuple[str, ...]:
+        return paths.get(scene_of(verdict.scene_id), ())
+
+    label, opinions = "", dict[str, Opinion]()
+    if run.config.judge:
+        judge = ContainedLLM(run.models.get(run.config.judge))
+        label = judge_label(judge)
+        items = {
+            opinion_id(label, one.aspect, path_of(one)): (one.aspect, path_of(one))
+            for one in verdicts
+            if is_open(one)
+        }
+
+        def work(todo: Mapping[str, tuple[str, tuple[str, ...]]]) -> Iterator[Opinion]:
+            threads = run.models.threads(run.config.judge or "")
+            traffic = run.models.traffic
+            with traffic.lenient(JUDGING):
+                for _, found in as_finished(
+                    lambda item: opinion(judge, *item),
+                    todo.values(),
+                    threads=threads,
+                    cancel=run.cancel,
+                ):
+                    yield found
+
+        rows = run.each("judge", OPINIONS, items, work)
+        opinions = {row["id"]: Opinion.parse(row) for row in rows}
+    return [rescored(verdict, path_of(verdict), opinions, label) for verdict in verdicts]
+
+
+def _dated(verdict: Verdict) -> Verdict:
+    """Mark an answer to other versions of the prompts than this run's."""
+    is_outdated = not verdict.prompts.items() <= prompt_versions().items()
+    is_outdated |= verdict.protocol == "paper" and NameAspect.purpose in verdict.prompts
+    if verdict.is_outdated is is_outdated:
+        return verdict
+    return verdict.model_copy(update={"is_outdated": is_outdated})

@@ -1,0 +1,121 @@
+"""The stages that write texts: of the simulatable tree, and the sets of the diverse tree."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from oodscen._concurrency import as_finished
+from oodscen._pipeline.context import Context, failed
+from oodscen._registry import is_builtin
+from oodscen.baselines import load_baseline
+from oodscen.data._scenario import Scenario
+from oodscen.errors import LLMError, UsageError
+from oodscen.metrics import Metrics
+from oodscen.metrics._detection.guard import is_calibrated
+from oodscen.stages._describe import Describer, spread, spread_subset
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
+    """Write the texts along the paths of the simulatable tree."""
+    paths = tree.paths
+    if run.config.max_paths is not None:
+        leaves = list(paths)
+        count = min(run.config.max_paths, len(leaves))
+        chosen = [leaves[index * len(leaves) // count] for index in range(count)]
+        paths = {leaf: paths[leaf] for leaf in chosen}
+    counts = dict.fromkeys(paths, run.config.per_path)
+    return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0)
+
+
+def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
+    """Write the text sets of the diverse tree; smaller sets are spread over the largest."""
+    if not run.config.sets or not tree.paths:
+        return {}
+    largest = max(run.config.sets)
+    counts = spread(tree.paths, largest)
+    paths = {leaf: path for leaf, path in tree.paths.items() if counts[leaf]}
+    file = f"texts.diverse.{largest}.jsonl"
+    texts = _describe(run, "describe sets", file, paths, counts, sample=1)
+    sets = {size: spread_subset(texts, size) for size in sorted(run.config.sets)}
+    for size, chosen in sets.items():
+        if size != largest:
+            run.store.write_lines(f"texts.diverse.{size}.jsonl", chosen)
+    return sets
+
+
+def _describe(
+    run: Context,
+    stage: str,
+    file: str,
+    paths: Mapping[str, tuple[str, ...]],
+    counts: Mapping[str, int],
+    *,
+    sample: int,
+) -> list[Scenario]:
+    """Write texts path by path; a path counts as done when all its lines are there."""
+    describer = _describer(run, sample)
+    lines: dict[str, list[dict[str, Any]]] = {}
+    for line in run.store.lines(file):
+        if not run.is_again(line):
+            lines.setdefault(line["leaf"], []).append(line)
+    done = {
+        leaf: rows
+        for leaf, rows in lines.items()
+        if leaf in paths and _is_whole(rows, paths[leaf], counts[leaf])
+    }
+
+    def work(leaf: str) -> list[dict[str, Any]]:
+        try:
+            scenarios = describer.path(leaf, paths[leaf], counts[leaf])
+        except (LLMError, UsageError) as error:
+            return [failed(leaf, error, leaf=leaf, path=paths[leaf])]
+        return [scenario.model_dump(mode="json") for scenario in scenarios]
+
+    todo = [leaf for leaf in paths if leaf not in done]
+    if todo:
+        run.store.write_lines(file, (row for rows in done.values() for row in rows))
+    run.progress(stage, len(done), len(paths))
+    for leaf, rows in as_finished(work, todo, threads=run.threads, cancel=run.cancel):
+        for row in rows:
+            run.store.append(file, row)
+        done[leaf] = rows
+        run.progress(stage, len(done), len(paths))
+    ordered = _distinct(describer, [row for leaf in paths for row in done[leaf]])
+    run.store.write_lines(file, ordered)
+    return [Scenario.parse(row) for row in ordered if "error" not in row]
+
+
+def _describer(run: Context, sample: int) -> Describer:
+    config = run.config
+    is_chosen = config.candidates > 1
+    metrics = None
+    if is_chosen or is_calibrated(run.encoder.name):
+        baseline = load_baseline(config.baseline) if config.baseline else None
+        metrics = Metrics(run.encoder, baseline, seed=config.seed)
+    return Describer(
+        run.llm,
+        run.encoder,
+        style=config.style,
+        candidates=config.candidates,
+        band=config.band if is_chosen else None,
+        metrics=metrics,
+        twins=is_builtin(config.llm) if config.twins is None else config.twins,
+        sample=sample,
+    )
+
+
+def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Word those texts anew that say what a text of an earlier path says."""
+    scenarios = [Scenario.parse(row) for row in rows if "error" not in row]
+    try:
+        again = {one.id: one.model_dump(mode="json") for one in describer.reworded(scenarios)}
+    except LLMError:
+        return rows
+    return [again.get(row["id"], row) for row in rows]
+
+
+def _is_whole(rows: Sequence[Mapping[str, Any]], path: tuple[str, ...], count: int) -> bool:
+    """Whether the lines of a path are all there and about this path, or say that it failed."""
+    if any(tuple(row["path"]) != path for row in rows):
+        return False
+    return len(rows) == count or any(row.get("status") == "failed" for row in rows)

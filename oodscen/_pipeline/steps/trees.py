@@ -1,0 +1,104 @@
+"""The stages that make the trees: grow, red-team, prune."""
+
+from oodscen._pipeline.context import Context
+from oodscen.stages._grow import TreeGrower
+from oodscen.stages._prune.pruner import Pruner, all_decisions, pruned
+from oodscen.stages._prune.restoration import restoration
+from oodscen.stages._redteam.red_teamer import RedTeamer
+from oodscen.stages._redteam.thresholds import TOKENS
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+def grow(run: Context) -> ScenarioTree:
+    """Grow the initial tree."""
+    if not run.has("tree.initial.json"):
+        run.store.write(
+            "tree.initial.json", _tree_text(TreeGrower(run.llm, nodes=run.config.nodes).run())
+        )
+    run.progress("grow", 1, 1)
+    return run.study.tree("initial")
+
+
+def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
+    """Grow the diverse tree, round by round.
+
+    A round builds on those before it: what comes after one that is missing is played again, and so is
+    everything where the initial tree is another.
+    """
+    total = run.config.iterations
+    played = run.study.rounds if _is_grown_from(run, tree) else []
+    done = [item for number, item in enumerate(played, start=1) if item.round == number]
+    # What follows a failed round builds on it, so only the last ones can be played again.
+    while done and run.is_again(done[-1].model_dump()):
+        done.pop()
+    run.store.write_lines("redteam.jsonl", done)
+    run.progress("redteam", len(done), total)
+    teamer = RedTeamer(
+        run.llm,
+        run.red_llm,
+        iterations=total,
+        closed_loop=run.config.closed_loop,
+        encoder=run.encoder,
+        nearest=run.config.nearest,
+        nearest_label=run.config.nearest_label,
+        budget=run.config.red_budget,
+        patience=run.config.red_patience,
+        coverage=run.config.red_coverage,
+        in_flight=run.config.in_flight,
+        threads=run.models.threads(run.config.red_llm or run.config.llm),
+        cancel=run.cancel,
+        broadenings=run.config.broadenings,
+        tokens=TOKENS if run.config.context is None else min(TOKENS, run.config.context // 2),
+    )
+    for item in teamer.rounds(tree, done) if teamer.stopped_by(done) is None else ():
+        run.store.append("redteam.jsonl", item)
+        done.append(item)
+        run.progress("redteam", item.round, total)
+    run.progress("redteam", len(done), len(done))
+    run.store.write_lines("redteam.jsonl", done)
+    diverse = tree.apply(*(edit for item in done for edit in item.edits))
+    run.store.write("tree.diverse.json", _tree_text(diverse))
+    return diverse
+
+
+def _is_grown_from(run: Context, tree: ScenarioTree) -> bool:
+    """Whether the rounds were played on this initial tree, as far as that can be told."""
+    if not run.has("tree.diverse.json"):
+        return True
+    return run.study.tree("diverse").edits[: len(tree.edits)] == tree.edits
+
+
+def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
+    """Prune to what the simulator's catalogue can show as the texts will say it.
+
+    Branches that only substitutes can show go as well: a scene must have what its text names.
+    """
+    total = len(tree.leaves)
+    paths = tree.paths
+    judged = [item for item in run.study.decisions if paths.get(item.id) == item.path]
+    judged = [item for item in judged if not run.is_again(item.model_dump())]
+    run.store.write_lines("pruned.jsonl", judged)
+    run.progress("prune", len(judged), total)
+    pruner = Pruner(
+        run.llm,
+        run.simulator.catalogue(),
+        substitutes=False,
+        threads=run.threads,
+        cancel=run.cancel,
+        context=run.config.context,
+    )
+    for decision in pruner.decisions(tree, [item.id for item in judged]):
+        run.store.append("pruned.jsonl", decision)
+        judged.append(decision)
+        run.progress("prune", len(judged), total)
+    decisions = all_decisions(tree, judged)
+    run.store.write_lines("pruned.jsonl", decisions)
+    simulatable = pruned(tree, judged)
+    run.store.write_lines("edits.jsonl", simulatable.edits)
+    run.store.write("restore.json", restoration(decisions).to_json() + "\n")
+    run.store.write("tree.simulatable.json", _tree_text(simulatable))
+    return simulatable
+
+
+def _tree_text(tree: ScenarioTree) -> str:
+    return tree.to_json() + "\n"

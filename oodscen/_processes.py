@@ -1,0 +1,265 @@
+"""Fresh processes that work for this one, and end with it."""
+
+import importlib.util
+import os
+import pickle
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from functools import partial
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from types import FrameType, TracebackType
+from typing import Any, ParamSpec, TypeVar
+
+from oodscen.errors import OodscenError, RunStopped, UsageError
+
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
+
+GRACE_S = 2.0
+"""How long a process that shall leave may take to put things in order."""
+
+_START = (
+    "import sys; from multiprocessing.connection import Connection; "
+    "connection = Connection(int(sys.argv[1])); sys.path[:] = connection.recv(); "
+    "from oodscen._processes import serve; serve(connection)"
+)
+
+_is_worker = False
+
+
+def is_importable(name: str) -> bool:
+    """Whether these processes can import a component by its name: scripts and notebooks they cannot."""
+    return not name.startswith("__main__:")
+
+
+def is_script(name: str) -> bool:
+    """Whether the module of `module:attr` is the script that runs: it then needs a main guard."""
+    module, colon, _ = name.partition(":")
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    if not colon or script is None:
+        return False
+    try:
+        spec = importlib.util.find_spec(module)
+    except (ImportError, ValueError):
+        return False
+    return spec is not None and spec.origin == os.path.abspath(script)
+
+
+class Processes(ThreadPoolExecutor):
+    """Runs each call in a fresh interpreter, which then takes the next one.
+
+    The processes of the standard library import the script that is running, which needs a main guard for that, and
+    outlive a parent that is killed. These import what is called and nothing else. When the pool is closed, or this
+    process is gone, an idle process leaves at once; a call that is under way gets a `KeyboardInterrupt` and
+    `GRACE_S` seconds.
+
+    A call whose process dies raises `BrokenProcessPool`; the other calls go on, and the next one gets a
+    new process.
+
+    Args:
+        count: How many, at most; each is started when a call finds none idle.
+
+    Raises:
+        UsageError: In such a process: a module that it imports asks for processes itself.
+    """
+
+    def __init__(self, count: int) -> None:
+        if _is_worker:
+            raise UsageError(
+                "a module that a worker process imports starts work with processes; put that work "
+                "under: if __name__ == '__main__':"
+            )
+        super().__init__(count)
+        self._all: list[_Process] = []
+        self._idle: list[_Process] = []
+        self._starting = threading.Lock()
+        self._is_closed = False
+
+    def submit(
+        self,
+        function: Callable[Parameters, Result],
+        /,
+        *arguments: Parameters.args,
+        **named: Parameters.kwargs,
+    ) -> Future[Result]:
+        """Run a function of an importable module; all that goes there and comes back is pickled.
+
+        The future raises what the function raises, `BrokenProcessPool` when the process dies, and `RunStopped`
+        when none can be started.
+        """
+        return super().submit(self._call, partial(function, *arguments, **named))
+
+    def _call(self, task: Callable[[], Result]) -> Result:
+        data = pickle.dumps(task)
+        try:
+            process = self._idle.pop()
+        except IndexError:
+            process = self._start()
+        is_result, answer = process.call(data)
+        self._idle.append(process)
+        if not is_result:
+            raise answer
+        result: Result = answer
+        return result
+
+    def _start(self) -> "_Process":
+        with self._starting:
+            if self._is_closed:
+                raise BrokenProcessPool("the processes are closed")
+            process = _Process()
+            self._all.append(process)
+        process.greet()
+        return process
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes: after what was submitted, or at once with `cancel_futures`."""
+        try:
+            if not cancel_futures:
+                super().shutdown()
+        finally:
+            super().shutdown(False, cancel_futures=True)
+            with self._starting:
+                self._is_closed = True
+            for process in self._all:
+                process.terminate()
+            deadline = time.monotonic() + GRACE_S
+            for process in self._all:
+                process.join(deadline)
+            super().shutdown(wait)
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.shutdown(cancel_futures=kind is not None)
+
+
+class _Process:
+    """One interpreter, as its owner sees it."""
+
+    def __init__(self) -> None:
+        self._connection, theirs = Pipe()
+        # What a terminal sends to all its processes is the owner's business. The mask is handed down.
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            with theirs:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", "-c", _START, str(theirs.fileno())],
+                    pass_fds=[theirs.fileno()],
+                    stdin=subprocess.DEVNULL,
+                )
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+    def greet(self) -> None:
+        """Tell it where modules are found, and wait until it is ready.
+
+        Raises:
+            RunStopped: When it does not start.
+        """
+        try:
+            self._connection.send(sys.path)
+            self._connection.recv()
+        except (EOFError, OSError):
+            raise RunStopped(
+                f"a worker process does not start ({self._end()}); what it printed says why"
+            ) from None
+
+    def call(self, task: bytes) -> tuple[bool, Any]:
+        """Let it do a task; return whether it was done, and the result or the error.
+
+        Raises:
+            BrokenProcessPool: When it dies.
+        """
+        try:
+            self._connection.send_bytes(task)
+            data = self._connection.recv_bytes()
+        except (EOFError, OSError):
+            raise BrokenProcessPool(f"its process died ({self._end()})") from None
+        answer: tuple[bool, Any] = pickle.loads(data)
+        return answer
+
+    def terminate(self) -> None:
+        """Ask it to leave."""
+        self._process.terminate()
+
+    def join(self, deadline: float) -> None:
+        """Wait until it has left, which it must by then."""
+        try:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(max(0.0, deadline - time.monotonic()))
+        finally:
+            self._process.kill()
+            self._process.wait()
+
+    def _end(self) -> str:
+        """Say how it ended."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(GRACE_S)
+        code = self._process.returncode
+        if code is None:
+            return "it no longer listens"
+        return f"exit code {code}" if code >= 0 else signal.Signals(-code).name
+
+
+def serve(connection: Connection) -> None:
+    """Answer calls, in a process of its own, until it is told to leave or nobody listens."""
+    global _is_worker
+    _is_worker = True
+    calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    with suppress(KeyboardInterrupt, OSError):
+        signal.signal(signal.SIGTERM, _leave)
+        threading.Thread(target=_listen, args=(connection, calls), daemon=True).start()
+        connection.send(None)
+        while True:
+            connection.send_bytes(_answer(calls.get()))
+
+
+def _leave(number: int, frame: FrameType | None) -> None:
+    """Interrupt what is under way, once."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise KeyboardInterrupt
+
+
+def _listen(connection: Connection, calls: "queue.SimpleQueue[bytes]") -> None:
+    """Take calls; leave when the owner is gone, whatever is under way."""
+    with suppress(EOFError, OSError):
+        while True:
+            calls.put(connection.recv_bytes())
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(GRACE_S)
+    os._exit(1)
+
+
+def _answer(call: bytes) -> bytes:
+    """Do what is asked, and return whether it was done and its result, or the error."""
+    try:
+        task: Callable[[], Any] = pickle.loads(call)
+        return pickle.dumps((True, task()))
+    except Exception as error:
+        if not isinstance(error, OodscenError):
+            trace = "".join(traceback.format_exception(error))
+            error.add_note(f"In a worker process:\n{trace}")
+        return _portable(error)
+
+
+def _portable(error: Exception) -> bytes:
+    """Pickle an error, or what can be said of it where it does not survive that."""
+    try:
+        data = pickle.dumps((False, error))
+        pickle.loads(data)
+    except Exception:
+        data = pickle.dumps((False, RuntimeError(f"{type(error).__name__}: {error}")))
+    return data

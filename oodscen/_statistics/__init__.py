@@ -1,0 +1,1 @@
+"""Intervals and tests, for texts, verdicts and drives alike."""

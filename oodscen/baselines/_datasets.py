@@ -1,0 +1,332 @@
+"""Texts of public driving data sets, read from the files as they are distributed.
+
+Nothing of theirs is shipped. Their licences bind whoever downloads them, and go with the `Baseline`.
+
+| layout | file | texts | licence |
+|---|---|---|---|
+| `drivelm` | DriveLM-nuScenes, `v1_1_train_nus.json` | `scene`, `qa`; on request `question`, `answer`, `object` | CC BY-NC-SA 4.0 |
+| `nuscenes` | nuScenes, `scene.json` | `scene` | CC BY-NC-SA 4.0 |
+| `talk2car` | Talk2Car, `train_commands.json` | `command` | CC BY-NC-SA 4.0 |
+| `bdd-x` | BDD-X, `BDD-X-Annotations_v1.csv` | `sentence`; on request `action`, `justification` | UC Berkeley, not for profit |
+| `cityflow-nl` | CityFlow-NL, `train-tracks.json`, `test-queries.json` | `view`, `other_view` | Apache-2.0 |
+
+A reader of a layout yields its texts in the order of the file, each with the part that it belongs to, and
+an issue for whatever is not as that data set has it. What is left empty (a frame without questions, an
+answer that is withheld, an object that nobody described, the unused columns of a short clip) is skipped.
+"""
+
+import csv
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, get_args
+
+from oodscen.baselines._texts import Rows, csv_reader, csv_rows
+from oodscen.errors import Issue, UnknownComponent, UsageError
+
+LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
+
+_NOT_COMMERCIAL = "CC-BY-NC-SA-4.0"
+_TAG = re.compile(r"(?:\bthe )?(?:\bobjects? )?(<c\d+,[^<>]*>)", re.IGNORECASE)
+_BDD_X = ("Input.Video", "Answer.1action")
+_STAGES = ("perception", "prediction", "planning", "behavior")
+
+
+class Part(NamedTuple):
+    """One text of a data set."""
+
+    kind: str
+    """What it is there: `scene`, `qa`, `command` ..."""
+    text: str
+
+
+Found = Iterator[Part | Issue]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the files of one data set are laid out."""
+
+    title: str
+    """Name of the data set."""
+    licence: str
+    """Of its texts: an SPDX identifier where there is one."""
+    parts: tuple[str, ...]
+    """Kinds of texts that are read by default."""
+    more: tuple[str, ...]
+    """Kinds that are read on request."""
+    read: Callable[[Any], Found]
+    """Takes the decoded JSON document, or the rows of a CSV file as mappings."""
+    is_csv: bool = False
+
+
+def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
+    """Tell from its content which data set a file is of.
+
+    Returns:
+        The layout, and the document or the rows that its reader takes; `None` for any other file.
+    """
+    if suffix == ".csv":
+        rows = csv_reader(content)
+        return (LAYOUTS["bdd-x"], rows) if set(_BDD_X) <= set(_header(rows)) else None
+    if suffix != ".json":
+        return None
+    try:
+        document = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    name = _recognise_json(document)
+    return (LAYOUTS[name], document) if name else None
+
+
+def parse(content: str, layout: Layout) -> Any:
+    """Return what the reader of a layout takes, or an issue where the content is not of its kind."""
+    if layout.is_csv:
+        rows = csv_reader(content)
+        missing = [column for column in _BDD_X if column not in _header(rows)]
+        return Issue("line 1", f"has no column {missing[0]!r}") if missing else rows
+    try:
+        return json.loads(content)
+    except (ValueError, RecursionError) as error:
+        return Issue("", f"is not JSON: {error}")
+
+
+def layout_of(name: str) -> Layout:
+    """Return a layout by its name.
+
+    Raises:
+        UnknownComponent: When there is none of that name.
+    """
+    if name not in LAYOUTS:
+        raise UnknownComponent("layout of a baseline", name, LAYOUTS)
+    return LAYOUTS[name]
+
+
+def chosen_parts(layout: Layout, parts: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the kinds of texts to read: those asked for, or the default of the layout.
+
+    Raises:
+        UnknownComponent: When the layout has no such part.
+        UsageError: When no part is asked for.
+    """
+    known = layout.parts + layout.more
+    if not parts:
+        raise UsageError(f"no part of {layout.title} is asked for (known: {', '.join(known)})")
+    for part in parts:
+        if part not in known:
+            raise UnknownComponent(f"part of {layout.title}", part, known)
+    return parts
+
+
+def _recognise_json(document: Any) -> LayoutName | None:
+    if isinstance(document, list):
+        first = document[0] if document and isinstance(document[0], dict) else {}
+        return "nuscenes" if {"description", "first_sample_token"} <= first.keys() else None
+    if not isinstance(document, dict) or not document:
+        return None
+    if {"commands", "scene_tokens"} <= document.keys():
+        return "talk2car"
+    first = next(iter(document.values()))
+    if isinstance(first, dict) and "key_frames" in first:
+        return "drivelm"
+    if isinstance(first, dict) and "nl" in first:
+        return "cityflow-nl"
+    return None
+
+
+def _header(rows: Rows) -> tuple[str, ...]:
+    try:
+        return tuple(rows.fieldnames or ())
+    except csv.Error:
+        return ()
+
+
+# ---------------------------------------------------------------- DriveLM
+
+
+def _drivelm(document: Any) -> Found:
+    """Read `{scene token: {scene_description, key_frames: {frame token: {key_object_infos, QA}}}}`.
+
+    `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior. An object
+    is called by a tag such as `<c1,CAM_FRONT,1043.2,82.2>`; what it looks like stands instead of it, or "the
+    object" where the file does not say.
+    """
+    for token, scene in _members(document, "", "scene"):
+        if isinstance(scene, Issue):
+            yield scene
+            continue
+        place = f"{token}.scene_description"
+        yield from _texts("scene", scene.get("scene_description"), place)
+        for frame, content in _members(scene.get("key_frames"), f"{token}.key_frames", "frame"):
+            yield from (content,) if isinstance(content, Issue) else _frame(content, frame)
+
+
+def _frame(frame: Mapping[str, Any], where: str) -> Found:
+    names: dict[str, str] = {}
+    place = f"{where}.key_object_infos"
+    for tag, info in _members(frame.get("key_object_infos", {}), place, "object"):
+        if isinstance(info, Issue):
+            yield info
+            continue
+        for part in _texts("object", info.get("Visual_description"), f"{tag}.Visual_description"):
+            yield part
+            if isinstance(part, Part):
+                names[tag.removeprefix(f"{place}.")] = _as_name(part.text)
+    stages = frame.get("QA", {})
+    if not isinstance(stages, dict):
+        yield Issue(f"{where}.QA", f"is {type(stages).__name__}, not an object")
+        return
+    for stage in _STAGES:
+        yield from _questions(stages.get(stage, []), f"{where}.QA.{stage}", names)
+
+
+def _questions(items: Any, where: str, names: Mapping[str, str]) -> Found:
+    if not isinstance(items, list):
+        yield Issue(where, f"is {type(items).__name__}, not a list of questions")
+        return
+    for index, item in enumerate(items):
+        place = f"{where}[{index}]"
+        if not isinstance(item, dict) or not {"Q", "A"} <= item.keys():
+            yield Issue(place, "is no object with 'Q' and 'A'")
+            continue
+        said = []
+        for kind, key in (("question", "Q"), ("answer", "A")):
+            for part in _texts(kind, item[key], f"{place}.{key}"):
+                named = Part(kind, _named(part.text, names)) if isinstance(part, Part) else part
+                yield named
+                if isinstance(named, Part):
+                    said.append(named.text)
+        if said:
+            yield Part("qa", " ".join(said))
+
+
+def _named(text: str, names: Mapping[str, str]) -> str:
+    named = _TAG.sub(lambda match: names.get(match[1], "the object"), text)
+    return named[0].upper() + named[1:]
+
+
+def _as_name(looks: str) -> str:
+    looks = looks.rstrip(". ") or "object"
+    if looks[1:2].islower():
+        looks = looks[0].lower() + looks[1:]
+    return looks if re.match(r"(?:an?|the|some|two|many)\b", looks) else f"the {looks}"
+
+
+# ---------------------------------------------------------------- the others
+
+
+def _nuscenes(document: Any) -> Found:
+    """Read `[{token, name, description, log_token, nbr_samples, ...}]`."""
+    if not isinstance(document, list):
+        yield Issue("", f"is {type(document).__name__}, not a list of scenes")
+        return
+    for index, scene in enumerate(document):
+        if not isinstance(scene, dict) or "description" not in scene:
+            yield Issue(f"[{index}]", "is no scene with a 'description'")
+        else:
+            yield from _texts("scene", scene["description"], f"[{index}].description")
+
+
+def _talk2car(document: Any) -> Found:
+    """Read `{scene_tokens: [...], commands: [{command, scene_token, sample_token, ...}]}`."""
+    commands = document.get("commands") if isinstance(document, dict) else None
+    if not isinstance(commands, list):
+        yield Issue("commands", "is missing, or is not a list")
+        return
+    for index, item in enumerate(commands):
+        if not isinstance(item, dict) or "command" not in item:
+            yield Issue(f"commands[{index}]", "has no 'command'")
+        else:
+            yield from _texts("command", item["command"], f"commands[{index}].command")
+
+
+def _bdd_x(rows: Rows) -> Found:
+    """Read the columns `Answer.<k>action` and `Answer.<k>justification`, k from 1 to 15."""
+    columns = [name for name in _header(rows) if re.fullmatch(r"Answer\.\d+action", name)]
+    for _, row in csv_rows(rows):
+        if isinstance(row, Issue):
+            yield row
+            continue
+        for column in columns:
+            action = (row.get(column) or "").strip()
+            reason = (row.get(column.removesuffix("action") + "justification") or "").strip()
+            if not action:
+                continue
+            yield Part("action", action)
+            if reason:
+                yield Part("justification", reason)
+            yield Part("sentence", _joined(action, reason))
+
+
+def _joined(action: str, reason: str) -> str:
+    """Join "The car stops" and "because the light is red.", or two whole sentences."""
+    if not reason:
+        return action
+    if reason[0].islower():
+        return f"{action.rstrip('.')} {reason}"
+    return f"{action.rstrip('.')}. {reason}"
+
+
+def _cityflow(document: Any) -> Found:
+    """Read `{track id: {nl: [...], nl_other_views: [...]}}`, or, as in 2021, `{query id: [...]}`."""
+    if not isinstance(document, dict):
+        yield Issue("", f"is {type(document).__name__}, not an object of tracks")
+        return
+    for track, content in document.items():
+        fields = {"nl": content} if isinstance(content, list) else content
+        if not isinstance(fields, dict) or "nl" not in fields:
+            yield Issue(
+                track, "has no field 'nl': tracks of the test split come without descriptions"
+            )
+            continue
+        for field, kind in (("nl", "view"), ("nl_other_views", "other_view")):
+            texts = fields.get(field, [])
+            if not isinstance(texts, list):
+                yield Issue(f"{track}.{field}", f"is {type(texts).__name__}, not a list of texts")
+                continue
+            for index, text in enumerate(texts):
+                yield from _texts(kind, text, f"{track}.{field}[{index}]")
+
+
+def _members(value: Any, where: str, what: str) -> Iterator[tuple[str, dict[str, Any] | Issue]]:
+    """Yield the members of an object that are objects too, each with its place."""
+    if not isinstance(value, dict):
+        found = "missing" if value is None else f"{type(value).__name__}, not an object"
+        yield where, Issue(where, f"is {found}")
+        return
+    for name, content in value.items():
+        place = f"{where}.{name}".removeprefix(".")
+        if isinstance(content, dict):
+            yield place, content
+        else:
+            yield place, Issue(place, f"is {type(content).__name__}, not a {what}")
+
+
+def _texts(kind: str, value: Any, where: str) -> Found:
+    """Yield one text, or nothing where it is left empty."""
+    if value is None:
+        return
+    if not isinstance(value, str):
+        yield Issue(where, f"is {type(value).__name__}, not a text")
+    elif text := " ".join(value.split()):
+        yield Part(kind, text)
+
+
+LAYOUTS: dict[str, Layout] = {
+    "drivelm": Layout(
+        "DriveLM", _NOT_COMMERCIAL, ("scene", "qa"), ("question", "answer", "object"), _drivelm
+    ),
+    "nuscenes": Layout("nuScenes", _NOT_COMMERCIAL, ("scene",), (), _nuscenes),
+    "talk2car": Layout("Talk2Car", _NOT_COMMERCIAL, ("command",), (), _talk2car),
+    "bdd-x": Layout(
+        "BDD-X",
+        "UC Berkeley, educational, research and not-for-profit purposes",
+        ("sentence",),
+        ("action", "justification"),
+        _bdd_x,
+        is_csv=True,
+    ),
+    "cityflow-nl": Layout("CityFlow-NL", "Apache-2.0", ("view", "other_view"), (), _cityflow),
+}
+assert set(LAYOUTS) == set(get_args(LayoutName))

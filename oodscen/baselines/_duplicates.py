@@ -1,0 +1,154 @@
+"""Near-duplicates in a baseline.
+
+They do not move the OOD-ness of other texts, but they make a baseline look larger than it is, and a batch
+of it that is scored against the rest as ordinary as a copy. `near_duplicates(texts)` compares the
+wording, `near_duplicates(embeddings)` the meaning; both compare all pairs, in blocks.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from oodscen.baselines._ordinary import bare
+from oodscen.baselines._texts import check_texts
+from oodscen.data._base import Data
+from oodscen.errors import DataError, Issue, UsageError
+
+_BLOCK = 512
+
+Product = Callable[[slice, slice], NDArray[np.float32]]
+"""Gives the similarities of one block of rows to another."""
+
+
+class Duplicate(Data):
+    """An item that resembles one before it."""
+
+    noun: ClassVar[str] = "near-duplicate"
+
+    index: int
+    """Its place."""
+    of: int
+    """Place of the earlier item that it resembles most; the first of equals."""
+    similarity: float
+
+
+class NearDuplicates(Data):
+    """What of a baseline has been said before in nearly the same way."""
+
+    noun: ClassVar[str] = "report of near-duplicates"
+
+    found: tuple[Duplicate, ...]
+    """In the order of the baseline."""
+    n: int = Field(ge=1)
+    """Number of items that were compared."""
+    threshold: float
+    measure: Literal["cosine", "trigrams"]
+
+    @property
+    def kept(self) -> tuple[int, ...]:
+        """The items that resemble none before them: the baseline without near-duplicates."""
+        repeated = {item.index for item in self.found}
+        return tuple(index for index in range(self.n) if index not in repeated)
+
+
+def near_duplicates(
+    items: Sequence[str] | NDArray[np.float32], threshold: float = 0.9
+) -> NearDuplicates:
+    """Find the items that resemble an earlier one.
+
+    Args:
+        items: Texts, of which the sets of three-letter sequences are compared (Jaccard index, without
+            case and punctuation, in [0, 1]); or embeddings, [n, d], of which the cosines are.
+        threshold: Smallest similarity that counts, in (0, 1]. A sentence with another colour in it
+            has about 0.8 by its letters, and 0.8 to 0.95 by all-MiniLM-L6-v2.
+
+    Returns:
+        At most one entry per item, so that a baseline of many copies gives a report of its own size.
+        Time grows with the square of n, memory with n.
+
+    Raises:
+        DataError: When there is nothing to compare, a text is blank, or a value is not finite.
+        UsageError: When the threshold is not in (0, 1].
+    """
+    if not 0.0 < threshold <= 1.0:
+        raise UsageError(f"the threshold {threshold} is not in (0, 1]")
+    if isinstance(items, np.ndarray):
+        size, product = len(items), _cosines(items)
+        return _report(size, product, threshold, "cosine")
+    texts = check_texts(items, "baseline")
+    return _report(len(texts), _jaccard(texts), threshold, "trigrams")
+
+
+def _report(
+    size: int, product: Product, threshold: float, measure: Literal["cosine", "trigrams"]
+) -> NearDuplicates:
+    best, nearest = np.full(size, -np.inf, np.float32), np.zeros(size, np.int64)
+    for first in range(0, size, _BLOCK):
+        rows = slice(first, min(first + _BLOCK, size))
+        for start in range(0, first + 1, _BLOCK):
+            columns = slice(start, min(start + _BLOCK, size))
+            values = product(rows, columns)
+            if start == first:
+                values = np.where(np.tri(len(values), k=-1, dtype=bool), values, -np.inf)
+            place = values.argmax(axis=1)
+            value = np.take_along_axis(values, place[:, None], axis=1)[:, 0]
+            better = value > best[rows]
+            nearest[rows] = np.where(better, place + start, nearest[rows])
+            best[rows] = np.where(better, value, best[rows])
+    # Rounding may leave the cosine of two equal rows a little below 1.
+    repeated = np.flatnonzero(best >= threshold - 1e-6)
+    return NearDuplicates(
+        found=tuple(
+            Duplicate(index=index, of=int(nearest[index]), similarity=float(best[index]))
+            for index in repeated.tolist()
+        ),
+        n=size,
+        threshold=threshold,
+        measure=measure,
+    )
+
+
+def _cosines(vectors: NDArray[np.float32]) -> Product:
+    faults = []
+    if vectors.ndim != 2 or not len(vectors):
+        faults.append(Issue("", f"has the shape {vectors.shape}, not one row for each text"))
+    elif not np.isfinite(vectors).all():
+        faults.append(Issue("", "holds values that are not finite"))
+    if faults:
+        raise DataError("embeddings", faults)
+    lengths = np.sqrt(np.square(vectors, dtype=np.float64).sum(axis=1, keepdims=True))
+    unit = (vectors / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)
+
+    def product(rows: slice, columns: slice) -> NDArray[np.float32]:
+        return np.asarray(np.clip(unit[rows] @ unit[columns].T, -1.0, 1.0), np.float32)
+
+    return product
+
+
+def _jaccard(texts: Sequence[str]) -> Product:
+    vocabulary: dict[str, int] = {}
+    grams = [
+        np.array(sorted({vocabulary.setdefault(gram, len(vocabulary)) for gram in _grams(text)}))
+        for text in texts
+    ]
+    sizes = np.array([len(own) for own in grams], np.float32)
+
+    def incidence(rows: slice) -> NDArray[np.float32]:
+        found = np.zeros((rows.stop - rows.start, len(vocabulary)), np.float32)
+        for row, own in enumerate(grams[rows]):
+            found[row, own] = 1.0
+        return found
+
+    def product(rows: slice, columns: slice) -> NDArray[np.float32]:
+        shared = incidence(rows) @ incidence(columns).T
+        return np.asarray(shared / (sizes[rows, None] + sizes[columns] - shared), np.float32)
+
+    return product
+
+
+def _grams(text: str) -> set[str]:
+    letters = f" {bare(text) or text.strip()} "
+    return {letters[place : place + 3] for place in range(len(letters) - 2)}

@@ -1,0 +1,183 @@
+"""A baseline of embeddings on disk, as large as the disk: vectors are read a block at a time.
+
+`write_embeddings(path, encoder, texts)` makes one; `open_embeddings(path, encoder)` opens it. Two formats:
+
+    .npy                float32 [N, d], memory-mapped; beside it `<name>.npy.json` says which encoder made it
+    .arrow, .feather    Arrow IPC files with a column `vector` (fixed-size list of float32); the encoder's name
+                        is in the schema's metadata under `encoder`. Needs the extra `tables`.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._files import read_utf8, refuse_special, replace
+from oodscen._json import parse_object
+from oodscen.errors import DataError, Issue, MissingExtra, UsageError
+from oodscen.protocols import Encoder
+
+_BATCH = 4096
+
+
+class EmbeddedBaseline:
+    """A baseline of which only the embeddings are known. Rows are scaled to unit length as they are read.
+
+    Attributes:
+        name: What reports call it: the file's name.
+        encoder: Name of the encoder that made it.
+        dimension: Length of a vector.
+        texts: Always empty: only embeddings are known.
+    """
+
+    def __init__(self, path: Path, rows: Any, encoder: str, dimension: int) -> None:
+        self.path = path
+        self.texts: tuple[str, ...] = ()
+        self.name = path.name
+        self.encoder = encoder
+        self.dimension = dimension
+        self._rows = rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, rows: slice) -> NDArray[np.float32]:
+        """Return some rows, of unit length or zero, as an array of its own.
+
+        Raises:
+            DataError: When a value is not finite.
+        """
+        block = np.array(self._rows[rows], np.float32)
+        squared = np.einsum("ij,ij->i", block, block, dtype=np.float64)
+        if not np.isfinite(squared).all():
+            first = (rows.start or 0) + int(np.isfinite(squared).argmin())
+            fault = "is not finite; write the embeddings again"
+            raise DataError("embeddings", [Issue(f"row {first}", fault)], source=str(self.path))
+        lengths = np.sqrt(squared)[:, None].astype(np.float32)
+        block /= np.where(lengths > 0.0, lengths, np.float32(1.0))
+        return block
+
+    def digest(self) -> str:
+        """Return a SHA-256 of the name, size and first and last rows; the whole is not read."""
+        found = hashlib.sha256(f"{self.encoder} {len(self)} {self.dimension}".encode())
+        for rows in (slice(0, 16), slice(max(len(self) - 16, 0), len(self))):
+            found.update(self[rows].tobytes())
+        return found.hexdigest()
+
+
+def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -> int:
+    """Encode texts a batch at a time into a `.npy` file, and say beside it which encoder did so.
+
+    Args:
+        path: Of the file; replaced only when all is written.
+        encoder: Whose vectors they are.
+        texts: As many as there are; they are read once and not kept.
+
+    Returns:
+        The number of texts.
+    """
+    from oodscen.encoders._check import encode
+
+    file = Path(path)
+    if file.suffix != ".npy":
+        raise UsageError(f"embeddings are written as .npy, not as {file.name}")
+    source, count = iter(texts), 0
+    with TemporaryDirectory(dir=file.parent, prefix=".oodscen-") as folder:
+        part, whole = Path(folder, "rows"), Path(folder, "whole")
+        with part.open("wb") as stream:
+            while batch := list(islice(source, _BATCH)):
+                encode(encoder, batch).tofile(stream)
+                count += len(batch)
+        header = {"descr": "<f4", "fortran_order": False, "shape": (count, encoder.dimension)}
+        with whole.open("wb") as stream, part.open("rb") as rows:
+            np.lib.format.write_array_header_1_0(stream, header)
+            while block := rows.read(1 << 24):
+                stream.write(block)
+        whole.replace(file)
+    about = {"encoder": encoder.name, "n": count, "dimension": encoder.dimension}
+    replace(_about(file), f"{json.dumps(about)}\n".encode())
+    return count
+
+
+def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
+    """Open a baseline of embeddings for an encoder.
+
+    Raises:
+        DataError: When the file cannot be read, is truncated, or is not [N, d] float32.
+        UsageError: When another encoder made it.
+        MissingExtra: When it is an Arrow file and pyarrow is not installed.
+    """
+    file = Path(path)
+    refuse_special(file, "embeddings")
+    rows, maker = _arrow(file) if file.suffix in (".arrow", ".feather") else _npy(file)
+    if maker != encoder.name:
+        raise UsageError(
+            f"{file.name} holds embeddings of {maker}, not of {encoder.name}: use that encoder, or write "
+            "them again with write_embeddings"
+        )
+    if rows.shape[1] != encoder.dimension or not len(rows):
+        fault = f"has the shape {rows.shape}, not [N, {encoder.dimension}] with N at least 1"
+        raise DataError("embeddings", [Issue("", fault)], source=str(file))
+    return EmbeddedBaseline(file, rows, maker, encoder.dimension)
+
+
+def _about(file: Path) -> Path:
+    return file.with_name(file.name + ".json")
+
+
+def _npy(file: Path) -> tuple[Any, str]:
+    try:
+        rows = np.load(file, mmap_mode="r", allow_pickle=False)
+        about = parse_object(read_utf8(_about(file), "embeddings", limit=1 << 20))
+        maker = str(about["encoder"])
+    except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
+        fault = f"cannot be read ({error}); write it again with write_embeddings"
+        raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
+    if rows.ndim != 2 or rows.dtype != np.float32:
+        fault = f"is {rows.dtype} of shape {rows.shape}, not float32 [N, d]"
+        raise DataError("embeddings", [Issue("", fault)], source=str(file))
+    return rows, maker
+
+
+class _ArrowRows:
+    """The vectors of a memory-mapped Arrow file, by slices."""
+
+    def __init__(self, table: Any, width: int) -> None:
+        self._column = table.column("vector")
+        self.shape = (len(self._column), width)
+
+    def __len__(self) -> int:
+        return int(self.shape[0])
+
+    def __getitem__(self, rows: slice) -> NDArray[np.float32]:
+        start, stop, _ = rows.indices(len(self))
+        parts = [
+            chunk.flatten().to_numpy().reshape(-1, self.shape[1])
+            for chunk in self._column.slice(start, stop - start).chunks
+        ]
+        return np.concatenate(parts) if parts else np.zeros((0, self.shape[1]), np.float32)
+
+
+def _arrow(file: Path) -> tuple[Any, str]:
+    try:
+        import pyarrow as pa
+    except ImportError:
+        raise MissingExtra("embeddings in an Arrow file", "tables", "pyarrow") from None
+    try:
+        table = pa.ipc.open_file(pa.memory_map(str(file))).read_all()
+        kind = table.schema.field("vector").type
+        maker = (table.schema.metadata or {})[b"encoder"].decode()
+        width, value = int(kind.list_size), str(kind.value_type)
+    except (OSError, KeyError, AttributeError, ValueError, pa.ArrowInvalid) as error:
+        fault = f"is no Arrow file with a column `vector` and an encoder's name: {error}"
+        raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
+    if value != "float":
+        fault = f"holds vectors of {value}, not float32"
+        raise DataError("embeddings", [Issue("vector", fault)], source=str(file))
+    return _ArrowRows(table, width), maker

@@ -1,0 +1,49 @@
+"""Texts that are not about driving a car on a road, to calibrate the off-topic guard by.
+
+*Near misses* share words with driving (aircraft, trains, cycle races, motor sport, car finance, car
+repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small talk,
+code, gibberish), or are in a language other than English, which the default encoder does not read. All
+were written by hand and are split in halves as the controls are; a third part, *blind*, was written by another hand that
+had seen neither these texts nor the guard.
+"""
+
+import json
+from functools import cache
+from importlib import resources
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from oodscen.baselines._controls import Split
+from oodscen.data._base import Data
+
+
+class OffTopic(Data):
+    """One text that a measure of driving scenarios should refuse to score."""
+
+    noun: ClassVar[str] = "off-topic text"
+
+    id: str
+    kind: Literal["near-miss", "off-topic"]
+    split: Split | Literal["blind"]
+    """`tune` for the half of its kind with the smaller SHA-256 of "oodscen off-topic <id>", or
+    `blind`."""
+    topic: str
+    """What it is about."""
+    text: str = Field(min_length=1)
+
+
+def load_off_topic(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
+    """Return one part of the texts that are shipped, near misses first.
+
+    Args:
+        split: `tune` to set a threshold by, `frozen` and `blind` to report the share that is flagged.
+    """
+    return tuple(text for text in _texts() if text.split == split)
+
+
+@cache
+def _texts() -> tuple[OffTopic, ...]:
+    file = resources.files("oodscen.baselines") / "off_topic.jsonl"
+    lines = file.read_text(encoding="utf-8").splitlines()
+    return tuple(OffTopic.parse(json.loads(line), source=file.name) for line in lines)

@@ -1,0 +1,205 @@
+"""The shipped baseline: ordinary driving, from a seeded grammar and by hand.
+
+The grammar is data (`ordinary.toml`); this module only draws from it. Its texts cover urban, suburban,
+rural and motorway driving in the registers in which out-of-distribution scenarios are written too, so
+that style alone does not make a text score as such. What a grammar does not think of was written by
+hand (`oodscen.baselines._handwritten`).
+"""
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from oodscen._seeding import stream
+from oodscen.baselines._baseline import Baseline
+from oodscen.baselines._handwritten import handwritten_driving
+from oodscen.errors import UsageError
+
+_SIZE = 2000
+_STYLES = {"caption": 0.34, "ego": 0.24, "lead": 0.08, "scene": 0.18, "reason": 0.10, "notes": 0.06}
+_NEEDS = {
+    "caption": "captions",
+    "ego": "ego",
+    "lead": "ego",
+    "scene": "scenes",
+    "reason": "reasons",
+    "notes": "notes",
+}
+_SLOT = re.compile(r"\{(?:([aA]) )?(\w+)\}")
+_EGO = re.compile(r"\bego\b(?! vehicle| car)", re.IGNORECASE)
+_ARTICLE = re.compile(r"\b([aA])n? (?=(\S+))")
+_VOWEL = re.compile(r"(?!one-|uni|use|eu)[aeiou]|SUV|MPV", re.IGNORECASE)
+_SENTENCE = re.compile(r"(?:^|(?<=\. ))[a-z]")
+
+
+@cache
+def ordinary_driving() -> Baseline:
+    """Return the baseline that is shipped, always the same.
+
+    First 2,000 distinct texts of the grammar, then those of `handwritten_driving()`.
+    """
+    return Baseline(
+        texts=draw(_SIZE) + handwritten_driving().texts,
+        name="ordinary-driving",
+        source="oodscen.baselines: grammar ordinary.toml, seed 0, and by hand",
+        licence="Apache-2.0",
+    )
+
+
+def draw(size: int, *, seed: int = 0) -> tuple[str, ...]:
+    """Draw distinct texts of ordinary driving, taking the grammar's situations in turn.
+
+    Args:
+        size: How many; no two are equal when case and punctuation are dropped.
+        seed: Of the draws.
+
+    Raises:
+        UsageError: When the grammar gives fewer.
+    """
+    rules = _rules()
+    draws = stream(seed, "ordinary-driving")
+    situations = [item for item in rules["situation"] for _ in range(item.get("repeat", 1))]
+    found: dict[str, str] = {}
+    for turn in range(20 * size):
+        if len(found) == size:
+            break
+        text = _Text(rules, situations[turn % len(situations)], draws).write()
+        found.setdefault(bare(text), text)
+    if len(found) < size:
+        raise UsageError(f"the grammar gave {len(found)} distinct texts, not {size}")
+    return tuple(found.values())
+
+
+def bare(text: str) -> str:
+    """Return a text without case and punctuation."""
+    return " ".join(re.findall(r"\w+", text.casefold()))
+
+
+class _Text:
+    """One text in the making: no word or phrase is used in it twice."""
+
+    def __init__(
+        self, rules: Mapping[str, Any], situation: Mapping[str, Any], draws: np.random.Generator
+    ) -> None:
+        self._rules = rules
+        self._situation = situation
+        self._draws = draws
+        self._used: set[str] = set()
+        self._sky = self._choose([sky for sky in rules["sky"] if _suits(situation, sky["tags"])])
+        self._road, self._note = self._choose(_roads(rules, situation))
+        self._subject = self._pick(rules["words"]["subject"])
+        self._is_bare = bool(situation.get("bare"))
+
+    def write(self) -> str:
+        """Draw a style and fill it."""
+        styles = {name: _STYLES[name] for name in _STYLES if _NEEDS[name] in self._situation}
+        total = sum(styles.values())
+        style = self._draws.choice(list(styles), p=[share / total for share in styles.values()])
+        text = getattr(self, f"_{style}")()
+        if self._draws.random() < 0.5:
+            text = _translated(text, self._rules["american"])
+        return _edited(text) + "."
+
+    def _caption(self) -> str:
+        return self._under_sky(self._phrase("captions"), 0.25)
+
+    def _reason(self) -> str:
+        return self._under_sky(self._phrase("reasons"), 0.25)
+
+    def _ego(self) -> str:
+        return f"{self._driving()} {self._pick(self._sky['with'])}, {self._phrase('ego')}"
+
+    def _lead(self) -> str:
+        return f"{self._pick(self._sky['lead'])}, {self._driving()}, {self._phrase('ego')}"
+
+    def _scene(self) -> str:
+        scene = _EGO.sub(self._subject, self._phrase("scenes"))
+        if self._draws.random() < 0.4:
+            return f"{scene}. {self._pick(self._sky['sentence'])}"
+        return f"{self._driving()} {self._pick(self._sky['with'])}. {scene}"
+
+    def _notes(self) -> str:
+        notes = [self._phrase("notes"), self._phrase("notes"), self._pick(self._sky["note"])]
+        if self._note:
+            notes.insert(2, self._pick(self._note))
+        return ", ".join(notes)
+
+    def _driving(self) -> str:
+        motion = self._rules["words"][self._situation.get("motion", "moving")]
+        return f"{self._subject} is {self._pick(motion)} {self._road}"
+
+    def _under_sky(self, sentence: str, share: float) -> str:
+        if self._is_bare or self._draws.random() >= share:
+            return sentence
+        return f"{self._pick(self._sky['lead'])}, {_uncapital(sentence)}"
+
+    def _phrase(self, kind: str) -> str:
+        return self._pick(self._situation[kind])
+
+    def _pick(self, entries: Sequence[str]) -> str:
+        entry = self._choose([entry for entry in entries if entry not in self._used] or entries)
+        self._used.add(entry)
+        return _SLOT.sub(self._fill, entry)
+
+    def _fill(self, slot: re.Match[str]) -> str:
+        article, name = slot.groups()
+        if name.lower() == "subject":
+            return self._subject
+        word = self._pick(self._rules["words"][name.lower()])
+        return f"{article} {word}" if article else word
+
+    def _choose(self, entries: Sequence[Any]) -> Any:
+        return entries[int(self._draws.integers(len(entries)))]
+
+
+@cache
+def _rules() -> dict[str, Any]:
+    file = resources.files("oodscen.baselines") / "ordinary.toml"
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def _suits(situation: Mapping[str, Any], tags: Sequence[str]) -> bool:
+    return set(situation.get("only", ())) <= set(tags) and not set(tags) & set(
+        situation.get("never", ())
+    )
+
+
+def _roads(
+    rules: Mapping[str, Any], situation: Mapping[str, Any]
+) -> list[tuple[str, Sequence[str]]]:
+    """List the roads that a situation fits, each with what a list of key words calls it."""
+    classes = {road["class"]: road for road in rules["road"]}
+    roads = [
+        (phrase, classes[name]["note"])
+        for name in situation.get("roads", ())
+        for phrase in classes[name]["phrases"]
+    ]
+    return roads + [(phrase, ()) for phrase in situation.get("on", ())]
+
+
+def _translated(text: str, words: Mapping[str, str]) -> str:
+    longest_first = sorted(words, key=lambda word: (-len(word), word))
+    pattern = re.compile(rf"\b({'|'.join(map(re.escape, longest_first))})\b", re.IGNORECASE)
+
+    def other(match: re.Match[str]) -> str:
+        word = words.get(match[0]) or words[_uncapital(match[0])]
+        return word[0].upper() + word[1:] if match[0][0].isupper() else word
+
+    return pattern.sub(other, text)
+
+
+def _edited(text: str) -> str:
+    """Mend articles and capitals, which depend on what was filled in."""
+    text = _ARTICLE.sub(lambda m: m[1] + ("n " if _VOWEL.match(m[2]) else " "), text)
+    text = _SENTENCE.sub(lambda m: m[0].upper(), text)
+    # As a name without an article, Ego is capitalised like one.
+    return re.sub(r"(?<!the )(?<!The )\bego\b", "Ego", text)
+
+
+def _uncapital(text: str) -> str:
+    return text[0].lower() + text[1:]

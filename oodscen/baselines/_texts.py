@@ -1,0 +1,214 @@
+"""Reading and checking sets of texts."""
+
+import csv
+import io
+import json
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+from oodscen._files import read_utf8
+from oodscen._text import whole
+from oodscen.data._scenario import Scenario
+from oodscen.errors import DataError, Issue
+
+MAX_CHARACTERS = 1_000_000
+"""Longest text that is measured; what is longer is a file whose lines do not end."""
+
+_MOST_ISSUES = 20
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+Rows: TypeAlias = "csv.DictReader[str]"
+
+
+class Record(NamedTuple):
+    """One text of a file."""
+
+    text: str
+    group: str | None
+    """What it belongs to: its path in a scenario tree, where the file says so."""
+
+
+def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
+    """Return the texts as strings if each of them says something.
+
+    Raises:
+        DataError: When there is none, or with one issue per text that is not a string, blank, or
+            not valid Unicode.
+    """
+    if isinstance(texts, str | bytes):
+        raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
+    plain = [item.text if isinstance(item, Scenario) else item for item in texts]
+    faults = [(f"[{index}]", fault_of(text)) for index, text in enumerate(plain)]
+    refuse(noun, [Issue(path, fault) for path, fault in faults if fault])
+    if not plain:
+        raise DataError(noun, [Issue("", "holds no text")])
+    return tuple(plain)
+
+
+def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
+    """Read texts from a file.
+
+    Plain lines; JSON lines (strings, or objects with `text`); a JSON list of the same; CSV or TSV
+    with a column `text`, told by the suffix. Objects and rows may have `path`, `leaf` or `group`.
+    Blank lines are skipped, and white space around a text is dropped.
+
+    Raises:
+        DataError: When the file cannot be read or decoded, holds no text, or with one issue per
+            line that has none.
+    """
+    content = read_utf8(path, noun)
+    suffix = Path(path).suffix.lower()
+    issues: list[Issue] = []
+    records: list[Record] = []
+    for where, value in _values(content, suffix):
+        found = value if isinstance(value, Issue) else _record(where, value)
+        if isinstance(found, Issue):
+            issues.append(found)
+        else:
+            records.append(found)
+    if not records and not issues:
+        issues.append(Issue("", "holds no text"))
+    refuse(noun, issues, source=str(path))
+    return records
+
+
+def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
+    """Yield each value with its place, or an issue instead of a value."""
+    start = content.lstrip()[:1]
+    if suffix in (".csv", ".tsv"):
+        yield from _rows(content, "\t" if suffix == ".tsv" else ",")
+    elif start == "[":
+        yield from _list(content)
+    elif start == "{" or suffix in (".jsonl", ".ndjson"):
+        yield from _json_lines(content, suffix)
+    else:
+        for number, line in _lines(content):
+            yield f"line {number}", line
+
+
+def _lines(content: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines that are not blank, each with its number.
+
+    Not splitlines(): texts and JSON strings may hold U+0085, U+2028 and the like.
+    """
+    for number, line in enumerate(_LINE_END.split(content), 1):
+        if line.strip():
+            yield number, line
+
+
+def _rows(content: str, delimiter: str) -> Iterator[tuple[str, Any]]:
+    reader = csv_reader(content, delimiter)
+    names: Sequence[str] = ()
+    for line, row in csv_rows(reader):
+        names = names or reader.fieldnames or ()
+        if not isinstance(row, Issue) and names.count("text") != 1:
+            listed = ", ".join(names)
+            fault = "has no column 'text'" if "text" not in names else "has two columns 'text'"
+            yield "line 1", Issue("line 1", f"{fault} (columns: {listed})")
+            return
+        yield f"line {line}", row
+
+
+def csv_reader(content: str, delimiter: str = ",") -> Rows:
+    """Return a reader that refuses quotes that are not closed, or not where a field begins and ends."""
+    return csv.DictReader(io.StringIO(content, newline=""), delimiter=delimiter, strict=True)
+
+
+def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
+    """Yield the rows of a CSV file with the lines on which they begin, and an issue after which none is read.
+
+    A row with more fields than the header has a text cut at a comma, and is an issue too.
+    """
+    while True:
+        begins = reader.line_num + 1
+        try:
+            header = reader.fieldnames or ()
+            begins = max(begins, 2)
+            row = next(reader)
+        except StopIteration:
+            return
+        except csv.Error as error:
+            told = "a quote is not closed" if "end of data" in str(error) else str(error)
+            yield begins, Issue(f"line {begins}", f"is not CSV: {told}")
+            return
+        more = row.pop(None, None)  # Where the reader puts them.
+        if more and any(map(str.strip, more)):
+            fault = f"has {len(header) + len(more)} fields, and the header has {len(header)}; quote texts with a comma"
+            yield begins, Issue(f"line {begins}", fault)
+        else:
+            yield begins, row
+
+
+def _list(content: str) -> Iterator[tuple[str, Any]]:
+    try:
+        values = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        yield "", Issue("", f"is not a JSON list: {error}")
+        return
+    for index, value in enumerate(values):
+        yield f"[{index}]", value
+
+
+def _json_lines(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
+    if suffix == ".json":
+        try:
+            value = json.loads(content)
+        except (ValueError, RecursionError):
+            pass  # Several objects, one a line: JSON lines under another name.
+        else:
+            yield "", value
+            return
+    for number, line in _lines(content):
+        try:
+            yield f"line {number}", json.loads(line)
+        except (ValueError, RecursionError) as error:
+            yield "", Issue(f"line {number}", f"is not JSON: {error}")
+
+
+def _record(where: str, value: Any) -> Record | Issue:
+    fields = value if isinstance(value, dict) else {"text": value}
+    if "text" not in fields:
+        return Issue(where, "has no field 'text'")
+    text = fields["text"]
+    if fault := fault_of(text):
+        return Issue(where, fault)
+    return Record(text.strip(), _group(fields))
+
+
+def _group(fields: dict[str, Any]) -> str | None:
+    for name in ("path", "leaf", "group"):
+        value = fields.get(name)
+        if isinstance(value, list) and value:
+            return whole(" / ".join(map(str, value)))
+        if isinstance(value, str) and value.strip():
+            return whole(value.strip())
+    return None
+
+
+def fault_of(text: object) -> str:
+    """Say what keeps a value from being a text; empty if nothing does."""
+    if not isinstance(text, str):
+        return f"is {type(text).__name__}, not a text"
+    if not text.strip():
+        return "is blank"
+    if len(text) > MAX_CHARACTERS:
+        return f"has {len(text):,} characters, and a text has at most {MAX_CHARACTERS:,}"
+    if "\0" in text:
+        return "holds a NUL character; is the file UTF-16?"
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return "is not valid Unicode: it holds half of a surrogate pair"
+    return ""
+
+
+def refuse(noun: str, issues: Iterable[Issue], *, source: str = "") -> None:
+    """Raise a `DataError` if there are issues; of very many it lists the first."""
+    found = list(issues)
+    if len(found) > _MOST_ISSUES:
+        rest = len(found) - _MOST_ISSUES
+        found = [*found[:_MOST_ISSUES], Issue("", f"and {rest} more like these")]
+    if found:
+        raise DataError(noun, found, source=source)

@@ -1,0 +1,221 @@
+"""Whether one actor is, moves and stands as a text says."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.claims._watching import decision_s
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._claim import Claim
+from oodscen.data._scene import Scene
+from oodscen.driving._trace import Course, Trace, places
+
+Floats = NDArray[np.float64]
+Verdict = tuple[bool | None, str]
+"""Whether a claim holds, `None` where nobody can tell, and what is found."""
+
+_STILL = 0.5
+"""m/s below which something counts as standing: gusts and milling about are above."""
+_MOVES = 0.3
+"""m/s from which something counts as moving."""
+_ACROSS_M = 0.8
+"""m to the side that make a crossing."""
+_ASIDE_M = 0.5
+"""m from the lane's middle from which something is to one side."""
+_IN_LANE = 0.3
+"""Share of a lane, or of what is smaller than that, that must be taken."""
+_CLEAR_M = 1.0
+"""Half of what an ego in the middle of its lane needs, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """How one actor moves against the ego; arrays are [steps]."""
+
+    actor: int
+    """Index in the scene."""
+    id: str
+    asset: Asset
+    state: str
+    is_hazard: bool
+    before: slice
+    """Steps up to the decision."""
+    ego_speed: float
+    """At the start, m/s."""
+    own_lanes: int
+    """Lanes to the left of the ego's from which on they are oncoming."""
+    time: Floats
+    ahead: Floats
+    """m along the road from the ego's centre to its own."""
+    aside: Floats
+    """m from the middle of the ego's lane, to the left."""
+    half_width: Floats
+    """m across the road, of its footprint."""
+    lane_width: Floats
+    """Of the ego's lane, m."""
+    lane: Floats
+    """Lanes to the left of the ego's; not-a-number off the lanes."""
+    along: Floats
+    """m/s along the road."""
+    speed: Floats
+    """m/s over the ground."""
+    gear: Floats
+    """m/s along its heading: negative in reverse."""
+    gap: Floats
+    """m between its body and the ego's."""
+
+    @classmethod
+    def of(cls, scene: Scene, catalogue: Catalogue, trace: Trace) -> list[Self]:
+        """Look at every actor of a scene, in the scene's order."""
+        course = Course.of(scene, catalogue)
+        corridor, strip = course.corridor, course.corridor.strips[course.strip]
+        rows = [trace.ids.index(actor.id) for actor in scene.actors]
+        s, time = trace["s"], trace["time"][:, 0]
+        middle = np.interp(s, corridor.s, 0.5 * (strip.left + strip.right))
+        width = np.interp(s, corridor.s, strip.left - strip.right)
+        _, _, cos, sin = places(corridor, trace["x"], trace["y"])
+        yaw = trace["yaw"]
+        askew = np.abs(np.sin(yaw) * cos - np.cos(yaw) * sin)
+        straight = np.abs(np.cos(yaw) * cos + np.sin(yaw) * sin)
+        across = 0.5 * (trace["length"] * askew + trace["width"] * straight)
+        along = trace["vx"] * cos + trace["vy"] * sin
+        speed = np.sqrt(trace["vx"] ** 2 + trace["vy"] ** 2)
+        decision = int(np.searchsorted(time, decision_s(scene, trace) - 1e-6)) + 1
+        own = sum(1 for lane in corridor.ego_lanes) - scene.ego.lane
+        return [
+            cls(
+                actor=number,
+                id=actor.id,
+                asset=catalogue.asset(actor.asset),
+                state=actor.state,
+                is_hazard=actor.id in scene.hazard.actors,
+                before=slice(0, decision),
+                ego_speed=scene.ego.speed,
+                own_lanes=own,
+                time=time,
+                ahead=s[:, row] - s[:, 0],
+                aside=trace["t"][:, row] - middle[:, row],
+                half_width=across[:, row],
+                lane_width=width[:, row],
+                lane=trace["lane"][:, row],
+                along=along[:, row],
+                speed=speed[:, row],
+                gear=trace["speed"][:, row],
+                gap=trace["gap_m"][:, row],
+            )
+            for number, (actor, row) in enumerate(zip(scene.actors, rows, strict=True))
+        ]
+
+    @property
+    def is_traffic(self) -> bool:
+        """Whether it is an ordinary road user under way."""
+        return not self.is_hazard and float(self.speed.max()) >= _STILL
+
+    @property
+    def share(self) -> Floats:
+        """Return the share of the ego's lane, or of itself if that is less, that it takes."""
+        half = 0.5 * self.lane_width
+        low = np.maximum(self.aside - self.half_width, -half)
+        high = np.minimum(self.aside + self.half_width, half)
+        least = np.minimum(self.lane_width, 2.0 * self.half_width)
+        taken: Floats = np.maximum(high - low, 0.0) / np.maximum(least, 1e-6)
+        return taken
+
+    def judge(self, claim: Claim, *, moves: bool = False) -> Verdict:
+        """Tell whether a claim of kind place, distance, motion or state holds for this actor.
+
+        Args:
+            claim: What the text says.
+            moves: Whether the text also says that the same thing moves, so that it need not stand
+                for longer than at the start.
+        """
+        if claim.kind == "place":
+            return self._place(claim.value)
+        if claim.kind == "distance":
+            return self._distance(float(claim.value))
+        if claim.kind == "motion":
+            return self._motion(claim.value, moves)
+        if claim.kind == "state":
+            return self._state(claim.value)
+        return True, "it is there"
+
+    def _place(self, value: str) -> Verdict:
+        ahead, aside, lane = self.ahead[self.before], self.aside[self.before], self.lane
+        where = (
+            f"it is {ahead[0]:.0f} m ahead and {aside[0]:+.1f} m aside (left positive) at first, "
+            f"{ahead[-1]:.0f} m and {aside[-1]:+.1f} m at the decision"
+        )
+        if value == "ahead":
+            return bool(ahead[0] > 0.0 or ahead[-1] > 0.0), where
+        if value == "behind":
+            return bool(ahead[0] < 0.0 or ahead[-1] < 0.0), where
+        if value == "in_lane":
+            return bool((self.share >= _IN_LANE).any()), where
+        if value == "clear_of_lane":
+            room = np.abs(aside) - self.half_width[self.before]
+            return bool((room > _CLEAR_M).all()), where
+        if value in ("left", "right"):
+            sign = 1.0 if value == "left" else -1.0
+            return bool((sign * aside > _ASIDE_M).any()), where
+        known = lane[self.before]
+        test = {
+            "left_lane": known >= 1.0,
+            "right_lane": known <= -1.0,
+            "oncoming_lane": known >= self.own_lanes,
+        }[value]
+        return bool(test.any()), where
+
+    def _distance(self, metres: float) -> Verdict:
+        away = np.abs(self.ahead[self.before])
+        gap = self.gap[self.before]
+        near = min(np.abs(away - metres).min(), np.abs(gap - metres).min())
+        found = f"it is {away.max():.0f} to {away.min():.0f} m away until the decision"
+        return bool(near <= max(6.0, 0.2 * metres)), found
+
+    def _motion(self, value: str, moves: bool) -> Verdict:
+        speed, along, aside = self.speed, self.along, self.aside
+        fastest = float(speed.max())
+        found = f"it moves at {speed[0]:.1f} m/s at first and at most at {fastest:.1f} m/s"
+        if value == "stationary":
+            still = speed[:1] if moves else speed[self.before]
+            return bool(still.max() < _STILL), found
+        if value == "moving":
+            return fastest > _MOVES, found
+        if value == "slow":
+            slowest = float(speed[self.before].max())
+            return slowest < max(0.7 * self.ego_speed, 5.0) and fastest > _MOVES, found
+        if value == "oncoming":
+            return bool(along.min() < -_MOVES), f"it moves along the road at {along.min():+.1f} m/s"
+        if value == "same_way":
+            return bool(along.max() > _MOVES), f"it moves along the road at {along.max():+.1f} m/s"
+        if value == "reversing":
+            return bool(self.gear.min() < -0.2), "it does not move backwards"
+        if value == "braking":
+            peak = np.maximum.accumulate(speed)
+            return bool((peak - speed > np.maximum(0.25 * peak, 0.8)).any()), found
+        sway = float(aside.max() - aside.min())
+        swayed = f"it moves {sway:.1f} m to the side, from {aside[0]:+.1f} to {aside[-1]:+.1f} m"
+        if value == "crossing":
+            return sway > _ACROSS_M, swayed
+        if value in ("from_left", "from_right"):
+            sign = 1.0 if value == "from_left" else -1.0
+            start = sign * aside[0]
+            return bool(start > _ASIDE_M and (start - sign * aside).max() > 0.3), swayed
+        share = self.share
+        if value == "into_lane":
+            return bool(share.max() - share[0] > 0.1), swayed
+        return bool(share.max() - share[-1] > 0.1), swayed
+
+    def _state(self, value: str) -> Verdict:
+        states = self.asset.states
+        if not states:
+            return None, f"{self.asset.id} has no states"
+        found = f"its state is {self.state or states[0]!r}"
+        if value == "off" and self.asset.category == "vehicle":
+            stands_dark = self.state in ("", "off") and float(self.speed.max()) < _STILL
+            return self.state == "unlit" or stands_dark, found
+        if value not in states:
+            return None, f"{self.asset.id} cannot show {value!r}"
+        return (self.state or states[0]) == value, found

@@ -1,0 +1,246 @@
+"""Comparing what a text says with a scene and with what happens in it."""
+
+from collections.abc import Mapping, Sequence
+from itertools import permutations
+from math import perm
+from typing import ClassVar, Literal
+
+from oodscen.claims._actors import Seen
+from oodscen.claims._surroundings import judge_surroundings
+from oodscen.claims._things import Thing, may_be, named
+from oodscen.claims._watching import watch
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue, RoadMap
+from oodscen.data._claim import OF_THINGS, Claim, Mismatch
+from oodscen.data._scene import Scene
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._trace import Trace
+
+_CASTS = 2_000
+"""So many ways to tell who is who are tried at most."""
+_DENSE = 2
+"""Road users that make traffic dense, besides the hazard."""
+_USERS = frozenset({"vehicle", "cyclist"})
+_MOTIONS = frozenset({"stationary"})
+
+_OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
+"""What a map's own signals never show."""
+
+
+class Finding(Data):
+    """What became of one claim."""
+
+    noun: ClassVar[str] = "finding"
+
+    claim: Claim
+    status: Literal["holds", "fails", "open"]
+    """`open` where the scene or the catalogue does not say."""
+    found: str
+    """What the scene shows."""
+    path: str = ""
+    """Where in the scene."""
+
+
+def check_claims(
+    claims: Sequence[Claim], scene: Scene, catalogue: Catalogue, trace: Trace | None = None
+) -> list[Mismatch]:
+    """Find the claims of a text that a scene contradicts.
+
+    Args:
+        claims: Of one text.
+        scene: One that `oodscen.driving.check_scene` accepts, whoever wrote it.
+        catalogue: Of the simulator that it is for.
+        trace: What happens in it; `watch(scene, catalogue)` if left out. That of
+            `oodscen.simulate` ends at the decision: what follows it is not seen then.
+
+    Returns:
+        One mismatch per claim that does not hold; empty for a faithful scene.
+    """
+    return [
+        Mismatch(claim=one.claim, found=one.found, path=one.path)
+        for one in judge_claims(claims, scene, catalogue, trace)
+        if one.status == "fails"
+    ]
+
+
+def judge_claims(
+    claims: Sequence[Claim], scene: Scene, catalogue: Catalogue, trace: Trace | None = None
+) -> list[Finding]:
+    """Compare every claim of a text with a scene, in their order.
+
+    A subject stands for the actor that fits most of what is said about it; things of the same name
+    are different actors. What is said about several (`count`), or about somebody or something that
+    the text does not name, need only be true of one of them.
+
+    Args:
+        claims: As for `check_claims`.
+        scene: As for `check_claims`.
+        catalogue: As for `check_claims`.
+        trace: As for `check_claims`.
+    """
+    if not claims:
+        return []
+    if trace is None:
+        trace = watch(scene, catalogue)
+    road = _road(scene, catalogue)
+    seen = Seen.of(scene, catalogue, trace)
+    by_subject: dict[str, list[Claim]] = {}
+    for claim in claims:
+        if claim.kind in OF_THINGS:
+            by_subject.setdefault(claim.subject, []).append(claim)
+    findings: dict[str, dict[Claim, Finding]] = {}
+    taken: set[str] = set()
+    for group in _groups(by_subject):
+        part = {subject: by_subject[subject] for subject in group}
+        for subject, (judged, names) in _settle(part, seen, road).items():
+            findings[subject] = judged
+            taken |= names
+    told = []
+    for claim in claims:
+        if claim.kind in OF_THINGS:
+            told.append(findings[claim.subject][claim])
+        elif claim.kind == "traffic":
+            told.append(_traffic(claim, seen, taken))
+        else:
+            holds, found, path = judge_surroundings(claim, scene, road, trace)
+            told.append(_finding(claim, holds, found, path))
+    return told
+
+
+def _road(scene: Scene, catalogue: Catalogue) -> RoadMap | None:
+    """Return a map that tells its traits."""
+    road = find_map(scene.map, catalogue)
+    return road if road.traits else None
+
+
+def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
+    """Return the subjects, those together that have the same name but for a number."""
+    groups: dict[object, list[str]] = {}
+    for subject in subjects:
+        thing = named(subject)
+        groups.setdefault(thing.name if thing else subject.rstrip(" 0123456789"), []).append(
+            subject
+        )
+    return list(groups.values())
+
+
+def _settle(
+    subjects: Mapping[str, Sequence[Claim]], seen: Sequence[Seen], road: RoadMap | None
+) -> dict[str, tuple[dict[Claim, Finding], set[str]]]:
+    """Find who is who among subjects of one name, so that most of what is said is true."""
+    thing = named(next(iter(subjects)))
+    fitting = [one for one in seen if any(may_be(subject, one.asset) for subject in subjects)]
+    scenery = thing is not None and thing.is_scenery(road)
+    is_vague = thing is not None and thing.vague
+    single = [name for name, told in subjects.items() if not (is_vague or _several(told))]
+    settled = {
+        name: _judge_group(told, fitting, thing, scenery)
+        for name, told in subjects.items()
+        if name not in single
+    }
+    scores = {(name, one.id): _judge_one(subjects[name], one) for name in single for one in fitting}
+    best: tuple[int, tuple[Seen | None, ...]] | None = None
+    pool: list[Seen | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
+    if single and perm(len(pool), len(single)) > _CASTS:
+        pool = pool[: max(len(single), 12)]
+        options = [tuple(pool[: len(single)])] if perm(len(pool), len(single)) > _CASTS else None
+    else:
+        options = None
+    for cast in options or permutations(pool, len(single)):
+        faults = sum(
+            1000 if one is None else _faults(scores[name, one.id])
+            for name, one in zip(single, cast, strict=True)
+        )
+        if best is None or faults < best[0]:
+            best = faults, cast
+    for name, chosen in zip(single, best[1] if best else (), strict=True):
+        shown = scenery and _is_scenic(subjects[name])
+        without = _unstaged(subjects[name], shown, len(fitting))
+        if chosen is None or _faults(without) < _faults(scores[name, chosen.id]):
+            settled[name] = without, set()
+        else:
+            settled[name] = scores[name, chosen.id], {chosen.id}
+    return settled
+
+
+def _several(claims: Sequence[Claim]) -> bool:
+    return any(claim.kind == "count" and int(claim.value) > 1 for claim in claims)
+
+
+def _moves(claims: Sequence[Claim]) -> bool:
+    return any(claim.kind == "motion" and claim.value not in _MOTIONS for claim in claims)
+
+
+def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, Finding]:
+    findings = {}
+    for claim in claims:
+        holds, found = one.judge(claim, moves=_moves(claims))
+        findings[claim] = _finding(
+            claim, holds, f"for {one.id!r} ({one.asset.id}) {found}", f"actors[{one.actor}]"
+        )
+    return findings
+
+
+def _judge_group(
+    claims: Sequence[Claim], fitting: Sequence[Seen], thing: Thing | None, scenery: bool
+) -> tuple[dict[Claim, Finding], set[str]]:
+    """Judge claims about several things: each must be true of one of them at least."""
+    if not fitting:
+        return _unstaged(claims, scenery and _is_scenic(claims), 0), set()
+    findings: dict[Claim, Finding] = {}
+    every = [_judge_one(claims, one) for one in fitting]
+    for claim in claims:
+        if claim.kind == "count":
+            enough = len(fitting) >= int(claim.value) or (thing is not None and thing.many)
+            ids = ", ".join(one.id for one in fitting)
+            findings[claim] = _finding(claim, enough, f"there are {len(fitting)}: {ids}", "actors")
+            continue
+        told = [judged[claim] for judged in every]
+        findings[claim] = next((one for one in told if one.status != "fails"), told[0])
+    return findings, {one.id for one in fitting}
+
+
+def _unstaged(claims: Sequence[Claim], scenery: bool, others: int) -> dict[Claim, Finding]:
+    """Return the findings about something that no actor is."""
+    if scenery:
+        return {claim: _of_scenery(claim) for claim in claims}
+    rest = " other" if others else ""
+    found = f"there is no{rest} actor that is one"
+    return {claim: _finding(claim, False, found, "actors") for claim in claims}
+
+
+def _is_scenic(claims: Sequence[Claim]) -> bool:
+    """Tell whether what is said may be true of something that belongs to the map."""
+    return not any(
+        claim.kind == "distance"
+        or (claim.kind == "motion" and claim.value != "stationary")
+        or (claim.kind == "place" and claim.value == "in_lane")
+        for claim in claims
+    )
+
+
+def _of_scenery(claim: Claim) -> Finding:
+    """Judge a claim about something that only the map shows: it stands there, in good order."""
+    if claim.kind == "state" and claim.value in _OUT_OF_ORDER:
+        return _finding(claim, False, "the map's own is in order", "map")
+    return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")
+
+
+def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> Finding:
+    users = [one for one in seen if one.asset.category in _USERS]
+    if claim.value == "none":
+        extra = [one.id for one in users if one.id not in taken and one.is_traffic]
+        return _finding(claim, not extra, f"there are also {', '.join(extra)}", "actors")
+    found = f"there are {len(users)} other road users"
+    return _finding(claim, len(users) >= _DENSE, found, "actors")
+
+
+def _faults(findings: Mapping[Claim, Finding]) -> int:
+    return sum(one.status == "fails" for one in findings.values())
+
+
+def _finding(claim: Claim, holds: bool | None, found: str, path: str) -> Finding:
+    status: Literal["holds", "fails", "open"] = (
+        "open" if holds is None else "holds" if holds else "fails"
+    )
+    return Finding(claim=claim, status=status, found=found, path=path)

@@ -1,0 +1,107 @@
+"""Whether weather, light, road and the ego's lane are as a text says."""
+
+import math
+from collections.abc import Callable, Mapping
+
+from oodscen.claims._roads import is_so
+from oodscen.data._catalogue import RoadMap
+from oodscen.data._claim import Claim
+from oodscen.data._scene import Scene, Weather
+from oodscen.driving._trace import Trace
+
+NIGHT_DEG = -3.0
+"""With the sun below this it is dark."""
+FOG_M, THICK_FOG_M, MIST_M = 1000.0, 200.0, 5000.0
+"""Visual ranges up to which air is called fog, thick fog, mist (WMO: fog is below 1 km)."""
+LIGHT_RAIN, HEAVY_RAIN = 2.5, 7.6
+"""mm/h up to which rain is light, and from which it is heavy (American Meteorological Society)."""
+LIGHT_SNOW, HEAVY_SNOW = 2.0, 4.0
+"""The same for snow as water; visual range and ground say the rest."""
+_TURN_RAD = math.radians(50.0)
+
+Verdict = tuple[bool | None, str]
+"""Whether a claim holds, `None` where nobody can tell, and what is found."""
+
+
+def judge_surroundings(
+    claim: Claim, scene: Scene, road: RoadMap | None, trace: Trace
+) -> tuple[bool | None, str, str]:
+    """Compare a claim about anything but a thing with a scene.
+
+    Args:
+        claim: Of kind weather, time, road, lanes, own_lanes or ego.
+        scene: In which it should hold.
+        road: The scene's map; `None` where it is not of the catalogue and has no traits.
+        trace: For the ego's way.
+
+    Returns:
+        Whether it holds, what is found, and where in the scene.
+    """
+    if claim.kind in ("weather", "time"):
+        test = {**_WEATHER, **_TIME}[claim.value]
+        return test(scene.weather), f"it is {_words(scene.weather)}", "weather"
+    if claim.kind == "ego":
+        holds, found = _ego(claim.value, scene, road, trace)
+        return holds, found, "ego"
+    if road is None:
+        return None, f"nothing is known of {scene.map!r}", "map"
+    holds = is_so(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
+    return holds, f"the map is {road.description} ({scene.map})", "map"
+
+
+def _ego(value: str, scene: Scene, road: RoadMap | None, trace: Trace) -> Verdict:
+    if value.startswith("turns"):
+        yaw = trace["yaw"][:, 0]
+        turned = math.remainder(float(yaw[-1] - yaw[0]), math.tau)
+        holds = turned > _TURN_RAD if value == "turns_left" else turned < -_TURN_RAD
+        return holds, f"the ego turns by {math.degrees(turned):.0f} degrees to the left"
+    if road is None:
+        return None, f"nothing is known of {scene.map!r}"
+    lane, last = scene.ego.lane, road.lanes - 1
+    holds = {"left_lane": lane == last, "right_lane": lane == 0, "middle_lane": 0 < lane < last}[
+        value
+    ]
+    return holds, f"the ego drives in lane {lane} of {road.lanes}, counted from the right"
+
+
+def _words(weather: Weather) -> str:
+    sun = weather.sun_elevation_deg
+    rain = (
+        "dry"
+        if weather.precipitation == "none"
+        else f"{weather.precipitation} of {weather.precipitation_mm_h:g} mm/h"
+    )
+    return (
+        f"{rain}, the sun at {sun:g} degrees, visual range {weather.fog_visual_range_m:g} m, "
+        f"cloud cover {weather.cloud_cover:g}, friction {weather.friction:g}"
+    )
+
+
+def _is_dry(weather: Weather) -> bool:
+    return weather.precipitation == "none" and weather.friction >= 0.75
+
+
+_WEATHER: Mapping[str, Callable[[Weather], bool]] = {
+    "clear": lambda w: (
+        w.precipitation == "none" and w.fog_visual_range_m > MIST_M and w.cloud_cover <= 0.5
+    ),
+    "cloudy": lambda w: w.cloud_cover >= 0.5,
+    "dry": _is_dry,
+    "rain": lambda w: w.precipitation == "rain",
+    "light_rain": lambda w: w.precipitation == "rain" and w.precipitation_mm_h <= LIGHT_RAIN,
+    "heavy_rain": lambda w: w.precipitation == "rain" and w.precipitation_mm_h >= HEAVY_RAIN,
+    "snow": lambda w: w.precipitation == "snow",
+    "light_snow": lambda w: w.precipitation == "snow" and w.precipitation_mm_h <= LIGHT_SNOW,
+    "heavy_snow": lambda w: w.precipitation == "snow" and w.precipitation_mm_h >= HEAVY_SNOW,
+    "fog": lambda w: w.fog_visual_range_m <= FOG_M,
+    "thick_fog": lambda w: w.fog_visual_range_m <= THICK_FOG_M,
+    "mist": lambda w: w.fog_visual_range_m <= MIST_M,
+    "wet_road": lambda w: w.precipitation == "rain" or w.friction <= 0.85,
+    "slippery_road": lambda w: w.friction <= 0.55,
+}
+_TIME: Mapping[str, Callable[[Weather], bool]] = {
+    "day": lambda w: w.sun_elevation_deg > 0.0,
+    "night": lambda w: w.sun_elevation_deg < NIGHT_DEG,
+    "twilight": lambda w: -9.0 <= w.sun_elevation_deg <= 6.0,
+    "low_sun": lambda w: 0.0 < w.sun_elevation_deg <= 15.0,
+}

@@ -1,0 +1,201 @@
+"""What people call things, and which assets of a catalogue may be so called."""
+
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import NamedTuple, Protocol
+
+from oodscen.data._catalogue import Asset, RoadMap
+
+_IRREGULAR = {
+    "man": "men",
+    "woman": "women",
+    "child": "children",
+    "person": "people",
+    "goose": "geese",
+    "calf": "calves",
+    "policeman": "policemen",
+    "policewoman": "policewomen",
+    "workman": "workmen",
+    "flagman": "flagmen",
+    "leaf": "leaves",
+}
+_UNCHANGED = frozenset(
+    {"deer", "sheep", "cattle", "people", "livestock", "debris", "moose", "elk", "doe"}
+)
+_PLURAL = frozenset({"cattle", "people", "livestock"})
+
+
+class Named(Protocol):
+    """Something with an id, a category and a description: an `Asset`, or a line of a digest."""
+
+    @property
+    def id(self) -> str:
+        """In the catalogue."""
+        ...
+
+    @property
+    def category(self) -> str:
+        """Of assets."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """What a person sees."""
+        ...
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A kind of thing, under all its names."""
+
+    words: tuple[str, ...]
+    terms: tuple[str, ...] = ()
+    map: tuple[str, ...] = ()
+    group: str = ""
+    """What it is in general: `vehicle`, `person`, `animal`, `object` or `signal`."""
+    many: bool = False
+    """One asset of it already shows several."""
+    plural: bool = False
+    """Its singular already means several."""
+    faint: bool = False
+    """Naming it does not say that it can be seen."""
+    vague: bool = False
+    """It stands for anybody or anything: what is said of it need only be true of one actor each."""
+
+    @property
+    def name(self) -> str:
+        """What claims call it."""
+        return self.words[0]
+
+    def fits(self, asset: "Named") -> bool:
+        """Tell whether an asset may be called so."""
+        words = _words_of(asset)
+        return any(
+            all((part[1:] not in words) if part[0] == "!" else part in words for part in parts)
+            for parts in (term.split("&") for term in self.terms)
+        )
+
+    def is_scenery(self, road: RoadMap | None) -> bool:
+        """Tell whether a map shows it without an actor."""
+        if road is None:
+            return False
+        return any(word in road.traits or word in road.description for word in self.map)
+
+
+class Mention(NamedTuple):
+    """A place in a text where a thing is named."""
+
+    start: int
+    end: int
+    thing: Thing
+    is_plural: bool
+    word: str
+    """In the singular."""
+
+
+@cache
+def things() -> tuple[Thing, ...]:
+    """Return every kind of thing that has a name here; those without terms name nothing."""
+    source = resources.files("oodscen.claims").joinpath("things.toml").read_text(encoding="utf-8")
+    rows = tomllib.loads(source)["thing"]
+    keys = ("words", "terms", "map")
+    return tuple(
+        Thing(
+            **{key: tuple(row.get(key, ())) for key in keys},
+            group=row.get("group", ""),
+            many=row.get("many", False),
+            plural=row.get("plural", False),
+            faint=row.get("faint", False) or row.get("vague", False),
+            vague=row.get("vague", False),
+        )
+        for row in rows
+    )
+
+
+def mentions(text: str) -> Iterator[Mention]:
+    """Find every thing that a text names, in order; of overlapping names the longest counts."""
+    pattern, by_form = _index()
+    for found in pattern.finditer(text):
+        form = " ".join(re.split(r"[\s-]+", found.group(0).casefold()))
+        thing, is_plural, word = by_form[form]
+        if thing.terms:
+            yield Mention(found.start(), found.end(), thing, is_plural, word)
+
+
+@cache
+def named(subject: str) -> Thing | None:
+    """Return what a noun phrase names; of several things the last, which is the head."""
+    head = re.split(r"\b(?:with|of|on|in|from|at|that|which|who)\b", subject, maxsplit=1)[0]
+    for part in (subject, head):
+        found = list(mentions(part))
+        if found and (part is head or found[0].end >= len(part.rstrip(" 0123456789"))):
+            return found[-1].thing
+    whole = list(mentions(subject))
+    return whole[0].thing if whole else None
+
+
+def may_be(subject: str, asset: Asset) -> bool:
+    """Tell whether an asset may be what a noun phrase names.
+
+    A name that is not known here is compared with the words of the asset.
+    """
+    thing = named(subject)
+    if thing is not None:
+        return thing.fits(asset)
+    words = _words_of(asset) | set(re.findall(r"[a-z]+", asset.description.casefold()))
+    mine = [word for word in re.findall(r"[a-z]+", subject.casefold()) if len(word) > 2]
+    return bool(mine) and bool({mine[-1], mine[-1].removesuffix("s")} & words)
+
+
+def _words_of(asset: Named) -> frozenset[str]:
+    return _named_by(asset.id, asset.category, getattr(asset, "tags", None), asset.description)
+
+
+@cache
+def _named_by(
+    name: str, category: str, tags: tuple[str, ...] | None, description: str
+) -> frozenset[str]:
+    """Return what an asset is called: by id, category and tags, or else by its description."""
+    told = description.split() if tags is None else tags
+    words = {category, name, *told}
+    for one in (name, *told):
+        words.update(re.split(r"[^a-z0-9]+", one.casefold()))
+    return frozenset(words)
+
+
+@cache
+def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
+    by_form: dict[str, tuple[Thing, bool, str]] = {}
+    for thing in things():
+        for word in thing.words:
+            plain = " ".join(re.split(r"[\s-]+", word.casefold()))
+            for form, is_plural in (
+                (plain, thing.plural or plain in _PLURAL),
+                (_plural(plain), True),
+            ):
+                by_form.setdefault(form, (thing, is_plural, word))
+    forms = sorted(by_form, key=lambda form: (-len(form), form))
+    joined = "|".join(re.escape(form).replace(r"\ ", r"[\s-]+") for form in forms)
+    return re.compile(rf"(?<![\w-])(?:{joined})(?![\w-])", re.IGNORECASE), by_form
+
+
+def _plural(word: str) -> str:
+    head, _, last = word.rpartition(" ")
+    first, _, rest = word.partition(" of ")
+    if rest:
+        return f"{_plural(first)} of {rest}"
+    if last in _UNCHANGED:
+        return word
+    if last in _IRREGULAR:
+        ending = _IRREGULAR[last]
+    elif last.endswith(("s", "x", "ch", "sh")):
+        ending = f"{last}es"
+    elif last.endswith("y") and last[-2:-1] not in "aeiou":
+        ending = f"{last[:-1]}ies"
+    else:
+        ending = f"{last}s"
+    return f"{head} {ending}".strip()

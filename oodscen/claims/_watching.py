@@ -1,0 +1,94 @@
+"""What happens in a scene: the approach, the decision, and what follows if nobody reacts."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Scene
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.world import KinematicWorld
+from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._trace import Course, Trace
+from oodscen.protocols import State
+
+DT = 0.1
+"""Seconds per step."""
+APPROACH_S = 15.0
+"""The decision is awaited for so long."""
+AFTER_S = 6.0
+"""And what follows it is watched for so long, or to the scene's horizon if that is sooner."""
+
+
+def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float = AFTER_S) -> Trace:
+    """Roll a scene with a lane-keeping ego that is blind to the hazard; nothing is drawn.
+
+    Everybody moves as in any simulator that mirrors the kinematic world. The ego drives through
+    whatever it meets, so that also what happens late is seen.
+
+    Args:
+        scene: One that `oodscen.driving.check_scene` accepts.
+        catalogue: Of the simulator that it is for.
+        seed: Of the episode.
+        after_s: How long is watched after the decision, s.
+
+    Returns:
+        The ground truth of every step.
+    """
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    world = KinematicWorld(corridor, scene, catalogue, seed, dt=DT)
+    driver = Cruise()
+    states = [_state(world)]
+    end = np.inf
+    while world.time < end:
+        if end == np.inf and (world.time >= APPROACH_S or world.is_due(scene.decision)):
+            end = world.time + min(after_s, scene.horizon_s)
+        world.step(driver.act(world.observe()))
+        states.append(_state(world))
+    return Trace.measured(states, Course.of(scene, catalogue))
+
+
+def decision_s(scene: Scene, trace: Trace) -> float:
+    """Return when the decision falls in a trace, s; its end where that cannot be told.
+
+    Times to collision are taken from the trace, so they may differ by a step from a simulator's.
+    """
+    trigger, time = scene.decision, trace["time"][:, 0]
+    if trigger.kind == "time":
+        return min(trigger.value, float(time[-1]))
+    if trigger.actor not in trace.ids:
+        return float(time[-1])
+    row = trace.ids.index(trigger.actor)
+    away = np.abs(trace["s"][:, row] - trace["s"][:, 0])
+    value = away if trigger.kind == "distance" else trace["ttc_s"][:, row]
+    due = np.flatnonzero(value <= trigger.value)
+    return float(time[due[0]]) if len(due) else float(time[-1])
+
+
+def beside(scene: Scene, catalogue: Catalogue, trace: Trace) -> Mapping[str, NDArray[np.float64]]:
+    """Return where everybody is against the middle of the lane in which the ego started, m.
+
+    Returns:
+        By id: [steps], to the left.
+    """
+    course = Course.of(scene, catalogue)
+    strip, corridor = course.corridor.strips[course.strip], course.corridor
+    middle = 0.5 * (strip.left + strip.right)
+    lane = np.interp(trace["s"], corridor.s, middle)
+    return {name: trace["t"][:, row] - lane[:, row] for row, name in enumerate(trace.ids)}
+
+
+def _state(world: KinematicWorld) -> State:
+    seen = world.publish()
+    return State(
+        world.step_count,
+        world.time,
+        world.ids,
+        seen.poses,
+        seen.speeds,
+        seen.gaps,
+        seen.is_off_road,
+        seen.accelerations,
+        seen.places,
+    )

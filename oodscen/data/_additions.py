@@ -1,0 +1,189 @@
+"""What could be added to a catalogue, and the catalogue that has it."""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar, Literal, get_args
+
+from pydantic import Field, model_validator
+
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, Category, RoadMap, WeatherRange
+
+AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]
+"""`other` is what no catalogue can bring, e.g. an author that knows how to stage it."""
+
+WEATHER = {
+    "night": "night",
+    "fog": "fog",
+    "rain": "rain",
+    "snow": "snow",
+    "ice": "a road as slippery as ice",
+    "low_sun": "a low sun that dazzles",
+    "glare": "glare in the camera",
+}
+"""Words for the names of weather that need some."""
+FOG_M = 60.0
+"""Visual range up to which fog is thick, m."""
+ICE = 0.25
+"""Friction up to which a road counts as icy."""
+LANDMARKS = ("junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light")
+
+
+class Addition(Data):
+    """One thing that a catalogue lacks."""
+
+    noun: ClassVar[str] = "addition"
+
+    kind: AdditionKind
+    name: str = Field(min_length=1, max_length=160)
+    """Id of an asset or behaviour; a kind of weather; the traits of one map, joined by ` + `; of a
+    state `asset: state`."""
+    category: Category | None = None
+    """Of an asset."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, value: Any) -> Any:
+        return _tidy(_split(value) if isinstance(value, str) else value)
+
+    @property
+    def traits(self) -> tuple[str, ...]:
+        """Traits of the map that is missing."""
+        return tuple(self.name.split(" + ")) if self.kind == "map" else ()
+
+    @property
+    def words(self) -> str:
+        """The addition for a reader: `an asset: fallen tree`."""
+        name = self.name.replace("_", " ")
+        if self.kind == "map":
+            return f"a map with: {', '.join(trait.replace('_', ' ') for trait in self.traits)}"
+        if self.kind == "weather":
+            return f"weather: {WEATHER.get(self.name, name)}"
+        if self.kind == "other":
+            return name
+        article = "an" if self.kind == "asset" else "a"
+        return f"{article} {self.kind}: {name}"
+
+    def brings(self, other: "Addition") -> bool:
+        """Tell whether whoever adds this has `other` as well."""
+        if self.kind == other.kind == "map":
+            return set(other.traits) <= set(self.traits)
+        return (self.kind, self.name.casefold()) == (other.kind, other.name.casefold())
+
+
+_KINDS = {"behavior": "behaviour", "trait": "map"} | {kind: kind for kind in get_args(AdditionKind)}
+
+
+def _split(text: str) -> dict[str, str]:
+    """Read `weather: snow`; a name alone is an asset's."""
+    head, colon, tail = text.partition(":")
+    words = head.casefold().split()
+    if colon and words and words[-1] in _KINDS:
+        return {"kind": _KINDS[words[-1]], "name": tail.strip()[:160]}
+    return {"kind": "asset", "name": text.strip()[:160]}
+
+
+def _tidy(value: Any) -> Any:
+    """Write ids without capitals and spaces, so that one thing has one name."""
+    if not isinstance(value, Mapping):
+        return value
+    name = value.get("name")
+    if isinstance(name, str) and value.get("kind") in ("asset", "behaviour", "weather"):
+        return {**value, "name": "_".join(name.casefold().split())}
+    return value
+
+
+def map_with(traits: Iterable[str]) -> Addition:
+    """Return the addition of one map that has all these traits."""
+    return Addition(kind="map", name=" + ".join(dict.fromkeys(traits)))
+
+
+def extended(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
+    """Return the catalogue as it would be with some additions, which are placeholders.
+
+    A placeholder has a name and a plausible size, nothing that could be drawn: it answers what could
+    be staged, not how it would look. An addition of the kind `other` changes nothing.
+    """
+    assets = list(catalogue.assets)
+    behaviours = list(catalogue.behaviours)
+    maps = list(catalogue.maps)
+    weather = catalogue.weather
+    for one in additions:
+        if one.kind == "asset":
+            if one.name not in {asset.id for asset in assets}:
+                assets.append(_asset(one))
+        elif one.kind == "state":
+            name, _, state = (part.strip() for part in one.name.partition(":"))
+            assets = [
+                a.model_copy(update={"states": (*a.states, state)})
+                if name in (a.id, *a.names)
+                else a
+                for a in assets
+            ]
+        elif one.kind == "behaviour":
+            every = sorted({category for kind in behaviours for category in kind.categories})
+            added = BehaviourKind(id=one.name, description=one.words, categories=tuple(every))
+            behaviours.append(added)
+        elif one.kind == "weather":
+            weather = _with_weather(weather, one.name)
+        elif one.kind == "map" and maps:
+            maps.append(_map(maps[0], one))
+    return catalogue.model_copy(
+        update={
+            "assets": tuple(assets),
+            "behaviours": tuple(behaviours),
+            "maps": tuple(maps),
+            "weather": weather,
+        }
+    )
+
+
+_SIZES: dict[str, tuple[float, float, float]] = {
+    "vehicle": (4.5, 1.9, 1.6),
+    "cyclist": (1.8, 0.6, 1.8),
+    "pedestrian": (0.4, 0.6, 1.75),
+    "animal": (1.6, 0.5, 1.2),
+    "signal": (0.4, 0.8, 2.6),
+}
+
+
+def _asset(addition: Addition) -> Asset:
+    category: Category = addition.category or "object"
+    length, width, height = _SIZES.get(category, (1.0, 1.0, 0.8))
+    return Asset(
+        id=addition.name,
+        category=category,
+        description=addition.name.replace("_", " "),
+        length=length,
+        width=width,
+        height=height,
+    )
+
+
+def _with_weather(weather: WeatherRange, name: str) -> WeatherRange:
+    if name in ("rain", "snow"):
+        kinds = (*weather.precipitation, *({name} - set(weather.precipitation)))
+        most = max(weather.max_precipitation_mm_h, 30.0)
+        return weather.model_copy(update={"precipitation": kinds, "max_precipitation_mm_h": most})
+    changes: dict[str, dict[str, Any]] = {
+        "night": {"min_sun_elevation_deg": -90.0},
+        "fog": {"min_fog_visual_range_m": min(weather.min_fog_visual_range_m, 30.0)},
+        "ice": {"min_friction": min(weather.min_friction, 0.1)},
+    }
+    return weather.model_copy(update=changes.get(name, {"others": (*weather.others, name)}))
+
+
+def _map(model: RoadMap, addition: Addition) -> RoadMap:
+    traits = addition.traits
+    slug = re.sub(r"[^a-z0-9]+", "_", addition.name.casefold()).strip("_")
+    return model.model_copy(
+        update={
+            "id": f"added_{slug}",
+            "description": addition.words,
+            "file": "",
+            "traits": traits,
+            "landmarks": tuple(mark for mark in LANDMARKS if mark in traits),
+            "oncoming_lanes": max(model.oncoming_lanes, int("oncoming" in traits)),
+            "has_shoulder": model.has_shoulder or "shoulder" in traits,
+        }
+    )

@@ -1,0 +1,134 @@
+"""A bird's-eye sketch of what every action led to, in road coordinates and few numbers.
+
+The road is straightened: the origin is the ego's centre at the decision point, x runs forward along
+the ego's road and y to its left, both in metres.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from oodscen.data._base import Data
+
+if TYPE_CHECKING:
+    from oodscen.driving._trace import Course, Trace
+
+AHEAD_M, BEHIND_M, ASIDE_M = 120.0, 40.0, 30.0
+"""Bodies further away than this at the decision point are left out."""
+_MOVED_M = 0.5
+
+
+class Lane(Data):
+    """One strip of the road where the ego decides."""
+
+    noun: ClassVar[str] = "lane"
+
+    kind: str
+    """`driving`, `shoulder`, `sidewalk` ..."""
+    direction: int
+    """+1 with the ego, -1 oncoming, 0 neither."""
+    right: float
+    """y of the right edge."""
+    left: float
+
+
+class Body(Data):
+    """A footprint at the decision point."""
+
+    noun: ClassVar[str] = "body"
+
+    x: float
+    y: float
+    heading_deg: float
+    """Against the road, counter-clockwise."""
+    length: float
+    width: float
+
+
+class Sketch(Data):
+    """Where everybody is at the decision point, and where every action takes them."""
+
+    noun: ClassVar[str] = "sketch"
+
+    lanes: tuple[Lane, ...] = ()
+    """From right to left."""
+    bodies: dict[str, Body] = {}
+    """By id; `ego` and the actors near it."""
+    paths: dict[str, tuple[float, ...]] = {}
+    """By action: the ego's x, y, x, y ... once a second until it stands, and at
+    the end; unavailable ones are missing."""
+    ends: dict[str, dict[str, tuple[float, float, float]]] = {}
+    """By action and actor: x, y and heading in degrees at the end, of those that moved."""
+
+
+def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"]) -> Sketch:
+    """Draw the rollouts of a scene's actions.
+
+    Args:
+        course: Of the scene.
+        approach: Ends at the decision point.
+        rollouts: By action id, from the decision point on.
+    """
+    s, t = approach["s"][-1], approach["t"][-1]
+    angle = _headings(course, approach, -1)
+    near = [
+        row
+        for row in range(len(approach.ids))
+        if -BEHIND_M <= s[row] - s[0] <= AHEAD_M and abs(t[row] - t[0]) <= ASIDE_M
+    ]
+    bodies = {
+        approach.ids[row]: Body(
+            x=_tenth(s[row] - s[0]),
+            y=_tenth(t[row] - t[0]),
+            heading_deg=float(angle[row]),
+            length=_tenth(course.sizes[row, 0]),
+            width=_tenth(course.sizes[row, 1]),
+        )
+        for row in near
+    }
+    paths, ends = {}, {}
+    for action, trace in rollouts.items():
+        x, y = trace["s"] - s[0], trace["t"] - t[0]
+        time = trace["time"][:, 0]
+        every = max(1, round(1.0 / float(time[1] - time[0]))) if len(time) > 1 else 1
+        steps = sorted({*range(0, len(time), every), len(time) - 1})
+        places = dict.fromkeys((_tenth(x[i, 0]), _tenth(y[i, 0])) for i in steps)
+        paths[action] = tuple(value for place in places for value in place)
+        turned = _headings(course, trace, -1)
+        ends[action] = {
+            trace.ids[row]: (_tenth(x[-1, row]), _tenth(y[-1, row]), float(turned[row]))
+            for row in near
+            if row and abs(x[-1, row] - x[0, row]) + abs(y[-1, row] - y[0, row]) > _MOVED_M
+        }
+    return Sketch(
+        lanes=_lanes(course, float(s[0]), float(t[0])), bodies=bodies, paths=paths, ends=ends
+    )
+
+
+def _lanes(course: "Course", s: float, t: float) -> tuple[Lane, ...]:
+    corridor = course.corridor
+    at = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
+    return tuple(
+        Lane(
+            kind=strip.kind,
+            direction=strip.direction,
+            right=_tenth(strip.right[at] - t),
+            left=_tenth(strip.left[at] - t),
+        )
+        for strip in corridor.strips
+        if strip.left[at] - strip.right[at] > 0.1
+    )
+
+
+def _headings(course: "Course", trace: "Trace", step: int) -> list[int]:
+    """Return everybody's heading against the road, in whole degrees."""
+    corridor = course.corridor
+    at = np.clip(np.rint(trace["s"][step] / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
+    turned = trace["yaw"][step] - np.arctan2(corridor.sin[at], corridor.cos[at])
+    degrees = np.rint(np.degrees(turned)) % 360
+    return [int(value) - 360 if value > 180 else int(value) for value in degrees]
+
+
+def _tenth(value: float) -> float:
+    return round(float(value), 1) + 0.0

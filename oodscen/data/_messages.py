@@ -1,0 +1,64 @@
+"""Turns of a conversation, and the pictures in them."""
+
+import hashlib
+from pathlib import Path
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field
+
+from oodscen.data._base import Data
+
+_BEGINS = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n")
+_ENDS = (b"\xff\xd9", b"IEND\xaeB`\x82")
+
+
+class Image(Data):
+    """A picture referred to by name; its bytes are loaded when a client sends it."""
+
+    noun: ClassVar[str] = "image"
+
+    name: str
+    """What it is called in the study, e.g. `frames/x-003/first.jpg`."""
+    sha256: str
+    """Of the encoded bytes."""
+    path: Path | None = Field(default=None, exclude=True, repr=False)
+    """Where the bytes are; not part of the image's identity."""
+
+    @classmethod
+    def from_file(cls, path: Path, name: str = "") -> Self:
+        """Refer to a JPEG or PNG file."""
+        return cls(
+            name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
+        )
+
+    def fault(self) -> str:
+        """Say why a JPEG or PNG file cannot be shown as it lies on disk, or return an empty string."""
+        try:
+            data = self.read()
+        except OSError as error:
+            return f"{self.name}: {error.strerror or error}"
+        if not data.startswith(_BEGINS):
+            return f"{self.name} is no JPEG and no PNG"
+        return "" if data.endswith(_ENDS) else f"{self.name} is cut off before its end"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Image) and (self.name, self.sha256) == (other.name, other.sha256)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.sha256))
+
+    def read(self) -> bytes:
+        """Return the encoded bytes."""
+        if self.path is None:
+            raise FileNotFoundError(f"no file is known for the image {self.name}")
+        return self.path.read_bytes()
+
+
+class Message(Data):
+    """One turn of a conversation."""
+
+    noun: ClassVar[str] = "message"
+
+    role: Literal["system", "user", "assistant"]
+    text: str
+    images: tuple[Image, ...] = ()

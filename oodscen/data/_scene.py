@@ -1,0 +1,230 @@
+"""A scene: the machine-readable configuration of one scenario.
+
+Places are relative to the ego's start along its road: `ahead_m` forward, lanes and offsets to the
+left, headings counter-clockwise (ISO 8855). Speeds are m/s.
+"""
+
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from oodscen.data._base import Data, Faults
+from oodscen.data._twins import is_twin, twin_id
+from oodscen.errors import Issue
+
+Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
+
+
+class Weather(Data):
+    """Weather and light, in OpenSCENARIO's terms."""
+
+    noun: ClassVar[str] = "weather"
+
+    sun_elevation_deg: float = Field(default=45.0, ge=-90, le=90)
+    """Negative at night."""
+    fog_visual_range_m: float = Field(default=10_000.0, gt=0)
+    """Distance at which contrast falls to 5 %; 10 km and more is clear air."""
+    precipitation: Literal["none", "rain", "snow"] = "none"
+    precipitation_mm_h: float = Field(default=0.0, ge=0, le=100)
+    cloud_cover: float = Field(default=0.1, ge=0, le=1)
+    """Share of the sky: OpenSCENARIO's oktas divided by eight."""
+    friction: float = Field(default=1.0, gt=0, le=1.5)
+    """Scale of the road's friction; 1 is dry asphalt."""
+
+    @model_validator(mode="after")
+    def _agree(self) -> Self:
+        if (self.precipitation == "none") != (self.precipitation_mm_h == 0):
+            raise ValueError("precipitation and precipitation_mm_h must both be given or neither")
+        return self
+
+
+class Trigger(Data):
+    """When something starts."""
+
+    noun: ClassVar[str] = "trigger"
+
+    kind: Literal["time", "distance", "ttc"] = "time"
+    """`time` since the start, `distance` from the ego along the road, `ttc` time to collision."""
+    value: float = Field(default=0.0, ge=0, le=500)
+    """Seconds for `time` and `ttc`, metres for `distance`: fires when at or below (time: at or after)."""
+    actor: str | None = None
+    """Measured to which actor; `None` is the actor that owns the trigger. A decision names it."""
+
+
+class Placement(Data):
+    """Where an actor starts, relative to the ego along the ego's road."""
+
+    noun: ClassVar[str] = "placement"
+
+    ahead_m: float = Field(ge=-150, le=300)
+    """From the ego's centre to the actor's, along the road; negative is behind."""
+    lane: int = Field(default=0, ge=-6, le=6)
+    """Lanes to the left of the ego's lane (oncoming lanes count); negative is to the right."""
+    offset_m: float = Field(default=0.0, ge=-150, le=150)
+    """To the left of that lane's centre; roads that cross the ego's are reached by it."""
+    heading_deg: float = Field(default=0.0, ge=-180, le=180)
+    """Against that lane's driving direction, counter-clockwise."""
+
+
+class Behaviour(Data):
+    """What an actor does; the name and the parameters come from the catalogue's vocabulary."""
+
+    noun: ClassVar[str] = "behaviour"
+
+    name: str = "stand"
+    trigger: Trigger = Trigger()
+    """Until it fires the actor does what the behaviour's description says it does before."""
+    parameters: dict[str, float] = {}
+    """By name, in the units of the catalogue; what is left out has the catalogue's default."""
+    other: str | None = None
+    """The actor to which this one belongs while it behaves: what tows it, carries it, or its car."""
+
+    @field_validator("parameters")
+    @classmethod
+    def _sorted(cls, parameters: dict[str, float]) -> dict[str, float]:
+        return dict(sorted(parameters.items()))
+
+
+class Actor(Data):
+    """Anything placed in a scene: road user, animal, object, barrier, signal."""
+
+    noun: ClassVar[str] = "actor"
+
+    id: str = Identifier
+    asset: str
+    """An id of the catalogue."""
+    placement: Placement
+    behaviour: Behaviour = Behaviour()
+    state: str = ""
+    """One of the asset's states, such as lights on; empty is its first."""
+
+
+class Ego(Data):
+    """The vehicle under test."""
+
+    noun: ClassVar[str] = "ego"
+
+    speed: float = Field(ge=0, le=45)
+    """At the start, m/s."""
+    lane: int = Field(default=0, ge=0, le=6)
+    """Driving lanes of the ego's direction, counted from the right."""
+
+
+class Hazard(Data):
+    """What makes a scene OOD, with the ordinary counterpart of each part."""
+
+    noun: ClassVar[str] = "hazard"
+
+    actors: dict[str, Actor | None] = {}
+    """By id of the unusual actor: the ordinary actor in its place, or `None` for plain removal."""
+    weather: Weather | None = None
+    """The ordinary weather, where the weather is (part of) the hazard."""
+
+
+class Scene(Data):
+    """Everything a simulator needs to run one scenario."""
+
+    noun: ClassVar[str] = "scene"
+
+    schema_version: Literal[1] = 1
+    id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)
+    scenario_id: str
+    map: str
+    """A map of the catalogue, or the path of an OpenDRIVE file."""
+    ego: Ego
+    weather: Weather = Weather()
+    actors: tuple[Actor, ...] = ()
+    hazard: Hazard
+    decision: Trigger
+    """The moment at which the ego must choose; a distance or time to collision names its actor."""
+    horizon_s: float = Field(default=8.0, gt=0, le=60)
+    """How long an action is watched, counted from the decision."""
+
+    @field_validator("hazard")
+    @classmethod
+    def _sorted(cls, hazard: Hazard) -> Hazard:
+        return hazard.model_copy(update={"actors": dict(sorted(hazard.actors.items()))})
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        issues = _misfits(self)
+        if issues:
+            raise Faults(issues)
+        return self
+
+    @property
+    def is_twin(self) -> bool:
+        """Whether this scene was derived by `twin`."""
+        return is_twin(self.id)
+
+    def twin(self, decision_s: float) -> "Scene":
+        """Return the same scene with its hazard replaced by the ordinary counterpart.
+
+        Nothing else changes; an actor that is removed shifts no other one, since every random
+        stream is keyed by the actor's id.
+
+        Args:
+            decision_s: When the decision fell in the scene itself; the twin is judged at the same
+                moment, whether or not the actor that triggered it is still there.
+        """
+        actors = []
+        for actor in self.actors:
+            ordinary = self.hazard.actors.get(actor.id, actor)
+            if ordinary is not None:
+                actors.append(ordinary)
+        return Scene.model_validate(
+            {
+                **self.model_dump(),
+                "id": twin_id(self.id),
+                "actors": [actor.model_dump() for actor in actors],
+                "weather": (self.hazard.weather or self.weather).model_dump(),
+                "hazard": {},
+                "decision": {"kind": "time", "value": decision_s},
+            }
+        )
+
+
+def _references(behaviour: Behaviour) -> list[tuple[str, str]]:
+    """Return which actors a behaviour names, each with the field that does."""
+    named = (("trigger.actor", behaviour.trigger.actor), ("other", behaviour.other))
+    return [(field, name) for field, name in named if name is not None]
+
+
+def _misfits(scene: Scene) -> list[Issue]:
+    """Find what is inconsistent within one scene, whatever the catalogue."""
+    issues = []
+    ids = [actor.id for actor in scene.actors]
+    lasting = {name for name in ids if scene.hazard.actors.get(name, ...) is not None}
+    for index, actor in enumerate(scene.actors):
+        if actor.id in ids[:index]:
+            issues.append(Issue(f"actors[{index}].id", f"{actor.id!r} occurs more than once"))
+        if actor.id == "ego":
+            issues.append(Issue(f"actors[{index}].id", "'ego' is the ego's own id"))
+        for field, target in _references(actor.behaviour):
+            path = f"actors[{index}].behaviour.{field}"
+            if target not in ids:
+                issues.append(Issue(path, f"there is no actor {target!r}"))
+            elif target not in lasting and actor.id not in scene.hazard.actors:
+                issues.append(Issue(path, f"{target!r} is missing in the ordinary twin"))
+        if actor.behaviour.other == actor.id:
+            issues.append(Issue(f"actors[{index}].behaviour.other", "an actor cannot be its own"))
+    for key, ordinary in scene.hazard.actors.items():
+        if key not in ids:
+            issues.append(Issue(f"hazard.actors.{key}", f"there is no actor {key!r}"))
+        if ordinary is None:
+            continue
+        if ordinary.id != key:
+            issues.append(Issue(f"hazard.actors.{key}.id", f"must stay {key!r}"))
+        for field, target in _references(ordinary.behaviour):
+            if target not in lasting:
+                path = f"hazard.actors.{key}.behaviour.{field}"
+                issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
+    if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
+        issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
+    decision = scene.decision
+    if decision.kind != "time" and decision.actor not in ids:
+        fault = f"there is no actor {decision.actor!r}"
+        if decision.actor is None:
+            fault = f"name the actor to which the {decision.kind} is measured"
+        issues.append(Issue("decision.actor", fault))
+    return issues

@@ -1,0 +1,228 @@
+"""The base of simulators that show the kinematic world and have no motion of their own."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Scene
+from oodscen.driving._motion.world import KinematicWorld, Published, WorldSnapshot
+from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._sight.placement import staging_issues
+from oodscen.errors import SceneError, SimulatorError, UsageError
+from oodscen.protocols import Camera, Control, Frame, Observation, State
+
+NEAR_M = 12.0
+"""Up to this distance between two bodies' circles the simulator itself measures their gap."""
+
+
+class MirrorSimulator(ABC):
+    """Implements the `Simulator` protocol on top of `KinematicWorld`.
+
+    A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`; it may
+    override `gaps`, and should override `release` where it holds resources. Calls come in this order::
+
+        catalogue()                        at any time, also before anything is started
+        load, spawn (ego), spawn ..., place, gaps        in reset
+        place, gaps                                      in every step and restore
+        draw                                             in render
+        release                                          in close, at most once per opening
+
+    Everything is opened late: a constructor must not start anything. `load` is called for every
+    reset and must clear what an earlier scene left behind.
+    """
+
+    name: str = "mirror"
+    dt: float = 0.05
+    """Seconds per step."""
+
+    def __init__(self) -> None:
+        self._world: KinematicWorld | None = None
+        self._state: State | None = None
+        self._seen: Published | None = None
+        self._corridor: Corridor | None = None
+
+    # ------------------------------------------------------------------ for the adapter
+
+    @abstractmethod
+    def catalogue(self) -> Catalogue:
+        """Return what can be shown; static, cheap to call again, without starting anything."""
+
+    @abstractmethod
+    def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
+        """Clear everything and build the static world: ground, road, scenery, light and weather.
+
+        Args:
+            corridor: The road; its coordinates are the world's.
+            scene: For the weather and the map's id; actors follow by `spawn`.
+            seed: For scenery; streams must be keyed, e.g. `stream(seed, "scenery", scene.map)`.
+        """
+
+    @abstractmethod
+    def spawn(
+        self, actor_id: str, asset: Asset, state: str, pose: tuple[float, float, float, float]
+    ) -> None:
+        """Put one body into the world: the ego first, then the actors in the scene's order.
+
+        Args:
+            actor_id: `ego`, or the actor's id.
+            asset: Of the catalogue.
+            state: One of the asset's states; empty where it has none.
+            pose: x, y, z of the footprint's centre on the ground and yaw.
+
+        Raises:
+            SpawnError: When it cannot be placed.
+        """
+
+    @abstractmethod
+    def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """Move all bodies.
+
+        Args:
+            poses: [n, 4], x y z yaw, rows in the order of `spawn`.
+            speeds: [n], m/s along the headings.
+        """
+
+    def gaps(self, rows: Sequence[int]) -> list[float]:
+        """Return the distance between the ego's box (row 0) and these rows' boxes, m.
+
+        Asked for rows near the ego that do not touch it: contact is decided by the boxes of the
+        catalogue, as are time to collision and all else that is measured. Override it only to
+        have the simulator's own engine measure them.
+        """
+        assert self._seen is not None, "called in reset, step and restore only"
+        return [float(self._seen.gaps[row]) for row in rows]
+
+    @abstractmethod
+    def draw(self, camera: Camera) -> Frame:
+        """Show what the ego's camera sees; `ids` as in `Frame`: row r of the poses has id r + 1."""
+
+    def release(self) -> None:  # noqa: B027  (nothing to release is a valid adapter)
+        """Give everything back; a later `load` may open it again. May be called twice."""
+
+    # ------------------------------------------------------------------ the protocol
+
+    @property
+    def world(self) -> KinematicWorld:
+        """The world that is shown.
+
+        Raises:
+            SimulatorError: Before the first `reset` or after `close`.
+        """
+        if self._world is None:
+            raise SimulatorError(f"{self.name}: call reset before anything else")
+        return self._world
+
+    @property
+    def corridor(self) -> Corridor:
+        """The road of the current scene."""
+        return self.world.corridor
+
+    def reset(self, scene: Scene, seed: int) -> State:
+        """Load a scene; the same scene and seed give the same bytes, whatever ran before.
+
+        Raises:
+            SceneError: When the catalogue or the road refuses the scene.
+            SpawnError: When one actor cannot be placed.
+        """
+        self._world = self._state = self._seen = None
+        catalogue = self.catalogue()
+        issues = staging_issues(scene, catalogue)
+        if issues:
+            raise SceneError(scene.id, issues)
+        corridor = load_corridor(find_map(scene.map, catalogue))
+        world = KinematicWorld(corridor, scene, catalogue, seed, dt=self.dt)
+        self.load(corridor, scene, seed)
+        poses = world.poses()
+        for row, (actor_id, asset, state) in enumerate(world.bodies()):
+            x, y, z, yaw = map(float, poses[row])
+            self.spawn(actor_id, asset, state, (x, y, z, yaw))
+        self._world = world
+        return self._publish()
+
+    def step(self, control: Control) -> State:
+        """Advance by exactly one `dt`.
+
+        Raises:
+            UsageError: When the control is not finite: its driver is broken.
+        """
+        for name, value in (
+            ("acceleration", control.acceleration),
+            ("steering", control.steering),
+        ):
+            if not math.isfinite(value):
+                raise UsageError(f"control: {name} must be finite, not {value}")
+        self.world.step(control)
+        return self._publish()
+
+    def render(self, camera: Camera) -> Frame:
+        """Show the current state."""
+        _ = self.world
+        return self.draw(camera)
+
+    def observe(self) -> Observation:
+        """Return what a driver is told about the current state."""
+        return self.world.observe()
+
+    def state(self) -> State:
+        """Return the current state again."""
+        if self._state is None:
+            raise SimulatorError(f"{self.name}: call reset before anything else")
+        return self._state
+
+    def snapshot(self) -> WorldSnapshot:
+        """Return the current state of all motion; plain data that `restore` takes back."""
+        return self.world.snapshot()
+
+    def restore(self, snapshot: WorldSnapshot) -> State:
+        """Return to a state of the current scene; what follows equals what followed then."""
+        self.world.restore(snapshot)
+        return self._publish()
+
+    def close(self) -> None:
+        """Release everything; may be called twice."""
+        self._world = self._state = self._seen = None
+        self.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # ------------------------------------------------------------------ inside
+
+    def _publish(self) -> State:
+        world = self.world
+        seen = self._seen = world.publish()
+        self.place(seen.poses, seen.speeds)
+        gaps = seen.gaps
+        near = np.flatnonzero((seen.apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
+        if near:
+            for row, distance in zip(near, self.gaps(near), strict=True):
+                gaps[row] = max(0.0, round(float(distance), 4))
+        for array in (seen.poses, seen.speeds, gaps, seen.accelerations, seen.places):
+            array.setflags(write=False)
+        self._state = State(
+            world.step_count,
+            world.time,
+            world.ids,
+            seen.poses,
+            seen.speeds,
+            gaps,
+            seen.is_off_road,
+            seen.accelerations,
+            seen.places,
+        )
+        return self._state

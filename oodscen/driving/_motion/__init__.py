@@ -1,0 +1,1 @@
+"""The kinematic world: bodies, behaviours, triggers and the discrete actions."""

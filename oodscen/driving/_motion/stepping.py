@@ -1,0 +1,256 @@
+"""The kernels behind the kinematic world: one step, what is published, what the driver is told."""
+
+import math
+
+from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
+from oodscen.driving._motion.bodies import (
+    ACCELERATION,
+    GRAVITY,
+    HEADING,
+    HEIGHT,
+    IS_PASSABLE,
+    LENGTH,
+    LIFT,
+    MEASURED,
+    PATH_ACROSS,
+    PATH_ALONG,
+    PATH_S,
+    PATH_SPEED,
+    PATH_T,
+    SPEED,
+    TRIGGER,
+    TRIGGERED,
+    VALUE,
+    WIDTH,
+    YAW,
+    S,
+    Situation,
+    T,
+    X,
+    Y,
+    drive_ego,
+)
+from oodscen.driving._motion.boxes import box_gap
+from oodscen.driving._motion.car_following import curve_speed
+from oodscen.driving._motion.triggers import TIME, fires
+from oodscen.driving._roads.track import (
+    alignment,
+    bend,
+    centre,
+    curvature,
+    drivable_range,
+    edges,
+    is_drivable,
+    locate,
+    neighbour,
+    point,
+)
+from oodscen.numerics._exact import atan2, quantised, sincos, wrapped
+from oodscen.numerics._kernels import Kernel, Numbers, part
+
+FAR_M = 60.0
+"""Beyond this distance a gap counts as infinite."""
+_SAMPLES = 8
+"""Places ahead at which the driver looks for a roadside to stop at."""
+_REACH = 3.0
+"""Metres to either side over which a lane's course is measured."""
+
+
+@Kernel
+def advance(w: Situation, count: int, acceleration: float, steering: float) -> None:
+    """Move everybody by one step.
+
+    Args:
+        w: The world; its state is changed.
+        count: Steps before this one.
+        acceleration: Of the ego's control, m/s^2.
+        steering: Likewise, rad.
+    """
+    time = quantised(count * w.dt)
+    see_paths(w)
+    before = w.state[0, SPEED]
+    drive_ego(w, acceleration, steering)
+    w.state[0, ACCELERATION] = quantised((w.state[0, SPEED] - before) / w.dt)
+    stand_in_world(w, 0)
+    for k in range(w.order.shape[0]):
+        act(w, w.order[k], time)
+    pull_triggers(w, quantised((count + 1) * w.dt))
+
+
+@part
+def see_paths(w: Situation) -> None:
+    """Note where everybody is, for all others to see."""
+    state, paths = w.state, w.paths
+    for i in range(state.shape[0]):
+        sine, cosine = sincos(state[i, HEADING])
+        length, width = w.traits[i, LENGTH], w.traits[i, WIDTH]
+        paths[i, PATH_S], paths[i, PATH_T] = state[i, S], state[i, T]
+        paths[i, PATH_SPEED] = state[i, SPEED] * cosine
+        paths[i, PATH_ALONG] = 0.5 * (length * abs(cosine) + width * abs(sine))
+        paths[i, PATH_ACROSS] = 0.5 * (length * abs(sine) + width * abs(cosine))
+
+
+@part
+def is_pulled(w: Situation, code: int, value: float, row: int, time: float) -> bool:
+    """Tell whether a trigger that is measured to a row fires."""
+    if code == TIME:
+        return fires(code, value, time, 0.0, 0.0, 0.0)
+    state = w.state
+    return fires(
+        code,
+        value,
+        time,
+        state[row, S] - state[0, S],
+        state[0, SPEED] * alignment(w.track, state[0, S], state[0, YAW]),
+        state[row, SPEED] * alignment(w.track, state[row, S], state[row, YAW]),
+    )
+
+
+@part
+def pull_triggers(w: Situation, time: float) -> None:
+    """Note when each actor's trigger fires for the first time."""
+    for i in range(1, w.state.shape[0]):
+        if w.state[i, TRIGGERED] < 0.0 and is_pulled(
+            w, w.codes[i, TRIGGER], w.traits[i, VALUE], w.codes[i, MEASURED], time
+        ):
+            w.state[i, TRIGGERED] = time
+
+
+@Kernel
+def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> bool:
+    """Fill in what others read, and return whether the ego is off the road.
+
+    Args:
+        w: The world.
+        poses: [n, 4] x, y, z, yaw.
+        rows: [4, n] speeds, accelerations, gaps between boxes, and distances between the circles
+            around their footprints; the last two infinite for the ego, gaps also for what is passable.
+        places: [n, 2] s, t.
+    """
+    state, traits = w.state, w.traits
+    x, y, yaw = state[0, X], state[0, Y], state[0, YAW]
+    sine, cosine = sincos(yaw)
+    length, width = traits[0, LENGTH], traits[0, WIDTH]
+    own = 0.5 * math.sqrt(length * length + width * width)
+    for i in range(state.shape[0]):
+        _, _, z, _, _ = point(w.track, state[i, S], state[i, T])
+        poses[i, 0], poses[i, 1], poses[i, 3] = state[i, X], state[i, Y], state[i, YAW]
+        poses[i, 2] = quantised(z + state[i, LIFT])
+        rows[0, i], rows[1, i] = state[i, SPEED], state[i, ACCELERATION]
+        places[i, 0], places[i, 1] = state[i, S], state[i, T]
+        rows[2, i] = rows[3, i] = math.inf
+        if i == 0:
+            continue
+        reach = 0.5 * math.sqrt(
+            traits[i, LENGTH] * traits[i, LENGTH] + traits[i, WIDTH] * traits[i, WIDTH]
+        )
+        dx, dy = state[i, X] - x, state[i, Y] - y
+        apart = math.sqrt(dx * dx + dy * dy) - own - reach
+        rows[3, i] = apart
+        if apart <= FAR_M and w.codes[i, IS_PASSABLE] == 0:
+            other_sine, other_cosine = sincos(state[i, YAW])
+            level = box_gap(
+                dx, dy, cosine, sine, length, width,
+                other_cosine, other_sine, traits[i, LENGTH], traits[i, WIDTH],
+            )  # fmt: skip
+            # Heights count from the road, which carries both: boxes do not pitch on a slope.
+            above = max(0.0, state[i, LIFT] - traits[0, HEIGHT])
+            rows[2, i] = quantised(math.sqrt(level * level + above * above))
+    return is_off_road(w, sine, cosine)
+
+
+@part
+def is_off_road(w: Situation, sine: float, cosine: float) -> bool:
+    """Tell whether a part of the ego's footprint is beside the drivable road.
+
+    Args:
+        w: The world.
+        sine: Of the ego's yaw.
+        cosine: Likewise.
+    """
+    track, s, t = w.track, w.state[0, S], w.state[0, T]
+    length, width = w.traits[0, LENGTH], w.traits[0, WIDTH]
+    across, along = sincos(w.state[0, HEADING])
+    reach = 0.5 * (length * abs(across) + width * abs(along)) + 0.1
+    if abs(bend(track, s)) < 0.02 and is_drivable(track, s, t - reach, t + reach):
+        return False
+    low, high = math.inf, -math.inf
+    for sweep in range(2):
+        for corner in range(4):
+            u = 0.5 * length if corner < 2 else -0.5 * length
+            v = 0.5 * width if corner % 2 == 0 else -0.5 * width
+            x = w.state[0, X] + u * cosine - v * sine
+            y = w.state[0, Y] + u * sine + v * cosine
+            there, offset = locate(track, x, y, s)
+            if sweep == 0:
+                low, high = min(low, offset), max(high, offset)
+            elif not is_drivable(track, there, low, high):
+                return True
+    return False
+
+
+@Kernel
+def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, float, float]:
+    """Return what the driver is told about the road.
+
+    Args:
+        w: The world.
+        lane: The strip in which the ego started; offsets count from its centre.
+
+    Returns:
+        Offset, heading error, curvature ahead, offsets of the lanes to the left and to the right
+        (infinite where there is none) and of the roadside, and the speed that curves ahead allow.
+    """
+    track, s, t = w.track, w.state[0, S], w.state[0, T]
+    middle = centre(track, lane, s)
+    here = lane
+    for k in range(track.driving.shape[0]):
+        right, left = edges(track, track.driving[k], s)
+        if right <= t < left:
+            here = track.driving[k]
+            break
+    beside_left, beside_right = neighbour(track, here, s, 1), neighbour(track, here, s, -1)
+    _, _, _, cosine, sine = point(track, s, 0.0)
+    stretch = max(0.2, 1.0 - bend(track, s) * t)
+    slope, _ = lane_course(w, lane, s)
+    preview = s + max(1.0, 0.2 * w.state[0, SPEED])
+    _, turn = lane_course(w, lane, preview)
+    # Room to stop in, as `PullOver` plans it.
+    speed = w.state[0, SPEED]
+    braking = min(2.5, 0.5 * w.friction * GRAVITY)
+    reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
+    roadside = -math.inf
+    for k in range(1 if w.track.is_even else _SAMPLES):
+        place = roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0))
+        roadside = max(roadside, place)
+    return (
+        t - middle,
+        wrapped(w.state[0, YAW] - atan2(sine, cosine) - atan2(slope, stretch)),
+        curvature(track, preview, t) + turn / (stretch * stretch),
+        math.inf if beside_left < 0 else centre(track, beside_left, s) - middle,
+        -math.inf if beside_right < 0 else centre(track, beside_right, s) - middle,
+        roadside,
+        curve_speed(w, 0, GRAVITY),
+    )
+
+
+@part
+def lane_course(w: Situation, lane: int, s: float) -> tuple[float, float]:
+    """Return the slope and the bend of a lane's centre against the reference line."""
+    behind, here = centre(w.track, lane, s - _REACH), centre(w.track, lane, s)
+    ahead = centre(w.track, lane, s + _REACH)
+    return (ahead - behind) / (2.0 * _REACH), (ahead - 2.0 * here + behind) / (_REACH * _REACH)
+
+
+@part
+def roadside_at(w: Situation, lane: int, s: float) -> float:
+    """Return the offset from the lane's centre at which the ego stands clear of the lanes at `s`."""
+    track, outer, beside = w.track, lane, lane
+    while beside >= 0:
+        outer = beside
+        beside = neighbour(track, outer, s, -1)
+    edge, _ = edges(track, outer, s)
+    is_road, low, _ = drivable_range(track, s, centre(track, outer, s))
+    verge = low if is_road else edge
+    half = 0.5 * w.traits[0, WIDTH]
+    return max(edge - half - 0.2, verge + half + 0.25) - centre(track, lane, s)

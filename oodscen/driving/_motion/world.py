@@ -1,0 +1,409 @@
+"""The kinematic world: who is where, what everybody does next, and what the ego's driver is told."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._seeding import stream
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Actor, Scene, Trigger
+from oodscen.driving._motion import bodies as table
+from oodscen.driving._motion.behaviour_kernels import (
+    FALL,
+    OPEN_DOOR,
+    RUN_RED,
+    TOWED,
+    stand_in_world,
+    stand_on_road,
+)
+from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
+from oodscen.driving._motion.bodies import WHEELBASE, Situation
+from oodscen.driving._motion.car_following import curve_speed, free_road, grip
+from oodscen.driving._motion.stepping import (
+    advance,
+    is_pulled,
+    look,
+    publish,
+    pull_triggers,
+    see_paths,
+)
+from oodscen.driving._motion.triggers import CODES
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.track import for_kernels
+from oodscen.driving._sight.visibility import visual_range
+from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
+from oodscen.numerics._kernels import seen
+from oodscen.protocols import Control, Observation
+
+HEADLAMPS_M = 75.0
+"""How far dipped headlamps show what has no lamps itself."""
+NIGHT_DEG = -3.0
+"""The sun's elevation below which it is dark."""
+_LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
+"""Categories that carry lamps or reflectors."""
+_BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
+"""Behaviours with a phase that the seed draws."""
+
+
+class WorldSnapshot(NamedTuple):
+    """Everything that changes in a world; plain data."""
+
+    step: int
+    state: bytes
+
+
+class Motion(NamedTuple):
+    """How one body moves: place in the world and on the road, speed and acceleration."""
+
+    x: float
+    y: float
+    yaw: float
+    s: float
+    t: float
+    heading: float
+    """Against the road, rad."""
+    speed: float
+    acceleration: float
+    """Along the heading, m/s^2."""
+    lift: float
+    """Above the road, m."""
+    triggered: float
+    """When its trigger fired, s; negative before."""
+
+
+class Published(NamedTuple):
+    """What others read of a world, rows as in `KinematicWorld.ids`."""
+
+    poses: NDArray[np.float64]
+    """[n, 4] x, y, z, yaw."""
+    speeds: NDArray[np.float64]
+    """[n] along the heading, m/s."""
+    accelerations: NDArray[np.float64]
+    """[n] along the heading, mean over the last step, m/s^2."""
+    gaps: NDArray[np.float64]
+    """[n] between the ego's box and others', m; infinite beyond `FAR_M` and for what is passable."""
+    apart: NDArray[np.float64]
+    """[n] between the circles around their footprints, m."""
+    places: NDArray[np.float64]
+    """[n, 2] s and t on the corridor, m."""
+    is_off_road: bool
+    """Whether a part of the ego's footprint is beside the drivable road."""
+
+
+class KinematicWorld:
+    """Moves the ego and the actors of one scene along a corridor, in steps of `dt`.
+
+    All state is plain floats, rounded to 1e-6 in every step, and computed by plain arithmetic: the
+    same scene, seed and controls give the same bits, on any machine.
+    """
+
+    def __init__(
+        self,
+        corridor: Corridor,
+        scene: Scene,
+        catalogue: Catalogue,
+        seed: int,
+        *,
+        dt: float = 0.05,
+    ) -> None:
+        """Place everything at the start.
+
+        Args:
+            corridor: The road of `scene.map`.
+            scene: One that `staging_issues` accepts.
+            catalogue: For sizes and for the behaviours' defaults.
+            seed: Of the episode.
+            dt: Seconds per step.
+
+        Raises:
+            ValueError: When the ego's lane or an actor's lane does not exist, or actors belong to
+                each other in a ring or to nobody.
+            KeyError: When the catalogue has no such asset or behaviour.
+        """
+        self.corridor = corridor
+        self.scene = scene
+        self.dt = dt
+        self.friction = scene.weather.friction
+        self.visual_range = quantised(visual_range(scene.weather))
+        self.step_count = 0
+        self.lane = ego_strip(corridor, scene.ego.lane)
+        self.ids = ("ego", *(actor.id for actor in scene.actors))
+        """`ego`, then the actors in the scene's order."""
+        self._rows = {name: row for row, name in enumerate(self.ids)}
+        assets = {asset.id: asset for asset in catalogue.assets}
+        kinds = {kind.id: kind for kind in catalogue.behaviours}
+        self._assets = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
+        self.sizes = [(asset.length, asset.width) for asset in self._assets]
+        """Length and width of every body, rows as in `ids`."""
+        count = len(self.ids)
+        self._state = np.zeros((count, table.STATE_WIDTH))
+        self._traits = np.zeros((count, table.TRAITS_WIDTH))
+        self._codes = np.zeros((count, table.CODES_WIDTH), dtype=np.int64)
+        order = self._order(scene)
+        is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
+        self._situation = Situation(
+            track=for_kernels(corridor.track),
+            state=seen(self._state),
+            traits=seen(self._traits),
+            codes=seen(self._codes),
+            paths=seen(np.zeros((count, table.PATHS_WIDTH))),
+            order=seen(np.array(order, dtype=np.int64)),
+            dt=dt,
+            friction=self.friction,
+            visual_range=self.visual_range,
+            headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
+        )
+        self._traits[:, : table.WIDTH + 1] = self.sizes
+        self._traits[:, table.HEIGHT] = [asset.height for asset in self._assets]
+        self._place_ego(scene.ego.speed)
+        for row, actor in enumerate(scene.actors, start=1):
+            kind = kinds[actor.behaviour.name]
+            defaults = {name: one.default for name, one in kind.parameters.items()}
+            self._place(row, actor, {**defaults, **actor.behaviour.parameters}, seed)
+        for row in order:
+            self._attach(row)
+        see_paths(self._situation)
+        pull_triggers(self._situation, 0.0)
+
+    # ------------------------------------------------------------------ what others read
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+        return quantised(self.step_count * self.dt)
+
+    def bodies(self) -> list[tuple[str, Asset, str]]:
+        """Return id, asset and state of every body, rows as in `ids`."""
+        states = ["", *(actor.state for actor in self.scene.actors)]
+        return [
+            (name, asset, state or (asset.states[0] if asset.states else ""))
+            for name, asset, state in zip(self.ids, self._assets, states, strict=True)
+        ]
+
+    def publish(self) -> Published:
+        """Return everything that a state of a simulator is made of."""
+        count = len(self.ids)
+        poses, rows, places = np.empty((count, 4)), np.empty((4, count)), np.empty((count, 2))
+        off_road = publish(self._situation, seen(poses), seen(rows), seen(places))
+        return Published(poses, rows[0], rows[1], rows[2], rows[3], places, bool(off_road))
+
+    def poses(self) -> NDArray[np.float64]:
+        """Return x, y, z and yaw of every body: [n, 4], rows as in `ids`."""
+        return self.publish().poses
+
+    def speeds(self) -> NDArray[np.float64]:
+        """Return everybody's speed along the heading, m/s: [n], rows as in `ids`."""
+        return self._state[:, table.SPEED].copy()
+
+    def accelerations(self) -> NDArray[np.float64]:
+        """Return everybody's acceleration along the heading over the last step, m/s^2: [n]."""
+        return self._state[:, table.ACCELERATION].copy()
+
+    def places(self) -> NDArray[np.float64]:
+        """Return everybody's s and t on the corridor, m: [n, 2], rows as in `ids`."""
+        return self._state[:, table.S : table.T + 1].copy()
+
+    def motion(self, body: str) -> Motion:
+        """Return how one body moves, by its id."""
+        return Motion(*self._state[self._rows[body], : table.TRIGGERED + 1].tolist())
+
+    @property
+    def ego(self) -> Motion:
+        """How the ego moves."""
+        return self.motion("ego")
+
+    def lanes(self, body: str) -> tuple[int, int]:
+        """Return the strip in which an actor is placed, and the one to which it may move."""
+        row = self._rows[body]
+        return int(self._codes[row, table.LANE]), int(self._codes[row, table.TARGET])
+
+    def observe(self) -> Observation:
+        """Return what the ego's driver is told."""
+        offset, askew, curvature, left, right, roadside, fastest = look(self._situation, self.lane)
+        return Observation(
+            self.time,
+            float(self._state[0, table.SPEED]),
+            offset,
+            askew,
+            curvature,
+            WHEELBASE,
+            None if left == math.inf else left,
+            None if right == -math.inf else right,
+            roadside,
+            self.friction,
+            self.visual_range,
+            fastest,
+        )
+
+    def is_off_road(self) -> bool:
+        """Tell whether a part of the ego's footprint is beside the drivable road."""
+        return self.publish().is_off_road
+
+    def is_due(self, trigger: Trigger, owner: str | None = None) -> bool:
+        """Tell whether a trigger fires now.
+
+        Args:
+            trigger: A decision, or an actor's.
+            owner: Id of the actor to which it is measured where the trigger names none.
+        """
+        name = trigger.actor or owner
+        row = 0 if trigger.kind == "time" or name is None else self._rows[name]
+        code = CODES[trigger.kind]
+        return bool(is_pulled(self._situation, code, trigger.value, row, self.time))
+
+    def free_road(self, body: str) -> tuple[float, float]:
+        """Return the gap to what an actor sees ahead in its path, m, and its speed away from it.
+
+        As at the beginning of the last step. The gap is infinite where nothing is ahead within the
+        visual range: that of fog, rain and snow, and at night `HEADLAMPS_M` for what has no lamps.
+        """
+        gap, away = free_road(self._situation, self._rows[body], -math.inf)
+        return float(gap), float(away)
+
+    # ------------------------------------------------------------------ motion
+
+    def step(self, control: Control) -> None:
+        """Advance by one `dt`."""
+        advance(
+            self._situation, self.step_count, float(control.acceleration), float(control.steering)
+        )
+        self.step_count += 1
+
+    def snapshot(self) -> WorldSnapshot:
+        """Return everything that changes."""
+        return WorldSnapshot(self.step_count, self._state.tobytes())
+
+    def restore(self, snapshot: WorldSnapshot) -> None:
+        """Return to a state of this world; what follows equals what followed then."""
+        self.step_count = snapshot.step
+        self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
+
+    # ------------------------------------------------------------------ inside
+
+    def _order(self, scene: Scene) -> list[int]:
+        """Return the actors' rows, each after the one to which it belongs."""
+        owners = {
+            row: self._rows[actor.behaviour.other]
+            for row, actor in enumerate(scene.actors, start=1)
+            if actor.behaviour.other is not None
+        }
+        waiting, order = list(range(1, len(self.ids))), []
+        while waiting:
+            ready = [row for row in waiting if owners.get(row) not in waiting]
+            if not ready:
+                names = ", ".join(self.ids[row] for row in waiting)
+                raise ValueError(f"actors belong to each other in a ring: {names}")
+            order += ready
+            waiting = [row for row in waiting if row not in ready]
+        return order
+
+    def _place_ego(self, speed: float) -> None:
+        state, start = self._state[0], self.corridor.start
+        state[table.S], state[table.T] = start, self.corridor.centre(self.lane, start)
+        state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
+        self._codes[0, table.OTHER], self._codes[0, table.DIRECTION] = -1, 1
+        self._codes[0, table.IS_LIT] = 1
+        stand_on_road(self._situation, 0)
+        stand_in_world(self._situation, 0)
+
+    def _place(self, row: int, actor: Actor, parameters: Mapping[str, float], seed: int) -> None:
+        road, place, name = self.corridor, actor.placement, actor.behaviour.name
+        lane = neighbour_strip(road, self.lane, place.lane)
+        target = lane
+        if "lanes" in parameters:
+            target = neighbour_strip(road, lane, round(parameters["lanes"]))
+        heading = place.heading_deg * PI / 180.0
+        if name == "wrong_way":
+            heading = PI
+        if road.strips[lane].direction < 0:
+            heading += PI
+        heading = quantised(wrapped(heading))
+        s = quantised(road.start + place.ahead_m)
+        t = quantised(road.centre(lane, s) + place.offset_m)
+        asset, trigger = self._assets[row], actor.behaviour.trigger
+        phase = 0.0
+        if name in _BY_CHANCE:
+            phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
+        code = BEHAVE[name]
+        owner = actor.behaviour.other
+        if code in (FALL, TOWED, OPEN_DOOR) and owner is None:
+            raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
+        self._codes[row] = [
+            code,
+            lane,
+            target,
+            1 if cos(heading) >= 0.0 else -1,
+            -1 if owner is None else self._rows[owner],
+            CODES[trigger.kind],
+            self._rows[trigger.actor or actor.id],
+            asset.is_passable(actor.state),
+            asset.category in _LIT,
+        ]
+        traits, state = self._traits[row], self._state[row]
+        traits[table.OFFSET], traits[table.PHASE] = place.offset_m, phase
+        traits[table.VALUE] = trigger.value
+        traits[table.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
+        traits[table.HOME_S], traits[table.HOME_T] = s, t
+        traits[table.FIRST :] = [parameters.get(name, 0.0) for name in table.PARAMETERS]
+        speed = parameters.get("speed", 0.0) if name in MOVES_BEFORE_TRIGGER else 0.0
+        state[table.S], state[table.T], state[table.HEADING] = s, t, heading
+        state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
+        stand_on_road(self._situation, row)
+        if speed > 0.0 and code < RUN_RED:
+            fastest = float(curve_speed(self._situation, row, grip(self._situation)))
+            state[table.SPEED] = quantised(min(speed, fastest))
+
+    def _attach(self, row: int) -> None:
+        """Fix where an actor is in the axes of the one to which it belongs."""
+        code, other = self._codes[row, table.BEHAVIOUR], int(self._codes[row, table.OTHER])
+        if code not in (FALL, TOWED, OPEN_DOOR):
+            return
+        mine, its = self._state[row].tolist(), self._state[other].tolist()
+        sine, cosine = sincos(its[table.YAW])
+        dx, dy = mine[table.X] - its[table.X], mine[table.Y] - its[table.Y]
+        tail = 0.5 * self.sizes[other][0]
+        hitch_x, hitch_y = dx + tail * cosine, dy + tail * sine
+        pole = math.sqrt(hitch_x * hitch_x + hitch_y * hitch_y)
+        askew = wrapped(mine[table.YAW] - its[table.YAW])
+        traits = self._traits[row]
+        traits[table.APART_X] = dx * cosine + dy * sine
+        traits[table.APART_Y] = dy * cosine - dx * sine
+        traits[table.APART_YAW] = askew
+        traits[table.POLE] = max(pole, 0.5 * self.sizes[row][0])
+        state, speed = self._state[row], its[table.SPEED]
+        if code == FALL:
+            state[table.LIFT] = quantised(float(traits[table.DROP]))
+            state[table.MEMORY : table.MEMORY + 2] = speed * cosine, speed * sine
+        if code != OPEN_DOOR:
+            state[table.SPEED] = quantised(speed * cos(askew))
+
+
+def ego_strip(corridor: Corridor, lane: int) -> int:
+    """Return the strip of the ego's lane, counted from the right.
+
+    Raises:
+        ValueError: When the road has fewer lanes in the ego's direction.
+    """
+    lanes = corridor.ego_lanes
+    if lane >= len(lanes):
+        raise ValueError(f"the road has {len(lanes)} lanes in the ego's direction (0 is the right)")
+    return lanes[lane]
+
+
+def neighbour_strip(corridor: Corridor, strip: int, lanes: int) -> int:
+    """Return the driving strip some lanes to the left of another, oncoming ones counted.
+
+    Raises:
+        ValueError: When there is no such lane.
+    """
+    driving = corridor.driving
+    place = driving.index(strip) + lanes
+    if not 0 <= place < len(driving):
+        here = driving.index(strip)
+        raise ValueError(
+            f"there is no lane {lanes:+d}; from here they are {-here}..{len(driving) - 1 - here}"
+        )
+    return driving[place]

@@ -1,0 +1,1 @@
+"""OpenDRIVE roads: reading, corridors, lanes and look-ups."""

@@ -1,0 +1,485 @@
+"""Makes corridors from OpenDRIVE files."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from importlib.resources import files
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._files import read_regular
+from oodscen.data._catalogue import Catalogue, RoadMap
+from oodscen.driving._roads.corridor import Corridor, OtherRoad, Outline, RoadSignal, Structure
+from oodscen.driving._roads.crosssection import Places, build_strips, frozen
+from oodscen.driving._roads.geometry import piecewise
+from oodscen.driving._roads.network import Network, Road, Signal
+from oodscen.driving._roads.opendrive import MAX_BYTES, read_network
+from oodscen.driving._roads.routes import (
+    AHEAD_M,
+    BEHIND_M,
+    Leg,
+    find_route,
+    joint,
+    road_point,
+    straight_on,
+)
+from oodscen.errors import DataError, Issue, UnknownComponent
+from oodscen.numerics._exact import cos, sin
+
+SAMPLE_STEP = 0.5
+"""Metres between two samples of a corridor, at most."""
+NEAR_M = 400.0
+"""Other roads and signals are kept up to this far from the ego's road."""
+
+_MAX_OTHERS_M = 60_000.0
+"""Metres of other roads that are kept, the nearest ones."""
+_MAX_FURNITURE = 5_000
+_BEFORE_END_M = 20.0
+"""In a file of one's own the ego starts this far before its road ends, at least."""
+_DEFAULT_SPEED_LIMIT = 13.9
+_SNAP = 1e-3
+"""Metres below which two reference lines count as one."""
+_TIGHTEST = 0.1
+"""What a parallel line of a bend keeps of its length, at least."""
+
+
+def load_corridor(road_map: RoadMap) -> Corridor:
+    """Return the road that the ego of a map drives; the same file is read once per process.
+
+    Roads that follow each other, through junctions, too, are one corridor: those of
+    `RoadMap.route`, then straight on.
+
+    Args:
+        road_map: Where the OpenDRIVE file is, where in it the ego starts, and where it goes.
+
+    Raises:
+        DataError: With every fault of the file, or when start or route are not on the road.
+    """
+    return _corridor(
+        _read(road_map.file),
+        road_map.road,
+        road_map.start_m,
+        road_map.forward,
+        road_map.route,
+        road_map.file,
+    )
+
+
+def find_map(name: str, catalogue: Catalogue) -> RoadMap:
+    """Return a map of the catalogue, or describe the OpenDRIVE file that a scene names.
+
+    Args:
+        name: `Scene.map`: a map's id, or the path of an `.xodr` file. In a file of one's own the
+            ego starts on the first road outside junctions from which it can drive far enough
+            straight on, 160 m after the beginning of that way or a quarter along.
+        catalogue: Of the simulator.
+
+    Raises:
+        UnknownComponent: When there is no such map.
+        DataError: When the file cannot be used.
+    """
+    if not name.endswith(".xodr"):
+        try:
+            return catalogue.map(name)
+        except KeyError:
+            known = [road.id for road in catalogue.maps]
+            raise UnknownComponent("map", name, known) from None
+    return _describe(_read(name), name)
+
+
+@lru_cache(maxsize=16)
+def _describe(data: bytes, name: str) -> RoadMap:
+    """Choose where the ego starts in a file of one's own."""
+    network = _network(data, name)
+    legs, index, start = _default_start(network, name)
+    road, forward = legs[index]
+    start_m = start if forward else road.length - start
+    route = tuple(leg.road.id for leg in legs[index + 1 :])
+    corridor = _corridor(data, road.id, start_m, forward, route, name)
+    kinds = {strip.kind for strip in corridor.strips}
+    return RoadMap(
+        id=Path(name).stem,
+        description=f"the road of {Path(name).name}",
+        file=name,
+        road=road.id,
+        start_m=start_m,
+        forward=forward,
+        route=route,
+        lanes=max(1, len(corridor.ego_lanes)),
+        oncoming_lanes=len(corridor.driving) - len(corridor.ego_lanes),
+        has_shoulder="shoulder" in kinds,
+        speed_limit=corridor.speed_limit,
+        length_m=max(1.0, corridor.length - corridor.start),
+        traits=("junction",) if corridor.in_junction.any() else (),
+    )
+
+
+def _default_start(network: Network, source: str) -> tuple[list[Leg], int, float]:
+    """Return a way through the network, and on which of its legs the ego starts, and where."""
+    best: tuple[list[Leg], int, float] | None = None
+    longest = 0.0
+    for road in list(network.roads.values())[:200]:
+        if road.junction:
+            continue
+        for leg in (Leg(road, True), Leg(road, False)):
+            if not leg.has_lane(1):
+                continue
+            legs = [leg]
+            total = road.length
+            for after in straight_on(network, leg):
+                if total >= AHEAD_M:
+                    break
+                legs.append(after)
+                total += after.road.length
+            if total > longest:
+                at = min(160.0, 0.25 * total)
+                found = _open_leg(legs, at)
+                if found is not None:
+                    best, longest = (legs, *found), total
+            if longest >= BEHIND_M + 300.0:
+                break
+        if longest >= BEHIND_M + 300.0:
+            break
+    if best is None:
+        issue = Issue("", "no road outside junctions has a driving lane")
+        raise DataError("OpenDRIVE file", [issue], source=source)
+    return best
+
+
+def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
+    """Return the leg outside junctions that is met at or before a place, and where on it."""
+    found: tuple[int, float] | None = None
+    for index, leg in enumerate(legs):
+        if not leg.road.junction and leg.has_lane(1):
+            latest = max(0.5 * leg.road.length, leg.road.length - _BEFORE_END_M)
+            found = index, min(max(at, 0.0), latest)
+        at -= leg.road.length
+        if at <= 0.0 and found is not None:
+            break
+    return found
+
+
+def _read(file: str) -> bytes:
+    """Return the bytes of `package:path/inside.xodr` or of a path."""
+    package, _, inside = file.partition(":")
+    is_packaged = inside and all(part.isidentifier() for part in package.split("."))
+    try:
+        if is_packaged and len(package) > 1:
+            return files(package).joinpath(inside).read_bytes()
+        return read_regular(file, "OpenDRIVE file", limit=MAX_BYTES)
+    except (OSError, ValueError, ModuleNotFoundError) as error:
+        raise DataError("OpenDRIVE file", [Issue("", str(error))], source=file) from None
+
+
+@lru_cache(maxsize=8)
+def _network(data: bytes, source: str) -> Network:
+    return read_network(data, source=source)
+
+
+@lru_cache(maxsize=32)
+def _corridor(
+    data: bytes,
+    road_id: str,
+    start: float,
+    forward: bool,
+    route: tuple[str, ...],
+    source: str,
+) -> Corridor:
+    network = _network(data, source)
+
+    def fault(path: str, message: str) -> DataError:
+        return DataError("OpenDRIVE file", [Issue(path, message)], source=source)
+
+    if road_id and road_id not in network.roads:
+        known = ", ".join(identity[:40] for identity in list(network.roads)[:20])
+        raise fault("road", f"no road {road_id!r}; the file has: {known}")
+    road = network.roads[road_id] if road_id else next(iter(network.roads.values()))
+    if not 0.0 <= start <= road.length:
+        raise fault("start_m", f"{start:g} m is not on the road, which is {road.length:g} m long")
+    legs, index, issues = find_route(network, Leg(road, forward), start, route)
+    if issues:
+        raise DataError("OpenDRIVE file", issues, source=source)
+    try:
+        corridor = build_route(network, legs, index=index, start_m=start)
+    except ValueError as error:
+        raise fault("", str(error)) from None
+    if not corridor.driving:
+        raise fault("", f"road {road.id!r} has no driving lane where the ego starts")
+    return corridor
+
+
+def build_corridor(road: Road, *, start_m: float = 0.0, forward: bool = True) -> Corridor:
+    """Sample one road, alone, in the ego's driving direction.
+
+    Args:
+        road: As read from a file.
+        start_m: Where along the road's own reference line the ego starts.
+        forward: Whether the ego drives along the reference line or against it.
+
+    Raises:
+        ValueError: When the road has too many lanes.
+    """
+    return _sampled(Network({road.id: road}), [Leg(road, forward)], 0, start_m)
+
+
+def build_route(
+    network: Network, legs: Sequence[Leg], *, index: int = 0, start_m: float = 0.0
+) -> Corridor:
+    """Sample the roads that the ego drives, and describe what is around them.
+
+    Args:
+        network: All roads of the file.
+        legs: In the order in which they are driven.
+        index: Of the leg on which the ego starts.
+        start_m: Where along that road's own reference line it starts.
+
+    Raises:
+        ValueError: When a bend is too tight to be driven, or there are too many lanes.
+    """
+    corridor = _sampled(network, legs, index, start_m)
+    taken = {leg.road.id for leg in legs}
+    near = _Nearness(corridor)
+    others: list[OtherRoad] = []
+    room = _MAX_OTHERS_M
+    for road in near.sorted(road for road in network.roads.values() if road.id not in taken):
+        room -= road.length
+        if room < 0.0:
+            break
+        others.append(OtherRoad(build_corridor(road), road.id, bool(road.junction), road.junction))
+    order = {identity: place for place, identity in enumerate(network.roads)}
+    others.sort(key=lambda other: order[other.road_id])
+    signals: list[RoadSignal] = []
+    outlines: list[Outline] = []
+    for road in near.sorted(network.roads.values()):
+        if len(signals) + len(outlines) < _MAX_FURNITURE:
+            signals += [_signal(road, signal, corridor) for signal in road.signals]
+            outlines += _outlines(road)
+    return replace(
+        corridor, others=tuple(others), signals=tuple(signals), crosswalks=tuple(outlines)
+    )
+
+
+def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) -> Corridor:
+    """Sample a chain of legs as one evenly spaced line."""
+    tracks = _tracks(legs)
+    begins = [0.0]
+    for track in tracks:
+        begins.append(begins[-1] + track.length)
+    length = begins[-1]
+    count = max(2, math.ceil(length / SAMPLE_STEP - 1e-9) + 1)
+    along = [length * place / (count - 1) for place in range(count)]
+    places = Places([], [], [track.shift for track in tracks])
+    columns: list[list[float]] = [[], [], [], [], [], []]
+    number = 0
+    for s in along:
+        while number + 1 < len(tracks) and s >= begins[number + 1]:
+            number += 1
+        track = tracks[number]
+        own = track.own(s - begins[number])
+        places.legs.append(number)
+        places.own.append(own)
+        for column, value in zip(columns, track.point(own), strict=True):
+            column.append(round(value, 6))
+    x, y, z, c, s_, curvature = (frozen(np.array(column)) for column in columns)
+    in_junction = np.array([bool(legs[number].road.junction) for number in places.legs])
+    in_junction.setflags(write=False)
+    start = begins[index] + tracks[index].from_start(start_m)
+    strips = build_strips(
+        network, legs, places, in_junction, step=length / (count - 1), start=start
+    )
+    return Corridor(
+        s=frozen(np.array([round(s, 6) for s in along])),
+        x=x,
+        y=y,
+        z=z,
+        cos=c,
+        sin=s_,
+        curvature=curvature,
+        strips=tuple(strips),
+        start=start,
+        speed_limit=legs[index].road.speed_limit or _DEFAULT_SPEED_LIMIT,
+        in_junction=in_junction,
+        structures=_structures(legs, tracks, begins),
+    )
+
+
+class _Track:
+    """One leg's share of a corridor's line: parallel to the road's own line, `shift` to its left.
+
+    The corridor's line goes on without a jump where a road's own line begins beside the end of the
+    one before; lanes that continue each other there keep their offsets from it.
+    """
+
+    def __init__(self, leg: Leg, shift: float) -> None:
+        self.leg = leg
+        self.shift = shift
+        road = leg.road
+        self.span = min(road.length, road.curves[-1].s + road.curves[-1].length)
+        self._driven, self._nodes = [0.0], [0.0]
+        if shift:
+            inner = {self._own(curve.s) for curve in road.curves}
+            ends = sorted({0.0, self.span} | {s for s in inner if 0.0 < s < self.span})
+            for begin, end in pairwise(ends):
+                steps = max(1, math.ceil((end - begin) / SAMPLE_STEP))
+                for step in range(steps):
+                    middle = begin + (end - begin) * (step + 0.5) / steps
+                    kept = 1.0 - shift * self._curvature(middle)
+                    if kept < _TIGHTEST:
+                        raise ValueError(
+                            f"road {road.id!r} bends too tightly for the lanes before it"
+                        )
+                    self._driven.append(begin + (end - begin) * (step + 1) / steps)
+                    width = self._driven[-1] - self._driven[-2]
+                    self._nodes.append(self._nodes[-1] + kept * width)
+        self.length = self._nodes[-1] if shift else self.span
+
+    def _own(self, driven: float) -> float:
+        """Return s along the road's own line from metres driven along that line."""
+        return driven if self.leg.forward else self.span - driven
+
+    def _curvature(self, driven: float) -> float:
+        curvature = road_point(self.leg.road, self._own(driven)).curvature
+        return curvature if self.leg.forward else -curvature
+
+    def own(self, along: float) -> float:
+        """Return s along the road's own line from metres along this track."""
+        if not self.shift:
+            return self._own(along)
+        return self._own(_interpolated(along, self._nodes, self._driven))
+
+    def from_start(self, own: float) -> float:
+        """Return metres along this track from s along the road's own line."""
+        driven = own if self.leg.forward else self.span - own
+        if not self.shift:
+            return driven
+        return _interpolated(driven, self._driven, self._nodes)
+
+    def point(self, own: float) -> tuple[float, float, float, float, float, float]:
+        """Return x, y, z, cosine and sine of the heading, and curvature at own s."""
+        road, forward = self.leg
+        place = road_point(road, own)
+        sign = 1.0 if forward else -1.0
+        along, across = sign * cos(place.heading), sign * sin(place.heading)
+        curvature = sign * place.curvature
+        z = piecewise(road.elevation, own)
+        if not self.shift:
+            return place.x, place.y, z, along, across, curvature
+        x, y = place.x - self.shift * across, place.y + self.shift * along
+        return x, y, z, along, across, curvature / (1.0 - self.shift * curvature)
+
+
+def _interpolated(value: float, known: Sequence[float], wanted: Sequence[float]) -> float:
+    """Return what belongs to a value between two ascending lists."""
+    index = min(max(bisect_right(known, value) - 1, 0), len(known) - 2)
+    low, high = known[index], known[index + 1]
+    part = (value - low) / (high - low) if high > low else 0.0
+    return wanted[index] + part * (wanted[index + 1] - wanted[index])
+
+
+def _tracks(legs: Sequence[Leg]) -> list[_Track]:
+    tracks: list[_Track] = []
+    for leg in legs:
+        shift = 0.0
+        if tracks:
+            before = tracks[-1]
+            _, across, _ = joint(before.leg, leg)
+            shift = before.shift - across
+            if abs(shift) < _SNAP:
+                shift = 0.0
+        tracks.append(_Track(leg, shift))
+    return tracks
+
+
+def _structures(
+    legs: Sequence[Leg], tracks: Sequence[_Track], begins: Sequence[float]
+) -> tuple[Structure, ...]:
+    """Return tunnels and bridges of the route; those that meet at a joint stay apart."""
+    found = []
+    for leg, track, begin in zip(legs, tracks, begins[:-1], strict=True):
+        for stretch in leg.road.stretches:
+            ends = [
+                begin + track.from_start(min(max(end, 0.0), track.span))
+                for end in (stretch.start, stretch.end)
+            ]
+            if max(ends) - min(ends) > 0.1:
+                found.append(Structure(stretch.kind, round(min(ends), 6), round(max(ends), 6)))
+    return tuple(sorted(found, key=lambda one: one.start))
+
+
+class _Nearness:
+    """Which roads come close to a corridor."""
+
+    def __init__(self, corridor: Corridor) -> None:
+        every = max(1, round(20.0 / corridor.step))
+        self.x, self.y = corridor.x[::every], corridor.y[::every]
+        self.start = corridor.point(corridor.start, 0.0)[:2]
+
+    def sorted(self, roads: Iterable[Road]) -> list[Road]:
+        """Return the roads that have a piece near the corridor, those by the start first."""
+        ranked: list[tuple[float, int, Road]] = []
+        for road in roads:
+            last = road_point(road, road.length)
+            x = np.array([*(curve.x for curve in road.curves), last.x])
+            y = np.array([*(curve.y for curve in road.curves), last.y])
+            least = min(
+                float(((self.x - px[:, None]) ** 2 + (self.y - py[:, None]) ** 2).min())
+                for px, py in zip(_blocks(x), _blocks(y), strict=True)
+            )
+            if least <= NEAR_M * NEAR_M:
+                away = float(((x - self.start[0]) ** 2 + (y - self.start[1]) ** 2).min())
+                ranked.append((away, len(ranked), road))
+        return [road for _, _, road in sorted(ranked, key=lambda one: one[:2])]
+
+
+def _blocks(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    return [values[first : first + 1024] for first in range(0, len(values), 1024)]
+
+
+def _signal(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:
+    """Place a signal in the world."""
+    place = road_point(road, signal.s)
+    along, across = cos(place.heading), sin(place.heading)
+    x = round(place.x - signal.t * across, 6) + 0.0
+    y = round(place.y + signal.t * along, 6) + 0.0
+    faces = place.heading + signal.turn + (0.0 if signal.orientation == "-" else math.pi)
+    s, t = corridor.locate(x, y)
+    is_light = signal.is_dynamic or signal.type.startswith("1000")
+    return RoadSignal(
+        id=signal.id,
+        kind="traffic_light" if is_light else "sign",
+        type=signal.type,
+        value=signal.value,
+        x=x,
+        y=y,
+        z=round(piecewise(road.elevation, signal.s), 6) + 0.0,
+        yaw=round(math.remainder(faces, math.tau), 6) + 0.0,
+        s=round(s, 6) + 0.0,
+        t=round(t, 6) + 0.0,
+        height=signal.height,
+        country=signal.country,
+        name=signal.name,
+    )
+
+
+def _outlines(road: Road) -> list[Outline]:
+    """Place a road's crosswalks and stop lines in the world."""
+    outlines = []
+    for patch in road.patches:
+        points = []
+        for s, t in patch.corners:
+            place = road_point(road, s)
+            along, across = cos(place.heading), sin(place.heading)
+            beyond = s - min(max(s, 0.0), road.length)
+            x, y = place.x + beyond * along, place.y + beyond * across
+            points.append((round(x - t * across, 6) + 0.0, round(y + t * along, 6) + 0.0))
+        area = sum(
+            ax * by - bx * ay
+            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True)
+        )
+        outlines.append(Outline(patch.kind, frozen(np.array(points if area > 0 else points[::-1]))))
+    return outlines

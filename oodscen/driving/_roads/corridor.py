@@ -1,0 +1,365 @@
+"""The road that the ego drives, as samples along its reference line, and look-ups on it.
+
+A corridor has coordinates of its own: `s` metres along the reference line in the ego's driving
+direction and `t` metres to its left. It hides which roads of a map it was made from.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving._roads import track as look
+from oodscen.driving._roads.coverage import REACH_M, Band, Ranges, covered, merged
+from oodscen.driving._roads.track import Track, for_kernels, packed, viewed
+from oodscen.numerics import _exact as exact
+from oodscen.numerics._kernels import seen
+
+StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
+
+DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
+"""Kinds of strips on which the ego may be."""
+
+_BATCH = 2_000_000
+"""Pairs of a point and a sample that are compared at once."""
+_AROUND_M = (600.0, 2_600.0)
+"""How far behind and ahead of the start other roads count as road to drive on."""
+
+
+@dataclass(frozen=True, eq=False)
+class LaneStrip:
+    """One lane, shoulder, pavement ... along the whole corridor."""
+
+    kind: StripKind
+    direction: int
+    """+1 with the ego, -1 oncoming, 0 neither."""
+    right: NDArray[np.float64] = field(repr=False)
+    """[n], t of the right edge at every sample, m."""
+    left: NDArray[np.float64] = field(repr=False)
+    """[n], t of the left edge; equal to `right` where the strip does not exist."""
+    mark: str
+    """On the left edge: `solid`, `broken`, `curb` or `none`."""
+    right_mark: str = "none"
+    """On the right edge."""
+    marks: tuple[tuple[float, str, str], ...] = ()
+    """Rows of s and both marks, left and right, from there on, where they change along the strip;
+    `mark` and `right_mark` are those at the ego's start."""
+
+
+@dataclass(frozen=True)
+class RoadSignal:
+    """A traffic light or sign that the map sets up."""
+
+    id: str
+    kind: Literal["traffic_light", "sign"]
+    type: str
+    """OpenDRIVE's type within `country`'s catalogue, e.g. `1000001` or `205`."""
+    value: str
+    """What it says, where the file gives it (a speed limit's number), else empty."""
+    x: float
+    y: float
+    z: float
+    """Height of the ground or road at its foot, m."""
+    yaw: float
+    """The direction that it faces: towards those whom it addresses, rad."""
+    s: float
+    """On the ego's corridor."""
+    t: float
+    height: float = 0.0
+    """Of its lower edge above `z`, m."""
+    country: str = ""
+    """`OpenDRIVE` or a country's code, in whose catalogue `type` is."""
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A patch of paint on the road that the map's objects describe."""
+
+    kind: Literal["crosswalk", "stop_line"]
+    points: NDArray[np.float64] = field(repr=False)
+    """[n, 2] corners in the world, counter-clockwise, m."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A stretch of the ego's road that runs through or over something."""
+
+    kind: Literal["tunnel", "bridge"]
+    start: float
+    """s on the ego's corridor."""
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class OtherRoad:
+    """A road of the map that the ego does not drive."""
+
+    corridor: "Corridor"
+    """Has its own s and t, the same world coordinates, and no others."""
+    road_id: str
+    is_connecting: bool
+    """Whether it leads through a junction."""
+    junction: str = ""
+    """Id of that junction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Corridor:
+    """A road with its cross-section, seen from the ego that drives along it."""
+
+    s: NDArray[np.float64] = field(repr=False)
+    """[n], m from the corridor's beginning, evenly spaced by `step`."""
+    x: NDArray[np.float64] = field(repr=False)
+    y: NDArray[np.float64] = field(repr=False)
+    z: NDArray[np.float64] = field(repr=False)
+    cos: NDArray[np.float64] = field(repr=False)
+    """[n], of the heading; the normal to the left is (-sin, cos)."""
+    sin: NDArray[np.float64] = field(repr=False)
+    curvature: NDArray[np.float64] = field(repr=False)
+    """[n], 1/m, left positive."""
+    strips: tuple[LaneStrip, ...] = field(repr=False)
+    """From right to left, adjacent ones sharing an edge."""
+    start: float
+    """s of the ego's start."""
+    speed_limit: float
+    """m/s"""
+    in_junction: NDArray[np.bool_] = field(
+        default_factory=lambda: np.zeros(0, dtype=np.bool_), repr=False
+    )
+    """[n], which samples lie inside a junction; none where nothing is given."""
+    others: tuple[OtherRoad, ...] = field(default=(), repr=False)
+    """Every other road of the map."""
+    signals: tuple[RoadSignal, ...] = field(default=(), repr=False)
+    """Of all roads of the map."""
+    crosswalks: tuple[Outline, ...] = field(default=(), repr=False)
+    """Crosswalks and stop lines of all roads of the map."""
+    structures: tuple[Structure, ...] = ()
+    driving: tuple[int, ...] = field(init=False)
+    """Indices of the driving strips at the start, from right to left."""
+    step: float = field(init=False)
+    """Spacing of the samples, m."""
+    length: float = field(init=False)
+    """s of the last sample, m."""
+    track: Track = field(init=False, repr=False)
+    """All of it as arrays, for kernels."""
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        if not len(self.in_junction):
+            put(self, "in_junction", np.zeros(len(self.s), dtype=np.bool_))
+            self.in_junction.setflags(write=False)
+        put(self, "length", float(self.s[-1]))
+        put(self, "step", float(self.s[-1]) / (len(self.s) - 1))
+        start = self._index(self.start)
+        driving = [
+            index
+            for index, strip in enumerate(self.strips)
+            if strip.kind == "driving" and strip.left[start] - strip.right[start] > 0.5
+        ]
+        put(self, "driving", tuple(driving))
+        own = _intervals(self.strips)
+        self._follow(own)
+        around: list[Ranges] = [()] * len(self.s)
+        if self.others:
+            bands = [one for other in self.others for one in self._bands(other.corridor)]
+            count = len(self.s)
+            roads = [band for is_drivable, band in bands if is_drivable]
+            for sample, ranges in covered(roads, self.step, count).items():
+                own[sample] = merged(own[sample], ranges)
+            every = covered((band for _, band in bands), self.step, count)
+            for sample, ranges in every.items():
+                around[sample] = tuple(ranges)
+            self._follow(own)
+        put(self, "_around", around)
+
+    _plain: Track = field(init=False, repr=False)
+    """The same for plain Python, which reads single numbers of it quickly."""
+    _around: list[Ranges] = field(init=False, repr=False)
+
+    @property
+    def ego_lanes(self) -> tuple[int, ...]:
+        """Indices of the strips in which the ego may start, from right to left."""
+        return tuple(index for index in self.driving if self.strips[index].direction > 0)
+
+    def _follow(self, drivable: Sequence[Ranges]) -> None:
+        """Gather what look-ups need."""
+        norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
+        columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm, self.curvature)
+        track = packed(
+            np.stack(columns, axis=1),
+            np.stack([side for one in self.strips for side in (one.right, one.left)], axis=1),
+            drivable,
+            lanes=[strip.kind == "driving" for strip in self.strips],
+            driving=self.driving,
+            step=self.step,
+            length=self.length,
+        )
+        object.__setattr__(self, "track", track)
+        object.__setattr__(self, "_plain", viewed(track))
+
+    def point(self, s: float, t: float) -> tuple[float, float, float, float]:
+        """Return x, y, z and the road's heading at a place; beyond the ends it goes on straight."""
+        x, y, z, cos, sin = look.point(self._plain, s, t)
+        return x, y, z, exact.atan2(sin, cos)
+
+    def locate(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
+        """Return the place (s, t) of a point.
+
+        Args:
+            x: m
+            y: m
+            near: An s close to the answer, e.g. the last one; without it the nearest sample is
+                searched for.
+        """
+        if near is None:
+            square = (self.x - x) ** 2 + (self.y - y) ** 2
+            near = int(square.argmin()) * self.step
+        return look.locate(self._plain, x, y, near)
+
+    def locate_all(
+        self, x: NDArray[np.float64], y: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the places of many points, to the bit what `locate` returns for each.
+
+        Args:
+            x: [n], m
+            y: [n], m
+
+        Returns:
+            s and t, [n] each.
+        """
+        return self._locate_among(x, y, np.arange(len(self.x)))
+
+    def _locate_among(
+        self, x: NDArray[np.float64], y: NDArray[np.float64], among: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Search from the nearest one of some samples, batch by batch to bound the memory."""
+        s, t = np.empty(len(x)), np.empty(len(x))
+        batch = max(1, _BATCH // len(among))
+        for first in range(0, len(x), batch):
+            part = slice(first, first + batch)
+            px, py = x[part], y[part]
+            square = (self.x[among] - px[:, None]) ** 2 + (self.y[among] - py[:, None]) ** 2
+            near = among[square.argmin(axis=1)] * self.step
+            look.locate_each(
+                for_kernels(self.track),
+                seen(px),
+                seen(py),
+                seen(near),
+                seen(s[part]),
+                seen(t[part]),
+            )
+        return s, t
+
+    def heading(self, s: float) -> float:
+        """Return the road's heading at `s`, rad."""
+        return look.heading(self._plain, s)
+
+    def alignment(self, s: float, yaw: float) -> float:
+        """Return the cosine between the road at `s` and a direction: 1 along it, -1 against it."""
+        return look.alignment(self._plain, s, yaw)
+
+    def bend(self, s: float) -> float:
+        """Return the reference line's curvature at `s`, 1/m, left positive; 0 beyond the ends."""
+        return look.bend(self._plain, s)
+
+    def edges(self, strip: int, s: float) -> tuple[float, float]:
+        """Return t of a strip's right and left edge at `s`."""
+        return look.edges(self._plain, strip, s)
+
+    def centre(self, strip: int, s: float) -> float:
+        """Return t of a strip's centre at `s`."""
+        return look.centre(self._plain, strip, s)
+
+    def strip_at(self, s: float, t: float) -> int | None:
+        """Return the index of the strip at a place, or `None` beside the road."""
+        for index in range(len(self.strips)):
+            right, left = self.edges(index, s)
+            if right <= t < left:
+                return index
+        return None
+
+    def is_drivable(self, s: float, t_min: float, t_max: float) -> bool:
+        """Tell whether the road can be driven on everywhere between two offsets at `s`."""
+        return look.is_drivable(self._plain, s, t_min, t_max)
+
+    def drivable_range(self, s: float, t: float) -> tuple[float, float] | None:
+        """Return the right and left limit of the drivable road around `t`, or `None` off it."""
+        is_on_road, right, left = look.drivable_range(self._plain, s, t)
+        return (right, left) if is_on_road else None
+
+    def extent(self, s: float) -> tuple[float, float]:
+        """Return t of the right and left edge of the whole cross-section at `s`."""
+        return self.edges(0, s)[0], self.edges(len(self.strips) - 1, s)[1]
+
+    def is_on_map(self, s: float, t: float) -> bool:
+        """Tell whether a place is on a strip of the ego's road or of another one."""
+        right, left = self.extent(s)
+        if right <= t <= left:
+            return True
+        if not 0.0 <= s <= self.length:
+            return False
+        return any(low <= t <= high for low, high in self._around[self._index(s)])
+
+    def neighbour(self, strip: int, s: float, side: int) -> int | None:
+        """Return the driving strip that touches `strip` on one side.
+
+        Args:
+            strip: A strip's index.
+            s: m
+            side: +1 for the left, -1 for the right.
+        """
+        found = look.neighbour(self._plain, strip, s, side)
+        return None if found < 0 else found
+
+    def _bands(self, road: "Corridor") -> list[tuple[bool, Band]]:
+        """Return the strips of a road near by, and whether each can be driven on."""
+        first, last = (self._index(self.start + m) for m in (-_AROUND_M[0], _AROUND_M[1]))
+        among = np.arange(first, last + 1, max(1, round(4.0 / self.step)))
+        coarse = among[::4]
+        near = np.zeros(len(road.x), dtype=np.bool_)
+        for begin in range(0, len(road.x), 4096):
+            part = slice(begin, begin + 4096)
+            square = (self.x[coarse] - road.x[part, None]) ** 2
+            square += (self.y[coarse] - road.y[part, None]) ** 2
+            near[part] = square.min(axis=1) < (REACH_M + 40.0) ** 2
+        if not near.any():
+            return []
+        lx, ly, cos, sin = (road.track.samples[near, column] for column in (0, 1, 3, 4))
+        bands = []
+        for strip in road.strips:
+            if (strip.left - strip.right).max() > 0.01:
+                sides = []
+                for edge in (strip.right[near], strip.left[near]):
+                    s, t = np.full(len(near), -1e9), np.full(len(near), -1e9)
+                    x, y = lx - edge * sin, ly + edge * cos
+                    s[near], t[near] = self._locate_among(x, y, among)
+                    sides.append((s, t))
+                bands.append((strip.kind in DRIVABLE, Band(sides[0], sides[1])))
+        return bands
+
+    def _index(self, s: float) -> int:
+        """Return the sample nearest to `s`."""
+        return min(max(int(s / self.step + 0.5), 0), len(self.s) - 1)
+
+
+def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
+    """Return, for every sample, the drivable ranges of t with touching strips merged."""
+    edges = [(s.right.tolist(), s.left.tolist()) for s in strips if s.kind in DRIVABLE]
+    count = len(strips[0].right) if strips else 0
+    ranges_of: list[Ranges] = []
+    for sample in range(count):
+        ranges: list[tuple[float, float]] = []
+        for right, left in edges:
+            low, high = right[sample], left[sample]
+            if high - low < 1e-6:
+                continue
+            if ranges and low - ranges[-1][1] < 0.01:
+                ranges[-1] = (ranges[-1][0], high)
+            else:
+                ranges.append((low, high))
+        ranges_of.append(tuple(ranges))
+    return ranges_of

@@ -1,0 +1,336 @@
+"""The strips of a corridor: lanes followed through sections, roads and junctions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.driving._roads.corridor import LaneStrip, StripKind
+from oodscen.driving._roads.geometry import Cubic, piecewise
+from oodscen.driving._roads.network import Lane, Network
+from oodscen.driving._roads.routes import Leg, lane_links, section_links
+
+_KINDS: dict[str, StripKind] = {
+    **dict.fromkeys(("driving", "entry", "exit", "onRamp", "offRamp", "slipLane"), "driving"),
+    **dict.fromkeys(("connectingRamp", "bidirectional", "bus", "taxi", "HOV"), "driving"),
+    **dict.fromkeys(("shoulder", "stop", "biking"), "shoulder"),
+    **dict.fromkeys(("sidewalk", "walking"), "sidewalk"),
+    **dict.fromkeys(("border", "curb", "restricted"), "border"),
+    "parking": "parking",
+    "median": "median",
+}
+"""OpenDRIVE's lane types; whatever is missing here is `none`."""
+
+_BRIDGED = frozenset({"driving", "shoulder", "median"})
+"""Kinds of strips that are drawn on through a junction whose road there lacks them."""
+_MAX_WIDTH = 100.0
+_MAX_STRIPS = 150
+_MAX_EDGES = 2_500_000
+"""Strips times samples."""
+
+
+class Places(NamedTuple):
+    """Where the samples of a corridor lie on its legs."""
+
+    legs: list[int]
+    """Index of the leg under every sample."""
+    own: list[float]
+    """s of every sample along its road's own reference line."""
+    shifts: list[float]
+    """For every leg, t of the corridor's line left of the leg's own line."""
+
+
+class _Stage(NamedTuple):
+    """One lane section of one leg."""
+
+    leg: int
+    section: int
+    """In driven order."""
+
+
+@dataclass
+class _Chain:
+    """One lane followed through the stages; it has no width where it does not exist."""
+
+    type: str
+    reversed: bool
+    mark: str
+    lanes: dict[int, Lane] = field(default_factory=dict)
+    """By the number of the stage."""
+
+
+def build_strips(
+    network: Network,
+    legs: Sequence[Leg],
+    places: Places,
+    in_junction: NDArray[np.bool_],
+    *,
+    step: float,
+    start: float,
+) -> list[LaneStrip]:
+    """Return the cross-section of a route from right to left.
+
+    A lane that continues another one is the same strip, through sections, roads and junctions.
+    Lanes that the road through a junction lacks, although they exist before and after it, are
+    drawn straight through; whatever else is missing somewhere has no width there.
+
+    Raises:
+        ValueError: When there are too many lanes.
+    """
+    stages = [_Stage(k, j) for k, leg in enumerate(legs) for j in range(len(leg.sections))]
+    sides = {sign: _chains(network, legs, stages, sign) for sign in (-1, 1)}
+    owner = _owners(legs, places)
+    count = len(owner)
+    if sum(map(len, sides.values())) * count > _MAX_EDGES:
+        raise ValueError("has too many lanes for its length")
+    edges = {
+        id(chain): (np.full(count, np.nan), np.full(count, np.nan))
+        for chains in sides.values()
+        for chain in chains
+    }
+    numbers = {stage: number for number, stage in enumerate(stages)}
+    for stage, (first, last) in _runs(owner):
+        _measure(legs, stage, numbers[stage], places, range(first, last), sides, edges)
+    ordered = sides[-1][::-1] + sides[1]
+    columns = [edges[id(chain)] for chain in ordered]
+    wanted = [
+        _drawn_through(right, left, in_junction, _KINDS.get(chain.type, "none"))
+        for chain, (right, left) in zip(ordered, columns, strict=True)
+    ]
+    for _, (first, last) in _runs(owner):
+        _fill(columns, wanted, slice(first, last))
+    keeps = -1 if legs[0].road.left_hand else 1
+    strips: list[LaneStrip] = []
+    for sign in (1, -1):
+        marks = _marks(legs, sides[sign], sign, owner, numbers)
+        for chain, rows in zip(sides[sign], marks, strict=True):
+            kind = _KINDS.get(chain.type, "none")
+            direction = 0
+            if kind in ("driving", "shoulder", "parking"):
+                direction = -sign * keeps * (-1 if chain.reversed else 1)
+            spans = tuple((round(index * step, 6), left, right) for index, left, right in rows)
+            _, mark, right_mark = next((row for row in spans[::-1] if row[0] <= start), spans[0])
+            right, left = edges[id(chain)]
+            strip = LaneStrip(
+                kind=kind,
+                direction=direction,
+                right=frozen(right),
+                left=frozen(left),
+                mark=mark,
+                right_mark=right_mark,
+                marks=spans if len(spans) > 1 else (),
+            )
+            strips.insert(0 if sign < 0 else len(strips), strip)
+    return strips
+
+
+def _marks(
+    legs: Sequence[Leg],
+    chains: Sequence[_Chain],
+    sign: int,
+    owner: Sequence[_Stage],
+    numbers: dict[_Stage, int],
+) -> list[list[tuple[int, str, str]]]:
+    """Return, for every chain of one side, from which sample on it has which left and right mark."""
+    rows: list[list[tuple[int, str, str]]] = [[] for _ in chains]
+    for stage, (first, _) in _runs(owner):
+        section = legs[stage.leg].sections[stage.section]
+        inner = _mark(next(lane.mark for lane in section.lanes if lane.id == 0))
+        for chain, known in zip(chains, rows, strict=True):
+            lane = chain.lanes.get(numbers[stage])
+            if lane is None:
+                continue
+            outer = _mark(lane.mark)
+            pair = (inner, outer) if sign < 0 else (outer, inner)
+            if not known or known[-1][1:] != pair:
+                known.append((first, *pair))
+            inner = outer
+    for chain, known in zip(chains, rows, strict=True):
+        if not known:
+            mark = _mark(chain.mark)
+            known.append((0, mark, mark))
+    return rows
+
+
+def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a contiguous read-only copy without negative zeros."""
+    copy = np.ascontiguousarray(array, dtype=np.float64) + 0.0
+    copy.setflags(write=False)
+    return copy
+
+
+def _chains(
+    network: Network, legs: Sequence[Leg], stages: Sequence[_Stage], sign: int
+) -> list[_Chain]:
+    """Return the chains of one side of the route, from the inside out."""
+    chains: list[_Chain] = []
+    expected: dict[int, _Chain] = {}
+    asleep: dict[tuple[int, str], _Chain] = {}
+    for number, stage in enumerate(stages):
+        leg = legs[stage.leg]
+        lanes = [lane for lane in leg.sections[stage.section].lanes if leg.id_of(lane) * sign > 0]
+        inner = -1
+        current: dict[int, _Chain] = {}
+        for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
+            identity = leg.id_of(lane)
+            found = None
+            again = asleep.get((identity, lane.type))
+            if any(one is again for one in expected.values()):
+                again = None
+            for offer in (expected.get(identity), again):
+                if offer is not None and offer.type == lane.type and number not in offer.lanes:
+                    place = next(i for i, one in enumerate(chains) if one is offer)
+                    if place > inner:
+                        found, inner = offer, place
+                        break
+            if found is None:
+                found = _Chain(lane.type, lane.reversed, lane.mark)
+                inner += 1
+                chains.insert(inner, found)
+                if len(chains) > _MAX_STRIPS:
+                    raise ValueError("has too many lanes that do not continue each other")
+            found.lanes[number] = lane
+            current[identity] = found
+            if not leg.road.junction:
+                asleep[identity, lane.type] = found
+        if number + 1 == len(stages):
+            break
+        following = stages[number + 1]
+        if following.leg == stage.leg:
+            pairs = section_links(leg, stage.section)
+        else:
+            pairs = lane_links(network, leg, legs[following.leg])
+        pairs = [pair for pair in pairs if pair[0] * sign > 0 and pair[1] * sign > 0]
+        if not pairs:
+            pairs = [(identity, identity) for identity in current]
+        expected = {}
+        for before, after in pairs:
+            if before in current:
+                expected.setdefault(after, current[before])
+    return chains
+
+
+def _owners(legs: Sequence[Leg], places: Places) -> list[_Stage]:
+    """Return the stage under every sample."""
+    owners = []
+    section, last = 0, -1
+    for number, own in zip(places.legs, places.own, strict=True):
+        leg = legs[number]
+        if number != last:
+            section, last = 0, number
+        sections = leg.sections
+        if leg.forward:
+            while section + 1 < len(sections) and own >= sections[section + 1].s:
+                section += 1
+        else:
+            while section + 1 < len(sections) and own < sections[section].s:
+                section += 1
+        owners.append(_Stage(number, section))
+    return owners
+
+
+def _runs(owner: Sequence[_Stage]) -> list[tuple[_Stage, tuple[int, int]]]:
+    """Return every stage that has samples, with the range of them."""
+    runs: list[tuple[_Stage, tuple[int, int]]] = []
+    first = 0
+    for index in range(1, len(owner) + 1):
+        if index == len(owner) or owner[index] != owner[first]:
+            runs.append((owner[first], (first, index)))
+            first = index
+    return runs
+
+
+def _measure(
+    legs: Sequence[Leg],
+    stage: _Stage,
+    number: int,
+    places: Places,
+    samples: range,
+    sides: dict[int, list[_Chain]],
+    edges: dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> None:
+    """Set the edges of the lanes that exist in one stage."""
+    leg, shift = legs[stage.leg], places.shifts[stage.leg]
+    start = leg.sections[stage.section].s
+    turn = 1.0 if leg.forward else -1.0
+    own = [places.own[index] for index in samples]
+    offsets = [turn * value - shift for value in _values(leg.road.lane_offset, own)]
+    along = [s - start for s in own]
+    for sign, chains in sides.items():
+        edge = [round(offset, 6) + 0.0 for offset in offsets]
+        for chain in chains:
+            lane = chain.lanes.get(number)
+            if lane is None:
+                continue
+            outer = [
+                round(inner + sign * min(max(width, 0.0), _MAX_WIDTH), 6) + 0.0
+                for inner, width in zip(edge, _values(lane.widths, along), strict=True)
+            ]
+            right, left = edges[id(chain)]
+            part = slice(samples.start, samples.stop)
+            right[part], left[part] = (outer, edge) if sign < 0 else (edge, outer)
+            edge = outer
+
+
+def _values(pieces: tuple[Cubic, ...], along: list[float]) -> list[float]:
+    if not pieces:
+        return [0.0] * len(along)
+    first = pieces[0]
+    if len(pieces) == 1 and first.start <= 0.0 and first.b == first.c == first.d == 0.0:
+        return [first.a] * len(along)
+    return [piecewise(pieces, s) for s in along]
+
+
+def _drawn_through(
+    right: NDArray[np.float64],
+    left: NDArray[np.float64],
+    in_junction: NDArray[np.bool_],
+    kind: StripKind,
+) -> NDArray[np.float64]:
+    """Return [2, n] edges of a strip across junctions where it is missing, else NaN."""
+    drawn = np.full((2, len(right)), np.nan)
+    if kind not in _BRIDGED:
+        return drawn
+    missing = np.isnan(right)
+    changes = np.flatnonzero(np.diff(np.concatenate(([0], missing.astype(np.int8), [0]))))
+    for first, last in zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True):
+        if first == 0 or last == len(right) or not in_junction[first:last].all():
+            continue
+        part = np.arange(1, last - first + 1) / (last - first + 1)
+        for row, edge in zip(drawn, (right, left), strict=True):
+            row[first:last] = edge[first - 1] + part * (edge[last] - edge[first - 1])
+    return np.round(drawn, 6)
+
+
+def _fill(
+    columns: list[tuple[NDArray[np.float64], NDArray[np.float64]]],
+    wanted: list[NDArray[np.float64]],
+    part: slice,
+) -> None:
+    """Give the strips that one stage lacks their edges there."""
+    exists = [index for index, (right, _) in enumerate(columns) if not np.isnan(right[part.start])]
+    for index in range(exists[0] + 1, exists[-1]):
+        right, left = columns[index]
+        if np.isnan(right[part.start]):
+            right[part] = left[part] = columns[index - 1][1][part]
+    cursor = columns[exists[0]][0][part]
+    for index in range(exists[0] - 1, -1, -1):
+        right, left = columns[index]
+        left[part] = cursor
+        cursor = np.fmin(cursor, wanted[index][0][part])
+        right[part] = cursor
+    cursor = columns[exists[-1]][1][part]
+    for index in range(exists[-1] + 1, len(columns)):
+        right, left = columns[index]
+        right[part] = cursor
+        cursor = np.fmax(cursor, wanted[index][1][part])
+        left[part] = cursor
+
+
+def _mark(word: str) -> str:
+    """Return the mark as corridors name it."""
+    if word in ("none", "curb"):
+        return word
+    return "broken" if word in ("broken", "broken broken", "botts dots") else "solid"

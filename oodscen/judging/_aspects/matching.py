@@ -1,0 +1,199 @@
+"""Whether an open answer names what a path is about: a matcher whose rules anyone can check."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+from oodscen.judging._aspects.concepts import Concept, Naming, concepts, named, widened
+
+MOST_THINGS = 6
+"""A list of more parts than this names nothing in particular."""
+
+GENERAL = frozenset({"vehicle", "person"})
+"""Things so common that a mere act of theirs, such as standing, tells nothing."""
+
+
+def names_aspect(aspect: str, path: Sequence[str]) -> bool:
+    """Whether an open answer names what a path is about.
+
+    The leaf's label decides. Both texts are read as concepts of `concepts.toml`: odd and ordinary
+    things, states and acts. The label's heads are the things it is about. An answer is right when
+
+    1. it is the label itself, or
+    2. it names a head that is odd in itself, or a wider word for it ("an animal" for a dog) and
+       nothing else of that wider kind, or
+    3. it names a head, or a wider or narrower word for it, or leaves the thing out, and also a
+       state of the label ("a car on its roof") or another odd thing of it. If the thing is more
+       than just one of `GENERAL`, a wider state ("stopped" for "broken down"), an act or a place
+       is enough, or
+    4. the label has no state and no other odd thing, and the answer names its head with an act, a
+       place or a word of its own; of places, those of the label count first, or
+    5. the label is made of words that the table does not have, and it names their head word.
+
+    What is denied does not count, and an answer that lists more than `MOST_THINGS` things names
+    none. Modifiers such as "heavy" and "night" are set aside: alone they make no answer right.
+
+    Args:
+        aspect: The answer.
+        path: Labels from the root to the leaf.
+    """
+    if not path or not aspect.strip():
+        return False
+    if _words(aspect) == _words(path[-1]):
+        return True
+    if len(_parts(aspect)) > MOST_THINGS:
+        return False
+    said, label = named(aspect), named(path[-1])
+    heads = label.heads or _implied(label.concepts)
+    if not heads:
+        return _names_state(said, label) or _names_word(aspect, path[-1])
+    return any(_names_oddity(said, head) or _names_case(said, label, head) for head in heads)
+
+
+def _names_oddity(said: Naming, head: Concept) -> bool:
+    """Rule 2: whether an answer names a thing that is odd in itself."""
+    if head.kind != "odd":
+        return False
+    if any(head.name in widened(one.name) for one in said.concepts):
+        return True
+    wider = {one.name for one in said.concepts if one.kind == "odd"} & widened(head.name)
+    return any(
+        not any(name in widened(one.name) and one.name != name for one in said.concepts)
+        for name in wider
+    )
+
+
+def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
+    """Rules 3 and 4: whether an answer names a thing with what makes it unusual."""
+    things = _things(said)
+    kinds = widened(head.name)
+    is_narrow = any(head.name in widened(one.name) for one in things)
+    is_special = (is_narrow and head.name not in GENERAL) or any(
+        one.name in kinds - GENERAL for one in things
+    )
+    if not is_narrow and not any(one.name in kinds for one in things):
+        return False
+    others = [one for one in label.concepts if one != head]
+    telling = {one.name for one in others if one.kind in ("odd", "state")}
+    given = _widened(said.concepts)
+    if telling & given:
+        return True
+    mere = _widened(one for one in others if one.kind != "place") - GENERAL
+    places = {one.name for one in others if one.kind == "place"}
+    if telling:
+        return is_special and bool((mere | places) & given)
+    words = telling_words(" ".join(label.rest))
+    shared = (mere | places) & given | (words & telling_words(" ".join(said.rest)))
+    if not is_narrow:
+        return len(shared) >= ENOUGH_SHARED
+    if head.name in GENERAL:
+        return _is_just(things, head) and _names_circumstance(shared, mere, places, words, head)
+    return bool(shared) or not (mere | places | words)
+
+
+ENOUGH_SHARED = 2
+"""So many acts, places and words make up for a thing that is named by a wider word only."""
+
+
+def _is_just(things: Iterable[Concept], head: Concept) -> bool:
+    """Whether a thing of a general kind is named, and not one that is odd in itself."""
+    return any(one.kind == "ordinary" and head.name in widened(one.name) for one in things)
+
+
+def _names_circumstance(
+    shared: set[str], mere: set[str], places: set[str], words: set[str], head: Concept
+) -> bool:
+    """Whether what is shared tells a person or a vehicle from any other."""
+    if places:
+        return bool(places & shared) and (head.name == "person" or not mere or bool(mere & shared))
+    return bool(shared) or not (mere | words)
+
+
+def _things(said: Naming) -> list[Concept]:
+    """Return the things named; where there are none and no unknown word, those that are implied."""
+    found = [one for one in said.concepts if one.kind in ("odd", "ordinary")]
+    is_clear = not telling_words(" ".join(said.rest))
+    return found or (_implied(said.concepts) if is_clear else [])
+
+
+def _widened(found: Iterable[Concept]) -> set[str]:
+    return {name for one in found for name in widened(one.name)}
+
+
+def _names_state(said: Naming, label: Naming) -> bool:
+    return bool(
+        {one.name for one in label.concepts if one.kind == "state"} & _widened(said.concepts)
+    )
+
+
+def _implied(found: Iterable[Concept]) -> list[Concept]:
+    """Return the things that states are about though none is named."""
+    return [concepts()[one.implied] for one in found if one.implied]
+
+
+def _names_word(aspect: str, label: str) -> bool:
+    """Rule 5: whether an answer has the last word of the label's first phrase."""
+    phrase = _PHRASE_END.split(label.casefold(), maxsplit=1)[0]
+    head = [word for word in re.findall(r"[a-z]+", phrase) if word not in COMMON][-1:]
+    return bool(head) and stem(head[0]) in affirmed_words(aspect)
+
+
+_PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
+
+
+def _words(text: str) -> list[str]:
+    return re.findall(r"\w+", text.casefold())
+
+
+def affirmed_words(text: str) -> set[str]:
+    """Return the telling words of those parts of a text that deny nothing ("no deer")."""
+    said: set[str] = set()
+    for part in _parts(text):
+        if not _DENIAL.search(part):
+            said |= telling_words(part)
+    return said
+
+
+_DENIAL = re.compile(r"\b(?:no|not|without|free\s+of|absence\s+of|never|neither|nor)\b")
+
+
+def _parts(text: str) -> list[str]:
+    parts = re.split(r"[,;.]|\b(?:and|but|or)\b", text.casefold())
+    return [part for part in parts if part.strip()]
+
+
+# ------------------------------------------------------------------ telling words
+
+
+def telling_words(text: str) -> set[str]:
+    """Return the stems of a text's words that are not common in driving texts."""
+    words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("bour", "bor"))
+    return {stem(word) for word in words if word not in COMMON and len(word) > 2}
+
+
+COMMON = frozenset(
+    """
+    a an and are as at be by for from in into is it its near no not of off on onto or other out over
+    that the their there this to with without ego vehicle car lane road street driver driving
+    traffic ahead front middle side left right sudden suddenly unexpected unusual large small
+    another someone something object scene situation across where none
+    """.split()
+)
+"""Words that two descriptions share without meaning the same."""
+
+
+def stem(word: str) -> str:
+    """Cut the ending off an English word."""
+    for ending, rest in _ENDINGS:
+        if word.endswith(ending) and len(word) - len(ending) >= 3:
+            return _undoubled(word.removesuffix(ending) + rest)
+    is_plural = len(word) > 3 and not word.endswith("ss")
+    return _undoubled(word.removesuffix("s") if is_plural else word)
+
+
+_ENDINGS = (("ies", "y"), ("ings", ""), ("ing", ""), ("ed", ""), ("es", ""), ("ly", ""))
+
+
+def _undoubled(word: str) -> str:
+    """Return what the forms of a word share: "stopp" and "stop", "merg" and "merge"."""
+    is_doubled = len(word) > 3 and word[-1] == word[-2] and word[-1] not in "sl"
+    return word[:-1] if is_doubled else word.removesuffix("e")

@@ -1,0 +1,121 @@
+"""Whether open aspects are right in a judge model's opinion: one question per distinct answer and path."""
+
+import hashlib
+import re
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, Literal
+
+from oodscen.data._base import Data, canonical_json
+from oodscen.data._verdict import Verdict
+from oodscen.errors import LLMError
+from oodscen.judging._aspects.matching import names_aspect
+from oodscen.llm._ask import ask
+from oodscen.llm._remote.redaction import redact
+from oodscen.prompts import JudgeAspect
+from oodscen.protocols import LLM
+
+
+class Opinion(Data):
+    """What a judge says about one aspect and one path."""
+
+    noun: ClassVar[str] = "opinion"
+
+    id: str
+    """Of judge, aspect and path: `opinion_id`."""
+    judge: str
+    """`<model>@<prompt version>`."""
+    aspect: str
+    path: tuple[str, ...]
+    """Labels from the root to the leaf."""
+    status: Literal["ok", "failed"] = "ok"
+    is_same: bool | None = None
+    """Whether the aspect names the leaf; `None` where the judge gave no usable answer."""
+    reasoning: str = ""
+    error: str | None = None
+    error_type: str = ""
+    retryable: bool = False
+
+
+def judge_label(judge: LLM) -> str:
+    """Return what verdicts call a judge: its name, and the version of its question."""
+    return f"{judge.name}@{JudgeAspect.version()}"
+
+
+def is_open(verdict: Verdict) -> bool:
+    """Whether a verdict holds an aspect that somebody has to compare with the path's label."""
+    return not verdict.is_twin and verdict.is_ood is True and bool(verdict.aspect.strip())
+
+
+def opinion_id(label: str, aspect: str, path: Sequence[str]) -> str:
+    """Return the id of a judge's opinion: equal answers about equal paths are judged once."""
+    return hashlib.sha256(canonical_json([label, aspect, list(path)]).encode()).hexdigest()[:20]
+
+
+def opinion(judge: LLM, aspect: str, path: Sequence[str]) -> Opinion:
+    """Ask a judge whether an aspect names what a path is about.
+
+    An aspect that repeats the leaf's label word for word names it, and is not asked about. A judge that
+    gives no usable answer leaves a failed opinion, not an exception.
+
+    Args:
+        judge: Whom to ask.
+        aspect: What was answered.
+        path: Labels from the root to the leaf.
+    """
+    label = judge_label(judge)
+    name, path = opinion_id(label, aspect, path), tuple(path)
+    if path and _words(aspect) == _words(path[-1]):
+        return Opinion(id=name, judge=label, aspect=aspect, path=path, is_same=True)
+    try:
+        answer = ask(judge, JudgeAspect(aspect=aspect, path=path[1:] or path))
+    except LLMError as error:
+        return Opinion(
+            id=name,
+            judge=label,
+            aspect=aspect,
+            path=path,
+            status="failed",
+            error=redact(str(error))[:2_000],
+            error_type=type(error).__name__,
+            retryable=bool(getattr(error, "retryable", False)),
+        )
+    return Opinion(
+        id=name,
+        judge=label,
+        aspect=aspect,
+        path=path,
+        is_same=answer.is_same,
+        reasoning=answer.reasoning[:600],
+    )
+
+
+def rescored(
+    verdict: Verdict, path: Sequence[str], opinions: Mapping[str, Opinion], label: str
+) -> Verdict:
+    """Return a verdict with its open aspect scored by a judge, or by the matcher without one.
+
+    Args:
+        verdict: Of a model or a reference, on a scene or a twin.
+        path: Labels from the root to the leaf of its scene.
+        opinions: By id.
+        label: Of the judge; empty for the matcher alone.
+    """
+    if not is_open(verdict):
+        return verdict
+    found = opinions.get(opinion_id(label, verdict.aspect, path)) if label else None
+    if found is not None and found.is_same is not None:
+        update = {"aspect_is_right": found.is_same, "judge": label, "judge_error": ""}
+    else:
+        error = "" if not label else (found.error if found else None) or "it was not asked"
+        update = {
+            "aspect_is_right": names_aspect(verdict.aspect, path),
+            "judge": "",
+            "judge_error": error,
+        }
+    if all(getattr(verdict, name) == value for name, value in update.items()):
+        return verdict
+    return verdict.model_copy(update=update)
+
+
+def _words(text: str) -> list[str]:
+    return re.findall(r"\w+", text.casefold())

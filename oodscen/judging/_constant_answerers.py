@@ -1,0 +1,128 @@
+"""Answerers that see nothing: what chance and stubbornness score, beside real models.
+
+They answer the questions of the evaluation only (describe a frame, name the aspect, choose an
+action), never look at a picture, and carry `kind = "reference"`, under which every table lists them.
+"""
+
+import json
+from collections.abc import Sequence
+from typing import ClassVar, Literal
+
+from oodscen._seeding import stream
+from oodscen.data._episode import ACTIONS
+from oodscen.data._verdict import NOTHING
+from oodscen.errors import LLMError, UnknownComponent
+from oodscen.judging._references import Answers, AspectOption, Case
+from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect, NameOodAspect
+from oodscen.protocols import Completion, Request
+
+UNSEEN = "A road ahead of the ego vehicle."
+"""What a reference answerer says about every frame."""
+
+ASPECT = "A pedestrian crossing where none is expected"
+"""What a reference answerer names whenever it calls a scene OOD: right for that kind of scene, by luck."""
+
+
+class ConstantAnswerer:
+    """Always calls the scene OOD, always names the same aspect, always chooses the same action.
+
+    Args:
+        action: One of `oodscen.data._episode.ACTIONS`.
+        seed: Taken so that every registered model is made alike; it changes nothing.
+
+    Raises:
+        UnknownComponent: When there is no such action.
+    """
+
+    kind: ClassVar[Literal["reference"]] = "reference"
+
+    def __init__(self, action: str = "stop", *, seed: int = 0) -> None:
+        if action not in ACTIONS:
+            raise UnknownComponent("action", action, ACTIONS)
+        self.name = f"constant:{action}"
+        self.action = action
+
+    def judge(self, case: Case) -> Answers:
+        """Answer both tasks about one case without looking."""
+        return Answers(True, ASPECT, None, _first(case.options), self.action)
+
+    def complete(self, request: Request) -> Completion:
+        """Answer without looking.
+
+        Raises:
+            LLMError: When the question is not one of the evaluation.
+        """
+        prompt = request.prompt
+        if isinstance(prompt, DescribeFrame):
+            return _say(description=UNSEEN)
+        if isinstance(prompt, ChooseAspect):
+            return _say(choice=prompt.labels.index(min(prompt.labels)) + 1)
+        if isinstance(prompt, NameAspect):
+            return _say(is_ood=True, aspect=ASPECT)
+        if isinstance(prompt, NameOodAspect):
+            return _say(aspect=ASPECT)
+        if isinstance(prompt, ChooseAction):
+            return _say(action=self.action)
+        raise _cannot(self.name, request)
+
+
+class RandomAnswerer:
+    """Flips a coin for OOD and draws one of the offered actions, all equally likely.
+
+    The draw depends on the seed, the question, the names of its frames and the sample, so it is the same
+    in every process and whatever was asked before.
+    """
+
+    kind: ClassVar[Literal["reference"]] = "reference"
+
+    def __init__(self, *, seed: int = 0) -> None:
+        self.name = "random"
+        self.seed = seed
+
+    def judge(self, case: Case) -> Answers:
+        """Answer both tasks about one case by chance."""
+        draw = stream(self.seed, "reference", case.episode.scene_id)
+        is_ood = bool(draw.integers(2))
+        action = ACTIONS[int(draw.integers(len(ACTIONS)))]
+        names = [option.id for option in case.options]
+        choice = names[int(draw.integers(len(names)))] if names else None
+        return Answers(is_ood, ASPECT if is_ood else "", None, choice, action)
+
+    def complete(self, request: Request) -> Completion:
+        """Answer without looking.
+
+        Raises:
+            LLMError: When the question is not one of the evaluation.
+        """
+        prompt = request.prompt
+        if isinstance(prompt, DescribeFrame):
+            return _say(description=UNSEEN)
+        if not isinstance(prompt, (NameAspect, NameOodAspect, ChooseAspect, ChooseAction)):
+            raise _cannot(self.name, request)
+        frames = (image.name for image in prompt.frames)
+        draw = stream(self.seed, prompt.purpose, *frames, request.sample)
+        if isinstance(prompt, NameAspect):
+            is_ood = bool(draw.integers(2))
+            return _say(is_ood=is_ood, aspect=ASPECT if is_ood else "")
+        if isinstance(prompt, NameOodAspect):
+            return _say(aspect=ASPECT if draw.integers(2) else "none")
+        if isinstance(prompt, ChooseAspect):
+            return _say(choice=1 + int(draw.integers(len(prompt.labels))))
+        return _say(action=prompt.options[int(draw.integers(len(prompt.options)))].id)
+
+
+def _first(options: Sequence[AspectOption]) -> str | None:
+    """Return the id that comes first in the alphabet: the same wherever it stands in the list."""
+    return min((option.id for option in options if option.id != NOTHING), default=None)
+
+
+def _say(**answer: str | bool | int) -> Completion:
+    return Completion(text=json.dumps(answer))
+
+
+def _cannot(name: str, request: Request) -> LLMError:
+    return LLMError(
+        f"{name} is a reference answerer for evaluation; it cannot answer "
+        f"{request.prompt.purpose!r}",
+        model=name,
+    )

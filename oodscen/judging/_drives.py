@@ -1,0 +1,314 @@
+"""What drives come to: outcomes, conflicts, headway, progress and comfort by driver, paired with the twins."""
+
+from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter, itemgetter
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._statistics.tests import (
+    FEWEST_CLUSTERS,
+    Bounds,
+    PairedTest,
+    Resampler,
+    paired,
+    percentiles,
+    share_bounds,
+)
+from oodscen.data._base import Data
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._twins import scene_of
+from oodscen.judging._leaderboard.board import Figure
+from oodscen.stages._drive import DriveResult
+
+RULE_BASED = "rule-based"
+"""Name of the shipped driver, with which others are compared."""
+HARDLY_DRIVES = 0.5
+"""On ordinary roads a stack must come this far, as a share of what keeping the speed would."""
+CRITICAL_TTC_S = 1.5
+"""Below this time to collision a conflict counts as critical, s."""
+
+
+def current(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
+    """Return the results that are of scenes as they are now, by driver in the order of the scenes."""
+    order = {scene.id: (place, scene.digest()) for place, scene in enumerate(scenes)}
+    fitting = [
+        (one.driver, place, one.is_twin, one)
+        for one in drives
+        for place, digest in [order.get(scene_of(one.scene_id), (0, None))]
+        if digest == one.made_from
+    ]
+    return [one for *_, one in sorted(fitting, key=itemgetter(0, 1, 2))]
+
+
+class Share(Data):
+    """A count out of a number of drives."""
+
+    noun: ClassVar[str] = "share"
+
+    hits: int = 0
+    n: int = 0
+    value: float | None = None
+    interval: Bounds | None = None
+    """Resampled over whole paths; with fewer than five, Wilson's over drives."""
+
+
+class Pairing(Data):
+    """Scenes and their twins, driven by the same driver."""
+
+    noun: ClassVar[str] = "pairing"
+
+    n: int = 0
+    both: int = 0
+    """Passed in the scene and in its twin."""
+    scene_only: int = 0
+    twin_only: int = 0
+    """Passed in the twin only: what the hazard cost."""
+    neither: int = 0
+    drives_and_passes: Share = Share()
+    """Passed in both, and came at least `HARDLY_DRIVES` of the way in the twin: who stands still passes many
+    scenes, and has no part in this."""
+    progress_lost: Figure = Figure()
+    """Progress in the twin less progress in the scene."""
+    brakes_needlessly: Share = Share()
+    """Braked harder than 4 m/s^2 in a twin in which keeping the speed is safe."""
+    against_rule_based: PairedTest | None = None
+    """`drives_and_passes` compared with the shipped driver's on the same scenes."""
+
+
+class DriveRow(Data):
+    """One driver over all scenes, or over all twins."""
+
+    noun: ClassVar[str] = "drive row"
+
+    driver: str
+    items: Literal["scenes", "twins"]
+    n: int
+    """Drives, failed ones included."""
+    failed: int
+    """Drives that did not run; they are in no other figure."""
+    passed: int
+    collisions: int
+    """Drives that ended in a collision."""
+    off_road: int
+    shares: dict[str, Share] = {}
+    """Of the drives that ran: `passed`, `collisions`, `off_road`, and `critical`, in which the time to collision
+    fell below `CRITICAL_TTC_S`."""
+    means: dict[str, Figure] = {}
+    """`min_ttc_s`, `min_headway_s`, `median_headway_s`, `progress` (1 is keeping the first speed all the
+    time), `peak_deceleration` (m/s^2), `peak_jerk` (m/s^3)."""
+    paired: Pairing | None = None
+    """For scenes: with the twins."""
+
+
+class DriveBoard(Data):
+    """Every driver of a study."""
+
+    noun: ClassVar[str] = "drive board"
+
+    rows: tuple[DriveRow, ...] = ()
+    """Scenes and twins of every driver, the best first by `drives_and_passes`."""
+    paths: int = 0
+
+    def of(self, driver: str, items: Literal["scenes", "twins"] = "scenes") -> DriveRow | None:
+        """Return one row."""
+        return next((r for r in self.rows if (r.driver, r.items) == (driver, items)), None)
+
+    @property
+    def drivers(self) -> tuple[str, ...]:
+        """The drivers, best first."""
+        return tuple(dict.fromkeys(row.driver for row in self.rows))
+
+
+MEANS = (
+    "min_ttc_s",
+    "min_headway_s",
+    "median_headway_s",
+    "progress",
+    "peak_deceleration",
+    "peak_jerk",
+)
+
+
+def drive_board(
+    results: Iterable[DriveResult], scenarios: Iterable[Scenario] = (), *, seed: int = 0
+) -> DriveBoard:
+    """Work out what drives come to; intervals resample whole paths.
+
+    Args:
+        results: Of any drivers, on scenes and twins; failed ones included.
+        scenarios: They say which path a scene belongs to; without them it is read off the scene's id.
+        seed: Of the resampling.
+    """
+    paths = {one.id: " > ".join(one.path) for one in scenarios}
+    grouped: dict[str, list[DriveResult]] = {}
+    for one in results:
+        grouped.setdefault(one.driver, []).append(one)
+    sums = _Sums(paths, seed)
+    yardstick = _sound(grouped.get(RULE_BASED, ()))
+    found = {}
+    for driver, drives in grouped.items():
+        scenes = [one for one in drives if not one.is_twin]
+        twins = [one for one in drives if one.is_twin]
+        pairing = sums.pairing(driver, scenes, twins, yardstick)
+        found[driver] = (
+            sums.row(driver, "scenes", scenes).model_copy(update={"paired": pairing}),
+            sums.row(driver, "twins", twins),
+        )
+    ordered = sorted(
+        found.items(), key=lambda item: (-(_rank(item[1][0])), item[0] != RULE_BASED, item[0])
+    )
+    return DriveBoard(
+        rows=tuple(row for _, rows in ordered for row in rows if row.n),
+        paths=len({sums.path(one) for drives in grouped.values() for one in drives}),
+    )
+
+
+def remarks(board: DriveBoard) -> list[str]:
+    """Say in sentences which figures must not be taken for skill."""
+    said = []
+    for driver in board.drivers:
+        scenes, twins = board.of(driver), board.of(driver, "twins")
+        if scenes is None or twins is None:
+            continue
+        came = twins.means["progress"].value
+        passed = scenes.shares["passed"].value
+        if came is not None and passed is not None and came < HARDLY_DRIVES:
+            said.append(
+                f"{driver} passes {passed:.0%} of the scenes by hardly driving: on the ordinary twins it comes "
+                f"{came:.0%} as far as keeping the speed would. Standing still is no skill."
+            )
+    return said
+
+
+def _rank(row: DriveRow) -> float:
+    value = row.paired.drives_and_passes.value if row.paired else None
+    return -1.0 if value is None else value
+
+
+def _sound(drives: Sequence[DriveResult]) -> dict[str, bool]:
+    """Tell of every scene with a twin whether it was passed by who also drives on ordinary roads."""
+    twins = {scene_of(one.scene_id): one for one in drives if one.is_twin and one.status == "ok"}
+    found = {}
+    for one in drives:
+        twin = twins.get(one.scene_id)
+        if not one.is_twin and one.status == "ok" and twin is not None:
+            found[one.scene_id] = one.passed and twin.passed and twin.progress >= HARDLY_DRIVES
+    return found
+
+
+class _Sums:
+    """Counts and means with their intervals."""
+
+    def __init__(self, paths: dict[str, str], seed: int) -> None:
+        self._paths = paths
+        self._seed = seed
+
+    def path(self, one: DriveResult) -> str:
+        """Return the path of a drive's scene."""
+        scene = scene_of(one.scene_id)
+        return self._paths.get(scene) or scene.rpartition("-")[0] or scene
+
+    def row(
+        self, driver: str, items: Literal["scenes", "twins"], drives: Sequence[DriveResult]
+    ) -> DriveRow:
+        ran = [one for one in drives if one.status == "ok"]
+        shares = {
+            "passed": self.share(ran, lambda one: one.passed),
+            "collisions": self.share(ran, lambda one: bool(one.collisions)),
+            "off_road": self.share(ran, lambda one: one.off_road),
+            "critical": self.share(ran, _is_critical),
+        }
+        return DriveRow(
+            driver=driver,
+            items=items,
+            n=len(drives),
+            failed=len(drives) - len(ran),
+            passed=shares["passed"].hits,
+            collisions=shares["collisions"].hits,
+            off_road=shares["off_road"].hits,
+            shares=shares,
+            means={name: self.mean(ran, attrgetter(name)) for name in MEANS},
+        )
+
+    def pairing(
+        self,
+        driver: str,
+        scenes: Sequence[DriveResult],
+        twins: Sequence[DriveResult],
+        yardstick: dict[str, bool],
+    ) -> Pairing:
+        sound = _sound([*scenes, *twins])
+        passed = {scene_of(one.scene_id): one.passed for one in twins if one.status == "ok"}
+        both = [one for one in scenes if one.scene_id in sound]
+        counts = [(one.passed, passed[one.scene_id]) for one in both]
+        judged = [one for one in twins if one.brakes_needlessly is not None]
+        return Pairing(
+            n=len(both),
+            both=counts.count((True, True)),
+            scene_only=counts.count((True, False)),
+            twin_only=counts.count((False, True)),
+            neither=counts.count((False, False)),
+            drives_and_passes=self.share(both, lambda one: sound[one.scene_id]),
+            progress_lost=self.mean(both, lambda one: one.progress_lost),
+            brakes_needlessly=self.share(judged, lambda one: bool(one.brakes_needlessly)),
+            against_rule_based=self.compared(driver, both, sound, yardstick),
+        )
+
+    def compared(
+        self,
+        driver: str,
+        scenes: Sequence[DriveResult],
+        sound: dict[str, bool],
+        yardstick: dict[str, bool],
+    ) -> PairedTest | None:
+        common = [one for one in scenes if one.scene_id in yardstick]
+        if driver == RULE_BASED or not common:
+            return None
+        return paired(
+            np.array([sound[one.scene_id] for one in common], np.float64),
+            np.array([yardstick[one.scene_id] for one in common], np.float64),
+            [self.path(one) for one in common],
+            seed=self._seed,
+        )
+
+    def share(self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], bool]) -> Share:
+        values = np.array([tell(one) for one in drives], np.float64)
+        if not len(values):
+            return Share()
+        replicates, units = self._resampled(drives, values)
+        hits = int(values.sum())
+        return Share(
+            hits=hits,
+            n=len(values),
+            value=round(hits / len(values), 6),
+            interval=share_bounds(hits, len(values), units, replicates),
+        )
+
+    def mean(
+        self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], float | None]
+    ) -> Figure:
+        known = [(one, value) for one in drives if (value := tell(one)) is not None]
+        if not known:
+            return Figure()
+        values = np.array([value for _, value in known], np.float64)
+        replicates, units = self._resampled([one for one, _ in known], values)
+        interval = None if replicates is None else percentiles(replicates, units)
+        return Figure(value=round(float(values.mean()), 6), n=len(values), interval=interval)
+
+    def _resampled(
+        self, drives: Sequence[DriveResult], values: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64] | None, int]:
+        """Return [r] resampled means, where there are paths enough, and the number of paths."""
+        clusters = [self.path(one) for one in drives]
+        units = len(set(clusters))
+        if units < FEWEST_CLUSTERS:
+            return None, units
+        resampler = Resampler(clusters, seed=self._seed)
+        return resampler.ratios(values[:, None], np.ones((len(values), 1)))[:, 0], units
+
+
+def _is_critical(one: DriveResult) -> bool:
+    return bool(one.collisions) or (one.min_ttc_s is not None and one.min_ttc_s < CRITICAL_TTC_S)

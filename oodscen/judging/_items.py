@@ -1,0 +1,204 @@
+"""Verdicts as arrays over the items of a study: its scenes and their twins, in one order."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._twins import scene_of
+from oodscen.data._verdict import Verdict
+from oodscen.judging._aspects.opinions import is_open
+from oodscen.judging._safety import has_enough_margin
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Level = Literal["class", "family", "path"]
+
+CAUTIOUS = frozenset(("stop", "emergency_brake", "pull_over"))
+"""Actions that nobody needs on a road on which keeping the speed is safe."""
+
+
+@dataclass(frozen=True, eq=False)
+class Items:
+    """What is asked about: every scene and twin that ran, with its path and safe set."""
+
+    episodes: Sequence[Episode]
+    index: Mapping[str, int]
+    """Row of every scene id."""
+    leaves: Sequence[str]
+    clusters: Sequence[str]
+    """The path of every item; a twin belongs to its scene's."""
+    levels: Mapping[Level, Sequence[str]]
+    """Label of every item at each level of the tree."""
+    is_scene: Mask
+    safe: Floats
+    """[n] safe actions."""
+    unsafe: Floats
+    """[n] actions that can be executed and are not safe."""
+    has_actions: Mask
+    chance: Floats
+    """[n] chance that a random one of all actions on offer is safe; 0 without any."""
+    keeping_is_safe: Mask
+    """Items in which keeping the speed is safe with enough margin."""
+
+    @classmethod
+    def of(cls, episodes: Sequence[Episode], scenarios: Iterable[Scenario]) -> Self:
+        """Set up the items of a study; failed episodes are none."""
+        ran = [episode for episode in episodes if episode.status == "ok"]
+        known = {scenario.id: scenario for scenario in scenarios}
+        sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
+        paths = [source.path if source else () for source in sources]
+        leaves = [
+            source.leaf if source and source.leaf else scene_of(episode.scene_id).rpartition("-")[0]
+            for source, episode in zip(sources, ran, strict=True)
+        ]
+        outcomes = [tuple(episode.actions.values()) for episode in ran]
+        safe = np.array([sum(o.safe for o in found) for found in outcomes], np.float64)
+        offered = np.array([len(found) for found in outcomes], np.float64)
+        return cls(
+            episodes=ran,
+            index={episode.scene_id: row for row, episode in enumerate(ran)},
+            leaves=leaves,
+            clusters=[" > ".join(path) or leaf for path, leaf in zip(paths, leaves, strict=True)],
+            levels={
+                "class": [path[1] if len(path) > 1 else "" for path in paths],
+                "family": [path[2] if len(path) > 3 else "" for path in paths],
+                "path": [path[-1] if len(path) > 2 else "" for path in paths],
+            },
+            is_scene=np.array([not episode.is_twin for episode in ran], np.bool_),
+            safe=safe,
+            unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
+            has_actions=offered > 0,
+            chance=np.divide(safe, offered, out=np.zeros_like(safe), where=offered > 0),
+            keeping_is_safe=np.array(
+                [
+                    "keep_speed" in episode.actions
+                    and has_enough_margin(episode.actions["keep_speed"])
+                    for episode in ran
+                ],
+                np.bool_,
+            ),
+        )
+
+    @property
+    def is_decidable(self) -> Mask:
+        """[n] scenes in which one action is safe and another is not."""
+        return self.is_scene & (self.safe > 0) & (self.unsafe > 0)
+
+    def count(self, mask: Mask) -> int:
+        """Return how many items a mask holds."""
+        return int(mask.sum())
+
+    def chance_over(self, mask: Mask) -> float | None:
+        """Return what a random action scores on some items."""
+        return float(self.chance[mask].mean()) if mask.any() else None
+
+    def parent(self, level: Level, row: int) -> str:
+        """Return the label one level above an item's."""
+        if level == "class":
+            return ""
+        family = self.levels["family"][row] if level == "path" else ""
+        return family or self.levels["class"][row]
+
+    def leaf_of(self, scene: str) -> str:
+        """Return the leaf that a scene realises; empty where it is not known."""
+        row = self.index.get(scene)
+        return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
+
+    def order(self, actions: Iterable[str]) -> list[str]:
+        """Sort actions as they are offered; unknown ones come last."""
+        known = list(actions)
+        return [*(a for a in ACTIONS if a in known), *sorted(a for a in known if a not in ACTIONS)]
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """What one answerer said, as [n] columns; not-a-number where there is no answer."""
+
+    was_asked: Mask
+    called: Floats
+    """1 where it was called out of the ordinary."""
+    p_ood: Floats
+    stated: Mask
+    """A confidence came with the answer."""
+    open: Floats
+    closed: Floats
+    safe: Floats
+    success: Floats
+    cautious: Floats
+    """1 where the action was one of `CAUTIOUS`."""
+    scorer: Sequence[str | None]
+    """[n] who scored the open aspect, empty for the matcher; `None` where there was none to score."""
+
+    @classmethod
+    def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
+        """Fill in the verdicts of one answerer; those on unknown items are left out."""
+        n = len(items.episodes)
+        columns = np.full((7, n), np.nan)
+        asked, stated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        scorer: list[str | None] = [None] * n
+        for verdict in verdicts:
+            row = items.index.get(verdict.scene_id)
+            if row is None:
+                continue
+            asked[row] = True
+            scorer[row] = verdict.judge if is_open(verdict) else None
+            stated[row] = verdict.is_ood is not None and verdict.confidence is not None
+            action = verdict.action
+            columns[:, row] = [
+                np.nan if value is None else float(value)
+                for value in (
+                    verdict.is_ood,
+                    verdict.p_ood,
+                    verdict.aspect_is_right,
+                    verdict.choice_is_right,
+                    verdict.action_is_safe,
+                    verdict.success,
+                    action in CAUTIOUS if action else None,
+                )
+            ]
+        called, p_ood, named, chosen, safe, success, cautious = columns
+        return cls(asked, called, p_ood, stated, named, chosen, safe, success, cautious, scorer)
+
+    def right(self, task: str, items: Items) -> Floats:
+        """Return 1 where the answer in a task is right, 0 where it is wrong."""
+        if task == "detection":
+            return np.where(items.is_scene, self.called, 1.0 - self.called)
+        values: Floats = {"open": self.open, "closed": self.closed, "control": self.safe}[task]
+        return np.where(items.is_scene, values, np.nan)
+
+    def unanswered(self, task: str, items: Items) -> Mask:
+        """[n] Tell where it was asked in a task and gave no answer."""
+        mask = np.ones_like(items.is_scene) if task == "detection" else items.is_scene
+        return mask & self.was_asked & ~np.isfinite(self.right(task, items))
+
+    def scored_unlike(self, other: Self) -> Mask:
+        """[n] Tell where both have an open aspect, and it was not the same who scored it."""
+        pairs = zip(self.scorer, other.scorer, strict=True)
+        return np.array([None not in (a, b) and a != b for a, b in pairs], np.bool_)
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One ratio of sums over some items: values above, ones (or a maximum) below."""
+
+    values: Floats
+    """[n]; not-a-number where there is no answer."""
+    mask: Mask
+    """[n] the items that count."""
+    most: Floats | None = None
+    """[n] what every item adds below; 1 if left out."""
+    is_there: Mask = field(init=False)
+    above: Floats = field(init=False)
+    below: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        there = self.mask & np.isfinite(self.values)
+        put = object.__setattr__
+        put(self, "is_there", there)
+        put(self, "above", np.where(there, self.values, 0.0))
+        put(self, "below", np.where(there, 1.0 if self.most is None else self.most, 0.0))

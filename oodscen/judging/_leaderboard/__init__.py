@@ -1,0 +1,1 @@
+"""The leaderboard: rates, intervals, comparisons and findings."""

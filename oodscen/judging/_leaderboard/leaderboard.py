@@ -1,0 +1,452 @@
+"""The leaderboard: what every model and every reference scored, with n, intervals and tests."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._statistics.tests import (
+    FEWEST_CLUSTERS,
+    Resampler,
+    above_chance,
+    auroc,
+    d_prime,
+    holm,
+    intraclass,
+    paired,
+    percentiles,
+    share_bounds,
+)
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._twins import is_twin
+from oodscen.data._verdict import NOTHING, Protocol, Verdict
+from oodscen.judging._items import Column, Items, Sheet
+from oodscen.judging._leaderboard.board import (
+    TASKS,
+    ActionTally,
+    Comparison,
+    Confusion,
+    Control,
+    Detection,
+    Figure,
+    Group,
+    Identification,
+    Leaderboard,
+    Rate,
+    Standing,
+    Task,
+    best_floor,
+    score,
+)
+from oodscen.judging._leaderboard.paper_example import paper_example
+
+__all__ = [
+    "ActionTally", "Comparison", "Confusion", "Control", "Detection", "Figure", "Group",
+    "Identification", "Leaderboard", "Rate", "Standing", "Task", "leaderboard", "paper_example",
+    "score",
+]  # fmt: skip
+
+Key = tuple[str, Protocol]
+"""Model and protocol."""
+
+
+def leaderboard(
+    verdicts: Iterable[Verdict],
+    episodes: Iterable[Episode],
+    scenarios: Iterable[Scenario],
+    *,
+    whole: Iterable[Episode] = (),
+    seed: int = 0,
+) -> Leaderboard:
+    """Work out what verdicts come to.
+
+    Intervals resample whole paths (`oodscen._statistics.tests.share_bounds`); comparisons are
+    paired over common items and corrected by Holm within a task. An item without an answer is
+    counted as missing, never as wrong; what it would come to if all of them were wrong stands beside
+    (`Rate.worst`). Open aspects that different judges scored are not compared.
+
+    Args:
+        verdicts: Of any models, on scenes and twins; failed ones included.
+        episodes: Of the scenes and twins; they say which actions are safe.
+        scenarios: They say which path a scene belongs to.
+        whole: Episodes of the paper's protocol; they say in which of its frames the hazard is seen.
+        seed: Of the resampling.
+    """
+    items = Items.of(list(episodes), list(scenarios))
+    resampler = Resampler(items.clusters, seed=seed)
+    grouped: dict[Key, list[Verdict]] = {}
+    for verdict in verdicts:
+        grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
+    sheets = [Sheet.of(items, rows) for rows in grouped.values()]
+    groups = _groups(items)
+    ran = [episode for episode in whole if episode.status == "ok"]
+    seen = {episode.scene_id for episode in ran if episode.hazard_visible}
+    shown = np.array([episode.scene_id in seen for episode in items.episodes], np.bool_)
+    rows = [
+        _standing(items, sheet, found, resampler, groups, shown)
+        for sheet, found in zip(sheets, grouped.values(), strict=True)
+    ]
+    standings = sorted(
+        rows,
+        key=lambda row: (
+            row.kind == "reference",
+            row.protocol,
+            -(row.control.safe.worst or 0),
+            row.model,
+        ),
+    )
+    named: dict[Key, Sheet] = dict(
+        zip([(row.model, row.protocol) for row in rows], sheets, strict=True)
+    )
+    real = [row for row in rows if row.kind == "model"] or rows
+    likeness = [_likeness(items, named[row.model, row.protocol]) for row in real]
+    return Leaderboard(
+        scenes=items.count(items.is_scene),
+        twins=items.count(~items.is_scene),
+        paths=len(set(items.clusters)),
+        decidable=items.count(items.is_decidable),
+        all_safe=items.count(items.is_scene & items.has_actions & (items.unsafe == 0)),
+        none_safe=items.count(items.is_scene & items.has_actions & (items.safe == 0)),
+        chance=items.chance_over(items.is_scene & items.has_actions),
+        icc=max((value for value in likeness if value is not None), default=None),
+        judge=_judge(grouped.values()),
+        whole=len(ran),
+        whole_shown=len(seen),
+        actions=_tallies(items),
+        standings=tuple(standings),
+        comparisons=tuple(_comparisons(items, standings, named, seed)),
+        seed=seed,
+    )
+
+
+def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
+    """Return who scored most of the open aspects; empty for the matcher."""
+    count = Counter(verdict.judge for found in grouped for verdict in found if verdict.judge)
+    return count.most_common(1)[0][0] if count else ""
+
+
+def _standing(
+    items: Items,
+    sheet: Sheet,
+    verdicts: Sequence[Verdict],
+    resampler: Resampler,
+    groups: Sequence[tuple[Group, NDArray[np.bool_]]],
+    shown: NDArray[np.bool_],
+) -> Standing:
+    """Return one row; `shown` are [n] the scenes whose hazard is seen under the paper's protocol."""
+    scene, twin = items.is_scene, ~items.is_scene
+    columns = {
+        "sensitivity": Column(sheet.called, scene),
+        "specificity": Column(1.0 - sheet.called, twin),
+        "open": Column(sheet.open, scene),
+        "open_shown": Column(sheet.open, scene & shown & (verdicts[0].protocol == "paper")),
+        "closed": Column(sheet.closed, scene),
+        "safe": Column(sheet.safe, scene),
+        "collision_free": Column(sheet.success, scene),
+        "decidable": Column(sheet.safe, items.is_decidable),
+        "twin_safe": Column(sheet.safe, twin),
+        "needless": Column(sheet.cautious, twin & items.keeping_is_safe),
+        "above_chance": Column(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
+    }
+    found = _resampled(resampler, list(columns.values()))
+    replicates = dict(zip(columns, found.T, strict=True))
+    rates = {
+        name: _rate(column, replicates[name], sheet, resampler, is_fault=name == "needless")
+        for name, column in columns.items()
+        if name != "above_chance"
+    }
+    return Standing(
+        model=verdicts[0].model,
+        kind="reference" if any(v.kind == "reference" for v in verdicts) else "model",
+        protocol=verdicts[0].protocol,
+        asked=len(verdicts),
+        outcomes=dict(sorted(Counter(_outcome(v) for v in verdicts).items())),
+        contradictions=sum(bool(v.contradiction) for v in verdicts),
+        outdated=sum(v.is_outdated for v in verdicts),
+        detection=_detection(items, sheet, resampler, rates, replicates),
+        identification=Identification(
+            open=rates["open"],
+            open_shown=rates["open_shown"],
+            closed=rates["closed"],
+            judged=sum(bool(v.judge) for v in verdicts),
+            unjudged=sum(bool(v.judge_error) for v in verdicts),
+        ),
+        control=_control(items, sheet, resampler, rates, replicates["above_chance"]),
+        actions=dict(
+            Counter(
+                v.action for v in verdicts if v.action and not is_twin(v.scene_id)
+            ).most_common()
+        ),
+        groups=tuple(_group(group, mask & scene, sheet, resampler) for group, mask in groups),
+        confusions=_confusions(items, verdicts),
+    )
+
+
+def _group(group: Group, mask: NDArray[np.bool_], sheet: Sheet, resampler: Resampler) -> Group:
+    """Fill in what one answerer scored in the scenes of a group."""
+    columns = {
+        "detected": sheet.called,
+        "open": sheet.open,
+        "closed": sheet.closed,
+        "safe": sheet.safe,
+    }
+    rates = {
+        name: _rate(Column(values, mask), None, sheet, resampler)
+        for name, values in columns.items()
+    }
+    return group.model_copy(update=rates)
+
+
+def _outcome(verdict: Verdict) -> str:
+    """Return how judging ended; verdicts of the first version say only whether it failed."""
+    if verdict.status == "failed" and verdict.outcome == "answered":
+        return "error"
+    return verdict.outcome
+
+
+def _resampled(resampler: Resampler, columns: Sequence[Column]) -> NDArray[np.float64]:
+    above = np.stack([column.above for column in columns], axis=1)
+    below = np.stack([column.below for column in columns], axis=1)
+    return resampler.ratios(above, below)
+
+
+def _rate(
+    column: Column,
+    replicates: NDArray[np.float64] | None,
+    sheet: Sheet,
+    resampler: Resampler,
+    *,
+    is_fault: bool = False,
+) -> Rate:
+    """Return a share; of a fault, the worst case is that every missing answer was one."""
+    there = column.is_there
+    hits, n = float(column.above.sum()), int(there.sum())
+    units = resampler.count(there)
+    if replicates is None and units >= FEWEST_CLUSTERS:
+        replicates = _resampled(resampler, [column])[:, 0]
+    missing = int((column.mask & sheet.was_asked & ~there).sum())
+    least = hits + missing if is_fault else hits
+    return Rate(
+        hits=round(hits),
+        n=n,
+        missing=missing,
+        value=round(hits / n, 6) if n else None,
+        worst=round(least / (n + missing), 6) if n + missing else None,
+        interval=share_bounds(hits, n, units, replicates),
+        paths=units,
+    )
+
+
+def _control(
+    items: Items,
+    sheet: Sheet,
+    resampler: Resampler,
+    rates: Mapping[str, Rate],
+    replicates: NDArray[np.float64],
+) -> Control:
+    """Return the figures of task 2.
+
+    Args:
+        items: Of the study.
+        sheet: What one answerer said.
+        resampler: Over the items.
+        rates: By name, those of `Control` among them.
+        replicates: [r] of `above_chance`.
+    """
+    reach = items.is_decidable & np.isfinite(sheet.safe)
+    chance, decidable = items.chance_over(reach), rates["decidable"]
+    corrected = None
+    if chance is not None and decidable.value is not None:
+        corrected = above_chance(decidable.value, chance)
+    return Control(
+        safe=rates["safe"],
+        collision_free=rates["collision_free"],
+        decidable=decidable,
+        chance=chance,
+        above_chance=Figure(
+            value=corrected,
+            n=decidable.n,
+            interval=percentiles(replicates, resampler.count(reach)),
+        ),
+        twin_safe=rates["twin_safe"],
+        needless=rates["needless"],
+    )
+
+
+def _detection(
+    items: Items,
+    sheet: Sheet,
+    resampler: Resampler,
+    rates: Mapping[str, Rate],
+    replicates: Mapping[str, NDArray[np.float64]],
+) -> Detection:
+    """Return the figures of detection; `replicates` are [r] by the names of the rates."""
+    sensitivity, specificity = rates["sensitivity"], rates["specificity"]
+    balanced = (replicates["sensitivity"] + replicates["specificity"]) / 2
+    known = np.isfinite(sheet.called)
+    units = resampler.count(known)
+    area = auroc(sheet.p_ood, items.is_scene, resampler)
+    both = sensitivity.value is not None and specificity.value is not None
+    n = sensitivity.n + specificity.n
+    columns = [
+        np.where(known, sheet.called, 0.0) * items.is_scene,
+        known * items.is_scene,
+        np.where(known, sheet.called, 0.0) * ~items.is_scene,
+        known * ~items.is_scene,
+    ]
+    counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
+    draws = np.array([d_prime(*row) for row in counts.tolist()] if both else [], np.float64)
+    return Detection(
+        sensitivity=sensitivity,
+        specificity=specificity,
+        balanced_accuracy=Figure(
+            value=((sensitivity.value or 0) + (specificity.value or 0)) / 2 if both else None,
+            n=n if both else 0,
+            interval=percentiles(balanced, units) if both else None,
+        ),
+        worst=_worst_balanced(items, sheet, resampler, sensitivity, specificity),
+        auroc=Figure(
+            value=area[0] if area else None,
+            n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
+            interval=area[1] if area else None,
+        ),
+        d_prime=Figure(
+            value=d_prime(
+                sensitivity.hits, sensitivity.n, specificity.n - specificity.hits, specificity.n
+            ),
+            n=n if both else 0,
+            interval=percentiles(draws, units) if both else None,
+        ),
+        stated=int(sheet.stated.sum()),
+    )
+
+
+def _worst_balanced(
+    items: Items, sheet: Sheet, resampler: Resampler, sensitivity: Rate, specificity: Rate
+) -> Figure:
+    """Return the balanced accuracy with every missing answer counted as wrong."""
+    if sensitivity.worst is None or specificity.worst is None:
+        return Figure()
+    right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
+    columns = [
+        Column(right, sheet.was_asked & items.is_scene),
+        Column(right, sheet.was_asked & ~items.is_scene),
+    ]
+    replicates = _resampled(resampler, columns).mean(axis=1)
+    return Figure(
+        value=(sensitivity.worst + specificity.worst) / 2,
+        n=int(sheet.was_asked.sum()),
+        interval=percentiles(replicates, resampler.count(sheet.was_asked)),
+    )
+
+
+def _groups(items: Items) -> list[tuple[Group, NDArray[np.bool_]]]:
+    """Return every class, family and path with its scenes, in order of appearance."""
+    found = []
+    for level, labels in items.levels.items():
+        for name in dict.fromkeys(label for label in labels if label):
+            mask = np.array([label == name for label in labels]) & items.is_scene
+            if mask.any():
+                at = int(np.flatnonzero(mask)[0])
+                group = Group(
+                    level=level,
+                    name=name,
+                    parent=items.parent(level, at),
+                    scenes=int(mask.sum()),
+                    chance=items.chance_over(mask & items.has_actions),
+                )
+                found.append((group, mask))
+    return found
+
+
+def _confusions(items: Items, verdicts: Sequence[Verdict]) -> tuple[Confusion, ...]:
+    pairs = Counter(
+        (items.leaf_of(v.scene_id), v.choice or NOTHING)
+        for v in verdicts
+        if v.choice_is_right is False and not is_twin(v.scene_id)
+    )
+    ordered = sorted(pairs.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(Confusion(truth=t, chosen=c, count=count) for (t, c), count in ordered)
+
+
+def _tallies(items: Items) -> tuple[ActionTally, ...]:
+    rows: dict[str, Counter[str]] = {}
+    for episode in items.episodes:
+        if episode.is_twin:
+            continue
+        for action, outcome in episode.actions.items():
+            kind = "unavailable" if outcome.unavailable else "safe" if outcome.safe else "unsafe"
+            rows.setdefault(action, Counter())[kind] += 1
+    return tuple(ActionTally(action=action, **dict(rows[action])) for action in items.order(rows))
+
+
+def _likeness(items: Items, sheet: Sheet) -> float | None:
+    there = items.is_scene & np.isfinite(sheet.safe)
+    labels = [label for label, keep in zip(items.clusters, there, strict=True) if keep]
+    return intraclass(sheet.safe[there], labels)
+
+
+def _comparisons(
+    items: Items,
+    standings: Sequence[Standing],
+    sheets: Mapping[Key, Sheet],
+    seed: int,
+) -> list[Comparison]:
+    ours = [row for row in standings if row.protocol == "ours"]
+    models = [row for row in ours if row.kind == "model"]
+    found: list[Comparison] = []
+    for task in TASKS:
+        floor = best_floor(ours, task)
+        pairs = [(a, b) for i, a in enumerate(models) for b in models[i + 1 :]]
+        found += _family(items, task, "model", pairs, sheets, seed)
+        if floor is not None:
+            found += _family(items, task, "floor", [(m, floor) for m in models], sheets, seed)
+    return found
+
+
+def _family(
+    items: Items,
+    task: Task,
+    against: Literal["model", "floor"],
+    pairs: Sequence[tuple[Standing, Standing]],
+    sheets: Mapping[Key, Sheet],
+    seed: int,
+) -> list[Comparison]:
+    """Compare pairs in one task; p-values are corrected for all of them together."""
+    tests, worst = [], []
+    for first, second in pairs:
+        sheet, other = (sheets[row.model, row.protocol] for row in (first, second))
+        one, two = sheet.right(task, items), other.right(task, items)
+        unlike = sheet.scored_unlike(other) & (task == "open")
+        one = np.where(unlike, np.nan, one)
+        test = paired(one, two, items.clusters, seed=seed)
+        if not test.n:
+            continue
+        silent = sheet.unanswered(task, items) & ~unlike
+        tests.append((first.model, second.model, test, int(silent.sum())))
+        filled = np.where(silent, 0.0, one)
+        worst.append(paired(filled, two, items.clusters, seed=seed) if silent.any() else test)
+    plain = holm([test.p_mcnemar for _, _, test, _ in tests])
+    clustered = holm([test.p_clustered for _, _, test, _ in tests])
+    at_worst = holm([test.p_clustered for test in worst])
+    is_floor = against == "floor"
+    return [
+        Comparison(
+            task=task,
+            against=against,
+            first=first,
+            second=second,
+            test=test,
+            p_holm=p,
+            p_clustered_holm=q,
+            missing=silent if is_floor else 0,
+            worst_difference=least.difference if is_floor else None,
+            p_worst_holm=r if is_floor else None,
+        )
+        for (first, second, test, silent), least, p, q, r in zip(
+            tests, worst, plain, clustered, at_worst, strict=True
+        )
+    ]

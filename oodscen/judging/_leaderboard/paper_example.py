@@ -1,0 +1,228 @@
+"""The paper's own table, worked through: what its numbers show, and what they cannot."""
+
+from typing import ClassVar, Literal
+
+from oodscen import _paper as paper
+from oodscen._statistics.resampling import wilson
+from oodscen._statistics.tests import d_prime, holm, mcnemar, two_proportions
+from oodscen.data._base import Data
+from oodscen.judging._leaderboard.power import SampleSize, scenes_needed
+
+N = paper.PATHS * paper.PER_PATH
+"""Scenes of the paper, ten on each of 13 paths."""
+ALPHA = 0.05
+
+TASKS: tuple[Literal["aspect", "control"], ...] = ("aspect", "control")
+
+
+class PaperRow(Data):
+    """One cell of the paper's table with its uncertainty."""
+
+    noun: ClassVar[str] = "row"
+
+    model: str
+    task: Literal["aspect", "control"]
+    hits: int
+    n: int = N
+    value: float
+    low: float
+    """Wilson, 95 %, as if all scenes were independent."""
+    high: float
+    clustered_low: float
+    """Wilson with the effective number of scenes, at the assumed likeness within a path."""
+    clustered_high: float
+
+
+class PaperComparison(Data):
+    """Two of the paper's models in one task.
+
+    The paper prints totals and not who was right where, so the paired test that its design calls
+    for cannot be computed. It lies between two ends: in one the weaker model was right only where
+    the stronger was too, in the other they disagree as often as the totals allow.
+    """
+
+    noun: ClassVar[str] = "comparison"
+
+    task: Literal["aspect", "control"]
+    first: str
+    second: str
+    difference: float
+    p: float
+    """Of two independent samples: neither pairing nor paths are accounted for."""
+    p_holm: float
+    """Corrected for the three pairs of the task."""
+    p_clustered: float
+    """`p` with the effective number of scenes."""
+    p_clustered_holm: float
+    p_paired_least: float
+    """McNemar's mid-p where disagreements are as few as the totals allow."""
+    p_paired_most: float
+    """Likewise, as many."""
+
+
+class PaperExample(Data):
+    """The paper's table of 130 scenes with intervals, comparisons and the baseline it lacks."""
+
+    noun: ClassVar[str] = "worked example"
+
+    icc: float
+    """Intraclass correlation within a path that was assumed."""
+    design_effect: float
+    effective_scenes: float
+    rows: tuple[PaperRow, ...]
+    comparisons: tuple[PaperComparison, ...]
+    always_ood_accuracy: float
+    """Detection without twins, for whoever always answers "out of the ordinary"."""
+    always_ood_balanced: float
+    """Balanced accuracy of the same answerer once every scene has a twin."""
+    always_ood_d_prime: float
+    independent: SampleSize
+    """Scenes to tell 66 % from 51 %, if all were independent."""
+    clustered: SampleSize
+    """The same in paths of ten."""
+    shows: tuple[str, ...]
+    shows_not: tuple[str, ...]
+
+
+def paper_example(*, icc: float = 0.2) -> PaperExample:
+    """Work through the paper's table (section V-C, table II).
+
+    Args:
+        icc: Likeness of the ten scenes of a path, which the paper does not report. 0 takes them
+            as independent. Its bar charts range from nearly none to all right between paths, which
+            speaks for a high one.
+
+    Raises:
+        UsageError: When `icc` lies outside 0 to 1.
+    """
+    independent = scenes_needed(0.66, 0.51)
+    clustered = scenes_needed(0.66, 0.51, per_path=paper.PER_PATH, icc=icc)
+    effect = clustered.design_effect
+    rows = tuple(
+        _row(model, task, found[index], effect)
+        for index, task in enumerate(TASKS)
+        for model, found in paper.VLM_SUCCESS.items()
+    )
+    comparisons = tuple(one for task in TASKS for one in _pairs(rows, task, effect))
+    return PaperExample(
+        icc=icc,
+        design_effect=effect,
+        effective_scenes=N / effect,
+        rows=rows,
+        comparisons=comparisons,
+        always_ood_accuracy=1.0,
+        always_ood_balanced=0.5,
+        always_ood_d_prime=d_prime(N, N, N, N) or 0.0,
+        independent=independent,
+        clustered=clustered,
+        shows=_shown(rows, comparisons),
+        shows_not=_not_shown(comparisons, independent, clustered, effect),
+    )
+
+
+def _shown(rows: tuple[PaperRow, ...], comparisons: tuple[PaperComparison, ...]) -> tuple[str, ...]:
+    lowest = min(row.low for row in rows if row.task == "aspect")
+    leader, p = _lead(comparisons, "p_holm")
+    sentences = [
+        "Each model named the aspect in most scenes: the lowest of the lower bounds is "
+        f"{lowest:.0%}."
+    ]
+    if p < ALPHA:
+        sentences.append(
+            f"Taking every scene as independent, {leader} chose a safe action more often than both "
+            f"others (Holm-corrected p at most {p:.3f})."
+        )
+    return tuple(sentences)
+
+
+def _not_shown(
+    comparisons: tuple[PaperComparison, ...],
+    independent: SampleSize,
+    clustered: SampleSize,
+    effect: float,
+) -> tuple[str, ...]:
+    leader, p = _lead(comparisons, "p_clustered_holm")
+    sentences = [
+        "No ordinary scene was shown, so always answering “out of the ordinary” is right in 100 % "
+        "of them: whether a model tells rare from ordinary is not measured.",
+        "How often a random or a constant action would have been safe is not reported, so whether "
+        "66 % is more than chance, or than always braking, cannot be said.",
+        "Who was right in which scene is not reported, so the paired test that the design calls "
+        "for can only be bracketed.",
+        "No model named the aspect significantly more often than another.",
+        f"Telling 66 % from 51 % with power 80 % takes {independent.scenes} independent scenes"
+        + (f", or {clustered.scenes} in paths of {clustered.per_path}" if effect > 1 else "")
+        + f"; the paper has {N}.",
+    ]
+    if p >= ALPHA:
+        sentences.insert(
+            0,
+            f"If scenes of one path are alike (intraclass correlation {clustered.icc:g}), {N} of them "
+            f"count as {N / effect:.0f}, and the lead of {leader} in choosing an action is no longer "
+            f"significant (Holm-corrected p up to {p:.2f}).",
+        )
+    return tuple(sentences)
+
+
+def _lead(
+    comparisons: tuple[PaperComparison, ...], field: Literal["p_holm", "p_clustered_holm"]
+) -> tuple[str, float]:
+    """Return who leads in choosing an action, and the largest p of that lead."""
+    first = comparisons[-len(comparisons) // 2].first
+    lead = [c for c in comparisons if c.task == "control" and c.first == first]
+    return first, max(getattr(c, field) for c in lead)
+
+
+def _row(model: str, task: Literal["aspect", "control"], hits: int, effect: float) -> PaperRow:
+    low, high = wilson(hits, N)
+    wide_low, wide_high = wilson(hits / effect, N / effect)
+    return PaperRow(
+        model=model,
+        task=task,
+        hits=hits,
+        value=hits / N,
+        low=low,
+        high=high,
+        clustered_low=wide_low,
+        clustered_high=wide_high,
+    )
+
+
+def _pairs(
+    rows: tuple[PaperRow, ...], task: Literal["aspect", "control"], effect: float
+) -> list[PaperComparison]:
+    mine = [row for row in rows if row.task == task]
+    pairs = [(a, b) for index, a in enumerate(mine) for b in mine[index + 1 :]]
+    plain = [two_proportions(a.hits, N, b.hits, N) for a, b in pairs]
+    wide = [
+        two_proportions(a.hits / effect, N / effect, b.hits / effect, N / effect) for a, b in pairs
+    ]
+    found = []
+    for (a, b), p, p_holm, q, q_holm in zip(
+        pairs, plain, holm(plain), wide, holm(wide), strict=True
+    ):
+        least, most = _disagreements(a.hits, b.hits)
+        found.append(
+            PaperComparison(
+                task=task,
+                first=a.model,
+                second=b.model,
+                difference=(a.hits - b.hits) / N,
+                p=p,
+                p_holm=p_holm,
+                p_clustered=q,
+                p_clustered_holm=q_holm,
+                p_paired_least=mcnemar(*least)[1],
+                p_paired_most=mcnemar(*most)[1],
+            )
+        )
+    return found
+
+
+def _disagreements(first: int, second: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return the fewest and the most scenes on which just one of two models can be right."""
+    least_both, most_both = max(first + second - N, 0), min(first, second)
+    return (
+        (first - most_both, second - most_both),
+        (first - least_both, second - least_both),
+    )

@@ -1,0 +1,23 @@
+"""Read what judged models answer: JSON first, then the one option that plain English prose states.
+
+Nothing is guessed. An answer that two people could read differently is `unparsed`; the model is then asked once more.
+"""
+
+from oodscen.judging._parsing.aspects import Detected, names_nothing, read_aspect, read_named_aspect
+from oodscen.judging._parsing.choices import contradiction, read_action, read_choice
+from oodscen.judging._parsing.descriptions import read_description
+from oodscen.judging._parsing.reading import Reading, is_refusal, reasoning_in
+
+__all__ = [
+    "Detected",
+    "Reading",
+    "contradiction",
+    "is_refusal",
+    "names_nothing",
+    "read_action",
+    "read_aspect",
+    "read_choice",
+    "read_description",
+    "read_named_aspect",
+    "reasoning_in",
+]

@@ -1,0 +1,228 @@
+"""Read whether a scene was called out of the ordinary, what it is that is, and how surely."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from oodscen.judging._parsing.reading import (
+    Reading,
+    is_placeholder,
+    is_refusal,
+    members,
+    read,
+    unwrapped,
+    words_in,
+)
+from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded
+
+LONGEST_ASPECT = 300
+"""Prose longer than this is no name of an aspect, in characters."""
+
+
+@dataclass(frozen=True)
+class Detected:
+    """An answer to whether something is out of the ordinary."""
+
+    is_ood: bool
+    aspect: str = ""
+    confidence: float | None = None
+    """In `is_ood`, 0 to 1."""
+
+
+def read_aspect(text: str) -> Reading[Detected]:
+    """Read whether something was called out of the ordinary, what, and how surely."""
+    return read(text, _detected, _detected_in_prose)
+
+
+def read_named_aspect(text: str) -> Reading[str]:
+    """Read the aspect that was named, as the paper asks for it; empty where the answer says that there is none."""
+    return read(text, _named, _named_in_prose)
+
+
+def names_nothing(aspect: str) -> bool:
+    """Whether an aspect is empty, or says that there is none."""
+    return not aspect.strip() or _NOTHING.search(aspect) is not None
+
+
+_NOTHING = re.compile(
+    r"^\W*(?:none|nothing|nil|no|n/?a|not applicable|unknown)\W*$|^\W*(?:there (?:is|are) )?(?:none|nothing|no)\b"
+    r".{0,40}\b(?:unusual|ordinary|ood|distribution|aspects?|anomal\w+)\W*$",
+    re.IGNORECASE,
+)
+
+# ------------------------------------------------------------------ in an object
+
+_IS_OOD = re.compile(
+    r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
+    r"|ous)|abnormal)|answer"
+)
+_ASPECT = re.compile(r"(?:\w*aspect|what|label)")
+_NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
+_CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
+
+
+def _detected(value: Mapping[str, Any]) -> Detected | None:
+    value = unwrapped(value, _IS_OOD)
+    held = [one for one in members(value, _IS_OOD) if not is_placeholder(one)]
+    if not held:
+        return None
+    truths = {_truth(one) for one in held}
+    if len(truths) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    is_ood = truths.pop()
+    if is_ood is None:
+        raise UnusableError(f"{str(held[0])[:80]!r} is neither true nor false")
+    sure = members(value, _CONFIDENCE)
+    return Detected(
+        is_ood, _aspect(value) if is_ood else "", probability(sure[0]) if sure else None
+    )
+
+
+def _aspect(value: Mapping[str, Any]) -> str:
+    said = next((words for one in members(value, _ASPECT) if (words := words_in(one))), "")
+    if said and not re.search(r"\w", said):
+        raise UnusableError("the aspect is not named")
+    return said
+
+
+def _named(value: Mapping[str, Any]) -> str | None:
+    value = unwrapped(value, _NAMED)
+    held = [one for one in members(value, _NAMED) if not is_placeholder(one)]
+    said = {words_in(one) for one in held}
+    if len(said) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    return _name(said.pop()) if said else None
+
+
+def _name(said: str) -> str:
+    if said and not re.search(r"\w", said):
+        raise UnusableError("no aspect is named")
+    return "" if names_nothing(said) else said
+
+
+def _truth(value: object) -> bool | None:
+    if isinstance(value, list) and len(value) == 1:
+        value = value[0]
+    if isinstance(value, (bool, int, float)):
+        return bool(value) if value in (0, 1) else None
+    return _TRUTHS.get(value.strip(" .!").casefold()) if isinstance(value, str) else None
+
+
+_TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+
+# ------------------------------------------------------------------ confidence
+
+
+def probability(value: object) -> float | None:
+    """Return a stated probability, 0 to 1: 0.8, "80 %", 80 and "8/10" are understood."""
+    if isinstance(value, bool):
+        return None
+    found = _NUMBER.fullmatch(str(value)) if isinstance(value, (int, float, str)) else None
+    if not found:
+        return None
+    number, whole = float(found[1]), found[3] or (100 if found[2] else None)
+    if whole is None:
+        whole = 100 if 10.0 < number <= 100.0 else 1
+    share = number / float(whole) if float(whole) else -1.0
+    return share if 0.0 <= share <= 1.0 else None
+
+
+_NUMBER = re.compile(r"\s*(\d{1,9}(?:\.\d{1,30})?)\s*(?:(%|percent)|(?:/|out of)\s*(\d{1,3}))?\s*")
+_SHARE = r"\d{1,3}(?:\.\d{1,30})? ?(?:%|percent|/ ?10{1,2}\b|out of 10\b)"
+_CONFIDENT = re.compile(
+    rf"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>{_SHARE}|\d+(?:\.\d+)?)"
+    rf"|\((?P<alone>0?\.\d+|1(?:\.0+)?|{_SHARE})\)|(?P<before>{_SHARE}) (?:sure|certain|confident)",
+    re.IGNORECASE,
+)
+
+
+def _confidence_in(prose: str) -> float | None:
+    """Return the probability that prose states; `None` where it states none, or two."""
+    found = {
+        probability(one["after"] or one["alone"] or one["before"])
+        for one in _CONFIDENT.finditer(prose)
+    }
+    return found.pop() if len(found) == 1 else None
+
+
+# ------------------------------------------------------------------ in prose
+
+
+def _detected_in_prose(prose: str) -> Detected | None:
+    """Read a "yes" or "no" that is marked as the answer, or opens the text with words that go with it."""
+    plain = folded(prose)
+    marked = {_TRUTHS[one[1]] for one in _MARKED.finditer(plain)}
+    opening = _OPENING.match(plain)
+    said = marked or ({_TRUTHS.get(opening[1], False)} if opening else set())
+    if len(said) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    if not said or _OPEN.search(plain) or (not marked and is_refusal(prose)):
+        return None
+    is_ood = said.pop()
+    rest = "" if marked or not opening else plain[opening.end() :]
+    says_usual = bool(_USUAL.search(rest))
+    if (
+        says_usual
+        if is_ood
+        else not says_usual and re.search(r"[^\W\d]{2}", _CONFIDENT.sub("", rest))
+    ):
+        raise UnusableError("what follows yes or no does not go with it")
+    aspect = _aspect_in(prose, is_marked=bool(marked)) if is_ood else ""
+    return Detected(is_ood, aspect, _confidence_in(prose))
+
+
+def _aspect_in(prose: str, *, is_marked: bool) -> str:
+    named = _labelled(prose)
+    if named is None:
+        named = _CONFIDENT.sub(
+            "", prose if is_marked else re.sub(r"\A\W*\w+\W*", "", prose, count=1)
+        )
+        if len(named) > LONGEST_ASPECT:
+            raise UnusableError("the aspect is not named")
+        named = "" if is_marked else named.strip(" \n.,:;!()\u2014\u2013-")
+    return "" if names_nothing(named) else named
+
+
+def _named_in_prose(prose: str) -> str | None:
+    named = _labelled(prose)
+    if named is not None:
+        return _name(named)
+    plain = folded(prose)
+    is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
+    if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith(("?", ":")):
+        return None
+    return _name(_LEAD.sub("", prose).strip(" \n.")) if re.search(r"\w", plain) else None
+
+
+def _labelled(prose: str) -> str | None:
+    found = {one[1].strip(" .'") for one in _LABELLED.finditer(prose)}
+    if len(found) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    return found.pop() if found else None
+
+
+_LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)
+_LEAD = re.compile(
+    r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? |yes, )",
+    re.IGNORECASE,
+)
+_ODD = r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|out of distribution|ood)"
+_MARKED = re.compile(
+    rf"\b(?:(?:is )?(?:{_ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
+    r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
+)
+_OPENING = re.compile(
+    rf"\W*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
+    r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
+)
+_USUAL = re.compile(
+    r"(?<!out of the )(?<!not )(?<!n't )(?<!not an )(?<!not a )"
+    r"\b(?:normal|ordinary|usual|typical|routine|nothing|no|none|fine|clear)\b"
+)
+_OPEN = re.compile(
+    r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
+    r"|hard to|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
+    r"|(?:don't|not) know|no idea|either|would be|if)\b"
+)
+"""Takes an answer back, or leaves it open."""

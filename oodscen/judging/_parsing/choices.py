@@ -1,0 +1,203 @@
+"""Read which of several options was chosen: an action, or an answer to the closed question."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from oodscen.judging._parsing.reading import (
+    Reading,
+    is_placeholder,
+    is_refusal,
+    members,
+    read,
+    unwrapped,
+)
+from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, stated
+from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded, tidied
+
+Marking = Callable[[str], str]
+"""Puts a character of `stating.OPTION` in place of every option that folded prose names."""
+
+
+def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
+    """Read which of the offered actions was chosen.
+
+    Args:
+        text: A model's words.
+        offered: Ids of the actions.
+    """
+    words = {name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered}
+    return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)
+
+
+def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
+    """Read which option of the closed question was chosen, by its number or its label.
+
+    Args:
+        text: A model's words.
+        labels: Text of every option by id, in the order in which they were offered.
+    """
+    words = {name: re.escape(folded(tidied(label))) for name, label in labels.items()}
+    return _read(text, list(labels), _marking(words, is_numbered=True), _CHOICE, is_numbered=True)
+
+
+def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
+    """Say where a chain of thought states another action than the answer; empty where not."""
+    found = read_action(tidied(reasoning), offered).value
+    if found is None or found == action:
+        return ""
+    return f"the reasoning settles on {found}, the answer is {action}"
+
+
+_FINAL = r"(?:final|chosen|selected|best|my|the|safest|recommended|correct)*"
+_ASKED = r"(?:answer|choice|decision|option|selection|response|result|output)"
+_ACTION = re.compile(rf"{_FINAL}(?:action|{_ASKED})s?(?:id|name|taken)?")
+_CHOICE = re.compile(rf"{_FINAL}(?:number|label|{_ASKED})(?:id|number)?")
+_INSIDE = re.compile(r"(?:id|name|value|number|label|option|action|choice|answer)")
+
+
+def _read(
+    text: str, names: list[str], mark: Marking, keys: re.Pattern[str], *, is_numbered: bool
+) -> Reading[str]:
+    def resolved(value: Any, depth: int = 4) -> int | None:
+        if isinstance(value, list) and len(value) == 1 and depth:
+            return resolved(value[0], depth - 1)
+        if isinstance(value, dict) and depth:
+            return agreed(members(value, keys) or members(value, _INSIDE), depth - 1)
+        if is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
+            return int(value) - 1 if value in range(1, len(names) + 1) else None
+        return in_prose(tidied(value)) if isinstance(value, str) else None
+
+    def agreed(values: Sequence[Any], depth: int) -> int | None:
+        found = [resolved(value, depth) for value in values]
+        known = {one for one in found if one is not None}
+        if len(known) > 1:
+            raise UnusableError(TWO_ANSWERS)
+        return known.pop() if known and found[0] is not None else None
+
+    def in_prose(prose: str) -> int | None:
+        if is_refusal(prose):
+            return None
+        found = stated(mark(folded(prose)))
+        return found if found is not None and found < len(names) else None
+
+    def picked(value: Mapping[str, Any]) -> int | None:
+        held = [one for one in members(unwrapped(value, keys), keys) if not is_placeholder(one)]
+        if not held:
+            return None
+        found = agreed(held, 4)
+        if found is None:
+            raise UnusableError(f"{str(held[0])[:80]!r} is no option")
+        return found
+
+    reading = read(text, picked, in_prose, is_closed=True)
+    if reading.value is None:
+        return Reading(None, reading.outcome, reading.note)
+    return Reading(names[reading.value], "answered", reading.note)
+
+
+# ------------------------------------------------------------------ options in prose
+
+
+def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
+    """Return what puts characters for the options that prose names, given a pattern of each.
+
+    Args:
+        words: Pattern by name, in the order in which the options were offered.
+        is_numbered: Whether they were offered with numbers. The longest label counts then; else the first pattern
+            in the order of `_ACTION_WORDS`.
+    """
+    places = {name: place for place, name in enumerate(list(words)[:_MOST])}
+    rank = {name: place for place, name in enumerate(_ACTION_WORDS)}
+    order = sorted(
+        places, key=lambda name: -len(words[name]) if is_numbered else rank.get(name, len(rank))
+    )
+    finder = re.compile(
+        "|".join(rf"(?P<o{places[name]}>(?<!\w)(?:{words[name]})(?!\w))" for name in order)
+    )
+
+    def called(found: re.Match[str]) -> str:
+        gerund = GERUNDS if not is_numbered and _GERUND.match(found.group()) else 0
+        return chr(FIRST + int(str(found.lastgroup)[1:]) + gerund)
+
+    def numbered(found: re.Match[str]) -> str:
+        place = int(found["number"]) - 1
+        return found.group()[: found.start("mark") - found.start()] + chr(
+            FIRST + (place if place in range(len(places)) else _MOST)
+        )
+
+    def mark(plain: str) -> str:
+        if not is_numbered:
+            return finder.sub(
+                called, re.sub(r"^\d{1,2}[.)] (?=\D)", "\u2022 ", plain, flags=re.MULTILINE)
+            )
+        plain = finder.sub(called, plain)
+        for pattern in _NUMBERS:
+            plain = pattern.sub(numbered, plain)
+        return plain
+
+    return mark
+
+
+_MOST = 2_000
+"""Options beyond this many are known by their number in JSON alone; also the place of no option."""
+_GERUND = re.compile(r"\w+ing\b|.*\bbraking$")
+_MARK = r"(?P<mark>\(?(?<![-.,\d])(?P<number>\d{1,3})(?![\d%]|[.,]\d)\)?)"
+_NUMBERS = (
+    re.compile(rf"\b(?:option|number|no\.) ?(?:is )?:? ?{_MARK}"),
+    re.compile(rf"^[\s(.:-]{{0,8}}{_MARK}(?=[ .!)]{{0,8}}$)", re.MULTILINE),
+    re.compile(rf"(?:^|(?<=[\s:(])){_MARK}(?=[.):\s-]{{0,4}}{OPTION})", re.MULTILINE),
+    re.compile(
+        r"\b(?:answer|choice|description|it|that|choose|pick|select|go with|say|id)(?: (?:is|would be))?"
+        rf" ?[:=]* ?{_MARK}(?=[ .!;,)]{{0,8}}$|[.,;!\n)]| because| since)",
+        re.MULTILINE,
+    ),
+)
+"""A number that stands for an option, and neither counts nor measures."""
+
+# ------------------------------------------------------------------ words for the actions
+
+_THE = r"(?:(?:the|my|your|its|our|a|same|current|constant) )*"
+_GENTLY = r"(?: (?:gently|gradually|slightly|carefully|smoothly|comfortably|safely))?"
+_SIDE = r"(?:(?:hard )?shoulder|(?:right )?(?:side|edge)(?: of the road)?|right)"
+
+
+def _lane_change(side: str) -> str:
+    lane = rf"(?:in|on)?(?:to )?(?:the )?(?:next )?(?:{side}(?: hand)?(?: lane)?|lane (?:to|on) the {side})"
+    rest = "(?:, even if it is for oncoming traffic)?" if side == "left" else ""
+    return (
+        rf"(?:chang|mov|merg|swerv|steer|shift|switch|veer)(?:e|ing)? (?:the )?(?:over )?(?:lanes? )?{lane}{rest}"
+        rf"|{side} lane change|lane change,? {lane}"
+    )
+
+
+_ACTION_WORDS = {
+    "pull_over": (
+        rf"(?:slow down, )?(?:pull(?:ing)? ?over|(?:pull|mov)(?:e|ing)? (?:in|on)?to the {_SIDE})"
+        rf"(?: to the {_SIDE})?(?: or the shoulder)?(?:,? and (?:stop|park|wait)(?: there)?)?"
+        rf"|(?:stop|park)(?:p?ing)? (?:on|at) the {_SIDE}"
+    ),
+    "emergency_brake": (
+        r"(?:emergency|panic|full|hard|maximum) brak(?:e|ing)|emergency stop(?:ping)?"
+        r"|(?:keep the lane and )?brak(?:e|ing) (?:hard|sharply|fully|as hard as (?:possible|i can|the road allows))"
+        r"|slam(?:ming)? (?:on )?the brakes?|apply(?:ing)? (?:full|emergency) (?:brakes|braking)"
+    ),
+    "change_lane_left": _lane_change("left"),
+    "change_lane_right": _lane_change("right"),
+    "stop": (
+        rf"(?:keep the lane and )?(?:com(?:e|ing)|brak(?:e|ing)|slow(?:ing)?(?: down)?|decelerat(?:e|ing)){_GENTLY} to an?"
+        r" (?:(?:complete|full|controlled|safe|smooth) )*(?:stop|halt|standstill)|(?:a )?(?:complete|full|controlled) stop"
+        r"|(?<!bus )(?<!non )(?<!truck )stop(?:ping)?(?: the (?:car|vehicle|ego vehicle))?"
+        r"(?! ?(?:signs?|lines?|lights?|signals?|at nothing|\w+ing\b))|halt(?:ing)?"
+    ),
+    "slow_down": (
+        rf"(?:keep the lane and )?slow(?:ing)? ?down{_GENTLY}(?: to half the speed)?|decelerat(?:e|ing){_GENTLY}"
+        rf"|(?:reduc|lower)(?:e|ing)? {_THE}speed|brak(?:e|ing) (?:gently|lightly|softly|slightly)|gentle braking"
+    ),
+    "keep_speed": (
+        rf"(?:keep|maintain|hold)(?:ing)? {_THE}(?:lane and (?:the )?)?speed(?: and lane)?(?! (?:low|down|slow|under|below|of)\b)"
+        rf"|(?:keep (?:going|driving)|continue(?: driving| straight| ahead)?)(?: at {_THE}speed)(?! of\b)"
+        r"|keep(?:ing)? (?:going|driving)|continu(?:e|ing) (?:driving|straight|ahead)"
+    ),
+}
+"""By action: what it is called, as a pattern over folded prose; of two that begin together the first one counts."""

@@ -1,0 +1,44 @@
+"""Read what a model said that it sees in a frame."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from oodscen.judging._parsing.reading import (
+    Reading,
+    is_placeholder,
+    is_refusal,
+    members,
+    read,
+    words_in,
+)
+from oodscen.judging._parsing.text import UnusableError, folded
+
+_DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
+_LONGEST_REFUSAL = 300
+"""Prose longer than this that cannot see something is a description, in characters."""
+
+
+def read_description(text: str) -> Reading[str]:
+    """Read a description of a frame: any prose will do, a refusal or nothing will not."""
+    return read(text, _in_object, _in_prose)
+
+
+def _in_object(value: Mapping[str, Any]) -> str | None:
+    held = members(value, _DESCRIPTION)
+    said = words_in(held[0] if held else dict(value))
+    if is_placeholder(said):
+        return None
+    return _usable(said)
+
+
+def _in_prose(prose: str) -> str:
+    if len(prose) <= _LONGEST_REFUSAL and is_refusal(prose):
+        raise UnusableError("a refusal")
+    return _usable(re.sub(r"\A\W*description\s*:\s*", "", prose, flags=re.IGNORECASE))
+
+
+def _usable(said: str) -> str:
+    if sum(char.isalpha() for char in folded(said)) < 4:
+        raise UnusableError("no description")
+    return said

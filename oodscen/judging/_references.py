@@ -1,0 +1,229 @@
+"""Reference answerers: what stubbornness, chance, guessing, looking and knowing score.
+
+They carry `kind = "reference"`, answer a `Case` directly, without prompts, and cost nothing. Every
+leaderboard shows them beside the models: the oracle is the ceiling, the others are floors.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, Literal, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._base import Data
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._twins import is_twin, scene_of
+from oodscen.data._verdict import NOTHING
+from oodscen.errors import LLMError, MissingExtra
+from oodscen.judging._safety import best_action
+from oodscen.protocols import LLM, Completion, Request
+
+Features = NDArray[np.float64]
+
+
+class AspectOption(Data):
+    """One option of the closed question: a leaf of the tree, or nothing unusual."""
+
+    noun: ClassVar[str] = "aspect option"
+
+    id: str
+    label: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """One item to be judged, as a reference sees it."""
+
+    episode: Episode
+    """With the outcomes: only the oracle may look at them."""
+    path: Sequence[str] = ()
+    """Labels from the root to the leaf of the scene."""
+    leaf: str = ""
+    options: Sequence[AspectOption] = ()
+    """Of the closed question, as shown."""
+    frames: Mapping[str, str] = field(default_factory=dict)
+    """By moment: names of the pictures."""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a reference says about a case."""
+
+    is_ood: bool
+    aspect: str = ""
+    confidence: float | None = None
+    choice: str | None = None
+    action: str | None = None
+
+
+@runtime_checkable
+class Reference(Protocol):
+    """Answers cases directly."""
+
+    name: str
+    kind: Literal["reference"]
+
+    def judge(self, case: Case) -> Answers:
+        """Answer both tasks about one case."""
+        ...
+
+
+def is_reference(model: LLM) -> bool:
+    """Whether a model is a reference answerer, shipped or registered, and not one to be judged."""
+    return getattr(model, "kind", "model") == "reference"
+
+
+class _Direct:
+    """A reference that can only be asked about cases."""
+
+    kind: ClassVar[Literal["reference"]] = "reference"
+    name: str
+
+    def complete(self, request: Request) -> Completion:
+        """Refuse a question in words.
+
+        Raises:
+            LLMError: Always.
+        """
+        raise LLMError(f"{self.name} answers whole cases, no questions in words", model=self.name)
+
+
+class Oracle(_Direct):
+    """Knows the truth: right about every aspect, and safe wherever any action is."""
+
+    def __init__(self) -> None:
+        self.name = "oracle"
+
+    def judge(self, case: Case) -> Answers:
+        """Answer from the ground truth."""
+        action = best_action(case.episode.actions) or "emergency_brake"
+        if case.episode.is_twin:
+            return Answers(False, confidence=1.0, choice=NOTHING, action=action)
+        label = case.path[-1] if case.path else ""
+        return Answers(True, label, 1.0, case.leaf or None, action)
+
+
+class Blind(_Direct):
+    """Is told the questions and no picture, and guesses what is most often right.
+
+    It calls everything OOD with a confidence of one half, names the leaf that is most frequent among the
+    other paths, and chooses the action that is most often safe in the scenes and twins of other paths: what a model
+    could score that has read about the benchmark and never looks.
+
+    Args:
+        episodes: Of the study, for the prior.
+        leaves: Leaf and its label of every scene, by scene id.
+    """
+
+    def __init__(self, episodes: Sequence[Episode], leaves: Mapping[str, tuple[str, str]]) -> None:
+        self.name = "blind"
+        self._safe: Counter[str] = Counter()
+        self._safe_of: dict[str, Counter[str]] = {}
+        self._count: Counter[str] = Counter()
+        self._labels = dict(leaves.values())
+        for episode in episodes:
+            if episode.status != "ok":
+                continue
+            leaf = leaves.get(scene_of(episode.scene_id), ("", ""))[0]
+            self._safe.update(episode.safe_set)
+            self._safe_of.setdefault(leaf, Counter()).update(episode.safe_set)
+            self._count[leaf] += not episode.is_twin
+
+    def judge(self, case: Case) -> Answers:
+        """Answer the same everywhere but for what other paths teach."""
+        own = self._safe_of.get(case.leaf, Counter())
+        action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
+        others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
+        leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
+        return Answers(True, self._labels.get(leaf, ""), 0.5, leaf or None, action)
+
+
+class Novelty(_Direct):
+    """Looks at the last frame with classical vision: how unlike ordinary frames is it?
+
+    The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the
+    distance to the nearest ordinary frames; it is fitted to twins on *other maps* only, so neither the
+    scene nor its twin nor its street was seen. A frame whose novelty exceeds the middle one of the
+    ordinary frames, each judged the same way, is called OOD; then it stops, else it keeps its speed.
+    It cannot say what is unusual.
+
+    Args:
+        pictures: File of the last frame by scene id, of scenes and twins.
+        maps: Map by scene id.
+
+    Raises:
+        MissingExtra: When OpenCV is not installed.
+    """
+
+    def __init__(self, pictures: Mapping[str, Path], maps: Mapping[str, str]) -> None:
+        self.name = "novelty"
+        self._share: dict[str, float] = {}
+        names = [name for name, file in pictures.items() if name in maps and file.is_file()]
+        if not names:
+            return
+        seen = np.array([features(pictures[name]) for name in names])
+        where = np.array([maps[name] for name in names])
+        twins = np.array([is_twin(name) for name in names])
+        scores = np.zeros(len(names))
+        for one in sorted(set(maps.values())):
+            here, ordinary = where == one, twins & (where != one)
+            if not ordinary.any():
+                ordinary = twins
+            if here.any() and ordinary.any():
+                scores[here] = _distances(seen[here], seen[ordinary])
+        usual = np.sort(scores[twins]) if twins.any() else np.sort(scores)
+        for name, score in zip(names, scores, strict=True):
+            below = float(np.searchsorted(usual, score, side="left"))
+            upto = float(np.searchsorted(usual, score, side="right"))
+            self._share[name] = 0.5 * (below + upto) / len(usual)
+
+    def judge(self, case: Case) -> Answers:
+        """Answer from how novel the last frame is."""
+        share = self._share.get(case.episode.scene_id, 0.5)
+        is_ood = share > 0.5
+        sure = round(share if is_ood else 1.0 - share, 6)
+        if is_ood:
+            return Answers(True, "", sure, None, "stop")
+        return Answers(False, "", sure, NOTHING, "keep_speed")
+
+
+GRID = (6, 8)
+"""Rows and columns of cells."""
+
+
+def features(picture: Path) -> Features:
+    """Return the features of a picture file: [cells x 9] of Lab means, spreads and edge strengths.
+
+    Raises:
+        MissingExtra: When OpenCV is not installed.
+    """
+    try:
+        import cv2
+    except ImportError:
+        raise MissingExtra("the novelty detector", "pybullet", "opencv-python-headless") from None
+    image = cv2.imread(str(picture), cv2.IMREAD_REDUCED_COLOR_4)
+    if image is None:
+        return np.zeros(GRID[0] * GRID[1] * 9)
+    lab = cv2.cvtColor(image, cv2.COLOR_BGR2LAB).astype(np.float32)
+    edges = np.abs(lab[1:, 1:] - lab[:-1, 1:]) + np.abs(lab[1:, 1:] - lab[1:, :-1])
+    size = (GRID[1], GRID[0])
+    mean = cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
+    square = cv2.resize(lab * lab, size, interpolation=cv2.INTER_AREA)
+    edge = cv2.resize(edges, size, interpolation=cv2.INTER_AREA)
+    spread = np.sqrt(np.maximum(square - mean * mean, 0.0))
+    parts = (mean, spread, edge)
+    return np.concatenate([part.ravel() for part in parts]).astype(np.float64)
+
+
+def _distances(seen: Features, ordinary: Features, nearest: int = 5) -> Features:
+    """Return the mean distance to the nearest ordinary rows, features scaled by their spread."""
+    scale = ordinary.std(axis=0) + 1.0
+    a, b = seen / scale, ordinary / scale
+    square = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * a @ b.T
+    k = min(nearest, len(b))
+    near = np.sort(np.maximum(square, 0.0), axis=1)[:, :k]
+    mean: Features = np.round(np.sqrt(near).mean(axis=1), 6)
+    return mean

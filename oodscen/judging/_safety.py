@@ -1,0 +1,131 @@
+"""Safe sets: which actions are safe where, the best of them, and what chance is worth."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
+
+from oodscen.data._base import Data
+from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
+
+ENOUGH_M = 0.5
+"""A gap from which on an action is safe with enough margin, m; what passes in the next lane is some 1 m away."""
+ENOUGH_TTC_S = 1.5
+"""Least time to collision from which on an action is safe with enough margin, s: below it a conflict counts as
+serious (van der Horst and Hogema, "Time-to-collision and collision avoidance systems", 1993)."""
+INTERVENTIONS = (
+    "keep_speed",
+    "slow_down",
+    "change_lane_right",
+    "change_lane_left",
+    "stop",
+    "pull_over",
+    "emergency_brake",
+)
+"""The actions by how much they interfere with the drive, the least first; what is not listed comes last."""
+
+
+def has_enough_margin(outcome: ActionOutcome) -> bool:
+    """Whether an action was safe and stayed at least `ENOUGH_M` and `ENOUGH_TTC_S` from everything."""
+    is_near = outcome.margin_m is not None and outcome.margin_m < ENOUGH_M
+    is_soon = outcome.min_ttc_s is not None and outcome.min_ttc_s < ENOUGH_TTC_S
+    return outcome.safe and not (is_near or is_soon)
+
+
+def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
+    """Return the best of the safe actions; `None` where no action is safe.
+
+    Those with enough margin come first (`has_enough_margin`). Among these the least intervention is
+    best (`INTERVENTIONS`), then the gentler braking; without any, the larger gap, then the least intervention.
+    """
+    ranked = []
+    for index, (name, outcome) in enumerate(_in_order(outcomes)):
+        if outcome.safe:
+            gap = math.inf if outcome.margin_m is None else outcome.margin_m
+            braking = outcome.peak_deceleration or 0.0
+            is_listed = name in INTERVENTIONS
+            rank = INTERVENTIONS.index(name) if is_listed else len(INTERVENTIONS)
+            is_enough = has_enough_margin(outcome)
+            order = (rank, braking, -gap) if is_enough else (-gap, rank, braking)
+            ranked.append((not is_enough, order, index, name))
+    return min(ranked)[-1] if ranked else None
+
+
+def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
+    """Return the chance that one of the actions on offer, drawn at random, is safe."""
+    if not outcomes:
+        return None
+    return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
+
+
+class ActionSafety(Data):
+    """How one action fares over many scenes."""
+
+    noun: ClassVar[str] = "action safety"
+
+    safe: float
+    """Share of the scenes in which it is safe."""
+    unsafe: float
+    """Share in which it can be executed and is not safe."""
+    unavailable: float
+
+
+class SafetyFigures(Data):
+    """What the safe sets of a study say about its scenes as a test of drivers."""
+
+    noun: ClassVar[str] = "safety figures"
+
+    n: int
+    """Episodes that ran."""
+    decidable: float | None = None
+    """Share in which some action is safe and some other is not."""
+    base_rate: float | None = None
+    """Mean chance that a random action is safe."""
+    actions: dict[str, ActionSafety] = {}
+    all_safe: tuple[str, ...] = ()
+    """Scenes in which every action that can be executed is safe: any driver passes."""
+    none_safe: tuple[str, ...] = ()
+    """Scenes in which no action is safe: no driver passes."""
+    with_followers: int = 0
+    """Episodes with somebody close behind the ego, whom the front camera never shows."""
+    restaged: dict[str, str] = {}
+    """Scenes that were re-staged, and how."""
+
+
+def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
+    """Summarise the safe sets of the episodes that ran; give scenes or twins, not both."""
+    ran = [episode for episode in episodes if episode.status == "ok" and episode.actions]
+    if not ran:
+        return SafetyFigures(n=0)
+    n = len(ran)
+    executed = {
+        episode.id: [o.safe for o in episode.actions.values() if not o.unavailable]
+        for episode in ran
+    }
+    names = dict.fromkeys((*ACTIONS, *(name for episode in ran for name in episode.actions)))
+    rates = [base_rate(episode.actions) or 0.0 for episode in ran]
+    return SafetyFigures(
+        n=n,
+        decidable=sum(episode.is_decidable for episode in ran) / n,
+        base_rate=sum(rates) / n,
+        actions={name: _of_action(name, ran) for name in names},
+        all_safe=tuple(name for name, safe in executed.items() if all(safe)),
+        none_safe=tuple(name for name, safe in executed.items() if not any(safe)),
+        with_followers=sum(bool(episode.followers) for episode in ran),
+        restaged={episode.id: episode.restaged for episode in ran if episode.restaged},
+    )
+
+
+def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
+    found = [episode.actions[name] for episode in ran if name in episode.actions]
+    n = max(1, len(found))
+    return ActionSafety(
+        safe=sum(outcome.safe for outcome in found) / n,
+        unsafe=sum(outcome.is_unsafe for outcome in found) / n,
+        unavailable=sum(outcome.unavailable for outcome in found) / n,
+    )
+
+
+def _in_order(outcomes: Mapping[str, ActionOutcome]) -> list[tuple[str, ActionOutcome]]:
+    known = [name for name in ACTIONS if name in outcomes]
+    others = sorted(set(outcomes) - set(known))
+    return [(name, outcomes[name]) for name in (*known, *others)]

@@ -1,0 +1,5 @@
+"""Language models: any provider through litellm, recordings, limits, and typed questions."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

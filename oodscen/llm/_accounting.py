@@ -1,0 +1,123 @@
+"""What the calls of a run took: per stage and model, and as one line while it runs."""
+
+import threading
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, ClassVar, TypeGuard
+
+from oodscen.data._base import Data
+from oodscen.llm._call_log import Call
+
+MOST = 1e15
+"""A number beyond this, below 0, infinite or none counts as missing: a file may hold anything."""
+
+
+class Account(Data):
+    """All calls of one group, e.g. of one stage to one model."""
+
+    noun: ClassVar[str] = "account"
+
+    group: tuple[str, ...]
+    """The values that the calls share, e.g. stage and model."""
+    calls: int
+    requests: int
+    """HTTP requests."""
+    retries: int
+    """HTTP requests beyond the first of their call."""
+    repairs: int
+    """Calls that asked to mend an answer."""
+    failed: int
+    input_tokens: int
+    output_tokens: int
+    cached_tokens: int
+    cost_usd: float | None
+    """`None` where the price of a call that used tokens is not known."""
+    seconds: float
+    """Sum over all calls, of which several may have been under way at once."""
+    p50_s: float
+    """Median of a call's time."""
+    p95_s: float
+
+
+def accounts(
+    calls: Iterable[Mapping[str, Any]], by: Sequence[str] = ("stage", "model")
+) -> list[Account]:
+    """Sum up lines of `calls.jsonl`, one account per group, in the order of first appearance.
+
+    Args:
+        calls: The lines.
+        by: Fields that the calls of a group share.
+    """
+    groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    for call in calls:
+        groups.setdefault(tuple(str(call.get(name) or "?") for name in by), []).append(call)
+    return [account(group, found) for group, found in groups.items()]
+
+
+def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
+    """Sum up the calls of one group; fields that are missing or no amounts count as 0."""
+    requests = [max(1, int(_number(call, "requests"))) for call in calls]
+    costs = [call.get("cost_usd") for call in calls if call.get("status") != "failed"]
+    known = [float(cost) for cost in costs if _is_amount(cost)]
+    times = sorted(_number(call, "seconds") for call in calls)
+    return Account(
+        group=group,
+        calls=len(calls),
+        requests=sum(requests),
+        retries=sum(requests) - len(calls),
+        repairs=sum(_number(call, "attempt") > 1 for call in calls),
+        failed=sum(call.get("status") == "failed" for call in calls),
+        input_tokens=round(sum(_number(call, "input_tokens") for call in calls)),
+        output_tokens=round(sum(_number(call, "output_tokens") for call in calls)),
+        cached_tokens=round(sum(_number(call, "cached_tokens") for call in calls)),
+        cost_usd=sum(known) if len(known) == len(costs) else None,
+        seconds=round(sum(times), 6),
+        p50_s=_quantile(times, 0.5),
+        p95_s=_quantile(times, 0.95),
+    )
+
+
+class Ledger:
+    """Running totals of a run, for the progress line."""
+
+    def __init__(self) -> None:
+        self.calls = self.retries = self.repairs = self.failed = self.tokens = 0
+        self.cost_usd = 0.0
+        self.is_priced = True
+        """Whether the price of every call is known."""
+        self._lock = threading.Lock()
+
+    def add(self, call: Call) -> None:
+        """Count one call."""
+        with self._lock:
+            self.calls += 1
+            self.retries += max(0, call.requests - 1)
+            self.repairs += call.attempt > 1
+            self.failed += call.status == "failed"
+            self.tokens += call.input_tokens + call.output_tokens
+            self.cost_usd += call.cost_usd or 0.0
+            self.is_priced &= call.cost_usd is not None or call.status == "failed"
+
+    def __str__(self) -> str:
+        """Return the totals in a few words; empty before the first call."""
+        if not self.calls:
+            return ""
+        cost = f"${self.cost_usd:.2f}" if self.is_priced else "price not known"
+        parts = [f"{self.calls} calls", f"{self.tokens / 1000:.0f}k tokens", cost]
+        counts = {"retries": self.retries, "repairs": self.repairs, "failed": self.failed}
+        return ", ".join([*parts, *(f"{n} {what}" for what, n in counts.items() if n)])
+
+
+def _number(call: Mapping[str, Any], name: str) -> float:
+    value = call.get(name)
+    return float(value) if _is_amount(value) else 0.0
+
+
+def _is_amount(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, (int, float)) and 0 <= value < MOST
+
+
+def _quantile(ordered: Sequence[float], share: float) -> float:
+    """Return the smallest value that at least this share does not exceed."""
+    if not ordered:
+        return 0.0
+    return ordered[min(len(ordered) - 1, max(0, -int(-share * len(ordered) // 1) - 1))]

@@ -1,0 +1,127 @@
+"""Ask a language model one typed question and get a typed answer."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar, cast
+
+from pydantic import BaseModel, ValidationError
+
+from oodscen.data._base import issues_of
+from oodscen.data._messages import Message
+from oodscen.errors import AnswerError, Issue
+from oodscen.llm._check import complete
+from oodscen.llm._json_objects import find_objects, is_cut_off
+from oodscen.llm._remote.redaction import redact_keys
+from oodscen.prompts._base import Prompt
+from oodscen.protocols import LLM, Request
+
+Answer = TypeVar("Answer", bound=BaseModel)
+
+ATTEMPTS = 3
+"""How often a question is put before its answer counts as invalid, the first time included."""
+
+SHOWN_ISSUES = 12
+"""How many faults are fed back at once."""
+
+MAX_ANSWER = 200_000
+"""Longest answer that is read, in characters."""
+
+QUOTED = 8_000
+"""How much of an invalid answer is put before the model again, in characters."""
+
+Check = Callable[[Answer], Sequence[Issue]]
+Read = Callable[[str], tuple[Answer | None, list[Issue]]]
+
+
+def ask(
+    llm: LLM,
+    prompt: Prompt[Answer],
+    sample: int = 0,
+    *,
+    check: Check[Answer] | None = None,
+    attempts: int = ATTEMPTS,
+    read: Read[Answer] | None = None,
+) -> Answer:
+    """Put a question; parse and validate the answer; feed faults back until it is valid.
+
+    Args:
+        llm: Who is asked.
+        prompt: The typed question.
+        sample: Which of several independent draws this is.
+        check: Further requirements, beyond those of the prompt itself.
+        attempts: Largest number of calls, at least 1.
+        read: Reads the words instead of `read_answer` and the checks; it may raise `AnswerError` where
+            asking again is of no use.
+
+    Raises:
+        AnswerError: When the last answer is still invalid; it keeps the raw text and the faults.
+        LLMError: When the model cannot be reached, or its object raises something else.
+    """
+    checks: list[Check[Answer]] = [prompt.check, *([check] if check else [])]
+    kind = cast(type[Answer], prompt.answer)
+    question = messages = prompt.messages()
+    schema = prompt.answer_schema()
+    issues: list[Issue] = []
+    raw = ""
+    for attempt in range(1, max(attempts, 1) + 1):
+        raw = redact_keys(complete(llm, Request(prompt, messages, schema, sample, attempt)).text)
+        answer, issues = read(raw) if read else read_answer(raw, kind, checks)
+        if answer is not None:
+            return answer
+        messages = (*question, *_repair(raw, issues))
+    raise AnswerError(llm.name, prompt.purpose, issues, raw, max(attempts, 1))
+
+
+def speaker(llm: LLM) -> str:
+    """Return the name of the model whose words one hears: a replay speaks for the one recorded."""
+    return str(getattr(llm, "speaks_for", llm.name))
+
+
+def read_answer(
+    raw: str, kind: type[Answer], checks: Sequence[Check[Answer]] = ()
+) -> tuple[Answer | None, list[Issue]]:
+    """Find the answer in a model's words.
+
+    Among the JSON objects in the text the last one that is valid counts, since models that think
+    aloud answer at the end.
+
+    Returns:
+        The answer and no issues; or `None` and the faults of the object that came nearest.
+    """
+    if len(raw) > MAX_ANSWER:
+        return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]
+    misshapen: list[tuple[int, list[Issue]]] = []
+    refused: list[Issue] = []
+    for found in find_objects(raw):
+        try:
+            answer = kind.model_validate(found.value)
+        except ValidationError as error:
+            misshapen.append((found.width, issues_of(error)))
+            continue
+        if not found.is_complete and not kind.model_fields.keys() <= found.value.keys():
+            continue
+        issues = [issue for check in checks for issue in check(answer)]
+        if not issues:
+            return answer, []
+        refused = refused or issues
+    if refused:
+        return None, refused
+    if is_cut_off(raw):
+        return None, [Issue("", "the answer is cut off before its end; answer more briefly")]
+    if misshapen:
+        return None, max(misshapen, key=lambda item: item[0])[1]
+    return None, [Issue("", "no JSON object was found in the answer")]
+
+
+def _repair(raw: str, issues: Sequence[Issue]) -> tuple[Message, Message]:
+    faults = "\n".join(f"- {issue}" for issue in issues[:SHOWN_ISSUES])
+    rest = len(issues) - SHOWN_ISSUES
+    more = f"\n- and {rest} more" if rest > 0 else ""
+    said = raw if len(raw) <= QUOTED else f"{raw[:QUOTED]} ..."
+    return (
+        Message(role="assistant", text=said.strip() or "(nothing)"),
+        Message(
+            role="user",
+            text=f"That answer cannot be used:\n{faults}{more}\n\nMend these faults and answer "
+            "again with the complete JSON object and nothing else.",
+        ),
+    )

@@ -1,0 +1,97 @@
+"""A wrapper that accounts for every call of a language model."""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import ClassVar, Literal
+
+from oodscen.data._base import Data
+from oodscen.llm._check import complete
+from oodscen.llm._remote.redaction import redact
+from oodscen.llm._remote.usage import believed
+from oodscen.llm._wrapper import Wrapper
+from oodscen.protocols import LLM, Completion, Request, Usage
+
+
+class Call(Data):
+    """One call, as a line of `calls.jsonl`. It holds neither texts nor pictures nor credentials."""
+
+    noun: ClassVar[str] = "call"
+
+    stage: str = ""
+    """Of the study, e.g. `augment`."""
+    purpose: str
+    """Of the prompt, e.g. `stage-scene`."""
+    prompt_version: str
+    """Hash of template and answer schema."""
+    model: str
+    sample: int
+    attempt: int
+    """1 for the question itself, 2 and more for requests to mend the answer."""
+    status: Literal["ok", "failed"]
+    """`ok` where text came back, whether or not it was a valid answer."""
+    error: str | None = None
+    input_tokens: int = 0
+    output_tokens: int = 0
+    cached_tokens: int = 0
+    """Of the input, what the provider had cached."""
+    cost_usd: float | None = None
+    """`None` where the price is not known."""
+    requests: int = 1
+    """HTTP requests, retries included; 0 where none was needed or allowed."""
+    seconds: float = 0.0
+    """Until the answer, waiting and retries included."""
+
+
+class LoggedLLM(Wrapper):
+    """Reports every `complete` of another model, also those that fail.
+
+    Args:
+        llm: Who really answers; its other attributes are reachable through this object.
+        log: Called once per call, never by two threads at a time.
+    """
+
+    def __init__(self, llm: LLM, log: Callable[[Call], None]) -> None:
+        super().__init__(llm)
+        self._log = log
+        self._lock = threading.Lock()
+
+    def complete(self, request: Request) -> Completion:
+        """Pass the request on and report what it took."""
+        started = time.perf_counter()
+        completion: Completion | None = None
+        failure: BaseException | None = None
+        try:
+            completion = complete(self._llm, request)
+        except BaseException as error:
+            failure = error
+            raise
+        finally:
+            call = self._account(request, completion, failure, time.perf_counter() - started)
+            with self._lock:
+                self._log(call)
+        return completion
+
+    def _account(
+        self,
+        request: Request,
+        completion: Completion | None,
+        failure: BaseException | None,
+        seconds: float,
+    ) -> Call:
+        usage = believed(completion.usage, request) if completion else Usage()
+        return Call(
+            purpose=request.prompt.purpose,
+            prompt_version=request.prompt.version(),
+            model=self.name,
+            sample=request.sample,
+            attempt=request.attempt,
+            status="ok" if completion else "failed",
+            error=None if failure is None else redact(f"{type(failure).__name__}: {failure}"),
+            input_tokens=usage.input_tokens,
+            output_tokens=usage.output_tokens,
+            cached_tokens=usage.cached_tokens,
+            cost_usd=usage.cost_usd,
+            requests=completion.requests if completion else getattr(failure, "requests", 0),
+            seconds=round(seconds, 6),
+        )

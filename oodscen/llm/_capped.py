@@ -1,0 +1,57 @@
+"""Caps for models that are not asked through litellm."""
+
+from oodscen.errors import UsageError
+from oodscen.llm._remote.limits import Spent, Traffic
+from oodscen.llm._remote.usage import believed, estimate_tokens
+from oodscen.llm._wrapper import Wrapper
+from oodscen.protocols import LLM, Completion, Request
+
+
+class MeteredLLM(Wrapper):
+    """Holds another model to the caps of a run; every call counts as one request.
+
+    Args:
+        llm: Who answers; its other attributes are reachable through this object.
+        traffic: The caps, and how many calls may be under way at once.
+
+    Raises:
+        UsageError: When the cost is capped and no price is given for the model.
+    """
+
+    def __init__(self, llm: LLM, traffic: Traffic) -> None:
+        super().__init__(llm)
+        self.traffic = traffic
+        self._price = traffic.prices.get(llm.name)
+        if traffic.budget.caps.cost_usd is not None and self._price is None:
+            raise UsageError(
+                f"the cost of the run is capped and the price of {llm.name!r} is not known; give it in "
+                f"USD per million tokens of input and output, e.g. --price {llm.name}=0,0"
+            )
+        self._endpoint = traffic.endpoint(f"model {llm.name}")
+
+    def complete(self, request: Request) -> Completion:
+        """Pass the request on if the caps allow it.
+
+        Raises:
+            BudgetExceeded: When they do not.
+        """
+        budget = self.traffic.budget
+        asked = estimate_tokens(request)
+        most = Spent(1, asked + budget.answer_tokens, self._cost(asked, budget.answer_tokens))
+        self.traffic.check()
+        with self._endpoint.slot():
+            budget.reserve(most)
+            used, answered = most, 0
+            try:
+                completion = self._llm.complete(request)
+                usage = believed(completion.usage, request)
+                if usage.input_tokens + usage.output_tokens:
+                    answered = usage.output_tokens
+                    cost = usage.cost_usd or self._cost(usage.input_tokens, answered)
+                    used = Spent(1, usage.input_tokens + answered, cost)
+                return completion.model_copy(update={"usage": usage})
+            finally:
+                budget.settle(most, used, answered)
+
+    def _cost(self, asked: int, answered: int) -> float:
+        return self._price.of(asked, answered) if self._price else 0.0

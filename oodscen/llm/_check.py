@@ -1,0 +1,21 @@
+"""The contract of `LLM.complete`, checked at the boundary."""
+
+from oodscen._conformance import conforming, described, working
+from oodscen.errors import LLMError
+from oodscen.protocols import LLM, Completion, Request
+
+
+def complete(llm: LLM, request: Request) -> Completion:
+    """Ask a model and check what came back.
+
+    Raises:
+        UsageError: When it is no model.
+        LLMError: When it fails or breaks its contract.
+    """
+    name = conforming("llm", llm).name
+    with working("llm", name):
+        completion = llm.complete(request)
+    if not isinstance(completion, Completion):
+        fault = f"{name} returned what is {described(completion)}, not a Completion"
+        raise LLMError(fault, model=name)
+    return completion

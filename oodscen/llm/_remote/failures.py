@@ -1,0 +1,161 @@
+"""What went wrong in one try to reach a model, and what it says about the item and the endpoint."""
+
+import re
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from email.utils import parsedate_to_datetime
+from typing import Any, Literal
+
+from oodscen.llm._remote.call_bounds import Bounds
+from oodscen.llm._remote.redaction import redact
+
+Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
+"""What a failure says: nothing beyond this item (`item`: the request is refused; `filtered`: the
+provider's content filter declines it); too many calls (`limit`); the time is up (`late`, and whether
+the server is there is another question); no response at all (`unreachable`); a response that is
+none (`erring`: server errors, web pages, empty or endless bodies); nobody will be answered (`denied`:
+no valid key, no quota)."""
+
+_SHOWN = 500
+"""Longest error text passed on, in characters; some servers answer with whole web pages."""
+
+_READ = 20_000
+"""How much of an error text is looked at; far more than is passed on, so that no key is cut in two."""
+
+_RAW = 4_000
+"""How much of an unusable response is kept, in characters."""
+
+_ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
+"""litellm's names of errors with status 400 that another answer format would not mend."""
+
+_FILTER = re.compile(
+    r"content[_ ]?policy|content[_ ]?filter|content management policy|responsible ?ai ?policy"
+    r"|(?:safety|moderation) (?:system|filter|policy)|data_inspection_failed",
+    re.IGNORECASE,
+)
+"""How providers call their content filter in an error."""
+
+
+_BROKEN = {
+    "size": "the response has more than {detail} bytes",
+    "encoding": "the response is compressed although plain text was asked for",
+    "redirect": "the server redirects to {detail}, where neither question nor key is sent; "
+    "if that is the right server, give its address",
+    "proxy": "a proxy is asked over http:// only; mend HTTPS_PROXY or ALL_PROXY",
+    "offline": "OODSCEN_OFFLINE is set, and {detail} is not this machine",
+}
+"""What a call that was ended says, where nothing else about it matters."""
+
+
+class Filtered(Exception):
+    """A response says that a content filter withheld the answer; no caller sees it."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One try that brought no answer."""
+
+    message: str
+    kind: Kind
+    retryable: bool
+    may_refuse_form: bool = False
+    """Whether the same request without an answer format may pass."""
+    retry_after: float | None = None
+    """Seconds that the server asks to wait."""
+    status: int | None = None
+    """Of the HTTP response, if there was one."""
+    raw: str = ""
+    """The beginning of a response that could not be read."""
+
+    @property
+    def is_no_response(self) -> bool:
+        """Whether a response arrived and was none: empty, a web page, too large."""
+        is_error = self.status is not None and self.status >= 400
+        return self.kind == "erring" and self.retryable and not is_error
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the server certainly billed nothing: it refused, or nothing was sent."""
+        return self.status is not None and self.status >= 400
+
+
+def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
+    """Say what an exception of litellm means; no credential is left in the texts.
+
+    Args:
+        model: Its name in the message.
+        error: What was raised.
+        bounds: Of the call: what really arrived, since litellm gives a status to everything.
+    """
+    status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
+    text = str(error)[:_READ].partition("Traceback (most recent call last)")[0]
+    text = " ".join(redact(text).split())
+    text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+    reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
+    kind = _kind(status, text, error)
+    if isinstance(error, Filtered) or type(error).__name__ == "ContentPolicyViolationError":
+        kind = "filtered"
+    if bounds.broken in _BROKEN:
+        kind = "erring"
+        reason = _BROKEN[bounds.broken].format(detail=bounds.detail)
+    elif bounds.broken == "silence":
+        kind, reason = "unreachable", "the server accepts connections and says nothing"
+    elif bounds.broken == "time" or (bounds.is_over and kind in ("unreachable", "erring")):
+        kind, reason = "late", "the response did not end in time"
+    elif bounds.broken == "closed":
+        reason = "the run was interrupted"
+    elif kind == "filtered":
+        reason = f"the provider's content filter declined it: {text}"
+    is_unreadable = kind == "erring" and (status is None or status < 400)
+    if is_unreadable and bounds.broken is None and not bounds.head.strip() and bounds.is_sent:
+        reason = "the response is empty"
+    return Failure(
+        message=f"{model} gave no answer: {reason}",
+        kind=kind,
+        retryable=kind in ("limit", "late", "unreachable", "erring")
+        and bounds.broken not in ("redirect", "proxy", "offline")
+        and not isinstance(error, ImportError)
+        and status not in (403, 404),
+        may_refuse_form=status in (400, 422)
+        and kind == "item"
+        and type(error).__name__ not in _ABOUT_CONTENT,
+        retry_after=retry_after(error),
+        status=status,
+        raw=redact(bounds.head.decode("utf-8", "replace"))[:_RAW] if is_unreadable else "",
+    )
+
+
+def _kind(status: int | None, text: str, error: Exception) -> Kind:
+    if status == 401 or "insufficient_quota" in text or isinstance(error, ImportError):
+        return "denied"
+    if status == 429:
+        return "limit"
+    if status == 408:
+        return "late"
+    if status is None:
+        return "unreachable"
+    if status in (400, 403, 422, 451) and _FILTER.search(text):
+        return "filtered"
+    if status in (403, 404, 409, 425) or status >= 500 or status < 400:
+        return "erring"
+    return "item"
+
+
+def retry_after(error: Exception) -> float | None:
+    """Read the seconds that a server asks to wait; both forms of the header are understood."""
+    headers: Any = getattr(error, "litellm_response_headers", None)
+    if not headers:
+        headers = getattr(getattr(error, "response", None), "headers", None) or {}
+    try:
+        if (milliseconds := headers.get("retry-after-ms")) is not None:
+            return max(0.0, float(milliseconds) / 1000.0)
+        value = headers.get("retry-after")
+        if value is None:
+            return None
+        if value.strip().replace(".", "", 1).isdigit():
+            return float(value)
+        moment = parsedate_to_datetime(value)
+        moment = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+        return max(0.0, (moment - datetime.now(UTC)).total_seconds())
+    except (AttributeError, TypeError, ValueError):
+        return None

@@ -1,0 +1,423 @@
+"""What all models of one run share: caps on what is spent, and how each endpoint is treated."""
+
+import math
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import ClassVar, NamedTuple
+
+from pydantic import Field
+
+from oodscen.data._base import Data
+from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
+from oodscen.llm._remote.failures import Failure
+
+CONCURRENCY = 8
+"""How many requests to one endpoint may be under way, unless told otherwise."""
+
+TIMEOUT_S = 120.0
+"""Longest time for one try, from its beginning to the last byte."""
+
+PATIENCE_S = 40.0
+"""How long an endpoint may give no response to anybody before it is given up; a server that is slow but
+responds to other requests is waited for."""
+
+STRIKES = 5
+"""How many calls of one model in a row may be given up before the model is."""
+
+JUDGING = 4.0
+"""Leniency with models that are judged: an item that fails says little about the next one."""
+
+GRACE_S = 2.0
+"""How long requests that are under way may still take once a run is interrupted."""
+
+LONGEST_S = 1_000_000.0
+"""Longest time that can be set, in seconds: eleven days. Sockets take little more."""
+
+DEAREST_USD = 1e6
+"""Highest price that is taken for one, per million tokens."""
+
+ANSWER_TOKENS = 4_096
+"""Answer that a call is expected to cost at most, where `max_tokens` does not say it."""
+
+
+class Price(NamedTuple):
+    """What a model costs."""
+
+    input_usd: float
+    """Per million tokens."""
+    output_usd: float
+    """Per million tokens."""
+
+    def of(self, input_tokens: int, output_tokens: int) -> float:
+        """Return the cost of one call in USD."""
+        return (self.input_usd * input_tokens + self.output_usd * output_tokens) / 1e6
+
+
+def check_price(model: str, price: Price) -> Price:
+    """Return a price; raise `UsageError` when it is none: negative, infinite, not a number."""
+    if not all(0 <= value <= DEAREST_USD for value in price):
+        raise UsageError(
+            f"{price[0]:g} and {price[1]:g} are no price of {model!r}: give USD per million tokens of input "
+            f"and output, each from 0 to {DEAREST_USD:,.0f}"
+        )
+    return price
+
+
+def check_seconds(name: str, seconds: float) -> float:
+    """Return a time limit; raise `UsageError` when it is none: negative, infinite, not a number."""
+    if not 0 < seconds <= LONGEST_S:
+        raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
+    return seconds
+
+
+class Caps(Data):
+    """What one run may spend; `None` is no cap."""
+
+    noun: ClassVar[str] = "caps"
+
+    requests: int | None = Field(default=None, ge=0)
+    """HTTP requests, retries included."""
+    tokens: int | None = Field(default=None, ge=0)
+    """Input and output together."""
+    cost_usd: float | None = Field(default=None, ge=0)
+    seconds: float | None = Field(default=None, ge=0)
+    """Since the run began; no request is begun afterwards."""
+
+
+class Spent(NamedTuple):
+    """What requests have used up, or may."""
+
+    requests: int = 0
+    tokens: int = 0
+    cost_usd: float = 0.0
+
+    def plus(self, other: "Spent", sign: int = 1) -> "Spent":
+        """Return the sum, or with `sign=-1` the difference."""
+        return Spent(
+            self.requests + sign * other.requests,
+            self.tokens + sign * other.tokens,
+            self.cost_usd + sign * other.cost_usd,
+        )
+
+
+class Budget:
+    """Refuses a request that could exceed a cap, counting those under way at what they may cost."""
+
+    def __init__(
+        self, caps: Caps | None = None, *, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.caps = caps or Caps()
+        self.spent = Spent()
+        self._reserved = Spent()
+        self._longest = 0
+        self._clock = clock
+        self._began = clock()
+        self._lock = threading.Lock()
+
+    @property
+    def answer_tokens(self) -> int:
+        """How long an answer may be expected to be: the longest so far, or the allowance."""
+        return max(ANSWER_TOKENS, self._longest)
+
+    def reserve(self, most: Spent) -> None:
+        """Set aside what a request may cost, before it is sent.
+
+        Raises:
+            BudgetExceeded: When the request could exceed a cap.
+        """
+        with self._lock:
+            wanted = self.spent.plus(self._reserved).plus(most)
+            limits = (self.caps.requests, self.caps.tokens, self.caps.cost_usd)
+            for name, limit, value in zip(Spent._fields, limits, wanted, strict=True):
+                if limit is not None and value > limit * (1 + 1e-12):
+                    raise BudgetExceeded(name, limit, self.spent._asdict()[name])
+            elapsed = self._clock() - self._began
+            if self.caps.seconds is not None and elapsed >= self.caps.seconds:
+                raise BudgetExceeded("seconds", self.caps.seconds, round(elapsed, 1))
+            self._reserved = self._reserved.plus(most)
+
+    def settle(self, most: Spent, used: Spent, answer_tokens: int = 0) -> None:
+        """Replace what was set aside by what was used."""
+        with self._lock:
+            self._reserved = self._reserved.plus(most, -1)
+            self.spent = self.spent.plus(used)
+            self._longest = max(self._longest, answer_tokens)
+
+
+class Endpoint:
+    """One server: how many requests it gets at once, and whether it and its models are worth asking.
+
+    The number at once is halved when it says that there are too many, and grows by one with as many
+    answers as are allowed at once, so it follows the rate that the server grants. It is given up for good when no
+    request at all got a response for `patience_s`. One of its models is given up when `strikes` of its
+    calls in a row were, or when a key is refused. Every further request then raises `EndpointDown`. With
+    `patience_s=None` nothing is given up.
+
+    `leniency` multiplies the strikes for failures that may be the item's own (server errors, time that is
+    up). Beyond 1, a model that has used up its plain strikes is in doubt: it gets one try per
+    call, until an answer clears it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        concurrency: int = CONCURRENCY,
+        patience_s: float | None = PATIENCE_S,
+        strikes: int = STRIKES,
+        leniency: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.name = name
+        self.concurrency = max(1, concurrency)
+        self.window = float(self.concurrency)
+        """How many may be under way at present."""
+        self.patience_s = patience_s
+        self.strikes = strikes
+        self.leniency = leniency
+        self.silence_s = math.inf if patience_s is None else 0.75 * patience_s
+        """After how long without a byte it is worth looking whether the server is still there."""
+        self._clock = clock
+        self._running = 0
+        self._given_up: dict[str, Counter[str]] = {}
+        self._heard = -math.inf
+        self._silent_since: float | None = None
+        self._narrowed_at = -1.0
+        self._not_before = 0.0
+        self._down: dict[str | None, EndpointDown] = {}
+        self._free = threading.Condition()
+        self._looking = threading.Lock()
+        self._looked: tuple[float, bool] | None = None
+
+    @contextmanager
+    def slot(self, model: str = "") -> Iterator[float]:
+        """Wait for a free place and yield the time at which it was taken.
+
+        Args:
+            model: Who is asked there; each of them is given up for itself.
+
+        Raises:
+            EndpointDown: When server or model is given up.
+        """
+        with self._free:
+            self._free.wait_for(
+                lambda: self._fault(model) is not None or self._running < max(1, int(self.window))
+            )
+            self.check(model)
+            self._running += 1
+        try:
+            yield self._clock()
+        finally:
+            with self._free:
+                self._running -= 1
+                self._free.notify_all()
+
+    def check(self, model: str = "") -> None:
+        """Raise `EndpointDown` when the server or this model of it is given up."""
+        if (fault := self._fault(model)) is not None:
+            raise EndpointDown(fault.endpoint, fault.reason)
+
+    def is_doubted(self, model: str = "") -> bool:
+        """Whether a model has failed so often in a row that a call gets one try only."""
+        failed = self._given_up.get(model)
+        return self.leniency > 1 and failed is not None and failed.total() >= self.strikes
+
+    def pause(self) -> float:
+        """Return how long nobody should ask, since the server said so."""
+        with self._free:
+            return max(0.0, self._not_before - self._clock())
+
+    def is_alive(
+        self, url: str, probe: Callable[[str, float], bool], within_s: float = math.inf
+    ) -> bool:
+        """Look whether the server responds to anything; calls that wait together look once.
+
+        Args:
+            url: Where the call that waits was sent.
+            probe: Told the address and the seconds that it may take.
+            within_s: How long the call goes on at most; with too little for a look, the server passes.
+        """
+        if self.patience_s is None:
+            return True
+        seconds = 0.25 * self.patience_s
+        if within_s < seconds or not self._looking.acquire(timeout=seconds):
+            return True
+        try:
+            if self._looked is None or self._clock() - self._looked[0] > seconds:
+                found = probe(url, seconds)
+                self._looked = (self._clock(), found)
+            return self._looked[1]
+        finally:
+            self._looking.release()
+
+    def succeeded(self, model: str = "") -> None:
+        """Take note of an answer."""
+        with self._free:
+            self._given_up.pop(model, None)
+            self._hear()
+            self.window = min(float(self.concurrency), self.window + 1.0 / self.window)
+            self._free.notify_all()
+
+    def failed(self, failure: Failure, begun: float, model: str = "") -> None:
+        """Take note of a try that failed.
+
+        Args:
+            failure: What went wrong.
+            begun: When its place was taken.
+            model: Who was asked.
+        """
+        with self._free:
+            if failure.kind != "unreachable":
+                self._hear()
+            if failure.kind == "limit":
+                self._not_before = max(
+                    self._not_before, self._clock() + (failure.retry_after or 0.0)
+                )
+                if begun > self._narrowed_at:
+                    self.window = max(1.0, self.window / 2.0)
+                    self._narrowed_at = self._clock()
+            elif failure.kind == "denied":
+                self._give_up(model, failure.message)
+            elif failure.kind == "unreachable":
+                since = (
+                    max(begun, self._heard) if self._silent_since is None else self._silent_since
+                )
+                self._silent_since = since
+                if self.patience_s is not None and self._clock() - since >= self.patience_s:
+                    silence = self._clock() - since
+                    self._give_up(None, f"no response for {silence:.0f} s; {failure.message}")
+
+    def given_up(self, failure: Failure, model: str = "") -> None:
+        """Take note of a call that will not be tried again."""
+        with self._free:
+            if failure.kind in _LENIENCY:
+                counts = self._given_up.setdefault(model, Counter())
+                counts[failure.kind] += 1
+                weights = {
+                    kind: max(1.0, min(self.leniency, most)) for kind, most in _LENIENCY.items()
+                }
+                if sum(counts[kind] / weights[kind] for kind in counts) >= self.strikes:
+                    count = counts.total()
+                    self._give_up(model, f"{count} calls in a row failed; {failure.message}")
+
+    def _hear(self) -> None:
+        self._heard = self._clock()
+        self._silent_since = None
+
+    def _fault(self, model: str) -> EndpointDown | None:
+        return self._down.get(None) or self._down.get(model)
+
+    def _give_up(self, model: str | None, reason: str) -> None:
+        if self.patience_s is None:
+            return
+        name = f"{model} at {self.name}" if model else self.name
+        self._down.setdefault(model, EndpointDown(name, reason))
+        self._free.notify_all()
+
+
+_LENIENCY: Mapping[str, float] = {
+    "limit": 1.0,
+    "unreachable": 2.0,
+    "erring": math.inf,
+    "late": math.inf,
+}
+"""Failures that count against a model, and how far leniency goes with them."""
+
+
+class Traffic:
+    """The budget, the prices and the endpoints of one run, shared by all its models.
+
+    Args:
+        caps: What the run may spend.
+        prices: By model name, where litellm knows none or another.
+        concurrency: Requests to one endpoint at once, at most.
+        patience_s: As for `Endpoint`.
+        strikes: As for `Endpoint`.
+        timeout_s: Longest time for one try, of models that have none of their own.
+        clock: Monotonic seconds.
+
+    Raises:
+        UsageError: When a price or a time cannot be one.
+    """
+
+    def __init__(
+        self,
+        caps: Caps | None = None,
+        *,
+        prices: Mapping[str, Price] | None = None,
+        concurrency: int = CONCURRENCY,
+        patience_s: float | None = PATIENCE_S,
+        strikes: int = STRIKES,
+        timeout_s: float = TIMEOUT_S,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.timeout_s = check_seconds("timeout_s", timeout_s)
+        if patience_s is not None:
+            check_seconds("patience_s", patience_s)
+        self.budget = Budget(caps, clock=clock)
+        self.prices = {model: check_price(model, price) for model, price in (prices or {}).items()}
+        self.concurrency = concurrency
+        self._settings = (patience_s, strikes, clock)
+        self._leniency = 1.0
+        self._closed = threading.Event()
+        self._closed_at = math.inf
+        self._endpoints: dict[str, Endpoint] = {}
+        self._lock = threading.Lock()
+
+    def endpoint(self, name: str) -> Endpoint:
+        """Return the endpoint of this name, the same one for every model that asks there."""
+        patience_s, strikes, clock = self._settings
+        with self._lock:
+            if name not in self._endpoints:
+                self._endpoints[name] = Endpoint(
+                    name,
+                    concurrency=self.concurrency,
+                    patience_s=patience_s,
+                    strikes=strikes,
+                    leniency=self._leniency,
+                    clock=clock,
+                )
+            return self._endpoints[name]
+
+    @contextmanager
+    def lenient(self, leniency: float) -> Iterator[None]:
+        """Treat failures as the items' own for a while: see `Endpoint`."""
+        before = self._leniency
+        self._set_leniency(leniency)
+        try:
+            yield
+        finally:
+            self._set_leniency(before)
+
+    def close(self) -> None:
+        """Begin no further request, wait for nothing, and leave what is under way after `GRACE_S`."""
+        with self._lock:
+            self._closed_at = min(self._closed_at, self._settings[2]())
+        self._closed.set()
+
+    def reopen(self) -> None:
+        """Allow requests again."""
+        self._closed_at = math.inf
+        self._closed.clear()
+
+    def check(self) -> None:
+        """Raise `RunStopped` when nobody waits for answers any more."""
+        if self._closed.is_set():
+            raise RunStopped("the run was interrupted; the same command continues it")
+
+    def is_over(self) -> bool:
+        """Whether requests that are under way are left."""
+        return self._settings[2]() - self._closed_at >= GRACE_S
+
+    def sleep(self, seconds: float) -> None:
+        """Wait, but not beyond an interruption."""
+        self._closed.wait(seconds)
+
+    def _set_leniency(self, leniency: float) -> None:
+        with self._lock:
+            self._leniency = leniency
+            for endpoint in self._endpoints.values():
+                endpoint.leniency = leniency

@@ -1,0 +1,79 @@
+"""The switch `OODSCEN_OFFLINE`: while it is set, nothing but this machine is contacted.
+
+It holds where sockets are opened, so whatever client is used and wherever a redirect, a proxy variable or a
+name leads it, the connection that is really made is what counts.
+"""
+
+import os
+import socket
+import sys
+from ipaddress import ip_address
+from typing import Any
+from urllib.parse import urlsplit
+
+from oodscen.llm._remote.call_bounds import active
+
+SWITCH = "OODSCEN_OFFLINE"
+
+
+class OutsideError(ConnectionRefusedError):
+    """A connection that the switch forbids; clients take it for one that the other side refused."""
+
+
+def is_offline() -> bool:
+    """Whether the switch is set: to anything but nothing and 0."""
+    return os.environ.get(SWITCH, "") not in ("", "0")
+
+
+def is_loopback(address: str | None) -> bool:
+    """Whether an address such as `http://127.0.0.1:8000/v1` is certain to be on this machine."""
+    try:
+        return _is_here(urlsplit(address or "").hostname or "")
+    except ValueError:
+        return False
+
+
+def enforce() -> None:
+    """Make this process heed the switch from now on, whenever it is set; once is enough."""
+    global _is_enforced
+    if not _is_enforced:
+        _is_enforced = True
+        sys.addaudithook(_refuse_outside)
+
+
+_is_enforced = False
+
+
+def _refuse_outside(event: str, arguments: tuple[Any, ...]) -> None:
+    host = _destination(event, arguments) if event.startswith("socket.") else ""
+    if not host or not is_offline() or _is_here(host):
+        return
+    if (bounds := active()) is not None:
+        bounds.stop("offline", host)
+    raise OutsideError(f"{SWITCH} is set, and {host} is not this machine")
+
+
+def _destination(event: str, arguments: tuple[Any, ...]) -> str:
+    """Return which host is about to be contacted, be it only to ask for its address; else nothing."""
+    host: object = ""
+    if event in ("socket.connect", "socket.sendto", "socket.sendmsg"):
+        endpoint, *_, address = arguments
+        if endpoint.family in (socket.AF_INET, socket.AF_INET6) and address is not None:
+            host = address[0]
+    elif event in ("socket.getaddrinfo", "socket.gethostbyname", "socket.gethostbyaddr"):
+        # An address that is written out is found without asking anybody.
+        is_asked = event == "socket.gethostbyaddr" or not _is_literal(arguments[0])
+        host = arguments[0] if is_asked else ""
+    return host.decode("ascii", "replace") if isinstance(host, bytes) else str(host or "")
+
+
+def _is_here(host: str) -> bool:
+    return host == "localhost" or (_is_literal(host) and ip_address(host).is_loopback)
+
+
+def _is_literal(host: object) -> bool:
+    try:
+        ip_address(str(host))
+    except ValueError:
+        return False
+    return True

@@ -1,1 +1,0 @@
-"""Language models: any provider through litellm, the built-in author, answerers that see nothing."""

@@ -1,0 +1,1 @@
+"""Detectors of OOD texts: calibration, anchors, separation, the off-topic guard."""

@@ -1,0 +1,131 @@
+"""What a score means: where it lies among those of ordinary texts that the baseline did not hold.
+
+A text of the baseline scored against the baseline finds itself, and scored against all others finds its
+near-duplicates. So whole groups of like texts are held out: the texts are grouped by the first text that
+they resemble (cosine of 0.8 or more), and each is scored against the texts of all other groups.
+
+    percentile     share of held-out texts that score below, in percent. In [0, 100].
+    conformal p    (1 + number of held-out texts that score at least as high) / (1 + number). In (0, 1]. If a text
+                   came from where the baseline comes from, p is at most a with a probability of at most a
+                   (Vovk et al., *Algorithmic learning in a random world*, 2005).
+
+What fools it: style. Ordinary text worded unlike the baseline has a small p, too: p speaks of the baseline's
+texts, not of driving.
+"""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from oodscen._seeding import stream
+from oodscen.data._base import Data
+from oodscen.metrics._vectors.similarity import Vectors
+
+_ALIKE = 0.8
+_MOST = 20_000
+_SAMPLE = 2_000
+_STEP = 512
+
+
+class Calibration(Data):
+    """The OOD-ness of a set among that of held-out groups of the baseline."""
+
+    noun: ClassVar[str] = "calibration"
+
+    percentiles: tuple[float, ...]
+    """One per text, in [0, 100]."""
+    p_values: tuple[float, ...]
+    """One per text: the conformal p-value, in (0, 1]."""
+    median_percentile: float
+    share_below_5_percent: float
+    """Share of texts with p at most 0.05; about 0.05 for text like the baseline."""
+    held_out: int = Field(ge=1)
+    """Number of held-out texts."""
+    groups: int = Field(ge=1)
+    """Number of groups of like texts that were held out one at a time."""
+    held_out_mean: float
+    """Mean OOD-ness of the held-out texts."""
+
+
+def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64], int]:
+    """Score each text of a baseline against the groups of texts that it is not in.
+
+    Args:
+        vectors: [N, d], rows of unit length or zero; at least two.
+        seed: Of the sample that stands for a baseline of more than 20,000 texts.
+
+    Returns:
+        OOD-ness (`tabulated`) of up to 2,000 texts, and the number of groups. Where all texts are of one
+        group, each text is a group of its own.
+    """
+    if len(vectors) > _MOST:
+        chosen = np.sort(stream(seed, "calibration").permutation(len(vectors))[:_MOST])
+        vectors = np.ascontiguousarray(vectors[chosen])
+    group = like_groups(vectors)
+    if not group.any():
+        group = np.arange(len(vectors))
+    asked = np.arange(len(vectors))
+    if len(asked) > _SAMPLE:
+        asked = np.sort(stream(seed, "calibration", "asked").permutation(len(asked))[:_SAMPLE])
+    found = np.empty(len(asked))
+    for first in range(0, len(asked), _STEP):
+        rows = asked[first : first + _STEP]
+        cosines = vectors[rows] @ vectors.T
+        cosines[group[rows, None] == group] = -np.inf
+        found[first : first + _STEP] = -np.clip(cosines.max(axis=1), -1.0, 1.0)
+    return found, int(group.max()) + 1
+
+
+def like_groups(vectors: Vectors, threshold: float = _ALIKE) -> NDArray[np.int64]:
+    """Group rows by the first row that they resemble: each joins it, or starts a group of its own.
+
+    Returns:
+        [n], number of the group, in order of appearance.
+    """
+    n = len(vectors)
+    group = np.full(n, -1, np.int64)
+    leaders = np.empty_like(vectors)
+    count = 0
+    for first in range(0, n, _STEP):
+        block = vectors[first : first + _STEP]
+        if count:
+            cosines = block @ leaders[:count].T
+            place = cosines.argmax(axis=1)
+            near = cosines[np.arange(len(block)), place] >= threshold
+            group[first : first + _STEP][near] = place[near]
+        among = block @ block.T
+        start = count
+        fresh: list[int] = []
+        for row in np.flatnonzero(group[first : first + _STEP] < 0).tolist():
+            joined = next((k for k in fresh if among[row, k] >= threshold), None)
+            if joined is None:
+                fresh.append(row)
+                leaders[count] = block[row]
+                group[first + row] = count
+                count += 1
+            else:
+                group[first + row] = start + fresh.index(joined)
+    return group
+
+
+def calibrate(
+    values: Sequence[float] | NDArray[np.float64], held_out: NDArray[np.float64], groups: int
+) -> Calibration:
+    """Place scores among those of held-out texts."""
+    scores = np.asarray(values, np.float64)
+    order = np.sort(held_out)
+    below = np.searchsorted(order, scores - 1e-9, "left")
+    p_values = (1 + len(order) - below) / (1 + len(order))
+    percentiles = 100.0 * below / len(order)
+    return Calibration(
+        percentiles=tuple(percentiles.tolist()),
+        p_values=tuple(p_values.tolist()),
+        median_percentile=float(np.median(percentiles)),
+        share_below_5_percent=float((p_values <= 0.05).mean()),
+        held_out=len(order),
+        groups=groups,
+        held_out_mean=float(held_out.mean()),
+    )

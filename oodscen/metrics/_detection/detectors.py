@@ -1,0 +1,245 @@
+r"""Detectors: other answers than OOD-ness to how far each text lies from a baseline, behind one signature.
+
+All are fitted to ordinary text alone; higher is more OOD. Let e be the embedding of a text, b those of
+the baseline, mu and Sigma their mean and covariance.
+
+    kth           -(k-th largest cos(b, e)), k = 10. In [-1, 1]. Sun et al., *Out-of-distribution
+                  detection with deep nearest neighbors*, 2022. Fooled by style, as OOD-ness is; one
+                  odd baseline text no longer hides an OOD one.
+    mahalanobis   sqrt((e - mu)^T S^-1 (e - mu)), S = Sigma shrunk to a multiple of the identity by Ledoit
+                  and Wolf's formula (2004). At least 0. Lee et al., 2018. Fooled by long and mixed texts, whose
+                  vectors lie near mu.
+    density       mean distance 1 - cos to the 10 nearest baseline texts, over what these have to their own 10
+                  nearest. At least 0; about 1 for ordinary text. After Breunig et al., *LOF*, 2000. Fooled by
+                  near-duplicates in the baseline, next to which everything is sparse.
+    whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: what varies much among ordinary texts (place,
+                  wording) counts less. In [-1, 1]. Fooled by rare words in ordinary texts.
+    events        judgement + novelty + leaning / 2, each in standard deviations of the baseline about its mean.
+                  *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on S^-1 a,
+                  where a points from ordinary to not ordinary (`oodscen.metrics._detection.anchors`) and S is Sigma shrunk by
+                  0.3; *novelty* the largest distance of a clause to the nearest clause of another baseline text;
+                  *leaning* how much nearer the nearest anchor for a kind of event is than the nearest one for its
+                  absence, for the text and its clauses (averaged). About 0 for ordinary text, unbounded. Its
+                  own, not from the paper. Fooled by ordinary text that mentions danger ("a fire engine returns to
+                  its station"), by OOD text in mild words, and by kinds of events that no anchor speaks of.
+
+Which of them is best, with their errors, is in `docs/metrics.md`.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.errors import UnknownComponent
+from oodscen.metrics._clauses import clauses
+from oodscen.metrics._detection.anchors import anchors
+from oodscen.metrics._vectors.similarity import Vectors, largest, nearest, unit
+
+DetectorName = Literal["kth", "mahalanobis", "density", "whitened", "events"]
+DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
+
+Encode = Callable[[Sequence[str]], Vectors]
+"""Gives vectors of unit length or zero."""
+Scores = NDArray[np.float64]
+
+_K = 10
+_SHRUNK = 0.3
+_QUARTER = 0.25
+_STEP = 2048
+
+
+class Detectors:
+    """The detectors of one baseline, each fitted when it is first asked for.
+
+    Args:
+        texts: Of the baseline.
+        vectors: [N, d] of the baseline, rows of unit length or zero.
+        encode: Encodes other texts by the same encoder.
+    """
+
+    def __init__(self, texts: Sequence[str], vectors: Vectors, encode: Encode) -> None:
+        self._texts = texts
+        self._vectors = vectors
+        self._encode = encode
+        self._mean = vectors.mean(axis=0, dtype=np.float64)
+        self._fitted: dict[str, Callable[[Sequence[str], Vectors], Scores]] = {}
+
+    def score(self, name: DetectorName, texts: Sequence[str], vectors: Vectors) -> Scores:
+        """Return one score per text, higher for what is more OOD.
+
+        Args:
+            name: Of the detector.
+            texts: At least one.
+            vectors: [n, d] of the texts, rows of unit length or zero.
+
+        Raises:
+            UnknownComponent: When there is no such detector.
+        """
+        if name not in DETECTORS:
+            raise UnknownComponent("definition", str(name), DETECTORS)
+        if name not in self._fitted:
+            fit = {
+                "kth": self._kth,
+                "mahalanobis": self._mahalanobis,
+                "density": self._density,
+                "whitened": self._whitened,
+                "events": self._events,
+            }[name]
+            self._fitted[name] = fit()
+        return self._fitted[name](texts, vectors)
+
+    def _kth(self) -> Callable[[Sequence[str], Vectors], Scores]:
+        k = min(_K, len(self._vectors))
+        return lambda _, vectors: 0.0 - largest(vectors, self._vectors, k)[0][:, -1]
+
+    def _density(self) -> Callable[[Sequence[str], Vectors], Scores]:
+        n = len(self._vectors)
+        k = min(_K, max(n - 1, 1))
+        skip = np.arange(n) if n > 1 else None
+        own = 1.0 - largest(self._vectors, self._vectors, k, skip)[0].mean(axis=1)
+
+        def score(_: Sequence[str], vectors: Vectors) -> Scores:
+            cosines, places = largest(vectors, self._vectors, k)
+            around = own[places].mean(axis=1)
+            return np.asarray((1.0 - cosines.mean(axis=1)) / np.maximum(around, 1e-6), np.float64)
+
+        return score
+
+    def _mahalanobis(self) -> Callable[[Sequence[str], Vectors], Scores]:
+        covariance = self._covariance()
+        inverse = np.linalg.pinv(shrunk(covariance, ledoit_wolf(self._vectors - self._mean)))
+
+        def score(_: Sequence[str], vectors: Vectors) -> Scores:
+            apart = vectors - self._mean
+            squared = np.einsum("ij,jk,ik->i", apart, inverse, apart, optimize=True)
+            return np.asarray(np.sqrt(np.maximum(squared, 0.0)), np.float64)
+
+        return score
+
+    def _whitened(self) -> Callable[[Sequence[str], Vectors], Scores]:
+        values, axes = np.linalg.eigh(self._covariance())
+        floor = max(float(values.mean()) * 0.04, 1e-12)
+        scale = axes / (np.maximum(values, 0.0) + floor) ** _QUARTER
+        known = self._turned(self._vectors, scale)
+        return lambda _, vectors: 0.0 - nearest(self._turned(vectors, scale), known).cosine
+
+    def _turned(self, vectors: Vectors, scale: NDArray[np.float64]) -> Vectors:
+        return unit(((vectors - self._mean) @ scale).astype(np.float32))
+
+    def _events(self) -> Callable[[Sequence[str], Vectors], Scores]:
+        direction = np.linalg.pinv(shrunk(self._covariance(), _SHRUNK)) @ self._axis()
+        kinds = anchors()[-1]
+        calm, odd = (self._encode([pair[side] for pair in kinds]) for side in (0, 1))
+
+        def leaning(rows: Vectors) -> Scores:
+            return np.asarray((rows @ odd.T).max(axis=1) - (rows @ calm.T).max(axis=1), np.float64)
+
+        parts, owner = _cut(self._texts)
+        known = self._encode(parts)
+        samples = (
+            self._vectors @ direction,
+            _by_text(known @ direction, owner, "mean"),
+            _by_text(_novelty_within(known, owner), owner, "max"),
+            leaning(self._vectors),
+            _by_text(leaning(known), owner, "mean"),
+        )
+        standards = [_Standard(values) for values in samples]
+        weights = np.array([0.5, 0.5, 1.0, 0.25, 0.25])
+
+        def score(texts: Sequence[str], vectors: Vectors) -> Scores:
+            own_parts, whose = _cut(texts)
+            found = self._encode(own_parts)
+            values = (
+                vectors @ direction,
+                _by_text(found @ direction, whose, "mean"),
+                _by_text(1.0 - nearest(found, known).cosine, whose, "max"),
+                leaning(vectors),
+                _by_text(leaning(found), whose, "mean"),
+            )
+            placed = [standard(one) for standard, one in zip(standards, values, strict=True)]
+            return np.asarray(weights @ np.array(placed), np.float64)
+
+        return score
+
+    def _axis(self) -> NDArray[np.float64]:
+        total = np.zeros(self._vectors.shape[1])
+        for pairs in anchors():
+            calm = self._encode([pair[0] for pair in pairs]).astype(np.float64)
+            odd = self._encode([pair[1] for pair in pairs]).astype(np.float64)
+            step = (odd - calm).mean(axis=0)
+            total += step / max(float(np.linalg.norm(step)), 1e-12)
+        return total
+
+    def _covariance(self) -> NDArray[np.float64]:
+        apart = self._vectors.astype(np.float64) - self._mean
+        return np.asarray(apart.T @ apart / len(apart), np.float64)
+
+
+def shrunk(covariance: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    """Return a covariance moved by `share` towards the multiple of the identity with its trace."""
+    size = len(covariance)
+    level = float(np.trace(covariance)) / size
+    return (1.0 - share) * covariance + share * level * np.eye(size)
+
+
+def ledoit_wolf(apart: NDArray[np.floating]) -> float:
+    """Return the share by which to shrink the covariance of [n, d] rows about their mean.
+
+    Source: Ledoit and Wolf, *A well-conditioned estimator for large-dimensional covariance matrices*,
+    2004. In [0, 1]; 1 where rows do not differ.
+    """
+    rows = np.asarray(apart, np.float64)
+    n, size = rows.shape
+    covariance = rows.T @ rows / n
+    level = float(np.trace(covariance)) / size
+    spread = float(np.square(covariance).sum()) / size - level**2
+    if spread <= 0.0:
+        return 1.0
+    squared = np.square(rows).sum(axis=1)
+    error = float(np.square(squared).sum()) / n - float(np.square(covariance).sum())
+    return float(np.clip(error / (n * size) / spread, 0.0, 1.0))
+
+
+class _Standard:
+    """Values in standard deviations of a sample about its mean."""
+
+    def __init__(self, sample: NDArray[np.floating]) -> None:
+        self._mean = float(np.mean(sample))
+        spread = float(np.std(sample))
+        self._spread = spread if spread > 1e-9 else 1.0
+
+    def __call__(self, values: NDArray[np.floating]) -> Scores:
+        return np.asarray((values - self._mean) / self._spread, np.float64)
+
+
+def _cut(texts: Sequence[str]) -> tuple[list[str], NDArray[np.int64]]:
+    """Return all clauses, and for each the place of its text."""
+    found = [clauses(text) for text in texts]
+    owner = np.repeat(np.arange(len(texts)), [len(parts) for parts in found])
+    return [part for parts in found for part in parts], owner
+
+
+def _by_text(
+    values: NDArray[np.floating], owner: NDArray[np.int64], how: Literal["mean", "max"]
+) -> Scores:
+    """Sum up the values of clauses by text; clauses of a text follow each other."""
+    starts = np.flatnonzero(np.r_[True, owner[1:] != owner[:-1]])
+    wide = np.asarray(values, np.float64)
+    if how == "max":
+        return np.asarray(np.maximum.reduceat(wide, starts), np.float64)
+    return np.asarray(np.add.reduceat(wide, starts) / np.bincount(owner), np.float64)
+
+
+def _novelty_within(parts: Vectors, owner: NDArray[np.int64]) -> Scores:
+    """Return the distance of each clause to the nearest clause of another text."""
+    if owner[0] == owner[-1]:
+        return np.zeros(len(parts))
+    found = np.empty(len(parts))
+    for first in range(0, len(parts), _STEP):
+        rows = slice(first, first + _STEP)
+        cosines = parts[rows] @ parts.T
+        cosines[owner[rows, None] == owner] = -1.0
+        found[rows] = 1.0 - cosines.max(axis=1)
+    return found

@@ -1,0 +1,108 @@
+"""Diversity: how much the texts of a set differ from one another.
+
+Source: the paper's section Metrics: `div = -sim`, where `sim` is the mean over j of the largest
+cosine between text j and any other text. Two definitions are computed:
+
+    nearest     -mean_j max_{k != j} cos(e_j, e_k)     as printed
+    pairwise    -mean_{j < k} cos(e_j, e_k)            what the paper's table fits
+
+Both lie in [-1, 1]; higher is more diverse; -1 means that all texts are the same. The nearest text
+comes closer with every text that is added, so `nearest` falls as a set grows, and the paper's values
+(-0.635, -0.638, -0.642 for 10, 100 and 1000 texts) do not. `pairwise` does not depend on the size on
+average. Sets of different size must not be compared by `nearest`: `Metrics.compare` draws equal sizes.
+
+What fools it: near-duplicates (one copy per text makes `nearest` -1 while `pairwise` hardly moves), a
+common opening phrase (lowers both), and text about anything else (raises both).
+"""
+
+from typing import ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from oodscen._statistics.resampling import Interval, bootstrap_mean, bootstrap_pairwise
+from oodscen.data._base import Data
+from oodscen.metrics._vectors.similarity import Vectors, nearest_other
+
+
+class Diversity(Data):
+    """The diversity of a set of texts. See `oodscen.metrics._diversity` for formulas and traps."""
+
+    noun: ClassVar[str] = "diversity"
+
+    nearest: float | None
+    """In [-1, 1], higher is more diverse; falls as the set grows. `None` for a single text."""
+    pairwise: float | None
+    """In [-1, 1], higher is more diverse. `None` for a single text."""
+    nearest_interval: Interval | None
+    """Of `nearest`, with each text's neighbour held fixed."""
+    pairwise_interval: Interval | None
+    nearest_index: tuple[int, ...]
+    """For each text the place of the text most like it; empty for a single text."""
+    n: int = Field(ge=1)
+    encoder: str
+    seed: int = 0
+    """Of the bootstrap."""
+    reason: str = ""
+    """Why there is no value, where there is none."""
+
+
+def diversity(
+    vectors: Vectors, encoder: str, clusters: tuple[str, ...] | None = None, *, seed: int = 0
+) -> Diversity:
+    """Compute both definitions.
+
+    Args:
+        vectors: [n, d], rows of unit length or zero.
+        encoder: Name of the encoder.
+        clusters: [n] labels of texts that belong together, for the intervals.
+        seed: Of the bootstrap.
+    """
+    n = len(vectors)
+    if n < 2:
+        return Diversity(
+            nearest=None,
+            pairwise=None,
+            nearest_interval=None,
+            pairwise_interval=None,
+            nearest_index=(),
+            n=n,
+            encoder=encoder,
+            seed=seed,
+            reason="one text has no other to differ from",
+        )
+    found = nearest_other(vectors)
+    nearest = bootstrap_mean(0.0 - found.cosine, clusters, seed=seed)
+    pairwise = bootstrap_pairwise(vectors, clusters, seed=seed)
+    return Diversity(
+        nearest=0.0 - float(found.cosine.mean()),
+        pairwise=0.0 - mean_pairwise(vectors),
+        nearest_interval=nearest,
+        pairwise_interval=_negated(pairwise),
+        nearest_index=tuple(found.index.tolist()),
+        n=n,
+        encoder=encoder,
+        seed=seed,
+    )
+
+
+def mean_nearest(vectors: Vectors) -> float:
+    """Return the mean over texts of the largest cosine to another text; at least two rows."""
+    return float(nearest_other(vectors).cosine.mean())
+
+
+def mean_pairwise(vectors: Vectors) -> float:
+    """Return the mean cosine over all pairs; at least two rows of unit length or zero.
+
+    All cosines of a set sum to the squared length of its sum: no matrix of pairs is built.
+    """
+    wide = vectors.astype(np.float64)
+    n = len(wide)
+    pairs = np.square(wide.sum(axis=0)).sum() - np.square(wide).sum()
+    return float(np.clip(pairs / (n * (n - 1)), -1.0, 1.0))
+
+
+def _negated(interval: Interval | None) -> Interval | None:
+    if interval is None:
+        return None
+    return interval.model_copy(update={"low": -interval.high, "high": -interval.low})

@@ -1,0 +1,83 @@
+"""Scoring a file of texts: what the command `oodscen score` does."""
+
+from pathlib import Path
+
+from oodscen.baselines._baseline import Baseline, load_baseline
+from oodscen.baselines._texts import Record, read_records
+from oodscen.errors import UsageError
+from oodscen.metrics._metrics import Metrics
+from oodscen.metrics._oodness import Definition
+from oodscen.metrics._report import Report
+from oodscen.metrics._table import Table, paper_table
+from oodscen.protocols import Encoder
+
+
+def score_file(
+    path: str | Path,
+    *,
+    baseline: str | Path | Baseline | None = None,
+    encoder: Encoder | None = None,
+    band: tuple[float, float] | None = None,
+    definition: Definition = "tabulated",
+    seed: int = 0,
+) -> Report:
+    """Read texts from a file and report their OOD-ness and diversity.
+
+    Args:
+        path: Plain lines, JSON lines with `text` (and `path` or `leaf`, if known), a JSON list, or
+            CSV with a column `text`.
+        baseline: A file of the same kinds, or a baseline; by default the one that is shipped.
+        encoder: By default all-MiniLM-L6-v2.
+        band: Bounds of OOD-ness; only the texts inside are reported.
+        definition: Of OOD-ness.
+        seed: Of the bootstrap.
+
+    Raises:
+        DataError: When a file cannot be read, or a line has no text.
+        UsageError: When no text lies inside the band.
+        EncoderError: When the encoder fails.
+    """
+    records = read_records(path)
+    reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline
+    metrics = Metrics(encoder, reference, seed=seed)
+    texts = [record.text for record in records]
+    if band is None:
+        return metrics.report(texts, _groups(records), definition=definition)
+    kept = metrics.band(texts, *band, definition=definition)
+    if not kept.texts:
+        raise UsageError(
+            f"none of the {len(texts)} texts has an OOD-ness in [{band[0]}, {band[1]}]; "
+            f"theirs lie in [{min(kept.scores):.3f}, {max(kept.scores):.3f}]"
+        )
+    records = [records[index] for index in kept.indices]
+    report = metrics.report(kept.texts, _groups(records), definition=definition)
+    return report.model_copy(update={"band": kept})
+
+
+def table_of_file(
+    path: str | Path,
+    *,
+    baseline: str | Path | Baseline | None = None,
+    encoder: Encoder | None = None,
+    seed: int = 0,
+) -> Table:
+    """Read texts from a file and compute the paper's table for them.
+
+    Args:
+        path: As for `score_file`.
+        baseline: Likewise, e.g. DriveLM's `v1_1_train_nus.json`.
+        encoder: By default all-MiniLM-L6-v2.
+        seed: Of the draws.
+
+    Raises:
+        DataError: When a file cannot be read, or a line has no text.
+        EncoderError: When the encoder fails.
+    """
+    texts = [record.text for record in read_records(path)]
+    reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline
+    return paper_table(Metrics(encoder, reference, seed=seed), texts)
+
+
+def _groups(records: list[Record]) -> tuple[str, ...] | None:
+    labels = tuple(record.group for record in records if record.group is not None)
+    return labels if len(labels) == len(records) else None

@@ -1,0 +1,92 @@
+r"""Choosing the n most diverse of many texts, inside a band of OOD-ness.
+
+    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor of 2 of
+                    the best smallest distance (Gonzalez, 1985). Seeks the rim: outliers come first.
+    determinantal   greedy maximum a posteriori of a determinantal point process with the cosines as kernel: the
+                    next text adds most volume (Chen, Zhang and Zhou, *Fast greedy MAP inference for
+                    determinantal point process*, 2018). Spans directions; among as many texts as dimensions,
+                    then it falls back to max-min.
+
+Both are deterministic: the first text is the one farthest from the mean of all, and of equals the first in order.
+Time grows with n times the number of candidates, memory with the number of candidates times the smaller of n
+and d. Duplicates of a chosen text are taken last.
+
+What fools them: off-topic text and gibberish are the most diverse of all. Set a band, and the guard, first.
+"""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.errors import UsageError
+from oodscen.metrics._vectors.similarity import Vectors
+
+Method = Literal["max-min", "determinantal"]
+_GONE = np.float32(1e-5)
+
+
+def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
+    """Return the places of n rows that differ most from one another, in the order of their choice.
+
+    Args:
+        vectors: [m, d], rows of unit length or zero.
+        n: How many, at most m.
+        method: `max-min` or `determinantal`.
+
+    Raises:
+        UsageError: When there are fewer rows, or no such method.
+    """
+    if not 0 < n <= len(vectors):
+        raise UsageError(f"{n} texts cannot be chosen from {len(vectors)}")
+    if method not in ("max-min", "determinantal"):
+        raise UsageError(f"there is no selection {method!r}; choose max-min or determinantal")
+    rows = np.ascontiguousarray(vectors, np.float32)
+    first = int((rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32)).argmin())
+    if method == "max-min":
+        return _spread(rows, [first], n)
+    return _spread(rows, _spanning(rows, first, n), n)
+
+
+def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
+    """Add to the chosen rows those that lie farthest from them."""
+    found = list(chosen)
+    near = np.full(len(rows), -np.inf, np.float32)
+    for place in found:
+        np.maximum(near, rows @ rows[place], out=near)
+    near[found] = np.inf
+    while len(found) < n:
+        place = int(near.argmin())
+        found.append(place)
+        np.maximum(near, rows @ rows[place], out=near)
+        near[place] = np.inf
+    return np.array(found, np.int64)
+
+
+def _spanning(rows: Vectors, first: int, n: int) -> list[int]:
+    """Choose rows by the volume that each adds, until none adds any.
+
+    The rest of every row, without what the chosen ones span, has the length that a Cholesky factor of the kernel
+    has on its diagonal: directions of d values take the place of its columns of m.
+    """
+    most = min(n, rows.shape[1])
+    left = np.square(rows).sum(axis=1)
+    directions = np.zeros((most, rows.shape[1]), np.float32)
+    found: list[int] = []
+    place = first
+    while len(found) < most and left[place] > _GONE:
+        own = rows[place].astype(np.float64)
+        known = directions[: len(found)].astype(np.float64)
+        # Twice, since one pass of Gram and Schmidt loses what is nearly spanned.
+        own -= known.T @ (known @ own)
+        own -= known.T @ (known @ own)
+        length = float(np.linalg.norm(own))
+        if length**2 <= _GONE:
+            left[place] = 0.0
+        else:
+            directions[len(found)] = own / length
+            left -= np.square(rows @ directions[len(found)])
+            found.append(place)
+        left[found] = -np.inf
+        place = int(left.argmax())
+    return found

@@ -1,0 +1,122 @@
+"""The table of the paper, both definitions of either figure side by side."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from oodscen._seeding import stream
+from oodscen.data._base import Data
+from oodscen.data._scenario import Scenario
+from oodscen.metrics._metrics import Metrics
+
+SIZES = (10, 100, 1000)
+
+
+class TableRow(Data):
+    """One set of texts; means over random draws of its size."""
+
+    noun: ClassVar[str] = "row of the table"
+
+    label: str
+    n: int
+    tabulated: float
+    printed: float
+    nearest: float | None
+    pairwise: float | None
+
+
+class Table(Data):
+    """What the paper tabulates, for texts and a baseline of one's own."""
+
+    noun: ClassVar[str] = "table"
+
+    rows: tuple[TableRow, ...]
+    N: int
+    encoder: str
+    baseline: str
+    baseline_digest: str
+    repeats: int
+    seed: int
+
+    def __str__(self) -> str:
+        head = f"{'':24}{'n':>6}  {'OOD-ness':>10}{'':>10}  {'diversity':>10}"
+        names = f"{'':24}{'':>6}  {'tabulated':>10}{'printed':>10}  {'nearest':>10}{'pairwise':>10}"
+        lines = [f"against {self.N} of {self.baseline} by {self.encoder}", head, names]
+        for row in self.rows:
+            figures = (row.tabulated, row.printed, row.nearest, row.pairwise)
+            one, two, three, four = ("" if x is None else f"{x:+.3f}" for x in figures)
+            lines.append(f"{row.label:24}{row.n:>6}  {one:>10}{two:>10}  {three:>10}{four:>10}")
+        return "\n".join(lines)
+
+
+def paper_table(
+    metrics: Metrics,
+    texts: Sequence[str | Scenario],
+    *,
+    sizes: Sequence[int] = SIZES,
+    repeats: int = 10,
+) -> Table:
+    """Compute the paper's table: batches of the baseline, and random draws of the texts by size.
+
+    Args:
+        metrics: With the baseline to measure against.
+        texts: The scenarios; all of them make the last row.
+        sizes: Of the draws; those above the number of texts are left out.
+        repeats: Draws per size, as in the paper; figures are their means.
+    """
+    plain = [item.text if isinstance(item, Scenario) else item for item in texts]
+    batch = max(1, min(100, len(metrics.baseline) // 2))
+    own = metrics.baseline_diversity()
+    rows = [
+        TableRow(
+            label="baseline, batches",
+            n=batch,
+            tabulated=metrics.baseline_batch(batch, repeats).mean,
+            printed=metrics.baseline_batch(batch, repeats, definition="printed").mean,
+            nearest=None,
+            pairwise=None,
+        ),
+        TableRow(
+            label="baseline, all",
+            n=len(metrics.baseline),
+            tabulated=-1.0,
+            printed=metrics.oodness(metrics.baseline.texts, "printed").mean,
+            nearest=own.nearest,
+            pairwise=own.pairwise,
+        ),
+    ]
+    for size in (*(size for size in sizes if size < len(plain)), len(plain)):
+        draws = stream(metrics.seed, "paper-table", size)
+        found = []
+        for _ in range(repeats if size < len(plain) else 1):
+            some = [plain[place] for place in draws.permutation(len(plain))[:size]]
+            spread = metrics.diversity(some)
+            found.append(
+                (
+                    metrics.oodness(some).mean,
+                    metrics.oodness(some, "printed").mean,
+                    np.nan if spread.nearest is None else spread.nearest,
+                    np.nan if spread.pairwise is None else spread.pairwise,
+                )
+            )
+        mean = np.mean(found, axis=0).tolist()
+        rows.append(
+            TableRow(
+                label="texts, all" if size == len(plain) else "texts, draws",
+                n=size,
+                tabulated=mean[0],
+                printed=mean[1],
+                nearest=mean[2] if size > 1 else None,
+                pairwise=mean[3] if size > 1 else None,
+            )
+        )
+    return Table(
+        rows=tuple(rows),
+        N=len(metrics.baseline),
+        encoder=metrics.encoder.name,
+        baseline=metrics.baseline.name,
+        baseline_digest=metrics.baseline.digest(),
+        repeats=repeats,
+        seed=metrics.seed,
+    )

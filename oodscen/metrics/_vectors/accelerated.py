@@ -1,0 +1,78 @@
+"""The same cosines through torch, on a graphics processor where there is one.
+
+`nearest` gives what `oodscen.metrics._vectors.similarity.nearest` gives, to the last few bits: sums are taken in
+float32 (never TF32) and in another order, so two references that are equally near to 1e-6 may change
+places. torch is imported when a device is asked for.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from oodscen.errors import MissingExtra, UsageError
+from oodscen.metrics._vectors.similarity import Nearest, Rows, Vectors
+
+_ROWS = 8192
+_COLUMNS = 8192
+
+
+def chosen_device(name: str) -> str:
+    """Return `cpu`, or the torch device that `name` asks for; `auto` is CUDA where there is one.
+
+    Raises:
+        MissingExtra: When torch is not installed and a device was asked for by name.
+        UsageError: When torch has no such device here.
+    """
+    if name == "cpu":
+        return name
+    try:
+        import torch
+    except ImportError:
+        if name == "auto":
+            return "cpu"
+        raise MissingExtra(f"the device {name}", "encoder", "torch") from None
+    if name == "auto":
+        return "cuda" if torch.cuda.is_available() else "cpu"
+    try:
+        torch.empty(0, device=name)
+    except (RuntimeError, AssertionError) as error:
+        first = str(error).splitlines()[0]
+        raise UsageError(f"torch cannot use the device {name!r} here: {first}") from None
+    return name
+
+
+def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
+    """Find the nearest reference of each query on a torch device.
+
+    Args:
+        queries: [n, d], rows of unit length or zero.
+        references: [m, d], likewise; read once, in blocks.
+        device: `cuda`, `cuda:1`, ..., or `cpu` for torch's own product on the processor.
+    """
+    import torch
+
+    n = len(queries)
+    best = torch.full((n,), -float("inf"), device=device)
+    index = torch.zeros(n, dtype=torch.int64, device=device)
+    allowed = torch.backends.cuda.matmul.allow_tf32
+    torch.backends.cuda.matmul.allow_tf32 = False
+    try:
+        for first in range(0, len(references), _COLUMNS):
+            block = _sent(references[first : first + _COLUMNS], device)
+            for row in range(0, n, _ROWS):
+                rows = slice(row, min(row + _ROWS, n))
+                value, place = (_sent(queries[rows], device) @ block.T).max(dim=1)
+                better = value > best[rows]
+                best[rows] = torch.where(better, value, best[rows])
+                index[rows] = torch.where(better, place + first, index[rows])
+    finally:
+        torch.backends.cuda.matmul.allow_tf32 = allowed
+    cosine = np.clip(best.cpu().numpy().astype(np.float64), -1.0, 1.0)
+    return Nearest(cosine, index.cpu().numpy())
+
+
+def _sent(rows: Vectors, device: str) -> Any:
+    import torch
+
+    # A memory map is read-only, which torch.from_numpy warns of: an array of its own is not.
+    return torch.from_numpy(np.array(rows, np.float32)).to(device)

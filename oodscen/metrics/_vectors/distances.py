@@ -1,0 +1,94 @@
+r"""Distances between two sets of texts, and measures of one set, from embeddings.
+
+    mmd            unbiased squared maximum mean discrepancy with the kernel exp(-|x - y|^2 / 2 s^2), s the median
+                   distance within the reference. About 0 for two draws of one source (may be negative), at
+                   most 2. Gretton et al., *A kernel two-sample test*, 2012. Fooled by style; needs some
+                   dozens of texts.
+    frechet        |m1 - m2|^2 + tr(S1 + S2 - 2 (S1 S2)^1/2). At least 0; 0 for equal sets. Dowson and Landau, 1982;
+                   Heusel et al., 2017. Grows as a set shrinks below some thousand texts: compare equal sizes only.
+    vendi          exp of the entropy of the eigenvalues of K / n, K the cosines of the set. In [1, n]; the
+                   effective number of different texts. Friedman and Dieng, 2023. Fooled by off-topic text.
+    remote_clique  mean distance 1 - cos over all pairs: 1 + `pairwise` diversity. In [0, 2].
+
+Sets of different size are not comparable by `vendi` and `frechet`.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.errors import UsageError
+from oodscen.metrics._diversity import mean_pairwise
+from oodscen.metrics._vectors.similarity import Vectors
+
+_STEP = 1024
+_MEDIAN = 1000
+
+
+def mmd(a: Vectors, b: Vectors) -> float:
+    """Return the unbiased squared maximum mean discrepancy of two sets, `b` being the reference.
+
+    Args:
+        a: [n, d], rows of unit length or zero, n at least 2.
+        b: [m, d], likewise.
+    """
+    _need(2, a, b)
+    some = b[:: max(1, len(b) // _MEDIAN)].astype(np.float64)
+    spread = float(np.median(_squared(some, some)[np.triu_indices(len(some), 1)]))
+    scale = spread if spread > 0.0 else 1.0
+    within = [(_kernel_sum(x, x, scale) - len(x)) / (len(x) * (len(x) - 1)) for x in (a, b)]
+    return within[0] + within[1] - 2.0 * _kernel_sum(a, b, scale) / (len(a) * len(b))
+
+
+def frechet(a: Vectors, b: Vectors) -> float:
+    """Return the Fréchet distance of two normal distributions fitted to two sets of at least 2."""
+    _need(2, a, b)
+    (mean_a, cov_a), (mean_b, cov_b) = _moments(a), _moments(b)
+    values, axes = np.linalg.eigh(cov_a)
+    root = axes * np.sqrt(np.maximum(values, 0.0)) @ axes.T
+    between = np.linalg.eigvalsh(root @ cov_b @ root)
+    trace = np.trace(cov_a) + np.trace(cov_b) - 2.0 * np.sqrt(np.maximum(between, 0.0)).sum()
+    return max(float(np.square(mean_a - mean_b).sum() + trace), 0.0)
+
+
+def vendi(vectors: Vectors) -> float:
+    """Return the Vendi score of a set; a zero vector counts as one that is unlike all others."""
+    _need(1, vectors)
+    wide = vectors.astype(np.float64)
+    n, size = wide.shape
+    empty = int((np.square(wide).sum(axis=1) == 0.0).sum())
+    # K and the d x d matrix have the same eigenvalues besides zeros: the smaller one is enough.
+    gram = wide.T @ wide if n > size else wide @ wide.T
+    values = np.concatenate([np.linalg.eigvalsh(gram), np.ones(empty)]) / n
+    positive = values[values > 1e-12]
+    return float(np.exp(-(positive * np.log(positive)).sum()))
+
+
+def remote_clique(vectors: Vectors) -> float:
+    """Return the mean distance 1 - cos over all pairs of a set of at least 2."""
+    _need(2, vectors)
+    return 1.0 - mean_pairwise(vectors)
+
+
+def _need(least: int, *sets: Vectors) -> None:
+    for vectors in sets:
+        if len(vectors) < least:
+            raise UsageError(f"needs at least {least} texts in a set, and one has {len(vectors)}")
+
+
+def _moments(vectors: Vectors) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    wide = vectors.astype(np.float64)
+    mean = wide.mean(axis=0)
+    return mean, np.atleast_2d((wide - mean).T @ (wide - mean) / (len(wide) - 1))
+
+
+def _squared(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths = np.square(a).sum(axis=1)[:, None] + np.square(b).sum(axis=1)
+    return np.asarray(np.maximum(lengths - 2.0 * (a @ b.T), 0.0), np.float64)
+
+
+def _kernel_sum(a: Vectors, b: Vectors, scale: float) -> float:
+    wide, total = b.astype(np.float64), 0.0
+    for first in range(0, len(a), _STEP):
+        block = a[first : first + _STEP].astype(np.float64)
+        total += float(np.exp(_squared(block, wide) / (-2.0 * scale)).sum())
+    return total

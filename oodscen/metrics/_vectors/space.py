@@ -1,0 +1,186 @@
+"""The vectors that metrics need, each computed once: of texts, the baseline, controls, anchors."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._seeding import stream
+from oodscen.baselines._baseline import Baseline
+from oodscen.baselines._controls import load_controls
+from oodscen.baselines._embedded import EmbeddedBaseline
+from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.encoders._cached import CachedEncoder, cache_folder
+from oodscen.encoders._check import encode
+from oodscen.errors import UsageError
+from oodscen.metrics._detection.calibration import held_out_scores, like_groups
+from oodscen.metrics._detection.detectors import DetectorName, Detectors
+from oodscen.metrics._detection.guard import Guard
+from oodscen.metrics._oodness import Measure
+from oodscen.metrics._vectors import accelerated
+from oodscen.metrics._vectors.similarity import Nearest, Rows, Vectors, nearest, smallest, unit
+from oodscen.protocols import Encoder
+
+_SHIPPED = "shipped"
+"""Folder of the vectors of this library's own texts, its baseline included."""
+_PARTS = 4
+_ASKED = 300
+_MOST_GROUPED = 20_000
+
+
+class Space:
+    """An encoder's space with a baseline in it.
+
+    Args:
+        encoder: Texts are encoded once each; those of the baseline and of this library are kept in the
+            user's cache folder for encoders whose name decides their values (`cacheable`).
+        baseline: Texts, or embeddings on disk.
+        seed: Of random draws.
+        device: `cpu`, or where torch shall look for the nearest.
+    """
+
+    def __init__(
+        self, encoder: Encoder, baseline: Baseline | EmbeddedBaseline, seed: int, device: str
+    ) -> None:
+        if isinstance(baseline, EmbeddedBaseline) and baseline.encoder != encoder.name:
+            raise UsageError(
+                f"the baseline {baseline.name} holds embeddings of {baseline.encoder}, and the encoder is "
+                f"{encoder.name}: pass the encoder that made it"
+            )
+        self.encoder = encoder
+        self.baseline = baseline
+        self.seed = seed
+        self.device = accelerated.chosen_device(device)
+        self._memory = encoder if isinstance(encoder, CachedEncoder) else CachedEncoder(encoder)
+
+    def vectors(self, texts: Sequence[str]) -> Vectors:
+        """Encode texts that are scored; they are kept in memory."""
+        return unit(encode(self._memory, texts))
+
+    @cached_property
+    def reference(self) -> Rows:
+        """The baseline's vectors."""
+        if isinstance(self.baseline, EmbeddedBaseline):
+            return self.baseline
+        return self._kept(self.baseline.texts)
+
+    @property
+    def whole(self) -> Vectors:
+        """The baseline's vectors, in memory.
+
+        Raises:
+            UsageError: When they are on disk.
+        """
+        if isinstance(self.baseline, EmbeddedBaseline):
+            raise UsageError(
+                f"this needs the texts of the baseline, and {self.baseline.name} holds embeddings alone: "
+                "pass a Baseline"
+            )
+        found = self.reference
+        assert isinstance(found, np.ndarray)
+        return found
+
+    def nearest(self, vectors: Vectors) -> Nearest:
+        """Find the nearest baseline vector of each."""
+        if self.device == "cpu":
+            return nearest(vectors, self.reference)
+        return accelerated.nearest(vectors, self.reference, self.device)
+
+    def scores(self, texts: Sequence[str], measure: Measure) -> NDArray[np.float64]:
+        """Return the OOD-ness of each text by a definition or a detector."""
+        vectors = self.vectors(texts)
+        if measure == "tabulated":
+            return 0.0 - self.nearest(vectors).cosine
+        if measure == "printed":
+            return smallest(vectors, self.reference)
+        return self.detectors.score(measure, texts, vectors)
+
+    def neighbour_text(self, index: int) -> str:
+        """Return a baseline text; empty where only its embedding is known."""
+        return "" if isinstance(self.baseline, EmbeddedBaseline) else self.baseline.texts[index]
+
+    @cached_property
+    def detectors(self) -> Detectors:
+        """Detectors fitted to the baseline."""
+        whole = self.whole
+        texts = self.baseline.texts if isinstance(self.baseline, Baseline) else ()
+        return Detectors(texts, whole, self._kept)
+
+    @cached_property
+    def guard(self) -> Guard:
+        """The off-topic guard."""
+        return Guard(self._shipped, self.encoder.name)
+
+    @cached_property
+    def held_out(self) -> tuple[NDArray[np.float64], int]:
+        """OOD-ness of held-out baseline texts, and the number of groups."""
+        return held_out_scores(self.whole, self.seed)
+
+    def held_out_by(self, measure: Measure) -> tuple[NDArray[np.float64], int]:
+        """Scores of held-out baseline texts by any definition or detector, and the number of groups.
+
+        For all but `tabulated` the groups of like texts are dealt into 4 parts, and what is fitted to three of them
+        scores up to 300 texts of the fourth: with a smaller baseline, texts look a little further out.
+        """
+        if measure == "tabulated":
+            return self.held_out
+        if measure not in self._held_out:
+            self._held_out[measure] = self._in_parts(measure)
+        return self._held_out[measure]
+
+    def _in_parts(
+        self, measure: DetectorName | Literal["printed"]
+    ) -> tuple[NDArray[np.float64], int]:
+        whole, texts = self.whole, np.array(self.baseline.texts, object)
+        group = like_groups(whole) if len(whole) <= _MOST_GROUPED else np.arange(len(whole))
+        if not group.any():
+            group = np.arange(len(whole))
+        draws = stream(self.seed, "calibration", "parts")
+        part = draws.permutation(int(group.max()) + 1)[group] % min(_PARTS, int(group.max()) + 1)
+        found = []
+        for number in range(int(part.max()) + 1):
+            out = np.flatnonzero(part == number)
+            asked = np.sort(out[draws.permutation(len(out))[:_ASKED]])
+            rest = np.ascontiguousarray(whole[part != number])
+            if measure == "printed":
+                found.append(smallest(whole[asked], rest))
+                continue
+            fitted = Detectors(tuple(texts[part != number]), rest, self._kept)
+            found.append(fitted.score(measure, tuple(texts[asked]), whole[asked]))
+        return np.concatenate(found), int(group.max()) + 1
+
+    def control_scores(self, measure: Measure) -> NDArray[np.float64]:
+        """OOD-ness of the ordinary controls that are for reporting."""
+        texts = [control.text for control in load_controls("frozen")[::2]]
+        vectors = self._shipped(texts)
+        if measure == "tabulated":
+            return 0.0 - self.nearest(vectors).cosine
+        if measure == "printed":
+            return smallest(vectors, self.reference)
+        return self.detectors.score(measure, texts, vectors)
+
+    def _kept(self, texts: Sequence[str]) -> Vectors:
+        digest = self.baseline.digest()
+        is_shipped = digest == ordinary_driving().digest()
+        return self._from(_SHIPPED if is_shipped else f"baselines/{digest[:16]}", texts)
+
+    def _shipped(self, texts: Sequence[str]) -> Vectors:
+        return self._from(_SHIPPED, texts)
+
+    def _from(self, folder: str, texts: Sequence[str]) -> Vectors:
+        encoder = self.encoder
+        if getattr(encoder, "cacheable", False):
+            encoder = self._stores.setdefault(
+                folder, CachedEncoder(encoder, cache_folder() / folder)
+            )
+        return unit(encode(encoder, texts))
+
+    @cached_property
+    def _held_out(self) -> dict[str, tuple[NDArray[np.float64], int]]:
+        return {}
+
+    @cached_property
+    def _stores(self) -> dict[str, CachedEncoder]:
+        return {}

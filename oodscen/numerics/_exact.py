@@ -1,0 +1,260 @@
+"""Elementary functions as plain arithmetic: the same bits on every machine.
+
+What `math`, NumPy and a processor's vector library return for a sine differs in its last bit from
+one machine to the next. These functions use nothing but `+ - * /`, square roots, comparisons and
+exact scaling by powers of two, all of which IEEE 754 defines to the last bit. Motion is built on
+them, so that no library decides where anything is.
+
+They run as they are, and inside kernels (`oodscen.numerics._kernels`), with the same bits. They
+agree with `math` to 1e-12 or better; polynomials and reductions are those of FDLIBM (Sun
+Microsystems, 1993). Arguments are finite floats.
+"""
+
+import math
+
+from oodscen.numerics._kernels import part
+
+PI = 3.141592653589793
+TAU = 6.283185307179586
+HALF_PI = 1.5707963267948966
+
+_HALF_PI_HIGH = 1.57079632673412561417
+"""The first 33 bits of pi/2; the next two constants are the following ones."""
+_HALF_PI_MIDDLE = 6.07710050630396597660e-11
+_HALF_PI_LOW = 2.02226624879595063154e-21
+
+_LN2_HIGH = 6.93147180369123816490e-01
+_LN2_LOW = 1.90821492927058770002e-10
+
+
+@part
+def quantised(value: float) -> float:
+    """Round to 1e-6, half upwards, never to minus zero."""
+    return math.floor(value * 1e6 + 0.5) / 1e6
+
+
+@part
+def wrapped(angle: float) -> float:
+    """Return the same angle within (-pi, pi], to the last bit or two."""
+    if -PI < angle <= PI:
+        return angle
+    return angle - TAU * math.ceil(angle / TAU - 0.5)
+
+
+@part
+def sincos(x: float) -> tuple[float, float]:
+    """Return the sine and the cosine of an angle of at most a million radians."""
+    turns = math.floor(x / HALF_PI + 0.5)
+    y = ((x - turns * _HALF_PI_HIGH) - turns * _HALF_PI_MIDDLE) - turns * _HALF_PI_LOW
+    z = y * y
+    sine = y + y * z * (
+        -1.66666666666666324348e-01
+        + z
+        * (
+            8.33333333332248946124e-03
+            + z
+            * (
+                -1.98412698298579493134e-04
+                + z
+                * (
+                    2.75573137070700676789e-06
+                    + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+                )
+            )
+        )
+    )
+    cosine = (
+        1.0
+        - 0.5 * z
+        + z
+        * z
+        * (
+            4.16666666666666019037e-02
+            + z
+            * (
+                -1.38888888888741095749e-03
+                + z
+                * (
+                    2.48015872894767294178e-05
+                    + z
+                    * (
+                        -2.75573143513906633035e-07
+                        + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
+                    )
+                )
+            )
+        )
+    )
+    quadrant = turns % 4
+    if quadrant == 0:
+        return sine, cosine
+    if quadrant == 1:
+        return cosine, -sine
+    if quadrant == 2:
+        return -sine, -cosine
+    return -cosine, sine
+
+
+@part
+def sin(x: float) -> float:
+    """Return the sine of an angle of at most a million radians."""
+    return sincos(x)[0]
+
+
+@part
+def cos(x: float) -> float:
+    """Return the cosine of an angle of at most a million radians."""
+    return sincos(x)[1]
+
+
+@part
+def tan(x: float) -> float:
+    """Return the tangent of an angle of at most a million radians."""
+    sine, cosine = sincos(x)
+    return sine / cosine
+
+
+@part
+def atan(x: float) -> float:
+    """Return the arc tangent."""
+    size = abs(x)
+    if size < 0.4375:
+        base, y = 0.0, size
+    elif size < 0.6875:
+        base, y = 4.63647609000806093515e-01, (2.0 * size - 1.0) / (2.0 + size)
+    elif size < 1.1875:
+        base, y = 7.85398163397448278999e-01, (size - 1.0) / (size + 1.0)
+    elif size < 2.4375:
+        base, y = 9.82793723247329054082e-01, (size - 1.5) / (1.0 + 1.5 * size)
+    else:
+        base, y = HALF_PI, -1.0 / size
+    z = y * y
+    w = z * z
+    odd = z * (
+        3.33333333333329318027e-01
+        + w
+        * (
+            1.42857142725034663711e-01
+            + w
+            * (
+                9.09088713343650656196e-02
+                + w
+                * (
+                    6.66107313738753120669e-02
+                    + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)
+                )
+            )
+        )
+    )
+    even = w * (
+        -1.99999999998764832476e-01
+        + w
+        * (
+            -1.11111104054623557880e-01
+            + w
+            * (
+                -7.69187620504482999495e-02
+                + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02)
+            )
+        )
+    )
+    angle = base + (y - y * (odd + even))
+    return -angle if x < 0.0 else angle
+
+
+@part
+def atan2(y: float, x: float) -> float:
+    """Return the angle of a vector, within (-pi, pi]; 0 for the zero vector."""
+    if x == 0.0 and y == 0.0:
+        return 0.0
+    if abs(y) > abs(x):
+        return HALF_PI - atan(x / y) if y > 0.0 else -HALF_PI - atan(x / y)
+    angle = atan(y / x)
+    if x > 0.0:
+        return angle
+    return angle - PI if y < 0.0 else angle + PI
+
+
+@part
+def asin(x: float) -> float:
+    """Return the arc sine of a number within -1 and 1."""
+    return atan2(x, math.sqrt((1.0 - x) * (1.0 + x)))
+
+
+@part
+def acos(x: float) -> float:
+    """Return the arc cosine of a number within -1 and 1."""
+    return atan2(math.sqrt((1.0 - x) * (1.0 + x)), x)
+
+
+@part
+def hypot(x: float, y: float) -> float:
+    """Return the length of a vector whose square neither over- nor underflows."""
+    return math.sqrt(x * x + y * y)
+
+
+@part
+def exp(x: float) -> float:
+    """Return e to the power of `x`: infinity above 709, 0 below -700."""
+    if x > 709.0:
+        return math.inf
+    if x < -700.0:
+        return 0.0
+    power = math.floor(x / 0.6931471805599453 + 0.5)
+    high = x - power * _LN2_HIGH
+    low = power * _LN2_LOW
+    y = high - low
+    z = y * y
+    c = y - z * (
+        1.66666666666666019037e-01
+        + z
+        * (
+            -2.77777777770155933842e-03
+            + z
+            * (
+                6.61375632143793436117e-05
+                + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08)
+            )
+        )
+    )
+    return math.ldexp(1.0 - ((low - y * c / (2.0 - c)) - high), power)
+
+
+@part
+def log(x: float) -> float:
+    """Return the natural logarithm of a positive number."""
+    share, power = math.frexp(x)
+    if share < 0.7071067811865476:
+        share *= 2.0
+        power -= 1
+    f = share - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    r = z * (
+        6.666666666666735130e-01
+        + z
+        * (
+            3.999999999940941908e-01
+            + z
+            * (
+                2.857142874366239149e-01
+                + z
+                * (
+                    2.222219843214978396e-01
+                    + z
+                    * (
+                        1.818357216161805012e-01
+                        + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01)
+                    )
+                )
+            )
+        )
+    )
+    half = 0.5 * f * f
+    return power * _LN2_HIGH - ((half - (s * (half + r) + power * _LN2_LOW)) - f)
+
+
+@part
+def power(base: float, exponent: float) -> float:
+    """Return a positive number to any power."""
+    return exp(exponent * log(base))

@@ -1,0 +1,210 @@
+"""Kernels: functions that numba compiles where it is installed, and Python runs where it is not.
+
+Both give the same bits: kernels use plain arithmetic only (see `oodscen.numerics._exact`), are
+compiled without any licence to reorder it, and index arrays fully, never row by row.
+
+Nothing is compiled, and numba is not imported, before the first call. The result is kept on disk
+(beside the sources, or in numba's own cache where they are read-only), so that only the first
+call after an installation waits; a line on stderr says so.
+"""
+
+import hashlib
+import importlib
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar
+
+import numpy as np
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Function = TypeVar("Function", bound=Callable[..., object])
+
+_STRICT = {"fastmath": False, "error_model": "numpy"}
+_OWN = "oodscen"
+"""Packages whose functions and constants may change from one version to the next."""
+
+_parts: list[Callable[..., object]] = []
+_inlined: set[int] = set()
+_registered: set[int] = set()
+
+
+class Numbers(Protocol):
+    """An array of float64 as kernels take it: indexed fully, by one number or a tuple of them."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        ...
+
+    def __getitem__(self, place: Any, /) -> float: ...
+
+    def __setitem__(self, place: Any, value: float, /) -> None: ...
+
+
+class Integers(Protocol):
+    """An array of int64 as kernels take it."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        ...
+
+    def __getitem__(self, place: Any, /) -> int: ...
+
+
+@cache
+def is_compiled() -> bool:
+    """Tell whether kernels are compiled here: numba is installed, and works."""
+    try:
+        importlib.import_module("numba")
+    except Exception:  # a broken numba fails in many ways
+        return False
+    return True
+
+
+def part(function: Function) -> Function:
+    """Let kernels call a function; it stays an ordinary function for everybody else."""
+    _parts.append(function)
+    return function
+
+
+def inlined(function: Function) -> Function:
+    """Make a function part of every kernel that calls it: for what runs once per pixel."""
+    _inlined.add(id(function))
+    return part(function)
+
+
+def seen(array: Any) -> Any:
+    """Return an array as kernels take it: itself, or a view that plain Python reads quickly."""
+    return array if is_compiled() else memoryview(array)
+
+
+class Kernel(Generic[P, R]):
+    """A function that is compiled when it is first called; use as a decorator.
+
+    Arguments are numbers, tuples, and arrays as `seen` returns them.
+    """
+
+    def __init__(self, function: Callable[P, R]) -> None:
+        self.plain = function
+        """The function as it was written: the same bits, slowly."""
+        self.__doc__ = function.__doc__
+        self._name = function.__qualname__
+        # So that pickle finds it: numba's files are named by what a kernel refers to.
+        function.__qualname__ += ".plain"
+        self._run: Callable[P, R] | None = None
+        _parts.append(function)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        """Run it."""
+        if self._run is None:
+            return self._first(*args, **kwargs)
+        return self._run(*args, **kwargs)
+
+    def _first(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        if not is_compiled():
+            self._run = self.plain
+            return self.plain(*args, **kwargs)
+        from numba.core import event
+
+        compiled = _compiled(self.plain, self._name)
+        with event.install_listener("numba:compile", _announcer()):
+            result = compiled(*args, **kwargs)
+        self._run = compiled
+        return result
+
+
+def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
+    """Return a function as numba compiles it."""
+    import numba
+    from numba.extending import register_jitable
+
+    for one in _parts:
+        if id(one) not in _registered:
+            _registered.add(id(one))
+            inline = "always" if id(one) in _inlined else "never"
+            register_jitable(inline=inline, **_STRICT)(one)
+    digest = _digest(function)
+
+    # numba keys its files by the bytes of this one source file; the digest adds all the others.
+    def entry(*args):  # type: ignore[no-untyped-def]
+        digest  # noqa: B018
+        return function(*args)  # type: ignore[call-arg]
+
+    entry.__name__ = entry.__qualname__ = name
+    entry.__module__ = function.__module__
+    try:
+        return numba.njit(cache=True, nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
+    except RuntimeError:
+        return numba.njit(nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
+
+
+def _digest(function: Callable[..., object]) -> str:
+    """Return a hash of everything from which a kernel is made.
+
+    That is the source of every function it reaches, and the value of every constant: numba takes
+    both over as they are.
+    """
+    total = hashlib.sha256()
+    pending, known = [function], {function}
+    files: set[str] = set()
+    constants: set[str] = set()
+    parts = {id(part) for part in _parts}
+    while pending:
+        one = pending.pop()
+        files.add(one.__code__.co_filename)
+        for name in _names(one.__code__):
+            value = one.__globals__.get(name)
+            if isinstance(value, ModuleType):
+                if str(value.__name__).startswith(_OWN):
+                    files.add(str(value.__file__))
+                continue
+            if isinstance(value, Kernel):
+                value = value.plain
+            if isinstance(value, FunctionType):
+                if value not in known and (id(value) in parts or value.__module__.startswith(_OWN)):
+                    known.add(value)
+                    pending.append(value)
+            elif isinstance(value, (bool, int, float, str, tuple, np.generic)):
+                constants.add(f"{name}={value!r}")
+    for file in sorted(files):
+        if Path(file).is_file():
+            total.update(Path(file).read_bytes())
+    total.update(repr(sorted(constants)).encode())
+    return total.hexdigest()
+
+
+def _names(code: CodeType) -> set[str]:
+    """Return every global name that a function may use, those of functions within it, too."""
+    names = set(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            names |= _names(constant)
+    return names
+
+
+@cache
+def _announcer() -> Any:
+    """Return what tells, once per process, that something is being compiled."""
+    from numba.core.event import Event, Listener
+
+    class Announcer(Listener):  # type: ignore[misc]
+        is_new = True
+
+        def on_start(self, event: Event) -> None:
+            if self.is_new:
+                self.is_new = False
+                print(
+                    "oodscen: compiling kernels; this takes some seconds, and only the first time",
+                    file=sys.stderr,
+                    flush=True,
+                )
+
+        def on_end(self, event: Event) -> None:
+            pass
+
+    return Announcer()

@@ -1,0 +1,196 @@
+"""A catalogue as prompts show it: just the vocabulary that an answer may use."""
+
+import re
+from dataclasses import dataclass
+from typing import Self
+
+from oodscen.data._additions import FOG_M, ICE
+from oodscen.data._base import Data
+from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
+from oodscen.errors import DataError, UnknownComponent
+from oodscen.prompts._landmarks import Landmark, landmarks
+
+
+class AssetLine(Data):
+    """One asset in a prompt."""
+
+    id: str
+    category: str
+    description: str
+    states: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    """What other catalogues call it."""
+    length_m: float = 0.0
+    width_m: float = 0.0
+    height_m: float = 0.0
+
+
+class BehaviourLine(Data):
+    """One behaviour in a prompt."""
+
+    id: str
+    description: str
+    categories: tuple[str, ...]
+    parameters: str = ""
+    """E.g. `speed 0..20 (8)`: minimum, maximum, default."""
+
+
+class MapLine(Data):
+    """One map in a prompt."""
+
+    id: str
+    description: str
+    lanes: int
+    oncoming_lanes: int
+    speed_limit: float
+    traits: tuple[str, ...]
+    landmarks: tuple[Landmark, ...] = ()
+    somewhere: tuple[str, ...] = ()
+    """Kinds of landmarks that it has, nobody knows where along the ego's road."""
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Traits, and kinds of landmarks that are no trait."""
+        marks = (*(mark.kind for mark in self.landmarks), *self.somewhere)
+        return tuple(dict.fromkeys((*self.traits, *marks)))
+
+
+@dataclass(frozen=True)
+class WeatherLimits:
+    """What a digest's line on the weather says."""
+
+    night: bool
+    fog_m: float
+    """Least visual range."""
+    rain: bool
+    snow: bool
+    intensity: float
+    """Most precipitation, mm/h."""
+    friction: float
+    """Least."""
+    others: tuple[str, ...] = ()
+    """What no scene can ask for."""
+
+    @classmethod
+    def of(cls, line: str) -> "WeatherLimits":
+        """Read `night; fog down to 30 m visual range; rain and snow up to 60 mm/h; ...`."""
+
+        def number(pattern: str, default: float) -> float:
+            found = re.search(pattern, line)
+            return float(found.group(1)) if found else default
+
+        others = re.search(r"\balso ([^;]*), which no scene", line)
+        return cls(
+            night=re.search(r"\bno night\b", line) is None and "night" in line,
+            fog_m=number(r"fog down to ([\d.e+]+)", 10_000.0),
+            rain=re.search(r"\brain\b", line) is not None,
+            snow=re.search(r"\bsnow\b", line) is not None,
+            intensity=number(r"up to ([\d.e+]+) mm/h", 0.0),
+            friction=number(r"friction down to ([\d.e+]+)", 1.0),
+            others=tuple(others.group(1).split(", ")) if others else (),
+        )
+
+    def offers(self, need: str) -> bool:
+        """Tell whether a kind of weather can be shown: `night`, `fog`, `rain`, `snow`, `ice` ..."""
+        offered = {
+            "night": self.night,
+            "fog": self.fog_m <= FOG_M,
+            "rain": self.rain,
+            "snow": self.snow,
+            "ice": self.friction <= ICE,
+        }
+        return offered.get(need, need in self.others)
+
+
+class CatalogueDigest(Data):
+    """The closed vocabulary of one simulator."""
+
+    assets: tuple[AssetLine, ...]
+    behaviours: tuple[BehaviourLine, ...]
+    maps: tuple[MapLine, ...]
+    weather: str
+    """What weather can be shown, in one line."""
+
+    @property
+    def limits(self) -> "WeatherLimits":
+        """The weather as numbers."""
+        return WeatherLimits.of(self.weather)
+
+    def called(self, name: str) -> tuple[AssetLine, ...]:
+        """Return the assets that are such a thing: by their id first, then by other names."""
+        exact = tuple(asset for asset in self.assets if asset.id == name)
+        return (*exact, *(asset for asset in self.assets if name in asset.names))
+
+    @classmethod
+    def of(cls, catalogue: Catalogue) -> Self:
+        """Summarise a catalogue."""
+        return cls(
+            assets=tuple(
+                AssetLine(
+                    id=a.id,
+                    category=a.category,
+                    description=a.description,
+                    states=a.states,
+                    names=a.names,
+                    length_m=a.length,
+                    width_m=a.width,
+                    height_m=a.height,
+                )
+                for a in catalogue.assets
+            ),
+            behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
+            maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
+            weather=_weather_line(catalogue),
+        )
+
+
+def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
+    parameters = ", ".join(
+        f"{name} {p.minimum:g}..{p.maximum:g} ({p.default:g})"
+        for name, p in kind.parameters.items()
+    )
+    description = f"{kind.description} (needs `other`)" if kind.needs_other else kind.description
+    return BehaviourLine(
+        id=kind.id, description=description, categories=kind.categories, parameters=parameters
+    )
+
+
+def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
+    return MapLine(
+        id=road.id,
+        description=road.description,
+        lanes=road.lanes,
+        oncoming_lanes=road.oncoming_lanes,
+        speed_limit=road.speed_limit,
+        traits=road.traits,
+        landmarks=(found := _landmarks(road, catalogue)),
+        somewhere=() if found else road.landmarks,
+    )
+
+
+def _landmarks(road: RoadMap, catalogue: Catalogue) -> tuple[Landmark, ...]:
+    """Find what a map's file has; nothing where there is no file that can be read."""
+    if not road.file:
+        return ()
+    from oodscen.driving._roads.building import find_map, load_corridor
+
+    try:
+        return landmarks(load_corridor(find_map(road.id, catalogue)), road.traits)
+    except (DataError, UnknownComponent):
+        return ()
+
+
+def _weather_line(catalogue: Catalogue) -> str:
+    weather = catalogue.weather
+    parts = ["night" if weather.min_sun_elevation_deg < -6 else "no night"]
+    fog = weather.min_fog_visual_range_m
+    parts.append(f"fog down to {fog:g} m visual range" if fog < 5_000 else "no fog")
+    falling = [kind for kind in weather.precipitation if kind != "none"]
+    if falling:
+        parts.append(f"{' and '.join(falling)} up to {weather.max_precipitation_mm_h:g} mm/h")
+    else:
+        parts.append("no precipitation")
+    parts.append(f"road friction down to {weather.min_friction:g}")
+    if weather.others:
+        parts.append(f"also {', '.join(weather.others)}, which no scene can ask for")
+    return "; ".join(parts)

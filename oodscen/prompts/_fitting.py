@@ -1,0 +1,100 @@
+"""Questions about a catalogue made short enough for models that read little."""
+
+import re
+from typing import Any, TypeVar
+
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
+
+Question = TypeVar("Question", bound=Prompt[Any])
+
+CHARACTERS = 4
+"""Per token of English text."""
+
+ANSWER_TOKENS = 800
+"""Left free for the answer."""
+
+_COMMON = frozenset("a an and at by from in into is its of off on onto or that the to with".split())
+
+
+def fitted(question: Question, context: int | None) -> Question:
+    """Return a question that a model can read together with its own answer.
+
+    Of the assets and behaviours in its catalogue those that share most words with the question's texts stay as
+    they are; of as many others as necessary only the ids are left.
+
+    Args:
+        question: With a field `catalogue`.
+        context: Tokens that the model can read and write; `None` leaves the question as it is.
+    """
+    if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
+        return question
+    catalogue: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
+    ranked = _ranked(catalogue, _about(question))
+    low, high = 0, len(ranked)
+    while low < high:
+        middle = (low + high + 1) // 2
+        if tokens_of(_with(question, catalogue, ranked[:middle])) <= context - ANSWER_TOKENS:
+            low = middle
+        else:
+            high = middle - 1
+    return _with(question, catalogue, ranked[:low])
+
+
+def tokens_of(question: Prompt[Any]) -> int:
+    """Estimate the tokens of a rendered question from its characters."""
+    return sum(len(message.text) for message in question.messages()) // CHARACTERS
+
+
+def _with(question: Question, catalogue: CatalogueDigest, kept: list[tuple[str, str]]) -> Question:
+    """Return the question with ids alone for all lines that are not kept."""
+    whole = set(kept)
+    short = catalogue.model_copy(
+        update={
+            "assets": tuple(
+                line
+                if ("asset", line.id) in whole
+                else AssetLine(id=line.id, category=line.category, description="")
+                for line in catalogue.assets
+            ),
+            "behaviours": tuple(
+                line
+                if ("behaviour", line.id) in whole
+                else BehaviourLine(id=line.id, description="", categories=line.categories)
+                for line in catalogue.behaviours
+            ),
+        }
+    )
+    return question.model_copy(update={"catalogue": short})
+
+
+def _about(question: Prompt[Any]) -> set[str]:
+    """Return the words of a question's own texts."""
+    texts: list[str] = []
+    for name in type(question).model_fields:
+        value = getattr(question, name)
+        texts += [value] if isinstance(value, str) else []
+        texts += [one for one in value if isinstance(one, str)] if isinstance(value, tuple) else []
+    return _words(" ".join(texts))
+
+
+def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]]:
+    """Return kind and id of all lines, those first that share most words; the catalogue's order breaks ties."""
+    lines = [
+        *(
+            ("behaviour", line.id, f"{line.id} {line.description}", position)
+            for position, line in enumerate(catalogue.behaviours)
+        ),
+        *(
+            ("asset", line.id, f"{line.id} {line.description} {' '.join(line.names)}", position)
+            for position, line in enumerate(catalogue.assets)
+        ),
+    ]
+    lines.sort(key=lambda line: (-len(_words(line[2]) & about), line[3]))
+    return [(kind, name) for kind, name, _, _ in lines]
+
+
+def _words(text: str) -> set[str]:
+    """Return the words that carry meaning, without the commonest endings."""
+    found = re.findall(r"[a-z]+", text.casefold())
+    return {re.sub(r"(ing|ed|es|s)$", "", word) for word in found if word not in _COMMON}

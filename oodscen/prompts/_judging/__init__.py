@@ -1,0 +1,1 @@
+"""Questions to judged models and to the judge."""

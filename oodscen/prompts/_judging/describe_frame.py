@@ -1,0 +1,53 @@
+"""The first question to a vision-language model: what does a frame show?"""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen.data._messages import Image, Message
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+
+
+class FrameDescription(BaseModel):
+    """Answer: what is seen."""
+
+    description: str = Field(description="what the frame shows, for a driver")
+
+
+class DescribeFrame(Prompt[FrameDescription]):
+    """Describe one of the three frames, zero-shot chain of thought (paper, section V-C)."""
+
+    purpose: ClassVar[str] = "describe-frame"
+    template: ClassVar[str] = "describe_frame.md"
+    answer: ClassVar[type[BaseModel]] = FrameDescription
+
+    frames: tuple[Image, ...]
+    """The frames so far, in order; the last one is to be described."""
+    descriptions: tuple[str, ...] = ()
+    """What was said about the others."""
+
+    def earlier(self) -> tuple[Message, ...]:
+        """Return the turns about the earlier frames."""
+        return frame_turns(self.frames[:-1], self.descriptions)
+
+    def images(self) -> tuple[Image, ...]:
+        """Return the frame to be described."""
+        return self.frames[-1:]
+
+    def check(self, answer: FrameDescription) -> list[Issue]:
+        """It holds words, not the dots of the question."""
+        if not any(char.isalnum() for char in answer.description):
+            return [Issue("description", "there is none")]
+        return []
+
+
+def frame_turns(frames: tuple[Image, ...], descriptions: tuple[str, ...]) -> tuple[Message, ...]:
+    """Render the conversation about frames that have been described."""
+    turns: list[Message] = []
+    for index, description in enumerate(descriptions):
+        prompt = DescribeFrame(frames=frames[: index + 1], descriptions=descriptions[:index])
+        turns.append(Message(role="user", text=prompt.question(), images=prompt.images()))
+        answer = FrameDescription(description=description)
+        turns.append(Message(role="assistant", text=answer.model_dump_json()))
+    return tuple(turns)

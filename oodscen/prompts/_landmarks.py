@@ -1,0 +1,99 @@
+"""What a map has that a scene can be staged at: its junction, tunnel, bridge, crest and lights."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Literal
+
+from oodscen.data._base import Data
+
+if TYPE_CHECKING:
+    from oodscen.driving._roads.corridor import Corridor
+
+_REACH_M = 300.0
+"""Beyond this from the ego's start nothing is listed."""
+_GAP_M = 15.0
+"""Parts of a junction, or of a roundabout, follow each other within this."""
+_LEAST_RISE_M = 2.5
+"""A crest is higher than the road before and behind it by so much."""
+_FACING = -0.7
+"""Cosine between a light and the ego's heading up to which the light is meant for the ego."""
+
+
+class Landmark(Data):
+    """Something of a map that a scene can be staged at."""
+
+    kind: Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
+    ahead_m: float
+    """From the ego's start along its road: to the middle of a junction or roundabout, to the near
+    end of a tunnel or bridge, to a crest's highest point, to a light that faces the ego."""
+    length_m: float = 0.0
+    left_m: float = 0.0
+    """Of a traffic light: to the left of the rightmost lane's centre."""
+
+
+def landmarks(corridor: "Corridor", traits: tuple[str, ...] = ()) -> tuple[Landmark, ...]:
+    """List a road's landmarks ahead of the ego's start, in order.
+
+    Args:
+        corridor: The road.
+        traits: Of its map; `roundabout` tells a roundabout from a junction.
+    """
+    found = [*_junctions(corridor, traits), *_structures(corridor), *_lights(corridor)]
+    found += _crest(corridor)
+    return tuple(sorted(found, key=lambda one: (one.ahead_m, one.kind, one.left_m)))
+
+
+def _junctions(road: "Corridor", traits: tuple[str, ...]) -> Iterator[Landmark]:
+    spans: list[list[float]] = []
+    for place in road.s[road.in_junction]:
+        ahead = float(place) - road.start
+        if spans and ahead - spans[-1][1] <= _GAP_M:
+            spans[-1][1] = ahead
+        else:
+            spans.append([ahead, ahead])
+    for begin, end in spans:
+        middle = 0.5 * (begin + end)
+        if 0.0 < middle <= _REACH_M:
+            yield _mark("roundabout" if "roundabout" in traits else "junction", middle, end - begin)
+
+
+def _structures(road: "Corridor") -> Iterator[Landmark]:
+    for one in road.structures:
+        if -_REACH_M <= one.start - road.start <= _REACH_M and one.end > road.start:
+            yield _mark(one.kind, one.start - road.start, one.end - one.start)
+
+
+def _lights(road: "Corridor") -> Iterator[Landmark]:
+    from oodscen.numerics._exact import cos
+
+    lane = road.ego_lanes[0]
+    for signal in road.signals:
+        ahead = signal.s - road.start
+        if signal.kind != "traffic_light" or not 0.0 < ahead <= _REACH_M:
+            continue
+        if cos(signal.yaw - road.heading(signal.s)) <= _FACING:
+            yield _mark("traffic_light", ahead, left=signal.t - road.centre(lane, signal.s))
+
+
+def _crest(road: "Corridor") -> Iterator[Landmark]:
+    first = int((road.start + 20.0) / road.step)
+    last = min(int((road.start + _REACH_M) / road.step), len(road.z) - 1)
+    if last - first < 3:
+        return
+    heights = road.z[first : last + 1]
+    top = int(heights.argmax())
+    if min(heights[top] - heights[0], heights[top] - heights[-1]) >= _LEAST_RISE_M:
+        yield _mark("crest", float(road.s[first + top]) - road.start)
+
+
+def _mark(
+    kind: Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"],
+    ahead: float,
+    length: float = 0.0,
+    left: float = 0.0,
+) -> Landmark:
+    return Landmark(
+        kind=kind,
+        ahead_m=round(float(ahead), 1),
+        length_m=round(float(length), 1),
+        left_m=round(float(left), 1),
+    )

@@ -1,0 +1,1 @@
+"""Questions that write, read and stage texts."""

@@ -1,0 +1,41 @@
+"""The question for a text's ordinary twin."""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._scenario.describe_path import plain
+
+
+class OrdinaryText(BaseModel):
+    """Answer: one text."""
+
+    text: str = Field(description="the same situation on an ordinary day")
+
+
+class DescribeOrdinary(Prompt[OrdinaryText]):
+    """Write a text again with its unusual event replaced by the event's ordinary counterpart.
+
+    Place, weather that is not the event itself, phrasing and length stay, so that text and twin differ in what happens
+    and in nothing else.
+    """
+
+    purpose: ClassVar[str] = "describe-ordinary"
+    template: ClassVar[str] = "describe_ordinary.md"
+    answer: ClassVar[type[BaseModel]] = OrdinaryText
+
+    text: str
+    """The text with the unusual event."""
+    path: tuple[str, ...] = ()
+    """Labels from the root down to the leaf, where it has one."""
+
+    def check(self, answer: OrdinaryText) -> list[Issue]:
+        """It is another text, of about the same length."""
+        words, own = len(plain(answer.text).split()), len(plain(self.text).split())
+        if plain(answer.text) == plain(self.text):
+            return [Issue("text", "is the same text; replace the unusual event")]
+        if not 0.5 * own - 4 <= words <= 1.5 * own + 4:
+            return [Issue("text", f"has {words} words; keep about the {own} of the original")]
+        return []

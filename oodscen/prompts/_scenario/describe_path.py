@@ -1,0 +1,75 @@
+"""The describing question: texts that realise one path of the tree."""
+
+import re
+from typing import Any, ClassVar, Literal, get_args
+
+from pydantic import BaseModel, Field
+
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+
+Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
+"""Register of a text: varied everyday prose, the paper's two sentences, a test catalogue's line, a full account, or the
+driver's own words."""
+STYLES: tuple[Style, ...] = get_args(Style)
+
+
+class Descriptions(BaseModel):
+    """Answer: distinct texts."""
+
+    texts: list[str] = Field(description="one or two sentences each")
+
+
+class DescribePath(Prompt[Descriptions]):
+    """Write scenarios along one path of the tree (paper, section III-B)."""
+
+    purpose: ClassVar[str] = "describe-path"
+    template: ClassVar[str] = "describe_path.md"
+    answer: ClassVar[type[BaseModel]] = Descriptions
+
+    path: tuple[str, ...]
+    """Labels from the root down to the leaf."""
+    count: int
+    """How many texts are wanted."""
+    avoid: tuple[str, ...] = ()
+    """Texts that exist already."""
+    style: Style = "natural"
+    """Register in which they are written."""
+
+    def variables(self) -> dict[str, Any]:
+        """Return the fields, with what the style asks for in words."""
+        return {**super().variables(), "register": _REGISTERS[self.style]}
+
+    def check(self, answer: Descriptions) -> list[Issue]:
+        """There are enough texts, of reasonable length, no two of them equal."""
+        issues = []
+        if len(answer.texts) != self.count:
+            issues.append(Issue("texts", f"give {self.count}, not {len(answer.texts)}"))
+        seen = {plain(text) for text in self.avoid}
+        for index, text in enumerate(answer.texts):
+            if not 20 <= len(text.strip()) <= 600:
+                issues.append(Issue(f"texts[{index}]", "use 20 to 600 characters"))
+            if plain(text) in seen:
+                issues.append(Issue(f"texts[{index}]", "says the same as an earlier text"))
+            seen.add(plain(text))
+        return issues
+
+
+_REGISTERS: dict[Style, str] = {
+    "natural": (
+        "Natural prose of one or two sentences. Vary how they are built and where they begin; call the ego vehicle `the ego "
+        "vehicle`, `ego` or `the ego car`, once or twice at most."
+    ),
+    "paper": (
+        "Two plain sentences. The first says where `Ego` or `The ego vehicle` is travelling and in which weather, the second "
+        "what is unusual."
+    ),
+    "terse": "One line as in a test catalogue: place and weather, a colon, the event. At most 25 words.",
+    "verbose": "Three or four full sentences: the road, the weather, the other traffic, the event and what follows from it.",
+    "first-person": "The driver's own words: `I`, `my car`, `my lane`; the ego vehicle is not called ego.",
+}
+
+
+def plain(text: str) -> str:
+    """Return a text without case and punctuation, to compare it with others."""
+    return " ".join(re.findall(r"[^\W_]+", text.casefold()))

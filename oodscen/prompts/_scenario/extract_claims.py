@@ -1,0 +1,63 @@
+"""The reading question: what a text says about a scene."""
+
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._scenario.describe_path import plain
+
+_MOST = 60
+
+
+class Claims(BaseModel):
+    """Answer: what a text says, in its order."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    claims: list[Claim] = Field(description="every claim that the words make")
+
+
+class ExtractClaims(Prompt[Claims]):
+    """Read a text's claims from its words alone; they are compared with scenes later."""
+
+    purpose: ClassVar[str] = "extract-claims"
+    template: ClassVar[str] = "extract_claims.md"
+    answer: ClassVar[type[BaseModel]] = Claims
+
+    text: str
+
+    def variables(self) -> dict[str, Any]:
+        """Return the text and the vocabulary of claims."""
+        return {
+            "text": self.text,
+            "values": VALUES,
+            "numbers": NUMBERS,
+            "of_things": sorted(OF_THINGS),
+        }
+
+    def check(self, answer: Claims) -> list[Issue]:
+        """Every claim quotes the text, none is there twice, and every thing is said to be there."""
+        issues = []
+        words = f" {plain(self.text)} "
+        if len(answer.claims) > _MOST:
+            issues.append(Issue("claims", f"give {_MOST} at most, not {len(answer.claims)}"))
+        seen: set[tuple[str, str, str]] = set()
+        for index, claim in enumerate(answer.claims):
+            path = f"claims[{index}]"
+            if not plain(claim.quote) or f" {plain(claim.quote)} " not in words:
+                issues.append(Issue(f"{path}.quote", "copy the words of the text that say so"))
+            key = (claim.kind, claim.value, claim.subject)
+            if key in seen:
+                issues.append(Issue(path, "the same claim is there already"))
+            seen.add(key)
+        present = {claim.subject for claim in answer.claims if claim.kind == "thing"}
+        subjects = dict.fromkeys(claim.subject for claim in answer.claims if claim.subject)
+        issues += [
+            Issue("claims", f"add a claim `thing` `present` for {subject!r}")
+            for subject in subjects
+            if subject not in present
+        ]
+        return issues

@@ -1,0 +1,1 @@
+"""Questions that grow, widen and prune the tree."""

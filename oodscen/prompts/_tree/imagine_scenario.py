@@ -1,0 +1,40 @@
+"""The red-LLM's question: imagine an OOD scenario that the tree may lack."""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+
+
+class ImaginedScenario(BaseModel):
+    """Answer: one scenario in words."""
+
+    reasoning: str = Field(default="", description="what is missing or rare, in a sentence")
+    text: str = Field(description="one or two sentences about the ego vehicle and what it meets")
+
+
+class ImagineScenario(Prompt[ImaginedScenario]):
+    """Imagine one potential OOD scenario in urban driving (paper, section III-A, red teaming)."""
+
+    purpose: ClassVar[str] = "imagine-scenario"
+    template: ClassVar[str] = "imagine_scenario.md"
+    answer: ClassVar[type[BaseModel]] = ImaginedScenario
+
+    shown: tuple[str, ...]
+    """The few shots."""
+    covered: tuple[str, ...] = ()
+    """Labels of the leaves that exist already; empty in the paper's open loop, like all that follows."""
+    unlisted: int = 0
+    """How many more leaves there are, where the tree is too large to list them all."""
+    thin: tuple[str, ...] = ()
+    """Labels of the groups with the fewest leaves."""
+    refused: tuple[str, ...] = ()
+    """What was proposed lately and turned out to be nothing new."""
+
+    def check(self, answer: ImaginedScenario) -> list[Issue]:
+        """The text is one short paragraph."""
+        if not 20 <= len(answer.text.strip()) <= 600:
+            return [Issue("text", "write one or two sentences, 20 to 600 characters")]
+        return []

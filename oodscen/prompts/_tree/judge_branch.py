@@ -1,0 +1,129 @@
+"""The pruning question: can a simulator show what a branch describes?"""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen.data._additions import Addition
+from oodscen.errors import Issue, close_matches
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.tree._labels import label_fault, same_words
+
+_MOST = 40
+"""Largest number of entries of one kind."""
+
+
+class Substitute(BaseModel):
+    """An asset that stands in for what the simulator does not have."""
+
+    asset: str = Field(description="id of the asset that is shown instead")
+    stands_for: str = Field(max_length=160, description="what it stands for")
+
+
+class BranchJudgement(BaseModel):
+    """Answer: whether a branch can be simulated, with what, or what is missing."""
+
+    reasoning: str = Field(description="one or two sentences")
+    simulatable: bool
+    assets: list[str] = Field(
+        default=[], max_length=_MOST, description="ids of the assets that realise it"
+    )
+    states: list[str] = Field(
+        default=[], max_length=_MOST, description="`asset: state`, where a state matters"
+    )
+    behaviours: list[str] = Field(
+        default=[], max_length=_MOST, description="ids of the behaviours that realise it"
+    )
+    weather: list[str] = Field(
+        default=[],
+        max_length=_MOST,
+        description="night, fog, rain, snow or ice, where it is needed",
+    )
+    traits: list[str] = Field(
+        default=[], max_length=_MOST, description="traits that the map must have"
+    )
+    substitutes: list[Substitute] = Field(
+        default=[], max_length=_MOST, description="assets that are near, and not the thing itself"
+    )
+    label: str = Field(
+        default="", description="a narrower label, where only a part of it can be shown; else empty"
+    )
+    missing: list[Addition] = Field(
+        default=[],
+        max_length=_MOST,
+        description="everything that would have to be added; all of it together restores the branch",
+    )
+
+
+class JudgeBranch(Prompt[BranchJudgement]):
+    """Prune to what the simulator's assets can show (paper, section III-B)."""
+
+    purpose: ClassVar[str] = "judge-branch"
+    template: ClassVar[str] = "judge_branch.md"
+    answer: ClassVar[type[BaseModel]] = BranchJudgement
+
+    path: tuple[str, ...]
+    """Labels from the root down to the leaf."""
+    catalogue: CatalogueDigest
+
+    def check(self, answer: BranchJudgement) -> list[Issue]:
+        """What is named exists, what is missing does not, and a narrower label is one."""
+        known = self._vocabulary()
+        issues = []
+        for field in ("assets", "states", "behaviours", "weather", "traits"):
+            for index, name in enumerate(getattr(answer, field)):
+                issues += _unknown(f"{field}[{index}]", name, known[field])
+        for index, one in enumerate(answer.substitutes):
+            issues += _unknown(f"substitutes[{index}].asset", one.asset, known["assets"])
+        for index, addition in enumerate(answer.missing):
+            if self._has(addition):
+                message = f"{addition.words} is in the list: it is not missing"
+                issues.append(Issue(f"missing[{index}]", message))
+        if not answer.simulatable and not answer.missing:
+            issues.append(Issue("missing", "say what would have to be added"))
+        if answer.label and answer.simulatable:
+            issues += self._check_label(answer)
+        return issues
+
+    def _check_label(self, answer: BranchJudgement) -> list[Issue]:
+        if fault := label_fault(answer.label):
+            return [Issue("label", fault)]
+        before = self.path[-1] if self.path else ""
+        if same_words(answer.label) == same_words(before):
+            return [Issue("label", "is the label as it was: leave it empty where all can be shown")]
+        if not answer.missing:
+            return [Issue("missing", "say what the part that cannot be shown would need")]
+        return []
+
+    def _vocabulary(self) -> dict[str, list[str]]:
+        return {
+            "assets": [asset.id for asset in self.catalogue.assets],
+            "states": [f"{a.id}: {state}" for a in self.catalogue.assets for state in a.states],
+            "behaviours": [behaviour.id for behaviour in self.catalogue.behaviours],
+            "weather": [w for w in WEATHER_SCALES if self.catalogue.limits.offers(w)],
+            "traits": [*dict.fromkeys(t for road in self.catalogue.maps for t in road.features)],
+        }
+
+    def _has(self, addition: Addition) -> bool:
+        """Tell whether the catalogue has what an answer calls missing."""
+        catalogue = self.catalogue
+        if addition.kind == "asset":
+            return bool(catalogue.called(addition.name))
+        if addition.kind == "behaviour":
+            return addition.name in {behaviour.id for behaviour in catalogue.behaviours}
+        if addition.kind == "weather":
+            return catalogue.limits.offers(addition.name)
+        return False
+
+
+WEATHER_SCALES = ("night", "fog", "rain", "snow", "ice")
+"""Kinds of weather that a scene can ask for."""
+
+
+def _unknown(path: str, name: str, known: list[str]) -> list[Issue]:
+    if name in known:
+        return []
+    matches = close_matches(name, known)
+    hint = f"; did you mean {' or '.join(matches)}?" if matches else ""
+    return [Issue(path, f"{name[:80]!r} is not in the list{hint}")]

@@ -1,0 +1,142 @@
+"""The tree-LLM's question: where does a scenario belong in the tree?"""
+
+from collections.abc import Iterable
+from typing import Any, ClassVar, Literal
+
+from pydantic import BaseModel, Field
+
+from oodscen._text import one_line
+from oodscen.data._base import Data
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+from oodscen.tree._labels import label_fault, same_words
+from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree
+
+MOST_ALSO = 3
+"""So many runners-up are kept."""
+
+
+class AlsoFits(BaseModel):
+    """A leaf that a text would fit as well."""
+
+    node: str
+    why: str = ""
+
+
+class PlacedScenario(BaseModel):
+    """Answer: the branch that covers the text, or the change that makes the tree cover it."""
+
+    reasoning: str = Field(description="one or two sentences")
+    decision: Literal["covered", "broaden", "add", "split", "not-ood", "off-topic"]
+    node: str | None = Field(
+        default=None,
+        description="covered: the leaf; broaden, split: the node to change; add: the parent",
+    )
+    label: str | None = Field(
+        default=None, description="broaden: the wider label; add, split: the label of the new leaf"
+    )
+    category: str | None = Field(
+        default=None,
+        description="add: label of a new family to put between parent and leaf; split: the wider "
+        "label of the node",
+    )
+    members: list[str] = Field(
+        default=[], description="add: ids of leaves that move into the new family"
+    )
+    also: list[AlsoFits] = Field(
+        default=[], description="leaves that would have been the next best choices"
+    )
+
+
+class Hidden(Data):
+    """A node of which not all that lies below it is shown."""
+
+    noun: ClassVar[str] = "hidden branch"
+
+    id: str
+    leaves: int
+    """How many leaves below it are not shown."""
+
+
+class PlaceScenario(Prompt[PlacedScenario]):
+    """Find the branch for a scenario, or adjust the tree to accommodate it (paper, section III-A)."""
+
+    purpose: ClassVar[str] = "place-scenario"
+    template: ClassVar[str] = "place_scenario.md"
+    answer: ClassVar[type[BaseModel]] = PlacedScenario
+
+    text: str
+    nodes: tuple[Node, ...]
+    """The tree as it stands, or the part of a large one that is shown."""
+    hidden: tuple[Hidden, ...] = ()
+    """Nodes below which leaves are left out."""
+    full: tuple[str, ...] = ()
+    """Ids of leaves that are not to be broadened any more."""
+    procedure: Literal["paper", "closed"] = "paper"
+    """`paper`: nodes are added or broadened. `closed`: leaves may be split and moved as well, and
+    runners-up are asked for."""
+
+    def variables(self) -> dict[str, Any]:
+        """Show the tree as an outline."""
+        tree = ScenarioTree.model_validate({"nodes": self.nodes})
+        left_out = {item.id: item.leaves for item in self.hidden}
+        lines = (
+            f"{'  ' * depth}- {node.label} [{node.id}]"
+            + (f" (+{left_out[node.id]})" if node.id in left_out else "")
+            for node, depth in tree.walk()
+        )
+        return {**super().variables(), "outline": "\n".join(lines)}
+
+    def check(self, answer: PlacedScenario) -> list[Issue]:
+        """The decision names an existing node and carries the labels that it needs."""
+        if answer.decision in ("not-ood", "off-topic"):
+            return []
+        by_id = {node.id: node for node in self.nodes}
+        node = by_id.get(answer.node or "")
+        if node is None:
+            return [Issue("node", f"{answer.node!r} is not an id of the tree")]
+        issues = []
+        if node.id == ROOT:
+            issues.append(Issue("node", "name a node below the root"))
+        is_class = node.parent == ROOT
+        inner = {n.parent for n in self.nodes} | {item.id for item in self.hidden}
+        is_leaf = node.id not in inner and not is_class
+        needs_leaf = answer.decision in ("covered", "split") or (
+            answer.decision == "broaden" and self.procedure == "closed"
+        )
+        if needs_leaf and not is_leaf:
+            issues.append(Issue("node", f"{node.id!r} is not a leaf"))
+        if answer.decision == "broaden" and is_class:
+            issues.append(Issue("node", "the classes keep their labels"))
+        if answer.decision == "broaden" and node.id in self.full:
+            message = f"{node.id!r} has been broadened often enough: split it"
+            issues.append(Issue("decision", message))
+        if answer.decision == "split" and self.procedure == "paper":
+            issues.append(Issue("decision", 'answer "broaden" or "add" instead of "split"'))
+        if answer.decision == "add" and is_leaf:
+            message = f"{node.id!r} is a leaf: name the node above it, or broaden the leaf"
+            issues.append(Issue("node", message))
+        if answer.decision == "add" and is_class and answer.category is None:
+            issues.append(Issue("category", "a leaf hangs below a family: name a new one"))
+        return [*issues, *label_issues(answer, self.nodes)]
+
+
+def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
+    """Find what is wrong with the labels of an answer: malformed, or taken by one of the nodes."""
+    if answer.decision not in ("broaden", "add", "split"):
+        return []
+    wanted = [("label", answer.label)]
+    if answer.decision == "split" or (answer.decision == "add" and answer.category is not None):
+        wanted.append(("category", answer.category))
+    found = {name: one_line(label or "") for name, label in wanted}
+    taken = {same_words(node.label): node.id for node in nodes}
+    issues = []
+    for name, label in found.items():
+        if fault := label_fault(label):
+            issues.append(Issue(name, fault))
+        elif same_words(label) in taken:
+            message = f"the tree has a node {label!r} already: [{taken[same_words(label)]}]"
+            issues.append(Issue(name, message))
+    if len(set(map(same_words, found.values()))) < len(found):
+        issues.append(Issue("category", "leaf and family need different labels"))
+    return issues

@@ -1,0 +1,111 @@
+"""Turn three of growing a tree: ask for the tree."""
+
+from collections import Counter
+from typing import ClassVar
+
+from pydantic import BaseModel, Field
+
+from oodscen._text import one_line
+from oodscen.data._messages import Message
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._tree.classify_examples import (
+    Classification,
+    ClassifiedExample,
+    ClassifyExamples,
+)
+from oodscen.tree._labels import label_fault, same_words
+from oodscen.tree._scenario_tree import CLASSES
+
+MAX_DEPTH = 12
+"""Most edges from the root of a proposed tree to a leaf."""
+
+
+class ProposedNode(BaseModel):
+    """One node of the proposed tree."""
+
+    number: int = Field(description="counted from 1; the root is 1")
+    parent: int = Field(description="number of the parent, listed before; 0 for the root")
+    label: str = Field(description="a short noun phrase")
+    example: int | None = Field(
+        default=None, description="number of the example it comes from, counted from 1"
+    )
+
+
+class ProposedTree(BaseModel):
+    """Answer: the tree as a flat list, parents before children."""
+
+    nodes: list[ProposedNode]
+
+
+class ProposeTree(Prompt[ProposedTree]):
+    """Arrange the ideas as a tree whose root-to-leaf paths are distinct OOD scenarios."""
+
+    purpose: ClassVar[str] = "propose-tree"
+    template: ClassVar[str] = "propose_tree.md"
+    answer: ClassVar[type[BaseModel]] = ProposedTree
+    follows = (ClassifyExamples,)
+
+    asked: ClassifyExamples
+    """The second turn, which holds the first."""
+    classes: tuple[str, ...]
+    """The class that the model gave to each example, in order."""
+    nodes: int
+    """How many nodes the tree must have, the root and the two classes included."""
+
+    def earlier(self) -> tuple[Message, ...]:
+        """Return the first two turns and their answers."""
+        answer = Classification(
+            examples=[
+                ClassifiedExample.model_validate(
+                    {"number": number, "reasoning": "", "scenario_class": name}
+                )
+                for number, name in enumerate(self.classes, start=1)
+            ]
+        )
+        return (
+            *self.asked.earlier(),
+            Message(role="user", text=self.asked.question()),
+            Message(role="assistant", text=answer.model_dump_json()),
+        )
+
+    def check(self, answer: ProposedTree) -> list[Issue]:
+        """The list is a tree of the right size below the two classes."""
+        issues = []
+        known: dict[int, ProposedNode] = {}
+        depths: dict[int, int] = {}
+        for index, node in enumerate(answer.nodes):
+            path = f"nodes[{index}]"
+            if node.number in known:
+                issues.append(Issue(f"{path}.number", f"{node.number} is taken"))
+            if index == 0 and node.parent != 0:
+                issues.append(
+                    Issue(f"{path}.parent", "the first node is the root, its parent is 0")
+                )
+            if index > 0 and node.parent not in known:
+                issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
+            if fault := label_fault(one_line(node.label)):
+                issues.append(Issue(f"{path}.label", fault))
+            if node.example is not None and not 1 <= node.example <= len(self.asked.given):
+                issues.append(Issue(f"{path}.example", f"there is no example {node.example}"))
+            known[node.number] = node
+            depths[node.number] = depths.get(node.parent, -1) + 1
+            if depths[node.number] == MAX_DEPTH + 1:
+                issues.append(
+                    Issue(f"{path}.parent", f"deeper than {MAX_DEPTH} levels below the root")
+                )
+        if issues:
+            return issues
+        root = answer.nodes[0].number if answer.nodes else 0
+        below = [node.label.casefold() for node in answer.nodes if node.parent == root]
+        if sorted(below) != sorted(name.casefold() for name in CLASSES):
+            issues.append(Issue("nodes", f"below the root: exactly {' and '.join(CLASSES)}"))
+        if len(answer.nodes) != self.nodes:
+            issues.append(
+                Issue("nodes", f"{len(answer.nodes)} nodes; exactly {self.nodes} are wanted")
+            )
+        repeated = [
+            k for k, n in Counter(same_words(n.label) for n in answer.nodes).items() if n > 1
+        ]
+        issues += [Issue("nodes", f"the label {label!r} occurs twice") for label in repeated]
+        return issues

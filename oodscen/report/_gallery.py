@@ -1,0 +1,390 @@
+"""The scenes as one JSON document, from which the page's script builds what is looked at.
+
+Only plain values go in: texts are shown as texts by the script, addresses are checked here.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from oodscen.data._bird_sketch import Sketch
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene, Weather
+from oodscen.data._twins import is_twin, twin_id
+from oodscen.data._verdict import Verdict
+from oodscen.report import _measures as measures
+from oodscen.report import _phrasing as words
+from oodscen.report._charts import svg as charts
+from oodscen.report._charts.frames import picture
+from oodscen.report._load import Material, by_key, number
+
+_STAGES = {"scenarios": "text", "scenes": "staging", "episodes": "simulation"}
+_LONGEST = 4_000
+"""Characters of one answer that the page shows; the whole is in the study's files."""
+
+Row = dict[str, Any]
+
+
+def payload(found: Material, folder: Path) -> Row:
+    """Return everything that the page's script knows about the scenes.
+
+    Args:
+        found: The study.
+        folder: Where its frames lie.
+    """
+    scenarios = by_key(found.scenarios, lambda row: row.id)
+    scenes = by_key(found.scenes, lambda row: row.id)
+    episodes = by_key(found.episodes, lambda row: row.scene_id)
+    failed = {
+        failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
+        for failure in found.failures
+        if failure.stage in _STAGES
+    }
+    models = _models(found.verdicts)
+    answers: dict[str, list[Row]] = {}
+    for verdict in found.verdicts:
+        row = _answer(verdict, models[_name(verdict)])
+        answers.setdefault(verdict.scene_id, []).append(row)
+    scores, band = _scores(found), _band(found.config)
+    leaves, attested = _leaves(found)
+    rows = []
+    for name in dict.fromkeys((*scenarios, *scenes, *episodes, *failed)):
+        if is_twin(name):
+            continue
+        scene = scenes.get(name)
+        scenario = scenarios.get(scene.scenario_id if scene else name)
+        score = scores.get(scenario.id if scenario else name, (None, ""))
+        leaf = _leaf(name, scenario, leaves)
+        leaves.setdefault(leaf, scenario.path if scenario else ())
+        rows.append(
+            {
+                "id": name,
+                "leaf": leaf,
+                "text": scenario.text if scenario else "",
+                "score": "" if score[0] is None else charts.signed(score[0]),
+                "nearest": score[1],
+                "error": failed.get(name, ""),
+                "state": ""
+                if name in failed
+                else _state(scene, episodes.get(name), score[0], band),
+                **_shown(name, scene, episodes.get(name), folder),
+                "answers": answers.get(name, []),
+                "twin": _twin(name, scenario, scene, episodes, failed, folder, answers),
+            }
+        )
+    order = {leaf: index for index, leaf in enumerate(leaves)}
+    rows.sort(key=lambda row: order[row["leaf"]])
+    used = dict.fromkeys(row["leaf"] for row in rows)
+    return {
+        "leaves": {
+            leaf: {"path": list(leaves[leaf][1:]), "attested": leaf in attested} for leaf in used
+        },
+        "models": [{"name": name, "kind": kind} for name, kind in _kinds(found.verdicts).items()],
+        "scenes": rows,
+    }
+
+
+def choice(episode: Episode) -> str:
+    """Say whether the choice of action matters: `mixed`, `all` safe, `none` safe, or empty."""
+    available = [outcome.safe for outcome in episode.actions.values() if not outcome.unavailable]
+    if not available:
+        return ""
+    if all(available):
+        return "all"
+    return "mixed" if any(available) else "none"
+
+
+def conditions(weather: Weather) -> list[str]:
+    """Return under which words a weather is found in the filter."""
+    found = ["night" if weather.sun_elevation_deg <= -6 else "twilight" if weather.sun_elevation_deg < 3 else "day"]  # fmt: skip
+    if weather.fog_visual_range_m < 1_000:
+        found.append("fog")
+    if weather.precipitation != "none":
+        found.append(weather.precipitation)
+    if weather.friction <= 0.5:
+        found.append("slippery road")
+    return found if len(found) > 1 else [*found, "clear"]
+
+
+def _name(verdict: Verdict) -> str:
+    return verdict.model if verdict.protocol == "ours" else f"{verdict.model} (paper’s protocol)"
+
+
+def _kinds(verdicts: Sequence[Verdict]) -> dict[str, str]:
+    """Return the kind of every answerer; models come before references."""
+    kinds = {_name(verdict): verdict.kind for verdict in verdicts}
+    return dict(sorted(kinds.items(), key=lambda item: (item[1] == "reference", item[0])))
+
+
+def _models(verdicts: Sequence[Verdict]) -> dict[str, int]:
+    return {name: index for index, name in enumerate(_kinds(verdicts))}
+
+
+def _leaves(found: Material) -> tuple[dict[str, tuple[str, ...]], set[str]]:
+    """Return the paths of the simulatable tree in order, and which the paper attests."""
+    tree = found.trees.get("simulatable")
+    if tree is None:
+        return {}, set()
+    return dict(tree.paths), {leaf.id for leaf in tree.leaves if leaf.attested}
+
+
+def _leaf(name: str, scenario: Scenario | None, leaves: Collection[str]) -> str:
+    """Return the leaf that an item belongs to; ids are `<leaf>` or `<leaf>-003`."""
+    if scenario is not None and scenario.leaf:
+        return scenario.leaf
+    return next((leaf for leaf in (name, name.rpartition("-")[0]) if leaf in leaves), "other")
+
+
+def _twin(
+    name: str,
+    scenario: Scenario | None,
+    scene: Scene | None,
+    episodes: Mapping[str, Episode],
+    failed: Mapping[str, str],
+    folder: Path,
+    answers: Mapping[str, list[Row]],
+) -> Row | None:
+    """Return the ordinary twin of a scene, where it was simulated."""
+    twin = twin_id(name)
+    episode = episodes.get(twin)
+    if episode is None and twin not in failed:
+        return None
+    staged = None
+    if scene is not None and episode is not None and episode.decision_s is not None:
+        with suppress(ValueError):
+            staged = scene.twin(episode.decision_s)
+    return {
+        "text": (scenario.ordinary or "") if scenario else "",
+        "error": failed.get(twin, ""),
+        **_shown(twin, staged, episode, folder),
+        "answers": answers.get(twin, []),
+    }
+
+
+def _shown(name: str, scene: Scene | None, episode: Episode | None, folder: Path) -> Row:
+    """Return what a scene looks like and what came of every action."""
+    names = {actor.id: words.plain(actor.asset) for actor in scene.actors} if scene else {}
+    return {
+        "map": words.plain(scene.map) if scene else "",
+        "weather": conditions(scene.weather) if scene else [],
+        "setting": _setting(scene),
+        "badWeather": scene is not None and scene.hazard.weather is not None,
+        "players": _players(scene),
+        "hazards": sorted(scene.hazard.actors) if scene else [],
+        "decision": _decision(scene, episode, names),
+        "choice": choice(episode) if episode else "",
+        "frames": _frames(episode, folder),
+        "actions": _outcomes(episode, names),
+        "sketch": _sketch(episode.sketch, names) if episode and episode.sketch else None,
+        "followed": bool(episode and episode.followers),
+        "facts": _facts(episode, names),
+    }
+
+
+def _frames(episode: Episode | None, folder: Path) -> list[Row]:
+    if episode is None or episode.status == "failed":
+        return []
+    times = _times(episode)
+    rows = []
+    for moment in MOMENTS:
+        found = picture(folder, episode.frames.get(moment))
+        caption = f"{moment} · {times[moment]}" if moment in times else moment
+        rows.append(
+            {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
+        )
+    return rows
+
+
+def _times(episode: Episode) -> Mapping[str, str]:
+    """Return when the frames were taken: at the start, half way, and at the decision."""
+    if episode.decision_s is None or episode.dt <= 0:
+        return {}
+    steps = round(episode.decision_s / episode.dt)
+    return {
+        moment: f"{step * episode.dt:.1f} s"
+        for moment, step in zip(MOMENTS, (0, steps // 2, steps), strict=True)
+    }
+
+
+def _outcomes(episode: Episode | None, names: Mapping[str, str]) -> list[Row]:
+    if episode is None:
+        return []
+    outcomes = dict(sorted(episode.actions.items(), key=lambda item: _rank(item[0])))
+    return [
+        {
+            "id": action,
+            "name": words.plain(action),
+            "kind": "unavailable" if outcome.unavailable else "safe" if outcome.safe else "unsafe",
+            "note": words.outcome(outcome, names),
+            "more": words.measures(outcome),
+            "hits": list(outcome.contacts),
+        }
+        for action, outcome in outcomes.items()
+    ]
+
+
+def _rank(action: str) -> int:
+    return ACTIONS.index(action) if action in ACTIONS else len(ACTIONS)
+
+
+def _sketch(sketch: Sketch, names: Mapping[str, str]) -> Row:
+    """Return a sketch as lists of numbers."""
+    return {
+        "lanes": [[lane.kind, lane.direction, lane.right, lane.left] for lane in sketch.lanes],
+        "bodies": {
+            name: [body.x, body.y, body.heading_deg, body.length, body.width]
+            for name, body in sketch.bodies.items()
+        },
+        "names": {name: names[name] for name in sketch.bodies if name in names},
+        "paths": {action: list(path) for action, path in sketch.paths.items()},
+        "ends": {action: {name: list(end) for name, end in found.items()} for action, found in sketch.ends.items()},
+    }  # fmt: skip
+
+
+def _answer(verdict: Verdict, model: int) -> Row:
+    """Return what one answerer said about one item; references are kept short."""
+    row: Row = {
+        "model": model,
+        "outcome": _outcome(verdict),
+        "ood": verdict.is_ood,
+        "action": verdict.action or "",
+        "safe": verdict.action_is_safe,
+        "choice": verdict.choice or "",
+        "chosen": verdict.choice_is_right,
+        "named": verdict.aspect_is_right,
+    }
+    if verdict.kind == "reference":
+        return row
+    return {
+        **row,
+        "sure": verdict.confidence,
+        "aspect": _cut(verdict.aspect),
+        "error": _cut(verdict.error or ""),
+        "descriptions": [_cut(text) for text in verdict.descriptions],
+        "reasoning": _cut(verdict.reasoning),
+        "contradiction": _cut(verdict.contradiction),
+        "notes": [_cut(note) for note in verdict.notes],
+        "judge": verdict.judge,
+        "outdated": verdict.is_outdated,
+    }
+
+
+def _outcome(verdict: Verdict) -> str:
+    if verdict.status == "failed" and verdict.outcome == "answered":
+        return "error"
+    return verdict.outcome
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} … ({len(text):,} characters)"
+
+
+def _scores(found: Material) -> dict[str, tuple[float, str]]:
+    """Return OOD-ness and nearest ordinary text by scenario, where scores and texts agree."""
+    values = measures.scores(found.metrics, "simulatable")
+    if len(values) != len(found.scenarios):
+        return {}
+    near = measures.neighbours(found.metrics, "simulatable")
+    near = near if len(near) == len(values) else [""] * len(values)
+    return {
+        scenario.id: (value, text)
+        for scenario, value, text in zip(found.scenarios, values, near, strict=True)
+    }
+
+
+def _state(
+    scene: Scene | None,
+    episode: Episode | None,
+    score: float | None,
+    band: tuple[float, float] | None,
+) -> str:
+    if scene is None:
+        if band and score is not None and not band[0] <= score <= band[1]:
+            low, high = map(charts.signed, band)
+            return f"Not staged: its OOD-ness lies outside the band from {low} to {high}."
+        return "Not staged yet."
+    return "Not simulated yet." if episode is None else ""
+
+
+def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
+    bounds = config.get("band")
+    if not isinstance(bounds, list) or len(bounds) != 2:
+        return None
+    low, high = number(bounds[0]), number(bounds[1])
+    return None if low is None or high is None else (low, high)
+
+
+def _setting(scene: Scene | None) -> str:
+    if scene is None:
+        return ""
+    return f"{words.plain(scene.map)} · {words.weather(scene.weather)} · ego at {words.speed(scene.ego.speed)}"
+
+
+def _players(scene: Scene | None) -> list[Row]:
+    if scene is None:
+        return []
+    players = [
+        {
+            "name": words.called(actor),
+            "hazard": actor.id in scene.hazard.actors,
+            "what": f"{words.place(actor.placement)}; {words.behaviour(actor.behaviour)}",
+        }
+        for actor in scene.actors
+    ]
+    return sorted(players, key=lambda player: not player["hazard"])
+
+
+def _decision(scene: Scene | None, episode: Episode | None, names: Mapping[str, str]) -> str:
+    if scene is None:
+        return ""
+    if scene.is_twin:
+        return f"The ego must choose at {scene.decision.value:.1f} s, as in the scene."
+    target = scene.decision.actor
+    named = scene.decision.model_copy(
+        update={"actor": f"the {names.get(target, target)}" if target else None}
+    )
+    when = words.trigger(named, "the ego", "the hazard")
+    if episode is None or episode.decision_s is None:
+        return f"The ego must choose {when}."
+    if not episode.decision_fired:
+        return f"The ego must choose {when}; that never came about, so the end of the approach at {episode.decision_s:.1f} s was taken."
+    return f"The ego must choose {when}: at {episode.decision_s:.1f} s."
+
+
+def _facts(episode: Episode | None, names: Mapping[str, str]) -> list[list[str]]:
+    if episode is None:
+        return []
+    facts = []
+    if not episode.is_deterministic:
+        facts.append(
+            ["Determinism", "replaying the approach gave another trace; no action is called safe"]
+        )
+    if episode.restaged:
+        facts.append(["Re-staged", episode.restaged])
+    if episode.followers:
+        facts.append(
+            [
+                "Behind the ego",
+                ", ".join(names.get(name, words.plain(name)) for name in episode.followers),
+            ]
+        )
+    last = episode.visible.get("last", {})
+    if last:
+        seen = sorted(last.items(), key=lambda item: (-item[1], item[0]))
+        facts.append(
+            [
+                "Seen in the last frame",
+                ", ".join(
+                    f"{names.get(name, words.plain(name))} {pixels} pixels" for name, pixels in seen
+                ),
+            ]
+        )
+    if episode.simulator:
+        facts.append(
+            ["Run", f"{episode.simulator}, seed {episode.seed}, step {words.amount(episode.dt)} s"]
+        )
+    if episode.trace_sha256:
+        facts.append(["Trace", episode.trace_sha256[:16]])
+    return facts

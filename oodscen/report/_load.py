@@ -1,0 +1,242 @@
+"""Read whatever a study holds so far: unfinished, torn or malformed parts become gaps in words."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeVar
+
+from oodscen._json import object_lines, parse_object
+from oodscen.data._base import Data
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._verdict import Verdict
+from oodscen.errors import DataError
+from oodscen.judging._drives import current
+from oodscen.stages._drive import DriveResult
+from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._redteam.red_teamer import Round
+from oodscen.study import TABLES, TREES, Store, Study
+from oodscen.tree._scenario_tree import ScenarioTree
+
+Row = TypeVar("Row", bound=Data)
+
+_UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
+_CREDENTIALS = re.compile(r"(://)[^/@\s]+@")
+
+
+class Failure(NamedTuple):
+    """One item that failed, in whatever stage."""
+
+    stage: str
+    """The table: `scenes`, `episodes` ..."""
+    id: str
+    error: str
+
+
+@dataclass
+class Material:
+    """Everything that could be read of one study."""
+
+    info: dict[str, Any] = field(default_factory=dict)
+    """Content of `study.json`, or empty."""
+    trees: dict[str, ScenarioTree] = field(default_factory=dict)
+    rounds: list[Round] = field(default_factory=list)
+    decisions: list[PruneDecision] = field(default_factory=list)
+    scenarios: list[Scenario] = field(default_factory=list)
+    scenes: list[Scene] = field(default_factory=list)
+    episodes: list[Episode] = field(default_factory=list)
+    whole: list[Episode] = field(default_factory=list)
+    """Episodes of the paper's protocol, where it was used."""
+    verdicts: list[Verdict] = field(default_factory=list)
+    drives: list[DriveResult] = field(default_factory=list)
+    restagings: list[dict[str, Any]] = field(default_factory=list)
+    """Lines of `restaged.jsonl`."""
+    calls: list[dict[str, Any]] = field(default_factory=list)
+    texts: dict[str, list[Scenario]] = field(default_factory=dict)
+    """The text sets of the diverse tree, by size."""
+    metrics: dict[str, Any] = field(default_factory=dict)
+    failures: list[Failure] = field(default_factory=list)
+    gaps: dict[str, str] = field(default_factory=dict)
+    """By file name: why it is missing here, wholly or in part."""
+
+    @property
+    def config(self) -> Mapping[str, Any]:
+        """The configuration as it was written; empty if there is none."""
+        return mapping(self.info.get("config"))
+
+
+def read(study: Study) -> Material:
+    """Read a study; nothing that is wrong with it raises."""
+    store = study.store
+    found = Material()
+    found.info = _object(store, "study.json", found)
+    found.metrics = _object(store, "metrics.json", found)
+    for name in TREES:
+        tree = _tree(store, f"tree.{name}.json", found)
+        if tree is not None:
+            found.trees[name] = tree
+    found.rounds = _rows(store, "redteam", Round, found)
+    found.decisions = _rows(store, "pruned", PruneDecision, found)
+    found.scenarios = _rows(store, "scenarios", Scenario, found)
+    found.scenes = _rows(store, "scenes", Scene, found)
+    found.episodes = _rows(store, "episodes", Episode, found)
+    found.verdicts = _rows(store, "verdicts", Verdict, found)
+    found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)
+    drives = _optional(store, "drives.jsonl", DriveResult, found)
+    found.drives = current(drives, found.scenes)
+    if lost := len(drives) - len(found.drives):
+        note = f"{lost} results in drives.jsonl are of scenes that are others now and were left out"
+        _note(found, "drives.jsonl", note)
+    if store.has("restaged.jsonl"):
+        found.restagings = list(_lines(store, "restaged.jsonl", found))
+    found.calls = list(_lines(store, TABLES["calls"], found))
+    found.texts = {size: _texts(store, size, found) for size in _sizes(found.config)}
+    return found
+
+
+def mapping(value: object) -> Mapping[str, Any]:
+    """Return a value if it is a mapping, and an empty one otherwise."""
+    return value if isinstance(value, Mapping) else {}
+
+
+def dig(value: object, *keys: str) -> Any:
+    """Follow keys through nested mappings; `None` where one is missing."""
+    for key in keys:
+        value = mapping(value).get(key)
+    return value
+
+
+def number(value: object, *keys: str) -> float | None:
+    """Return a finite number from nested mappings, or `None`."""
+    found = dig(value, *keys)
+    if isinstance(found, bool) or not isinstance(found, int | float):
+        return None
+    return float(found) if abs(found) < float("inf") else None
+
+
+def printable(value: Any) -> Any:
+    """Replace what no page can show (lone surrogates, control characters), in nested data.
+
+    Credentials inside addresses are blanked too.
+    """
+    if isinstance(value, str):
+        return _CREDENTIALS.sub(r"\1", _UNPRINTABLE.sub("\ufffd", value))
+    if isinstance(value, Mapping):
+        return {printable(str(key)): printable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [printable(item) for item in value]
+    return value
+
+
+def _sizes(config: Mapping[str, Any]) -> list[str]:
+    sizes = config.get("sets")
+    numbers = sizes if isinstance(sizes, list) else [10, 100, 1000]
+    return [str(size) for size in numbers if isinstance(size, int)]
+
+
+def _object(store: Store, name: str, found: Material) -> dict[str, Any]:
+    content = _bytes(store, name, found)
+    if content is None:
+        return {}
+    try:
+        return dict(printable(parse_object(content)))
+    except ValueError as error:
+        found.gaps[name] = f"{name} cannot be read: {error}"
+        return {}
+
+
+def _tree(store: Store, name: str, found: Material) -> ScenarioTree | None:
+    value = _object(store, name, found)
+    if not value:
+        return None
+    try:
+        return ScenarioTree.parse(value)
+    except DataError as error:
+        found.gaps[name] = f"{name} cannot be read: {_first(error)}"
+        return None
+
+
+def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Row]:
+    rows = []
+    for line in _parsed(_lines(store, TABLES[table], found), kind, TABLES[table], found):
+        if isinstance(line, Data):
+            rows.append(line)
+            status, error = getattr(line, "status", "ok"), getattr(line, "error", None)
+        else:
+            status, error = "failed", line.get("error")
+        if status == "failed":
+            name = getattr(line, "id", None) if isinstance(line, Data) else line.get("id")
+            label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
+            found.failures.append(Failure(table, label, str(error or "no reason was recorded")))
+    return rows
+
+
+def _optional(store: Store, name: str, kind: type[Row], found: Material) -> list[Row]:
+    """Read a file that most studies do not have."""
+    if not store.has(name):
+        return []
+    lines = _parsed(_lines(store, name, found), kind, name, found)
+    return [line for line in lines if isinstance(line, kind)]
+
+
+def _texts(store: Store, size: str, found: Material) -> list[Scenario]:
+    name = f"texts.diverse.{size}.jsonl"
+    lines = _parsed(_lines(store, name, found), Scenario, name, found)
+    return [line for line in lines if isinstance(line, Scenario)]
+
+
+def _parsed(
+    lines: Iterable[dict[str, Any]], kind: type[Row], name: str, found: Material
+) -> Iterator[Row | dict[str, Any]]:
+    """Yield rows; a line that stands for a failed item stays plain data."""
+    bad: list[str] = []
+    for line in lines:
+        if line.get("status") == "failed" and "status" not in kind.model_fields:
+            yield line
+            continue
+        try:
+            yield kind.parse(line)
+        except DataError as error:
+            bad.append(_first(error))
+            yield {"id": line.get("id"), "error": f"malformed line: {_first(error)}"}
+    if bad:
+        _note(found, name, f"{len(bad)} malformed line(s) in {name}, the first: {bad[0]}")
+
+
+def _lines(store: Store, name: str, found: Material) -> Iterator[dict[str, Any]]:
+    """Yield the objects in a file of lines; a torn last line is one that is being written."""
+    content = _bytes(store, name, found)
+    if content is None:
+        return
+    bad = 0
+    for _, line in object_lines(content):
+        if isinstance(line, ValueError):
+            bad += 1
+        else:
+            yield dict(printable(line))
+    if bad:
+        _note(found, name, f"{bad} line(s) of {name} are not JSON objects and were left out")
+
+
+def _bytes(store: Store, name: str, found: Material) -> bytes | None:
+    try:
+        return store.path(name).read_bytes()
+    except FileNotFoundError:
+        found.gaps[name] = f"{name} is not there yet"
+    except OSError as error:
+        found.gaps[name] = f"{name} cannot be read: {error.strerror or error}"
+    return None
+
+
+def _note(found: Material, name: str, message: str) -> None:
+    found.gaps[name] = f"{found.gaps[name]}; {message}" if name in found.gaps else message
+
+
+def _first(error: DataError) -> str:
+    return str(error.issues[0]) if error.issues else str(error)
+
+
+def by_key(rows: Iterable[Row], key: Callable[[Row], str]) -> dict[str, Row]:
+    """Index rows by a key; the last of equal keys wins."""
+    return {key(row): row for row in rows}

@@ -1,0 +1,201 @@
+"""Scenes in words: weather, places, behaviours, triggers and outcomes as a person would say them."""
+
+from collections.abc import Mapping
+
+from oodscen.data._episode import ActionOutcome
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger, Weather
+
+BEHAVIOURS = {
+    "stand": "stands still",
+    "follow_lane": "keeps its lane",
+    "wrong_way": "drives against its lane’s direction",
+    "cut_in": "changes lane",
+    "hard_brake": "brakes hard to a stop",
+    "stall": "coasts to a stop",
+    "stop_and_go": "stops and goes",
+    "reverse": "drives backwards",
+    "swerve": "swerves",
+    "pull_out": "pulls out from the roadside",
+    "u_turn": "turns across the road",
+    "cross_road": "crosses the road",
+    "hesitate": "steps out, stops and goes back",
+    "walk_along": "moves along its heading",
+    "bolt": "bolts along its heading",
+    "wobble": "weaves in its lane",
+    "drift": "drifts out of its lane",
+}
+"""What an actor does, by behaviour id; other behaviours are called by their id."""
+
+_STATES = {
+    "brake": "brake lights",
+    "hazard": "hazard lights",
+    "beacon": "beacon on",
+    "indicate_left": "indicating left",
+    "indicate_right": "indicating right",
+}
+
+_UNITS = {
+    "speed": "m/s",
+    "deceleration": "m/s²",
+    "duration": "s",
+    "period": "s",
+    "pause": "s",
+    "distance": "m",
+    "amplitude": "m",
+    "lateral": "m to the left",
+    "lanes": "lanes to the left",
+}
+
+
+def plain(identifier: str) -> str:
+    """Write an id as words."""
+    return identifier.replace("_", " ").replace("-", " ").strip() or identifier
+
+
+def amount(value: float) -> str:
+    """Write a quantity with no more digits than it needs, with a true minus sign."""
+    return f"{value:.3g}".replace("-", "\N{MINUS SIGN}") if abs(value) < 1000 else f"{value:.0f}"
+
+
+def speed(value: float) -> str:
+    """Write a speed in m/s with km/h beside it."""
+    return f"{value:.1f} m/s ({value * 3.6:.0f} km/h)"
+
+
+def duration(seconds: float) -> str:
+    """Write a time span."""
+    if seconds < 10:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def weather(value: Weather) -> str:
+    """Describe weather and light in one phrase."""
+    parts = [_light(value.sun_elevation_deg)]
+    if value.fog_visual_range_m < 10_000:
+        sight = amount(value.fog_visual_range_m)
+        kind = "thick fog" if value.fog_visual_range_m < 150 else "fog"
+        kind = kind if value.fog_visual_range_m < 1000 else "haze"
+        parts.append(f"{kind}, sight {sight} m")
+    if value.precipitation != "none":
+        rate = value.precipitation_mm_h
+        degree = "light" if rate < 2.5 else "moderate" if rate < 10 else "heavy"
+        parts.append(f"{degree} {value.precipitation}, {amount(rate)} mm/h")
+    elif value.fog_visual_range_m >= 10_000 and value.sun_elevation_deg > -6:
+        parts.append("overcast" if value.cloud_cover > 0.7 else "dry")
+    if value.friction < 0.95:
+        degree = "icy" if value.friction <= 0.2 else "slippery" if value.friction <= 0.5 else "wet"
+        parts.append(f"{degree} road, friction {amount(value.friction)}")
+    return "; ".join(parts)
+
+
+def place(value: Placement) -> str:
+    """Describe where an actor starts, as seen from the ego."""
+    distance = (
+        f"{amount(value.ahead_m)} m ahead"
+        if value.ahead_m >= 0
+        else f"{amount(-value.ahead_m)} m behind"
+    )
+    if value.lane == 0:
+        lane = "in the ego’s lane"
+    else:
+        count = "one lane" if abs(value.lane) == 1 else f"{abs(value.lane)} lanes"
+        lane = f"{count} to the {'left' if value.lane > 0 else 'right'}"
+    parts = [distance, lane]
+    if abs(value.offset_m) >= 0.3:
+        side = "left" if value.offset_m > 0 else "right"
+        parts.append(f"{amount(abs(value.offset_m))} m {side} of its centre")
+    turned = abs(value.heading_deg)
+    if turned > 150:
+        parts.append("facing against its lane")
+    elif turned > 20:
+        side = "left" if value.heading_deg > 0 else "right"
+        parts.append(f"turned {amount(turned)}° to the {side}")
+    return ", ".join(parts)
+
+
+def behaviour(value: Behaviour) -> str:
+    """Describe what an actor does, with what parameters, and from when."""
+    text = BEHAVIOURS.get(value.name, plain(value.name))
+    given = [
+        f"{plain(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
+        for name, number in sorted(value.parameters.items())
+    ]
+    if given:
+        text += f" ({', '.join(given)})"
+    if value.name in ("stand", "follow_lane"):
+        return text
+    return f"{text}, {trigger(value.trigger, 'the ego', 'it')}"
+
+
+def trigger(value: Trigger, ego: str, target: str) -> str:
+    """Describe when something starts.
+
+    Args:
+        value: The trigger.
+        ego: What the ego is called.
+        target: What the actor is called that the trigger is measured to, if it names none.
+    """
+    other = value.actor or target
+    if value.kind == "time":
+        return "from the start" if value.value == 0 else f"after {amount(value.value)} s"
+    if value.kind == "distance":
+        return f"once {ego} is within {amount(value.value)} m of {other}"
+    return f"once {ego} is {amount(value.value)} s from hitting {other}"
+
+
+def called(actor: Actor) -> str:
+    """Name an actor by its asset, and its state where it has one."""
+    if actor.state in ("", "off"):
+        return plain(actor.asset)
+    return f"{plain(actor.asset)} ({_STATES.get(actor.state, plain(actor.state))})"
+
+
+def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
+    """Describe what came of an action, in a few words.
+
+    Args:
+        value: The outcome.
+        names: What the actors are called, by id.
+    """
+    if value.unavailable:
+        return "no such lane"
+    if value.contacts:
+        touched = [names.get(item, plain(item)) for item in value.contacts]
+        counted = [
+            f"{name} ×{touched.count(name)}" if touched.count(name) > 1 else name
+            for name in dict.fromkeys(touched)
+        ]
+        return f"hits {', '.join(counted)}"
+    if value.off_road:
+        return "leaves the road"
+    if value.margin_m is None:
+        return "nothing near"
+    return f"gap {value.margin_m:.1f} m"
+
+
+def measures(value: ActionOutcome) -> str:
+    """Write how close an action came and how hard it was on the passengers."""
+    if value.unavailable:
+        return ""
+    parts = []
+    if value.min_ttc_s is not None and value.min_ttc_s > 0:
+        parts.append(f"TTC {value.min_ttc_s:.1f} s")
+    if value.peak_deceleration is not None:
+        parts.append(f"brakes {value.peak_deceleration:.1f} m/s²")
+    if value.peak_jerk is not None:
+        parts.append(f"jerk {value.peak_jerk:.0f} m/s³")
+    return ", ".join(parts)
+
+
+def _light(sun_elevation_deg: float) -> str:
+    if sun_elevation_deg <= -6:
+        return "night"
+    if sun_elevation_deg < 3:
+        return "twilight"
+    return "low sun" if sun_elevation_deg < 12 else "day"

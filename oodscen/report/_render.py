@@ -1,0 +1,104 @@
+"""Render the page: escaped by default, sealed by a content security policy."""
+
+import base64
+import hashlib
+import json
+import re
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup, escape
+
+from oodscen.errors import FolderTaken
+from oodscen.report import _load as reading
+from oodscen.report import _page as page
+from oodscen.report import _phrasing as words
+from oodscen.report._charts import svg as charts
+from oodscen.study import Study
+
+FILE = "report.html"
+"""Name of the page in the study's folder."""
+
+
+def write_report(study: Study) -> Path:
+    """Write `report.html` into a study's folder and return its path.
+
+    The page needs nothing but itself and, for the pictures, the folder `frames` beside it. Whatever
+    a study does not hold (yet), or holds in a broken form, is said in its place. The same study
+    gives the same bytes.
+
+    Args:
+        study: Finished, unfinished or partly broken.
+
+    Raises:
+        FolderTaken: When the folder holds no study, but somebody's file of this name.
+        InUse: When another process writes the study.
+        StudyError: When the page cannot be written.
+    """
+    if FILE in study.own() and not study.store.has("study.json"):
+        raise FolderTaken(str(study.folder), [FILE])
+    with study.store.writing():
+        html = render(page.context(study, reading.read(study)))
+        study.store.write(FILE, html.encode("utf-8"))
+    return study.folder / FILE
+
+
+def render(context: dict[str, Any]) -> str:
+    """Fill the template; everything that is not markup made here is escaped."""
+    style, script = _source("style.css"), _source("script.js")
+    return (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            **{**context, "payload": embedded(context["payload"])},
+            style=Markup(style),
+            script=Markup(script),
+            style_hash=_hash(style),
+            script_hash=_hash(script),
+        )
+    )
+
+
+def embedded(value: Any) -> Markup:
+    """Write plain data as JSON that can stand inside a script element, whatever it holds."""
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    for char in "<>&\u2028\u2029":
+        text = text.replace(char, f"\\u{ord(char):04x}")
+    return Markup(text)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("oodscen.report", "."),
+        undefined=jinja2.StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["breakable"] = _breakable
+    environment.filters["percent"] = lambda share: f"{100 * share:.0f} %"
+    environment.globals["shares"] = lambda row: charts.shares(
+        [("safe", row.safe), ("unsafe", row.unsafe), ("unavailable", row.unavailable)]
+    )
+    environment.filters["duration"] = words.duration
+    environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
+    return environment
+
+
+def _breakable(name: str) -> Markup:
+    """Let a long name be broken after its own marks rather than anywhere."""
+    return Markup(re.sub(r"([:_/@])", r"\1<wbr>", str(escape(name))))
+
+
+def _source(name: str) -> str:
+    return (resources.files("oodscen.report") / name).read_text(encoding="utf-8")
+
+
+def _hash(source: str) -> str:
+    """Return what a content security policy calls an inline block by."""
+    digest = hashlib.sha256(source.encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

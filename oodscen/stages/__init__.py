@@ -1,0 +1,5 @@
+"""The stages in the order in which data flows: grow, red-team, prune, describe, augment, simulate, evaluate."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

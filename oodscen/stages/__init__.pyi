@@ -1,0 +1,13 @@
+from ._annotations import annotate as annotate
+from ._augment import Augmenter as Augmenter
+from ._describe import Describer as Describer
+from ._drive import RuleBasedDriver as RuleBasedDriver
+from ._drive import drive as drive
+from ._evaluate import evaluate as evaluate
+from ._grow import TreeGrower as TreeGrower
+from ._prune.pruner import Pruner as Pruner
+from ._redteam.red_teamer import RedTeamer as RedTeamer
+from ._simulate import Simulated as Simulated
+from ._simulate import simulate as simulate
+from ._video import birds_eye as birds_eye
+from ._video import record as record

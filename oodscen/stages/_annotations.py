@@ -1,0 +1,310 @@
+"""Annotations of a frame: boxes, visibility and classes of everything that is in the scene."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Scene
+from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._roads.corridor import DRIVABLE, Corridor
+from oodscen.driving._sight.scene_checks import bodies
+from oodscen.driving._sight.visibility import Eye, area, clipped
+from oodscen.driving._trace import places
+from oodscen.errors import MissingExtra
+from oodscen.protocols import Camera, Frame, State
+
+CLASSES: dict[str, int] = {
+    "sky": 0,
+    "scenery": 1,
+    "road": 2,
+    "pavement": 3,
+    "ego": 4,
+    "vehicle": 5,
+    "cyclist": 6,
+    "pedestrian": 7,
+    "animal": 8,
+    "object": 9,
+    "work_zone": 10,
+    "vegetation": 11,
+    "signal": 12,
+}
+"""Semantic ids; from 5 on they are the catalogue's categories."""
+
+DEPTH_STEP_M = 0.01
+"""Metres per grey level of a depth picture; 0 is the sky, 65535 is 655.35 m and more."""
+
+_ON_ROAD_M = 0.3
+"""A point this close to the road's surface, m, belongs to it."""
+_CHUNK = 20_000
+"""Points that are located on the road at once."""
+
+Box = tuple[float, float, float, float]
+"""Left, top, right, bottom in pixels; the picture's corner is (0, 0)."""
+
+
+class ActorAnnotation(Data):
+    """One actor in one frame."""
+
+    noun: ClassVar[str] = "annotation"
+
+    id: str
+    instance: int
+    """Its value in `Frame.ids`."""
+    asset: str
+    category: str
+    is_hazard: bool
+    """It is (part of) what makes the scene OOD."""
+    box: Box | None
+    """Around its visible pixels; `None` where there are none."""
+    box_projected: Box | None
+    """Around the projection of its 3-D box, cut at the picture's edge; `None` outside of it."""
+    centre_world: tuple[float, float, float]
+    """Of the 3-D box, m."""
+    yaw: float
+    """In the world, rad."""
+    size: tuple[float, float, float]
+    """Length, width and height of the 3-D box, m."""
+    centre_camera: tuple[float, float, float]
+    """Of the 3-D box: m to the right, downwards and along the optical axis."""
+    visible_px: int
+    unhidden_px: int | None
+    """Pixels that it would fill if nothing stood before it; `None` where nobody can tell."""
+    visible_share: float | None
+    """Visible pixels per unhidden one, 0 to 1; `None` where it is not in the picture."""
+    occlusion: float | None
+    """1 - `visible_share`."""
+    truncation: float
+    """Share of its projection that is outside the picture, 0 to 1."""
+
+
+class FrameAnnotations(Data):
+    """Everything that is known about one frame."""
+
+    noun: ClassVar[str] = "frame annotations"
+
+    schema_version: Literal[1] = 1
+    scene_id: str
+    time: float
+    width: int
+    height: int
+    focal_px: float
+    """Of both axes; the principal point is the picture's middle."""
+    camera_position: tuple[float, float, float]
+    """In the world, m."""
+    camera_yaw: float
+    """rad"""
+    camera_pitch_deg: float
+    """Downwards positive."""
+    classes: dict[str, int] = CLASSES
+    """Semantic ids by name."""
+    actors: tuple[ActorAnnotation, ...]
+    """In the scene's order."""
+
+
+def annotate(
+    frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
+) -> FrameAnnotations:
+    """Describe what a frame shows.
+
+    Args:
+        frame: As rendered.
+        state: Of the world when it was.
+        scene: To which they belong.
+        catalogue: Of the simulator.
+        camera: With which it was rendered; the ego's dash camera if left out.
+    """
+    camera = camera or Camera()
+    cast = bodies(scene, catalogue, state.poses)
+    eye = Eye(camera, cast[0].solid)
+    extents = _extents(frame.ids, len(cast))
+    assets = {asset.id: asset for asset in catalogue.assets}
+    found = []
+    for row, body in enumerate(cast):
+        if row == 0:
+            continue
+        one = body.solid
+        outline = eye.silhouette(one)
+        shown = clipped(outline, camera.width, camera.height)
+        whole, inside = area(outline), area(shown)
+        count, box = extents[row]
+        centre = (one.x, one.y, one.z + 0.5 * one.height)
+        unhidden = None if frame.unhidden is None else int(frame.unhidden[row])
+        share = None if not unhidden else round(min(1.0, count / unhidden), 4)
+        found.append(
+            ActorAnnotation(
+                id=body.id,
+                instance=row + 1,
+                asset=body.asset,
+                category=assets[body.asset].category,
+                is_hazard=body.id in scene.hazard.actors,
+                box=box,
+                box_projected=_around(shown) if inside > 0.0 else None,
+                centre_world=_rounded(centre),
+                yaw=one.yaw,
+                size=(one.length, one.width, one.height),
+                centre_camera=_rounded(eye.to_camera(centre)),
+                visible_px=count,
+                unhidden_px=unhidden,
+                visible_share=share,
+                occlusion=None if share is None else round(1.0 - share, 4),
+                truncation=round(1.0 - inside / whole, 4) if whole > 0.0 else 1.0,
+            )
+        )
+    return FrameAnnotations(
+        scene_id=scene.id,
+        time=state.time,
+        width=camera.width,
+        height=camera.height,
+        focal_px=round(eye.focal, 6),
+        camera_position=_rounded(eye.place),
+        camera_yaw=cast[0].solid.yaw,
+        camera_pitch_deg=camera.pitch_deg,
+        actors=tuple(found),
+    )
+
+
+def semantic_map(
+    frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
+) -> NDArray[np.uint8]:
+    """Return the class of every pixel, by `CLASSES`: [height, width].
+
+    Road and pavement are found by their place: what is on the surface of a strip of the road.
+
+    Args:
+        frame: As rendered.
+        state: Of the world when it was.
+        scene: To which they belong.
+        catalogue: Of the simulator.
+        camera: With which it was rendered; the ego's dash camera if left out.
+    """
+    camera = camera or Camera()
+    cast = bodies(scene, catalogue, state.poses)
+    assets = {asset.id: asset for asset in catalogue.assets}
+    table = [CLASSES["scenery"], CLASSES["ego"]]
+    table += [CLASSES[assets[body.asset].category] for body in cast[1:]]
+    classes: NDArray[np.uint8] = np.array(table, np.uint8)[frame.ids]
+    classes[(frame.ids == 0) & ~np.isfinite(frame.depth)] = CLASSES["sky"]
+    eye = Eye(camera, cast[0].solid)
+    rows, columns = np.nonzero((frame.ids == 0) & np.isfinite(frame.depth))
+    u = (columns + 0.5 - 0.5 * camera.width) / eye.focal
+    v = (rows + 0.5 - 0.5 * camera.height) / eye.focal
+    depth = frame.depth[rows, columns].astype(np.float64)
+    x, y, z = (
+        eye.place[axis] + depth * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
+        for axis in range(3)
+    )
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    kinds = _ground(corridor, x, y, z)
+    for other in corridor.others:
+        beside = kinds == 0
+        kinds[beside] = _ground(other.corridor, x[beside], y[beside], z[beside])
+    is_ground = kinds > 0
+    classes[rows[is_ground], columns[is_ground]] = kinds[is_ground]
+    return classes
+
+
+def save_annotations(
+    folder: str | Path,
+    name: str,
+    frame: Frame,
+    annotations: FrameAnnotations,
+    classes: NDArray[np.uint8],
+) -> list[Path]:
+    """Write `NAME.json`, `NAME.ids.png`, `NAME.classes.png` and `NAME.depth.png`.
+
+    Args:
+        folder: Made if it does not exist.
+        name: Of the frame, e.g. `last`.
+        frame: For ids and depth.
+        annotations: Of the frame.
+        classes: Its semantic map.
+
+    Raises:
+        MissingExtra: When OpenCV is not installed.
+    """
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    written = []
+    for file, data in encode_annotations(name, frame, annotations, classes).items():
+        (target / file).write_bytes(data)
+        written.append(target / file)
+    return written
+
+
+def encode_annotations(
+    name: str, frame: Frame, annotations: FrameAnnotations, classes: NDArray[np.uint8]
+) -> dict[str, bytes]:
+    """Return the files that `save_annotations` writes, by name."""
+    levels = np.where(np.isfinite(frame.depth), np.rint(frame.depth / DEPTH_STEP_M), 0.0)
+    depth = np.clip(levels, 0.0, 65535.0).astype(np.uint16)
+    return {
+        f"{name}.json": (annotations.to_json() + "\n").encode(),
+        f"{name}.ids.png": _png(frame.ids.astype(np.uint16)),
+        f"{name}.classes.png": _png(classes),
+        f"{name}.depth.png": _png(depth),
+    }
+
+
+def _ground(
+    corridor: Corridor, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]
+) -> NDArray[np.uint8]:
+    """Return the class of points on a road's surface, 0 for others."""
+    kinds = np.zeros(len(x), np.uint8)
+    for start in range(0, len(x), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        s, t, _, _ = places(corridor, x[part], y[part])
+        index = np.clip(np.rint(s / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
+        on_surface = np.abs(z[part] - corridor.z[index]) < _ON_ROAD_M
+        on_surface &= (s >= 0.0) & (s <= corridor.length)
+        here = kinds[part]
+        for strip in corridor.strips:
+            name = "road" if strip.kind in DRIVABLE else "pavement"
+            if name == "pavement" and strip.kind != "sidewalk":
+                continue
+            inside = on_surface & (strip.right[index] <= t) & (t < strip.left[index])
+            here[inside] = CLASSES[name]
+    return kinds
+
+
+def _extents(ids: NDArray[np.int32], count: int) -> list[tuple[int, Box | None]]:
+    """Return every body's pixels and the box around them, the ego first."""
+    found: list[tuple[int, Box | None]] = []
+    for row in range(count):
+        mask = ids == row + 1
+        total = int(mask.sum())
+        if not total:
+            found.append((0, None))
+            continue
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        box = (float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+        found.append((total, box))
+    return found
+
+
+def _around(outline: Sequence[tuple[float, float]]) -> Box:
+    columns, rows = [u for u, _ in outline], [v for _, v in outline]
+    return (
+        round(min(columns), 2),
+        round(min(rows), 2),
+        round(max(columns), 2),
+        round(max(rows), 2),
+    )
+
+
+def _rounded(point: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = (round(value, 4) + 0.0 for value in point)
+    return x, y, z
+
+
+def _png(image: NDArray[Any]) -> bytes:
+    try:
+        import cv2
+    except ImportError:
+        raise MissingExtra("writing pictures", "pybullet", "opencv-python-headless") from None
+    _, data = cv2.imencode(".png", image)
+    return bytes(data.tobytes())

@@ -1,0 +1,228 @@
+"""Describe the paths of a tree: distinct texts for each (paper, section III-B), and their twins."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from oodscen._concurrency import as_finished
+from oodscen._paper import PER_PATH
+from oodscen._text import one_line
+from oodscen.data._scenario import Scenario
+from oodscen.encoders._check import encode
+from oodscen.errors import AnswerError, UsageError
+from oodscen.llm._ask import ask
+from oodscen.prompts import STYLES, DescribeOrdinary, DescribePath, Style
+from oodscen.prompts._scenario.describe_path import plain
+from oodscen.protocols import LLM, Encoder
+from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.metrics import Metrics
+
+NEAREST = 0.93
+"""Cosine from which on two texts of a path count as one, by default."""
+
+
+class Describer:
+    """Asks the tree-LLM for texts along each path; near duplicates and off-topic texts are redrawn.
+
+    Args:
+        llm: The tree-LLM.
+        encoder: Measures how near two texts of a path are; without one only equal words count.
+        per_path: Texts per path.
+        style: `natural`, `paper`, `terse`, `verbose` or `first-person`.
+        nearest: Largest cosine between two texts of one path.
+        redraws: How often near duplicates and off-topic texts are replaced before they are accepted.
+        candidates: Texts that are written for each that is kept; of more than one, those are kept
+            that differ most from one another.
+        band: Lowest and highest OOD-ness of the texts among which is chosen.
+        metrics: Measures OOD-ness, chooses, and flags what is off-topic; needed for `candidates` above
+            1 and for a `band`.
+        twins: Whether every text gets its ordinary twin; one whose answer is never valid has none.
+        batch: Largest number of texts asked for in one call.
+        sample: Keeps independent sets of texts apart.
+        threads: How many paths may be under way at once.
+
+    Raises:
+        UsageError: For an unknown style, or a selection without metrics.
+    """
+
+    def __init__(
+        self,
+        llm: LLM,
+        encoder: Encoder | None = None,
+        *,
+        per_path: int = PER_PATH,
+        style: Style = "natural",
+        nearest: float = NEAREST,
+        redraws: int = 3,
+        candidates: int = 1,
+        band: tuple[float, float] | None = None,
+        metrics: "Metrics | None" = None,
+        twins: bool = False,
+        batch: int = 10,
+        sample: int = 0,
+        threads: int = 1,
+    ) -> None:
+        if style not in STYLES:
+            raise UsageError(f"there is no style {style!r}; choose one of {', '.join(STYLES)}")
+        if candidates < 1:
+            raise UsageError(f"{candidates} candidates for a text are too few")
+        if metrics is None and (candidates > 1 or band is not None):
+            raise UsageError("texts are chosen by metrics; pass `metrics=Metrics(encoder)`")
+        self.llm = llm
+        self.encoder = encoder
+        self.per_path = per_path
+        self.style = style
+        self.nearest = nearest
+        self.redraws = redraws
+        self.candidates = candidates
+        self.band = band
+        self.metrics = metrics
+        self.twins = twins
+        self.batch = batch
+        self.sample = sample
+        self.threads = threads
+
+    def run(self, tree: ScenarioTree) -> list[Scenario]:
+        """Return `per_path` scenarios for every leaf, in tree order, no two with the same words.
+
+        Raises:
+            LLMError: When the model fails on one path.
+            UsageError: When too few candidates lie inside the band.
+        """
+        paths = tree.paths
+        found = dict(
+            as_finished(
+                lambda leaf: self.path(leaf, paths[leaf], self.per_path),
+                paths,
+                threads=self.threads,
+            )
+        )
+        scenarios = [scenario for leaf in paths for scenario in found[leaf]]
+        again = {scenario.id: scenario for scenario in self.reworded(scenarios)}
+        return [again.get(scenario.id, scenario) for scenario in scenarios]
+
+    def path(self, leaf: str, path: tuple[str, ...], count: int) -> list[Scenario]:
+        """Return `count` scenarios `<leaf>-001`, `<leaf>-002` ... for one path.
+
+        Raises:
+            LLMError: When the model fails.
+            UsageError: When too few candidates lie inside the band.
+        """
+        texts = self._draw(path, count * self.candidates, avoid=())
+        for _ in range(self.redraws):
+            unfit = self._near_duplicates(texts) | self._off_topic(texts)
+            if not unfit:
+                break
+            kept = [text for index, text in enumerate(texts) if index not in unfit]
+            fresh = self._draw(path, len(unfit), avoid=tuple(texts))
+            texts = kept + fresh
+        if self.metrics is not None and (self.candidates > 1 or self.band is not None):
+            low, high = self.band or (-np.inf, np.inf)
+            chosen = self.metrics.select(texts, count, low=low, high=high)
+            texts = [texts[place] for place in sorted(chosen.indices)]
+        return [
+            self._scenario(f"{leaf}-{number:03d}", text, leaf, path)
+            for number, text in enumerate(texts, start=1)
+        ]
+
+    def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
+        """Write those scenarios again whose words an earlier one has, case and punctuation aside.
+
+        Raises:
+            LLMError: When the model fails.
+        """
+        items = list(scenarios)
+        taken = {plain(item.text) for item in items}
+        seen: set[str] = set()
+        again = []
+        for item in items:
+            words = plain(item.text)
+            if words in seen:
+                own = tuple(other.text for other in items if other.leaf == item.leaf)
+                fresh = self._draw(item.path, 1, avoid=own, taken=taken)[0]
+                again.append(self._scenario(item.id, fresh, item.leaf, item.path))
+                words = plain(fresh)
+                taken.add(words)
+            seen.add(words)
+        return again
+
+    def ordinary(self, scenario: Scenario) -> str:
+        """Return the ordinary twin of a text: same place, phrasing and length, without the event.
+
+        Raises:
+            LLMError: When the model fails.
+        """
+        prompt = DescribeOrdinary(text=scenario.text, path=scenario.path)
+        return one_line(ask(self.llm, prompt, sample=self.sample).text)
+
+    def _scenario(self, name: str, text: str, leaf: str, path: tuple[str, ...]) -> Scenario:
+        scenario = Scenario(id=name, text=text, leaf=leaf, path=path, style=self.style)
+        if not self.twins:
+            return scenario
+        try:
+            return scenario.model_copy(update={"ordinary": self.ordinary(scenario)})
+        except AnswerError:
+            return scenario
+
+    def _draw(
+        self,
+        path: tuple[str, ...],
+        count: int,
+        avoid: tuple[str, ...],
+        taken: set[str] | None = None,
+    ) -> list[str]:
+        """Ask for texts until enough are not `taken`; those that are, are avoided from then on."""
+        texts: list[str] = []
+        refused: list[str] = []
+        while len(texts) < count:
+            wanted = min(self.batch, count - len(texts))
+            earlier = (*avoid, *texts, *refused)
+            prompt = DescribePath(path=path, count=wanted, avoid=earlier, style=self.style)
+            for text in ask(self.llm, prompt, sample=self.sample).texts:
+                kept = refused if plain(text) in (taken or ()) else texts
+                kept.append(one_line(text))
+        return texts
+
+    def _off_topic(self, texts: list[str]) -> set[int]:
+        """Return the positions of texts that are not about driving, where that can be told."""
+        from oodscen.metrics._detection.guard import is_calibrated
+
+        if self.metrics is None or not is_calibrated(self.metrics.encoder.name):
+            return set()
+        return set(self.metrics.off_topic(texts).flagged)
+
+    def _near_duplicates(self, texts: list[str]) -> set[int]:
+        """Return the positions of texts that are too near an earlier one."""
+        if self.encoder is None or len(texts) < 2:
+            return set()
+        vectors = encode(self.encoder, texts)
+        norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
+        unit = vectors / np.maximum(norms, np.float32(1e-12))
+        cosines = np.tril(unit @ unit.T, k=-1)
+        return {int(row) for row in np.nonzero((cosines > self.nearest).any(axis=1))[0]}
+
+
+def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:
+    """Share out `total` texts over the paths as evenly as possible, earlier paths first."""
+    base, rest = divmod(total, len(paths))
+    return {leaf: base + (index < rest) for index, leaf in enumerate(paths)}
+
+
+def spread_subset(scenarios: Sequence[Scenario], size: int) -> list[Scenario]:
+    """Choose `size` scenarios that cover the paths as evenly as possible.
+
+    The first text of every path comes first, then the second, and so on; of the last level that
+    is needed, evenly spaced paths are taken. The order of the scenarios is kept.
+    """
+    by_leaf: dict[str, list[Scenario]] = {}
+    for scenario in scenarios:
+        by_leaf.setdefault(scenario.leaf, []).append(scenario)
+    chosen: set[str] = set()
+    for level in range(max(map(len, by_leaf.values()), default=0)):
+        row = [group[level] for group in by_leaf.values() if level < len(group)]
+        wanted = min(size - len(chosen), len(row))
+        chosen.update(row[index * len(row) // wanted].id for index in range(wanted))
+    return [scenario for scenario in scenarios if scenario.id in chosen]

@@ -1,0 +1,303 @@
+"""Driving stacks in closed loop: over scenes and their ordinary twins, with what a test engineer asks."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from oodscen._conformance import working
+from oodscen.data._base import Data
+from oodscen.data._scene import Scene
+from oodscen.data._twins import is_twin, scene_of, twin_id
+from oodscen.driving import Cruise, find_map, is_due, load_corridor
+from oodscen.driving._trace import Course, Trace
+from oodscen.errors import OodscenError, UsageError
+from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
+from oodscen.stages._simulate import MAX_APPROACH_S, peak_deceleration, peak_jerk
+
+MakeDriver = Callable[[], Driver]
+
+
+class DriveResult(Data):
+    """What became of one driver in one scene or twin."""
+
+    noun: ClassVar[str] = "drive result"
+
+    schema_version: Literal[1] = 1
+    id: str
+    """`<scene id>@<driver>`."""
+    scene_id: str
+    driver: str
+    status: Literal["ok", "failed"] = "ok"
+    error: str | None = None
+    error_type: str = ""
+    is_twin: bool = False
+    collisions: tuple[str, ...] = ()
+    """Ids of the actors that the ego touched; the drive ends there."""
+    off_road: bool = False
+    """The ego left the drivable road; the drive ends there."""
+    passed: bool = False
+    """Neither."""
+    seconds: float = 0.0
+    min_gap_m: float | None = None
+    min_ttc_s: float | None = None
+    """Least time to collision with anything; `None` where there was none."""
+    ttc_below_1_5_s: float = 0.0
+    """Share of the steps with a time to collision below 1.5 s."""
+    min_headway_s: float | None = None
+    """Least time headway to anything ahead in the ego's path."""
+    median_headway_s: float | None = None
+    progress_m: float = 0.0
+    """How far the ego came along its road."""
+    progress: float = 0.0
+    """That, as a share of how far a driver comes who keeps the first speed for as long."""
+    peak_deceleration: float = 0.0
+    """m/s^2."""
+    peak_jerk: float | None = None
+    """m/s^3, over 0.2 s."""
+    twin_passed: bool | None = None
+    """How the same driver fared in the twin; `None` where it was not driven."""
+    progress_lost: float | None = None
+    """Progress in the twin less progress here: what the hazard cost."""
+    brakes_needlessly: bool | None = None
+    """In the twin, where keeping the speed is safe, it braked harder than 4 m/s^2."""
+    made_from: str = ""
+    """SHA-256 of the scene, also for its twin."""
+
+
+def drive(
+    scenes: Sequence[Scene],
+    driver: MakeDriver,
+    simulator: Simulator,
+    *,
+    name: str = "",
+    seed: int = 0,
+    twins: bool = True,
+    camera: Camera | None = None,
+) -> list[DriveResult]:
+    """Let a driver drive every scene, and its ordinary twin, from the start to the horizon.
+
+    The driver drives all the way; where a scene's decision point lies only sets how long it is watched. A
+    driver with a method `look(state)` is shown the state before every step; one with a true attribute
+    `wants_frames` finds the camera's picture in its observations. What cannot be run, and a driver that
+    raises, is a failed result, and the rest goes on.
+
+    Args:
+        scenes: What to drive; twins among them are driven as they are.
+        driver: Makes a fresh driver for every drive.
+        simulator: Where to drive.
+        name: What results call the driver; the class's name if left out.
+        seed: Of the simulator's random streams.
+        twins: Drive the twins as well, right after their scenes.
+        camera: For drivers that want frames; the ego's dash camera if left out.
+
+    Returns:
+        In the order of the scenes, each followed by its twin.
+    """
+    results: list[DriveResult] = []
+    for scene in scenes:
+        label = name or getattr(driver, "__name__", type(driver).__name__)
+        try:
+            with working("simulator", simulator.name):
+                steps, decision_s, _ = _horizon(scene, simulator, seed)
+        except OodscenError as error:
+            results.append(_failed(scene.id, label, error))
+            continue
+        one = _drive(scene, driver, simulator, label, seed, steps, camera)
+        if not twins or scene.is_twin:
+            results.append(one)
+            continue
+        try:
+            twin = scene.twin(decision_s)
+            with working("simulator", simulator.name):
+                _, _, ordinary = _horizon(twin, simulator, seed, steps)
+            other = _drive(twin, driver, simulator, label, seed, steps, camera)
+        except OodscenError as error:
+            results += [one, _failed(twin_id(scene.id), label, error)]
+            continue
+        results += _paired(one, other, ordinary)
+    digests = {scene.id: scene.digest() for scene in scenes}
+    return [
+        one.model_copy(
+            update={"made_from": digests.get(one.scene_id, digests.get(scene_of(one.scene_id)))}
+        )
+        for one in results
+    ]
+
+
+class RuleBasedDriver:
+    """Keeps its lane behind whatever is ahead, and brakes hard when it gets close.
+
+    The intelligent-driver model (Treiber, Hennecke and Helbing, "Congested traffic states in empirical
+    observations and microscopic simulations", 2000) with emergency braking below a time to collision. It is told
+    the true positions of everybody: a stack with perfect perception and no plan but to follow.
+    """
+
+    headway_s = 1.5
+    standing_m = 2.5
+    comfortable = 2.0
+    """m/s^2"""
+    emergency_ttc_s = 1.6
+    corridor_m = 2.1
+    """Half the width of what counts as ahead."""
+
+    def __init__(self) -> None:
+        self._keep = Cruise()
+        self._desired: float | None = None
+        self._gap, self._closing = math.inf, 0.0
+
+    def look(self, state: State) -> None:
+        """Find the nearest body ahead, also one that will step into the path within a second."""
+        self._gap, self._closing = math.inf, 0.0
+        if state.places is None:
+            return
+        s, t = state.places[:, 0], state.places[:, 1]
+        speed = float(state.speeds[0])
+        for row in range(1, len(state.ids)):
+            turn = float(state.poses[row, 3] - state.poses[0, 3])
+            along, across = (float(state.speeds[row]) * f(turn) for f in (math.cos, math.sin))
+            aside = float(t[row] - t[0])
+            if s[row] <= s[0] or min(abs(aside), abs(aside + across)) > self.corridor_m:
+                continue
+            if state.gaps[row] < self._gap:
+                self._gap, self._closing = float(state.gaps[row]), speed - along
+
+    def act(self, observation: Observation) -> Control:
+        """Follow, brake, or keep the speed."""
+        control = self._keep.act(observation)
+        if self._desired is None:
+            self._desired = max(observation.speed, 0.1)
+        speed = observation.speed
+        if self._closing > 0 and self._gap / self._closing < self.emergency_ttc_s:
+            return replace(control, acceleration=-8.0)
+        wanted = self.standing_m + max(
+            0.0, speed * self.headway_s + speed * self._closing / (2.0 * self.comfortable)
+        )
+        ratio = wanted / max(self._gap, 0.1)
+        free = (speed / self._desired) ** 4
+        acceleration = self.comfortable * (1.0 - free - ratio * ratio)
+        return replace(control, acceleration=max(-8.0, min(control.acceleration, acceleration)))
+
+
+# ------------------------------------------------------------------ one drive
+
+
+def _horizon(
+    scene: Scene, simulator: Simulator, seed: int, steps: int | None = None
+) -> tuple[int, float, Trace]:
+    """Return how many steps a scene lasts, when its decision falls, and a blind drive through it."""
+    state = simulator.reset(scene, seed)
+    corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
+    driver = Cruise()
+    states, decision_s = [state], None
+    last = steps if steps is not None else math.inf
+    while len(states) <= last:
+        if decision_s is None and (
+            state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
+        ):
+            decision_s = state.time
+            if steps is None:
+                last = len(states) - 1 + round(scene.horizon_s / simulator.dt)
+        if state.contacts or state.off_road:
+            break
+        state = simulator.step(driver.act(simulator.observe()))
+        states.append(state)
+    decision_s = states[-1].time if decision_s is None else decision_s
+    if steps is None:
+        steps = round((decision_s + scene.horizon_s) / simulator.dt)
+    return steps, decision_s, Trace.of(states, scene, simulator.catalogue())
+
+
+def _drive(
+    scene: Scene,
+    make: MakeDriver,
+    simulator: Simulator,
+    name: str,
+    seed: int,
+    steps: int,
+    camera: Camera | None,
+) -> DriveResult:
+    try:
+        states = list(_driven(scene, make(), simulator, seed, steps, camera or Camera()))
+    except (Exception, SystemExit) as error:  # A driver may raise anything.
+        return _failed(scene.id, name, error)
+    trace = Trace.measured(states, Course.of(scene, simulator.catalogue()))
+    met = trace.summary().values()
+    ttc = trace["ttc_s"][:, 1:].min(axis=1, initial=np.inf)
+    headway = trace["time_headway_s"][:, 1:].min(axis=1, initial=np.inf)
+    near = headway[np.isfinite(headway)]
+    s = trace["s"][:, 0]
+    ideal = float(states[0].speeds[0]) * steps * simulator.dt
+    last = states[-1]
+    return DriveResult(
+        id=f"{scene.id}@{name}",
+        scene_id=scene.id,
+        driver=name,
+        is_twin=scene.is_twin,
+        collisions=last.contacts,
+        off_road=last.off_road,
+        passed=not (last.contacts or last.off_road),
+        seconds=round(last.time, 6),
+        min_gap_m=min((one.min_gap_m for one in met if one.min_gap_m is not None), default=None),
+        min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
+        ttc_below_1_5_s=round(float((ttc < 1.5).mean()), 4),
+        min_headway_s=round(float(near.min()), 3) if len(near) else None,
+        median_headway_s=round(float(np.median(near)), 3) if len(near) else None,
+        progress_m=round(float(s[-1] - s[0]), 3),
+        progress=round(float(s[-1] - s[0]) / ideal, 4) if ideal > 0 else 0.0,
+        peak_deceleration=peak_deceleration(trace),
+        peak_jerk=peak_jerk(trace),
+    )
+
+
+def _driven(
+    scene: Scene, driver: Driver, simulator: Simulator, seed: int, steps: int, camera: Camera
+) -> Iterator[State]:
+    look = getattr(driver, "look", None)
+    wants_frames = bool(getattr(driver, "wants_frames", False))
+    state = simulator.reset(scene, seed)
+    yield state
+    for _ in range(steps):
+        if state.contacts or state.off_road:
+            return
+        observation = simulator.observe()
+        if wants_frames:
+            observation = replace(observation, frame=simulator.render(camera))
+        if look:
+            look(state)
+        control = driver.act(observation)
+        if not isinstance(control, Control) or not control.is_finite:
+            raise UsageError(f"act() returned {control!r:.200}, not a Control of finite numbers")
+        state = simulator.step(control)
+        yield state
+
+
+def _paired(one: DriveResult, other: DriveResult, ordinary: Trace) -> list[DriveResult]:
+    """Note in both results how the same driver fared in the other."""
+    is_clear = not (ordinary["contact"][-1, 0] or ordinary["off_road"][-1, 0])
+    needless = bool(is_clear and other.peak_deceleration > 4.0) if other.status == "ok" else None
+    if other.status == "ok":
+        both = one.status == "ok"
+        lost = round(other.progress - one.progress, 4) if both else None
+        one = one.model_copy(
+            update={
+                "twin_passed": other.passed,
+                "progress_lost": lost,
+                "brakes_needlessly": needless,
+            }
+        )
+    return [one, other.model_copy(update={"brakes_needlessly": needless})]
+
+
+def _failed(scene_id: str, name: str, error: BaseException) -> DriveResult:
+    return DriveResult(
+        id=f"{scene_id}@{name}",
+        scene_id=scene_id,
+        driver=name,
+        status="failed",
+        error=str(error)[:2_000],
+        error_type=type(error).__name__,
+        is_twin=is_twin(scene_id),
+    )

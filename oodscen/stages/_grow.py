@@ -1,0 +1,91 @@
+"""Grow the initial tree: few-shot chain of thought in three turns (paper, section III-A)."""
+
+from collections.abc import Sequence
+
+from oodscen._paper import FEW_SHOTS, NODES, attestation
+from oodscen._text import one_line
+from oodscen.llm._ask import ask, speaker
+from oodscen.prompts import ClassifyExamples, GiveExamples, ProposedTree, ProposeTree
+from oodscen.protocols import LLM
+from oodscen.tree._scenario_tree import CLASSES, ROOT, ScenarioTree, TreeEdit, slug
+
+
+class TreeGrower:
+    """Asks the tree-LLM for examples, for their classes, and for a tree.
+
+    Args:
+        llm: The tree-LLM.
+        nodes: Size of the tree, the root and the two classes included.
+        examples: How many examples are asked for in the first turn.
+        shown: The few shots.
+    """
+
+    def __init__(
+        self,
+        llm: LLM,
+        *,
+        nodes: int = NODES["initial"],
+        examples: int = 12,
+        shown: tuple[str, ...] = FEW_SHOTS,
+    ) -> None:
+        self.llm = llm
+        self.nodes = nodes
+        self.examples = examples
+        self.shown = shown
+
+    def run(self, sample: int = 0) -> ScenarioTree:
+        """Return a tree of exactly `nodes` nodes.
+
+        Args:
+            sample: Which of several independent trees this is.
+
+        Raises:
+            AnswerError: When the model does not arrive at a valid tree.
+        """
+        give = GiveExamples(shown=self.shown, count=self.examples)
+        given = tuple(ask(self.llm, give, sample).examples)
+        classify = ClassifyExamples(asked=give, given=given)
+        sorted_ = sorted(ask(self.llm, classify, sample).examples, key=lambda item: item.number)
+        propose = ProposeTree(
+            asked=classify,
+            classes=tuple(item.scenario_class for item in sorted_),
+            nodes=self.nodes,
+        )
+        return _planted(
+            ask(self.llm, propose, sample),
+            given,
+            model=speaker(self.llm),
+            prompt=propose.citation(),
+        )
+
+
+def _planted(
+    proposed: ProposedTree, given: Sequence[str], *, model: str, prompt: str
+) -> ScenarioTree:
+    """Turn the numbered list of an answer into a tree with ids."""
+    tree = ScenarioTree()
+    ids: dict[int, str] = {}
+    for node in proposed.nodes:
+        label = one_line(node.label)
+        parent = ids.get(node.parent)
+        if parent is None:
+            node_id = ROOT
+        elif parent == ROOT:
+            label = next(name for name in CLASSES if name.casefold() == label.casefold())
+            node_id = slug(label)
+        else:
+            node_id = tree.new_id(label)
+        ids[node.number] = node_id
+        edit = TreeEdit(
+            op="add",
+            node=node_id,
+            parent=parent,
+            label=label,
+            attested=attestation(label),
+            stage="grow",
+            source=one_line(given[node.example - 1]) if node.example is not None else "",
+            model=model,
+            prompt=prompt,
+        )
+        tree = tree.apply(edit)
+    return tree

@@ -1,0 +1,216 @@
+"""What would restore the pruned branches, ranked by how many paths each addition unlocks."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import ClassVar, Literal
+
+from oodscen.data._additions import Addition
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Category
+from oodscen.stages._prune.pruner import PruneDecision
+
+
+class Unlocked(Data):
+    """What one addition, or several together, would restore."""
+
+    additions: tuple[Addition, ...]
+    category: Category | None = None
+    """Where all missing assets of one category are added at once."""
+    paths: tuple[str, ...]
+    """Ids of the leaves that it restores, in tree order."""
+    helps: int
+    """Number of dropped leaves that need it, those included that need something else as well."""
+
+    @property
+    def words(self) -> str:
+        """What to add, for a reader."""
+        if self.category is not None:
+            listed = ", ".join(one.name.replace("_", " ") for one in self.additions)
+            return f"{len(self.additions)} assets of the category {self.category}: {listed}"
+        return "; ".join(one.words for one in self.additions)
+
+
+class Step(Data):
+    """One step of extending a catalogue."""
+
+    additions: tuple[Addition, ...]
+    """Usually one; several where only together they restore anything."""
+    paths: tuple[str, ...]
+    """Ids of the leaves that this step restores."""
+    total: int
+    """Leaves that are restored by this step and those before it."""
+
+
+class Restoration(Data):
+    """The way back for everything that was dropped."""
+
+    noun: ClassVar[str] = "restoration"
+
+    schema_version: Literal[1] = 1
+    catalogue: str = ""
+    kept: int
+    """Leaves that the catalogue shows."""
+    dropped: int
+    single: tuple[Unlocked, ...]
+    """By what one addition restores alone, most first."""
+    categories: tuple[Unlocked, ...]
+    """By what all missing assets of a category restore together, most first."""
+    sequence: tuple[Step, ...]
+    """One after the other: each step restores the most that is left for the fewest additions."""
+    beyond: tuple[str, ...]
+    """Ids of dropped leaves that no addition to a catalogue restores."""
+    unknown: tuple[str, ...] = ()
+    """Ids of leaves about which the model could not be asked."""
+
+
+def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
+    """Rank what would restore the branches that pruning dropped.
+
+    A leaf is restored when all that it lacks is added. What is promised here holds for the same
+    judge: `extended` makes the catalogue to ask it again with.
+
+    Args:
+        decisions: Of leaves, or of every node; inner nodes are left aside.
+    """
+    everything = list(decisions)
+    inner = {one.path[:-1] for one in everything}
+    leaves = [one for one in everything if one.path not in inner and len(one.path) > 2]
+    dropped = [one for one in leaves if not one.keep and one.status == "ok"]
+    first: dict[tuple[str, str], Addition] = {}
+    needs = {
+        one.id: tuple(dict.fromkeys(first.setdefault(_key(lack), lack) for lack in one.lacks))
+        for one in dropped
+        if one.lacks and all(addition.kind != "other" for addition in one.lacks)
+    }
+    return Restoration(
+        catalogue=next((one.catalogue for one in leaves if one.catalogue), ""),
+        kept=sum(one.keep for one in leaves),
+        dropped=sum(not one.keep for one in leaves),
+        single=_ranked(_alone(needs)),
+        categories=_ranked(_by_category(needs)),
+        sequence=_sequence(needs),
+        beyond=tuple(one.id for one in dropped if one.id not in needs),
+        unknown=tuple(one.id for one in leaves if one.status == "failed"),
+    )
+
+
+def _key(addition: Addition) -> tuple[str, str]:
+    """Return what makes two additions one, whatever category a model gave them."""
+    return addition.kind, addition.name.casefold()
+
+
+Needs = dict[str, tuple[Addition, ...]]
+
+
+def _restored(needs: Needs, additions: Sequence[Addition]) -> tuple[str, ...]:
+    return tuple(
+        leaf
+        for leaf, lacks in needs.items()
+        if all(any(one.brings(lack) for one in additions) for lack in lacks)
+    )
+
+
+def _alone(needs: Needs) -> Iterable[Unlocked]:
+    users: dict[Addition, list[str]] = {}
+    for leaf, lacks in needs.items():
+        for lack in lacks:
+            users.setdefault(lack, []).append(leaf)
+    order = {leaf: number for number, leaf in enumerate(needs)}
+    for addition in users:
+        brought = _closure(frozenset({addition}), users)
+        helped = sorted({leaf for lack in brought for leaf in users[lack]}, key=order.__getitem__)
+        alone = tuple(leaf for leaf in helped if brought.issuperset(needs[leaf]))
+        yield Unlocked(additions=(addition,), paths=alone, helps=len(helped))
+
+
+def _by_category(needs: Needs) -> Iterable[Unlocked]:
+    groups: dict[Category, list[Addition]] = {}
+    for addition in dict.fromkeys(lack for lacks in needs.values() for lack in lacks):
+        if addition.kind == "asset" and addition.category is not None:
+            groups.setdefault(addition.category, []).append(addition)
+    for category, group in groups.items():
+        helped = [lacks for lacks in needs.values() if set(lacks) & set(group)]
+        yield Unlocked(
+            additions=tuple(group),
+            category=category,
+            paths=_restored(needs, group),
+            helps=len(helped),
+        )
+
+
+def _ranked(found: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
+    return tuple(sorted(found, key=lambda one: (-len(one.paths), -one.helps, one.words)))
+
+
+Wanted = frozenset[Addition]
+
+
+def _sequence(needs: Needs) -> tuple[Step, ...]:
+    """Greedily: of what the leaves left still lack, the set that restores most per addition."""
+    order = {leaf: number for number, leaf in enumerate(needs)}
+    groups: dict[Wanted, list[str]] = {}
+    for leaf, lacks in needs.items():
+        groups.setdefault(frozenset(lacks), []).append(leaf)
+    steps: list[Step] = []
+    total = 0
+    while groups:
+        users: dict[Addition, set[Wanted]] = {}
+        for wanted in groups:
+            for addition in wanted:
+                users.setdefault(addition, set()).add(wanted)
+        closed = {wanted: _closure(wanted, users) for wanted in groups}
+        restored = {
+            wanted: {other for lack in closure for other in users[lack] if other <= closure}
+            for wanted, closure in closed.items()
+        }
+        worth = {
+            wanted: (-sum(len(groups[g]) for g in restored[wanted]) / len(wanted), len(wanted))
+            for wanted in groups
+        }
+        first = min(worth.values())
+        best = min((one for one in groups if worth[one] == first), key=_words)
+        paths = sorted((leaf for g in restored[best] for leaf in groups[g]), key=order.__getitem__)
+        total += len(paths)
+        additions = tuple(sorted(best, key=lambda one: one.words))
+        steps.append(Step(additions=additions, paths=tuple(paths), total=total))
+        left: dict[Wanted, list[str]] = {}
+        for wanted, leaves in groups.items():
+            if wanted not in restored[best]:
+                left.setdefault(wanted - closed[best], []).extend(leaves)
+        groups = left
+    return tuple(steps)
+
+
+def _closure(wanted: Wanted, users: Mapping[Addition, object]) -> Wanted:
+    """Return all that some additions bring: with a map every map of fewer traits."""
+    if all(addition.kind != "map" for addition in wanted):
+        return wanted
+    maps = [addition for addition in wanted if addition.kind == "map"]
+    brought = (one for one in users if one.kind == "map" and any(m.brings(one) for m in maps))
+    return wanted.union(brought)
+
+
+def _words(wanted: Wanted) -> list[str]:
+    return sorted(addition.words for addition in wanted)
+
+
+def restoration_rows(
+    found: Restoration, labels: dict[str, str], *, limit: int = 10
+) -> list[dict[str, str | int]]:
+    """Return the ranking as rows of a table: `addition`, `paths`, `helps` and the leaves' `labels`.
+
+    Everything in it may come from a model: escape it where it is shown.
+
+    Args:
+        found: The ranking.
+        labels: Of the leaves, by id.
+        limit: Largest number of rows.
+    """
+    return [
+        {
+            "addition": one.words,
+            "paths": len(one.paths),
+            "helps": one.helps,
+            "labels": "; ".join(labels.get(leaf, leaf) for leaf in one.paths),
+        }
+        for one in found.single[:limit]
+    ]

@@ -1,0 +1,197 @@
+"""The same tree pruned for several simulators, side by side."""
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, Literal, get_args
+
+from oodscen.data._base import Data
+from oodscen.data._catalogue import Catalogue, Category
+from oodscen.stages._prune.pruner import Match, PruneDecision, alike, fates
+from oodscen.stages._prune.restoration import Restoration, restoration
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+class Side(Data):
+    """What one simulator makes of a branch."""
+
+    keep: bool
+    match: Match | None
+    reason: str
+    missing: tuple[str, ...] = ()
+    label: str = ""
+    """The narrower label, where only a part of it can be shown."""
+
+
+class Line(Data):
+    """One leaf, and what becomes of it in every simulator."""
+
+    id: str
+    path: tuple[str, ...]
+    sides: tuple[Side, ...]
+    """In the order of `Comparison.catalogues`."""
+
+
+class Tally(Data):
+    """One simulator, in figures."""
+
+    catalogue: str
+    kept: int
+    full: int
+    substitute: int
+    part: int
+    dropped: int
+    failed: int
+    """About which the model could not be asked; counted as dropped as well."""
+    alone: int
+    """Leaves that only this simulator shows."""
+    absent: tuple[str, ...]
+    """Whole kinds that the catalogue has nothing of: `animal`, `snow` ..."""
+    restoration: Restoration
+
+    def __str__(self) -> str:
+        """Return the figures and what would bring most back, for a terminal."""
+        text = (
+            f"{self.catalogue}: {self.kept} of {self.kept + self.dropped} branches ({self.full} as they "
+            f"are, {self.substitute} with substitutes, {self.part} in part)"
+        )
+        if self.failed:
+            text += f"; {self.failed} could not be judged"
+        if self.absent:
+            text += f"; nothing at all of: {', '.join(self.absent)}"
+        best = [one for one in self.restoration.single if one.paths][:3]
+        if best:
+            listed = ", ".join(f"{one.words} ({len(one.paths)})" for one in best)
+            text += f"\n  would restore most: {listed}"
+        return text
+
+
+class Comparison(Data):
+    """One tree in several simulators."""
+
+    noun: ClassVar[str] = "comparison"
+
+    schema_version: Literal[1] = 1
+    catalogues: tuple[str, ...]
+    tallies: tuple[Tally, ...]
+    lines: tuple[Line, ...]
+    """One for every leaf, in tree order."""
+
+    def rows(self) -> list[dict[str, str]]:
+        """Return a table, one row per leaf: `branch`, then for each catalogue what it makes of it.
+
+        Labels and reasons may come from a model: escape them where they are shown.
+        """
+        return [
+            {
+                "branch": " > ".join(line.path[1:]),
+                **{
+                    name: _said(side)
+                    for name, side in zip(self.catalogues, line.sides, strict=True)
+                },
+            }
+            for line in self.lines
+        ]
+
+    def __str__(self) -> str:
+        """Return figures, then one line per leaf, for a terminal."""
+        parts = [
+            f"{tally}\n  {tally.alone} branches that no other shows"
+            if len(self.tallies) > 1
+            else str(tally)
+            for tally in self.tallies
+        ]
+        for line in self.lines:
+            parts.append(f"\n{' > '.join(line.path[1:])}")
+            parts += [
+                f"  {name}: {_said(side)}"
+                for name, side in zip(self.catalogues, line.sides, strict=True)
+            ]
+        return "\n".join(parts)
+
+
+def compare(
+    tree: ScenarioTree,
+    catalogues: Mapping[str, Catalogue],
+    judged: Mapping[str, Sequence[PruneDecision]],
+) -> Comparison:
+    """Put the decisions about one tree side by side.
+
+    Args:
+        tree: The diverse tree.
+        catalogues: By name.
+        judged: The decisions about all leaves, by the same names.
+
+    Raises:
+        ValueError: When a name has a catalogue and no decisions, or the other way round.
+    """
+    if set(catalogues) != set(judged):
+        raise ValueError("catalogues and decisions have different names")
+    decided = {
+        name: {d.id: d for d in fates(tree, alike(tree, judged[name]))} for name in catalogues
+    }
+    leaves = [leaf.id for leaf in tree.leaves]
+    paths = tree.paths
+    lines = tuple(
+        Line(
+            id=leaf,
+            path=paths[leaf],
+            sides=tuple(_side(decided[name][leaf]) for name in catalogues),
+        )
+        for leaf in leaves
+    )
+    shown = {name: {leaf for leaf in leaves if decided[name][leaf].keep} for name in catalogues}
+    tallies = []
+    for name, catalogue in catalogues.items():
+        own = [decided[name][leaf] for leaf in leaves]
+        others = set().union(*(shown[other] for other in catalogues if other != name))
+        tallies.append(
+            Tally(
+                catalogue=name,
+                kept=len(shown[name]),
+                full=sum(one.match == "full" for one in own),
+                substitute=sum(one.match == "substitute" for one in own),
+                part=sum(one.match == "part" for one in own),
+                dropped=len(own) - len(shown[name]),
+                failed=sum(one.status == "failed" for one in own),
+                alone=len(shown[name] - others),
+                absent=absent(catalogue),
+                restoration=restoration(own),
+            )
+        )
+    return Comparison(catalogues=tuple(catalogues), tallies=tuple(tallies), lines=lines)
+
+
+def absent(catalogue: Catalogue) -> tuple[str, ...]:
+    """Return the whole kinds of assets, precipitation and light that a catalogue has nothing of."""
+    offered = {asset.category for asset in catalogue.assets}
+    found = [category for category in get_args(Category) if category not in offered]
+    weather = catalogue.weather
+    found += [kind for kind in ("rain", "snow") if kind not in weather.precipitation]
+    if weather.min_fog_visual_range_m >= 10_000.0:
+        found.append("fog")
+    if weather.min_sun_elevation_deg >= -6.0:
+        found.append("night")
+    return tuple(found)
+
+
+def _side(decision: PruneDecision) -> Side:
+    return Side(
+        keep=decision.keep,
+        match=decision.match,
+        reason=decision.reason or decision.error or "",
+        missing=decision.missing,
+        label=decision.label,
+    )
+
+
+def _said(side: Side) -> str:
+    words = {
+        "full": "yes",
+        "substitute": "with substitutes",
+        "part": "in part",
+        "none": "no",
+        None: "not judged",
+    }
+    if side.match == "full":
+        return "yes"
+    narrower = f" ({side.label})" if side.label else ""
+    return f"{words[side.match]}{narrower}: {side.reason}"

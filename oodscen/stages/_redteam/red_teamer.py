@@ -1,0 +1,351 @@
+"""Red teaming: a red-LLM imagines scenarios, the tree-LLM makes the tree cover them."""
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import NamedTuple
+
+from oodscen._concurrency import cancelling
+from oodscen._paper import FEW_SHOTS, ITERATIONS
+from oodscen._text import one_line
+from oodscen.errors import AnswerError, DataError, Issue, LLMError
+from oodscen.llm._ask import ask, speaker
+from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
+from oodscen.protocols import LLM, Completion, Encoder, Request
+from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
+from oodscen.stages._redteam.excerpt import excerpt, listed, thin
+from oodscen.stages._redteam.novelty import Nearness, Novelty
+from oodscen.stages._redteam.rounds import Round, RunnerUp
+from oodscen.stages._redteam.stopping import Limits, Progress, Stop
+from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
+from oodscen.tree._scenario_tree import ScenarioTree
+
+__all__ = ["RedTeamer", "Round", "RunnerUp"]
+
+_REFUSED = 5
+"""So many proposals that were nothing new are shown to the red-LLM."""
+
+
+class RedTeamer:
+    """Grows a diverse tree out of an initial one (paper, section III-A, red teaming).
+
+    Closed loop, the default: the red-LLM is shown what the tree covers, where it is thin and what was
+    proposed in vain; a proposal that the `encoder`, if one is given, finds too near to what exists is
+    refused before the tree-LLM is asked; a leaf that was broadened often enough is split. Open loop is the paper's
+    procedure: nothing is shown and nothing refused, and nodes are added or broadened.
+
+    Args:
+        llm: The tree-LLM.
+        red_llm: The red-LLM; the same model if left out.
+        iterations: Number of rounds, at most.
+        closed_loop: `False` is the paper's procedure.
+        shown: The few shots.
+        encoder: Compares proposals with what exists, e.g. `make_encoder("minilm")` as a study and the
+            command line do. Left out, nothing is embedded: only literal repetitions are refused.
+            Not used in the open loop.
+        nearest: Similarity to an earlier proposal from which on a proposal is refused.
+        nearest_label: The same for the label of a leaf.
+        budget: Model calls, at most, repair turns included; a round that could not be finished
+            within it is not begun.
+        patience: Stop after so many rounds in a row without a new kind.
+        coverage: Stop when the Good-Turing coverage is above this.
+        in_flight: So many proposals are under way at once: the red-LLM sees the tree as it was so
+            many rounds ago. Decisions are taken in the order of the rounds.
+        threads: Threads that ask; they change no result. As many as `in_flight` if left out.
+        cancel: Called when the wait for answers is interrupted, so that what is under way ends soon.
+        broadenings: So often a leaf is broadened before it is split.
+        tokens: Room for the tree in a prompt; of a larger one only a part is shown.
+    """
+
+    def __init__(
+        self,
+        llm: LLM,
+        red_llm: LLM | None = None,
+        *,
+        iterations: int = ITERATIONS,
+        closed_loop: bool = True,
+        shown: tuple[str, ...] = FEW_SHOTS,
+        encoder: Encoder | None = None,
+        nearest: float = NEAREST_TEXT,
+        nearest_label: float = NEAREST_LABEL,
+        budget: int | None = None,
+        patience: int | None = None,
+        coverage: float | None = None,
+        in_flight: int = 1,
+        threads: int | None = None,
+        cancel: Callable[[], None] | None = None,
+        broadenings: int = BROADENINGS,
+        tokens: int = TOKENS,
+    ) -> None:
+        self.llm = llm
+        self.red_llm = red_llm or llm
+        self.limits = Limits.parse(
+            {
+                "rounds": iterations,
+                "budget": budget,
+                "patience": patience,
+                "coverage": coverage,
+            }
+        )
+        self.iterations = iterations
+        self.closed_loop = closed_loop
+        self.shown = shown
+        self.encoder = encoder if closed_loop else None
+        self.nearest = nearest
+        self.nearest_label = nearest_label
+        self.in_flight = max(in_flight, 1)
+        self.threads = self.in_flight if threads is None else threads
+        self.cancel = cancel
+        self.broadenings = broadenings
+        self.tokens = tokens
+
+    def run(self, tree: ScenarioTree) -> ScenarioTree:
+        """Return the tree after all rounds; its edits tell the round, text and reason of each."""
+        for item in self.rounds(tree):
+            tree = tree.apply(*item.edits)
+        return tree
+
+    def rounds(self, tree: ScenarioTree, done: Iterable[Round] = ()) -> Iterator[Round]:
+        """Play the rounds one by one, until a stopping rule holds.
+
+        A round that fails, or whose answer stays invalid or does not fit the tree, is yielded with its
+        error and leaves the tree as it is.
+
+        Args:
+            tree: The tree before the first round.
+            done: Rounds that were played before, to continue after them.
+        """
+        game = _Game(self, tree)
+        for item in done:
+            game.add(item)
+        if self.threads <= 1 or self.in_flight <= 1:
+            while game.progress.stop is None:
+                number = game.progress.round + 1
+                attempts = game.progress.attempts()
+                yield game.play(self._imagine(game.questions[number], number, attempts))
+            return
+        with (
+            ThreadPoolExecutor(min(self.threads, self.in_flight)) as pool,
+            cancelling(self.cancel),
+        ):
+            flying: dict[int, Future[_Proposal]] = {}
+            while game.progress.stop is None:
+                first = game.progress.round + 1
+                for number in range(first, first + self.in_flight):
+                    is_due = number == first or game.progress.is_certain(number)
+                    if number not in flying and is_due:
+                        question, attempts = game.questions[number], game.progress.attempts()
+                        flying[number] = pool.submit(self._imagine, question, number, attempts)
+                yield game.play(flying.pop(first).result())
+
+    def stopped_by(self, rounds: Iterable[Round]) -> Stop | None:
+        """Return the rule that ends the red teaming after these rounds; `None` if it goes on."""
+        progress = Progress(self.limits)
+        for item in rounds:
+            progress.add(item)
+        return progress.stop
+
+    def _imagine(self, question: ImagineScenario, number: int, attempts: int) -> "_Proposal":
+        counted = _Counted(self.red_llm)
+        try:
+            said = ask(counted, question, sample=number, attempts=attempts)
+        except (LLMError, DataError) as error:
+            return _Proposal("", counted.calls, error)
+        return _Proposal(one_line(said.text), counted.calls, None)
+
+
+class _Proposal(NamedTuple):
+    """What came back from the red-LLM."""
+
+    text: str
+    calls: int
+    error: LLMError | DataError | None
+
+
+class _Counted:
+    """Counts the calls of one question."""
+
+    def __init__(self, llm: LLM) -> None:
+        self.name = llm.name
+        self.calls = 0
+        self._llm = llm
+
+    def complete(self, request: Request) -> Completion:
+        self.calls += 1
+        return self._llm.complete(request)
+
+
+class _Game:
+    """The rounds so far: a function of the initial tree and the log."""
+
+    def __init__(self, teamer: RedTeamer, tree: ScenarioTree) -> None:
+        self.teamer = teamer
+        self.tree = tree
+        self.progress = Progress(teamer.limits)
+        self.novelty = Novelty(
+            tree,
+            teamer.encoder,
+            text=teamer.nearest,
+            label=teamer.nearest_label,
+            shown=teamer.shown,
+        )
+        self.questions: dict[int, ImagineScenario] = {}
+        """Of the next rounds: made as soon as the tree that they show is known."""
+        self._broadened: dict[str, int] = {}
+        self._in_vain: list[str] = []
+        for edit in tree.edits:
+            self._count(edit.op, edit.node)
+        for number in range(1, teamer.in_flight + 1):
+            self.questions[number] = self._question(number)
+
+    def play(self, proposal: _Proposal) -> Round:
+        """Decide on the proposal of the next round."""
+        item = self._decided(self.progress.round + 1, proposal)
+        self.add(item)
+        return item
+
+    def add(self, item: Round) -> None:
+        """Take a round into account."""
+        self.tree = self.tree.apply(*item.edits)
+        self.progress.add(item)
+        if self.teamer.closed_loop:
+            self.novelty.learn(item, self.tree)
+            for edit in item.edits:
+                self._count(edit.op, edit.node)
+            if item.text and not any(edit.op in ("add", "broaden") for edit in item.edits):
+                self._in_vain = [*self._in_vain, item.text][-_REFUSED:]
+        self.questions.pop(item.round, None)
+        ahead = item.round + self.teamer.in_flight
+        self.questions[ahead] = self._question(ahead)
+
+    def _count(self, op: str, node: str) -> None:
+        if op == "broaden":
+            self._broadened[node] = self._broadened.get(node, 0) + 1
+
+    def _question(self, number: int) -> ImagineScenario:
+        teamer = self.teamer
+        if not teamer.closed_loop:
+            return ImagineScenario(shown=teamer.shown)
+        covered, unlisted = listed(self.tree, tokens=teamer.tokens, turn=number - 1)
+        return ImagineScenario(
+            shown=teamer.shown,
+            covered=covered,
+            unlisted=unlisted,
+            thin=thin(self.tree, turn=number - 1),
+            refused=tuple(self._in_vain),
+        )
+
+    def _decided(self, number: int, proposal: _Proposal) -> Round:
+        known = Round(
+            round=number,
+            text=proposal.text,
+            nodes=len(self.tree),
+            calls=proposal.calls,
+            seen=max(number - self.teamer.in_flight, 0) if self.teamer.closed_loop else 0,
+        )
+        if proposal.error is not None:
+            return _failed(known, proposal.error)
+        if self.teamer.closed_loop:
+            found = self.novelty.nearness(proposal.text)
+            known = known.model_copy(
+                update={
+                    "similarity": found.similarity,
+                    "nearest": found.node,
+                    "nearest_by": found.by,
+                }
+            )
+            if found.is_too_near:
+                return _refused(known, found)
+        return self._placed(known)
+
+    def _placed(self, known: Round) -> Round:
+        teamer, tree = self.teamer, self.tree
+        counted = _Counted(teamer.llm)
+        attempts = self.progress.attempts(known.calls)
+        try:
+            question = self._where(known.text)
+            placed = ask(
+                counted,
+                question,
+                sample=known.round,
+                check=lambda answer: _misfits(question, tree, answer),
+                attempts=attempts,
+            )
+            if question.procedure == "paper":
+                placed = placed.model_copy(update={"members": [], "also": []})
+            edits, kind = edits_of(
+                tree,
+                placed,
+                stage="redteam",
+                round=known.round,
+                reason=placed.reasoning,
+                source=known.text,
+                model=speaker(teamer.llm),
+                prompt=question.citation(),
+            )
+            after = tree.apply(*edits)
+        except (LLMError, DataError) as error:
+            return _failed(_spent(known, counted.calls), error)
+        return _spent(known, counted.calls).model_copy(
+            update={
+                "decision": placed.decision,
+                "reason": placed.reasoning,
+                "edits": edits,
+                "nodes": len(after),
+                "kind": kind,
+                "runners_up": runners_up(after, placed),
+            }
+        )
+
+    def _where(self, text: str) -> PlaceScenario:
+        """Ask about the whole tree, or about the part of a large one that matters for a text."""
+        tree, closed = self.tree, self.teamer.closed_loop
+        part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.teamer.tokens)
+        shown = {node.id for node in part.nodes}
+        often = [
+            name
+            for name in shown
+            if self._broadened.get(name, 0) >= self.teamer.broadenings and not tree.children[name]
+        ]
+        return PlaceScenario(
+            text=text,
+            nodes=part.nodes,
+            hidden=part.hidden,
+            full=tuple(sorted(often)) if closed else (),
+            procedure="closed" if closed else "paper",
+        )
+
+
+def _misfits(question: PlaceScenario, tree: ScenarioTree, answer: PlacedScenario) -> list[Issue]:
+    """Check against the whole tree what the question's own check has let pass."""
+    if question.check(answer):
+        return []
+    if question.procedure == "paper":
+        answer = answer.model_copy(update={"members": []})
+    return misfits(tree, answer)
+
+
+def _spent(known: Round, calls: int) -> Round:
+    return known.model_copy(update={"calls": known.calls + calls})
+
+
+def _refused(known: Round, found: Nearness) -> Round:
+    what = "the leaf" if found.by == "label" else "the earlier proposal"
+    return known.model_copy(
+        update={
+            "decision": "duplicate",
+            "reason": f"{found.similarity:.2f} near to {what} {found.words!r}",
+            "kind": found.node,
+        }
+    )
+
+
+def _failed(known: Round, error: LLMError | DataError) -> Round:
+    is_malformed = isinstance(error, (AnswerError, DataError))
+    return known.model_copy(
+        update={
+            "status": "failed",
+            "error": str(error),
+            "retryable": getattr(error, "retryable", False),
+            "decision": "malformed" if is_malformed else None,
+        }
+    )

@@ -1,0 +1,128 @@
+"""Re-stage scenes in which every choice, or no choice, is safe: they say nothing about a driver."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._episode import Episode
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene
+from oodscen.errors import OodscenError
+from oodscen.protocols import Simulator
+from oodscen.stages._simulate import Simulated, simulate
+
+COMPANION = "companion"
+"""Id of the car that re-staging puts beside or behind the ego."""
+
+
+class Attempt(NamedTuple):
+    """One variant of a scene that was tried, and why it was not taken."""
+
+    how: str
+    why: str
+
+
+class Restaging(NamedTuple):
+    """What re-staging a scene came to."""
+
+    scene: Scene
+    """The variant that was taken, or the scene as it was."""
+    simulated: Simulated
+    tried: tuple[Attempt, ...] = ()
+    """What was tried before, or in vain."""
+
+
+def restaged(
+    scene: Scene, simulated: Simulated, simulator: Simulator, seed: int, traces: bool = False
+) -> Restaging:
+    """Return the first variant of a scene that tells actions apart, and its run.
+
+    Others behave as they did: nobody yields who did not. Where no variant helps, the scene and its
+    run are returned as they were, with what was tried and why it did not help.
+
+    Args:
+        scene: In which all or none of the actions are safe.
+        simulated: Its run.
+        simulator: Where to run the variants.
+        seed: Of the simulator's random streams.
+        traces: Whether the ground truth of every action's rollout is kept.
+    """
+    if not simulated.episode.is_deterministic:
+        why = "replaying the approach gave another trace, so that no action can be called safe"
+        return Restaging(scene, simulated, (Attempt("nothing", why),))
+    tried: list[Attempt] = []
+    is_too_easy = bool(simulated.episode.safe_set)
+    for variant, how in variants(scene, simulator.catalogue(), is_too_easy):
+        try:
+            probe = simulate(variant, simulator, seed=seed, render=False).episode
+            if why := _refusal(probe, simulated.episode):
+                tried.append(Attempt(how, why))
+                continue
+            again = simulate(variant, simulator, seed=seed, traces=traces)
+        except OodscenError as error:
+            fault = str(error).strip().splitlines()[-1].strip(" -")
+            tried.append(Attempt(how, f"it cannot be run: {fault}"))
+            continue
+        if simulated.episode.hazard_visible and not again.episode.hazard_visible:
+            tried.append(Attempt(how, "the hazard would be in no frame"))
+            continue
+        episode = again.episode.model_copy(update={"restaged": how})
+        run = Simulated(episode, again.states, again.frames, again.trace, again.rollouts)
+        return Restaging(variant, run, tuple(tried))
+    return Restaging(scene, simulated, tuple(tried))
+
+
+def _refusal(probe: Episode, before: Episode) -> str:
+    """Say why a variant does not help; empty where it does."""
+    if not probe.is_decidable:
+        if not probe.is_deterministic:
+            return "replaying the approach gave another trace"
+        return "every action is safe" if probe.safe_set else "no action is safe"
+    if probe.decision_fired is not before.decision_fired:
+        return "the moment of decision comes about otherwise"
+    return ""
+
+
+def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
+    """Yield changed scenes, the smallest change first, each with what was changed.
+
+    Args:
+        scene: To be changed.
+        catalogue: For the car that follows.
+        is_too_easy: Every action is safe; otherwise none is.
+    """
+    later = scene.decision.kind == "time"
+    factors = (0.85, 0.7, 0.55) if is_too_easy is not later else (1.2, 1.4, 1.7)
+    for factor in factors:
+        value = round(scene.decision.value * factor, 2)
+        decision = scene.decision.model_copy(update={"value": value})
+        how = f"decision {scene.decision.kind} {scene.decision.value:g} -> {value:g}"
+        yield _changed(scene, decision=decision), how
+    for factor in (1.1, 1.2, 1.3) if is_too_easy else (0.9, 0.8, 0.7):
+        speed = round(min(scene.ego.speed * factor, 45.0), 2)
+        ego = scene.ego.model_copy(update={"speed": speed})
+        yield _changed(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
+    has_car = any(asset.id == "car" for asset in catalogue.assets)
+    if is_too_easy and has_car and all(actor.id != COMPANION for actor in scene.actors):
+        for lane, side in ((1, "left"), (-1, "right")):
+            companion = _companion(scene, ahead_m=3.5, lane=lane)
+            how = f"a car drives beside the ego in the next lane on the {side}"
+            yield _changed(scene, actors=(*scene.actors, companion)), how
+        for gap in (14.0, 10.0):
+            companion = _companion(scene, ahead_m=-gap, lane=0)
+            how = f"a car follows {gap:g} m behind"
+            yield _changed(scene, actors=(*scene.actors, companion)), how
+
+
+def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
+    return Actor(
+        id=COMPANION,
+        asset="car",
+        placement=Placement(ahead_m=ahead_m, lane=lane),
+        behaviour=Behaviour(
+            name="follow_lane", parameters={"speed": scene.ego.speed, "headway": 0.3}
+        ),
+    )
+
+
+def _changed(scene: Scene, **fields: object) -> Scene:
+    return Scene.model_validate({**scene.model_dump(), **fields})

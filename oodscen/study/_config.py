@@ -1,0 +1,169 @@
+"""What defines a study; two runs with equal configurations give the same bytes."""
+
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
+
+from oodscen import _paper as paper
+from oodscen._registry import (
+    DEFAULT_CATALOGUES,
+    DEFAULT_ENCODER,
+    DEFAULT_LLM,
+    DEFAULT_SIMULATOR,
+    is_builtin,
+    names,
+)
+from oodscen._seeding import MAX_SEED
+from oodscen.data._base import Data, issues_of
+from oodscen.errors import DataError
+from oodscen.llm._remote.redaction import redact
+from oodscen.prompts import Style
+from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
+
+
+class StudyConfig(Data):
+    """Every choice that the results depend on; the number of workers is none of them."""
+
+    noun: ClassVar[str] = "study configuration"
+
+    llm: str = DEFAULT_LLM
+    """Tree-LLM and augmenter-LLM: `builtin`, or any name that litellm knows."""
+    red_llm: str | None = None
+    """The red-LLM; the same as `llm` if left out."""
+    fallback: str | None = None
+    """Asked where `llm` or `red_llm` gives no answer."""
+    vlms: tuple[str, ...] = ()
+    """Vision-language models to judge; reference answerers always run."""
+    protocols: tuple[Literal["ours", "paper"], ...] = ("ours",)
+    """How models are judged: `paper` adds the paper's protocol beside ours."""
+    judge: str | None = None
+    """Model that decides whether an open aspect is right; the documented matcher if left out."""
+    context: int | None = Field(default=None, ge=2_048)
+    """Tokens that `llm` can read and write; longer questions are shortened. Left out: as many as they
+    need, some 8,000."""
+    api_base: str | None = None
+    """Address of an OpenAI-compatible server for the models."""
+    servers: dict[str, str] = Field(default_factory=dict)
+    """Address by model, for those that are on another server than `api_base`."""
+    simulator: str = DEFAULT_SIMULATOR
+    catalogues: tuple[str, ...] | None = None
+    """Other simulators' catalogues for which the diverse tree is pruned as well, to be compared; left out:
+    CARLA's where the built-in author judges, none where it would cost calls."""
+    encoder: str = DEFAULT_ENCODER
+    baseline: str | None = None
+    """File of ordinary-driving texts; the shipped corpus if left out."""
+    nodes: int = Field(default=paper.NODES["initial"], ge=12, le=2_000)
+    """Size of the initial tree."""
+    iterations: int = Field(default=paper.ITERATIONS, ge=0, le=100_000)
+    """Rounds of red teaming."""
+    closed_loop: bool = True
+    """Show the red-LLM what is covered and refuse what is too near to it; `False` is the paper's open
+    loop."""
+    red_budget: int | None = Field(default=None, ge=0)
+    """Model calls of the red teaming, at most."""
+    red_patience: int | None = Field(default=None, ge=1)
+    """Stop red teaming after so many rounds in a row without a new kind."""
+    red_coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
+    """Stop red teaming when the Good-Turing coverage is above this."""
+    in_flight: int = Field(default=1, ge=1, le=256)
+    """Proposals under way at once; each sees the tree as it was so many rounds ago."""
+    nearest: float = Field(default=NEAREST_TEXT, ge=-1.0, le=1.01)
+    """Similarity to an earlier proposal from which on a proposal is refused."""
+    nearest_label: float = Field(default=NEAREST_LABEL, ge=-1.0, le=1.01)
+    """Similarity to a leaf's label from which on a proposal is refused."""
+    broadenings: int = Field(default=BROADENINGS, ge=0)
+    """So often a leaf is broadened before it is split."""
+    per_path: int = Field(default=paper.PER_PATH, ge=1, le=999)
+    """Texts per path of the simulatable tree."""
+    sets: tuple[int, ...] = paper.SETS
+    """Sizes of the text sets from the diverse tree."""
+    style: Style = "natural"
+    """Register of the texts."""
+    candidates: int = Field(default=1, ge=1, le=100)
+    """Texts written for each that is kept; of more than one, the most diverse are kept."""
+    twins: bool | None = None
+    """Write every text's ordinary twin as well; left out: where the built-in author writes."""
+    max_paths: int | None = Field(default=None, ge=1)
+    """Simulate at most this many paths; all if left out."""
+    band: tuple[float, float] | None = None
+    """OOD-ness band (paper, remark 1): scenarios outside it are not staged."""
+    seed: int = Field(default=0, ge=0, le=MAX_SEED)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.band is not None and self.band[0] >= self.band[1]:
+            raise ValueError("band: the lower bound must be below the upper one")
+        if any(size < 1 for size in self.sets):
+            raise ValueError("sets: sizes are positive")
+        if self.judge is not None and is_builtin(self.judge):
+            raise ValueError("judge: the built-in author writes texts; it judges no answers")
+        for address in filter(None, (self.api_base, *self.servers.values())):
+            if redact(address) != address:
+                raise ValueError(
+                    f"{redact(address)}: an address with a key or password in it would be kept in "
+                    "study.json; give the key in the environment, e.g. OPENAI_API_KEY"
+                )
+        return self
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _typed(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Raise this library's error, also where somebody makes a configuration in a script."""
+        try:
+            return handler(value)
+        except ValidationError as error:
+            raise DataError(cls.noun, issues_of(error)) from None
+
+    @classmethod
+    def parse(cls, value: object, *, source: str = "") -> Self:
+        """Validate plain data or JSON text; see `Data.parse`."""
+        try:
+            return super().parse(value, source=source)
+        except DataError as error:
+            raise DataError(cls.noun, error.issues, source=source) from None
+
+    @classmethod
+    def quick(cls, **changes: Any) -> Self:
+        """Return a complete small study that takes seconds."""
+        small = {
+            "nodes": 24,
+            "iterations": 10,
+            "per_path": 1,
+            "sets": (10,),
+            "max_paths": 4,
+        }
+        return cls(**{**small, **changes})
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """The catalogues that are compared with the simulator's."""
+        if self.catalogues is None:
+            there = set(names("catalogue"))
+            return tuple(n for n in DEFAULT_CATALOGUES if is_builtin(self.llm) and n in there)
+        return tuple(name for name in self.catalogues if name != self.simulator)
+
+    def judging_too(self, other: Self) -> Self:
+        """Return this configuration with whom and how another one judges as well; its own judge wins."""
+        return self.model_copy(
+            update={
+                "vlms": tuple(dict.fromkeys((*other.vlms, *self.vlms))),
+                "protocols": tuple(dict.fromkeys((*other.protocols, *self.protocols))),
+                "judge": self.judge or other.judge,
+                "servers": other.servers | self.servers,
+            }
+        )
+
+    def differences(self, other: Self) -> dict[str, tuple[object, object]]:
+        """Return the fields in which two configurations differ: this one's value, the other's."""
+        return {
+            name: (getattr(self, name), getattr(other, name))
+            for name in type(self).model_fields
+            if getattr(self, name) != getattr(other, name)
+        }
+
+
+JUDGING = ("vlms", "protocols", "judge", "servers")
+"""Fields that a finished study may be given anew: who judges and who is judged."""
+
+Status = Literal["running", "stopped", "success", "incomplete"]
+"""`stopped`: a cap was reached, an author's endpoint given up, or it was interrupted; `incomplete`: the run ended, but some items failed."""

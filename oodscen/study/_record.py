@@ -1,0 +1,74 @@
+"""What `study.json` says about a study: who wrote it, with what, in which versions."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict
+
+from oodscen._registry import is_builtin
+from oodscen._version import __version__
+from oodscen.data._base import Data
+from oodscen.prompts import prompt_versions
+from oodscen.study._config import Status, StudyConfig
+
+_BUILTIN = (
+    "the built-in author: a deterministic, seeded writer over a knowledge base of hazards, not a "
+    "language model"
+)
+_PACKAGES = ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", "litellm")
+
+
+class Info(Data):
+    """What every reader of `study.json` may rely on; other fields are let through."""
+
+    noun: ClassVar[str] = "study"
+    model_config = ConfigDict(extra="allow")
+
+    schema_version: Literal[1] = 1
+    status: Status | None = None
+    config: dict[str, Any]
+    authors: dict[str, str] = {}
+    versions: dict[str, str] = {}
+    prompts: dict[str, str] = {}
+    counts: dict[str, Any] = {}
+    failures: dict[str, int] = {}
+    usage: tuple[dict[str, Any], ...] = ()
+    seconds: dict[str, float] = {}
+    stopped: str = ""
+
+
+def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
+    """Return the content of `study.json`.
+
+    Args:
+        config: What is run.
+        status: How far the run is.
+        more: Counts, failures and times, once there are any.
+    """
+    return {
+        "schema_version": 1,
+        "status": status,
+        "config": config.model_dump(mode="json"),
+        "authors": authors(config),
+        "versions": versions(),
+        "prompts": prompt_versions(),
+        **more,
+    }
+
+
+def authors(config: StudyConfig) -> dict[str, str]:
+    """Say who wrote the texts, in words that cannot be mistaken for a model."""
+    names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
+    return {role: _BUILTIN if is_builtin(name) else name for role, name in names.items()}
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of everything that the results may depend on."""
+    found = {"oodscen": __version__, "python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found

@@ -1,0 +1,181 @@
+"""Files of a study: atomic replacement, append-only lines, tolerant of a torn last line."""
+
+import os
+import threading
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from oodscen._files import inside, remove_parts, replace
+from oodscen._json import is_object, object_lines, parse_object
+from oodscen._lock import locked
+from oodscen.data._base import Data, canonical_json
+from oodscen.errors import StudyError
+
+
+class Store:
+    """One folder; everything in it is valid at any moment.
+
+    Reading changes nothing. Whoever writes holds `writing` meanwhile, so that nobody else does.
+
+    Args:
+        folder: Made if it does not exist.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self._appending = threading.Lock()
+        self._whole: set[str] = set()
+        """Files that are known to end with the end of a line."""
+
+    def prepare(self) -> None:
+        """Make the folder.
+
+        Raises:
+            StudyError: When it cannot be made.
+        """
+        with self._guard(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Be the only one who writes the folder, which is made; one that stays empty is removed again.
+
+        Raises:
+            InUse: When somebody else writes it.
+            StudyError: When it cannot be made or locked.
+        """
+        missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
+        self.prepare()
+        try:
+            with locked(self.folder, "study"):
+                remove_parts(self.folder)
+                self._whole.clear()
+                yield
+        finally:
+            for path in missing:
+                with suppress(OSError):
+                    path.rmdir()
+
+    def path(self, name: str) -> Path:
+        """Return where a file of the study is."""
+        return self.folder / name
+
+    def inside(self, name: str) -> Path:
+        """Return where a file is that is named in the study.
+
+        Raises:
+            StudyError: When the name leads outside the folder.
+        """
+        try:
+            return inside(self.folder, name)
+        except ValueError as error:
+            raise StudyError(f"{self.folder}: {error}") from None
+
+    def has(self, name: str) -> bool:
+        """Whether a file exists."""
+        return self.path(name).is_file()
+
+    def write(self, name: str, content: str | bytes) -> None:
+        """Replace a file in one step.
+
+        Raises:
+            StudyError: When the disk is full or read-only; the old file stays.
+        """
+        target = self.path(name)
+        data = content.encode() if isinstance(content, str) else content
+        with self._guard(target):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            replace(target, data)
+
+    def write_lines(self, name: str, items: Iterable[Data | Mapping[str, Any]]) -> None:
+        """Replace a file of lines in one step."""
+        self.write(name, "".join(map(_line, items)))
+
+    def append(self, name: str, item: Data | Mapping[str, Any]) -> None:
+        """Add one line and hand it to the operating system.
+
+        A torn line before it, of a writer that was killed, is cut off; a whole one is ended.
+        """
+        target = self.path(name)
+        line = _line(item).encode()
+        with self._appending, self._guard(target), target.open("a+b", buffering=0) as file:
+            if name not in self._whole:
+                _mend(file.fileno())
+            self._whole.discard(name)
+            if file.write(line) != len(line):
+                raise OSError("the disk is full")
+            self._whole.add(name)
+
+    def remove(self, name: str) -> None:
+        """Delete a file if it is there."""
+        with self._guard(self.path(name)):
+            self.path(name).unlink(missing_ok=True)
+
+    def read(self, name: str) -> dict[str, Any]:
+        """Return the JSON object that a file holds.
+
+        Raises:
+            StudyError: When it cannot be read or holds something else.
+        """
+        path = self.path(name)
+        try:
+            return parse_object(path.read_bytes())
+        except OSError as error:
+            raise StudyError(f"cannot read {path}: {error.strerror or error}") from None
+        except ValueError as error:
+            raise StudyError(f"{path}: {error}") from None
+
+    def lines(self, name: str) -> Iterator[dict[str, Any]]:
+        """Read a file of lines; a torn last line is left out, a missing file is empty.
+
+        Raises:
+            StudyError: When it cannot be read, or a line is no JSON object.
+        """
+        for _, line in self.numbered(name):
+            yield line
+
+    def numbered(self, name: str) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Read a file of lines as `lines` does, each line with its number from 1."""
+        target = self.path(name)
+        if not os.path.lexists(target):
+            return
+        with self._guard(target):
+            content = target.read_bytes()
+        for number, line in object_lines(content):
+            if isinstance(line, ValueError):
+                raise StudyError(f"{target}, line {number}: {line}")
+            yield number, line
+
+    @contextmanager
+    def _guard(self, target: Path) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise StudyError(
+                f"cannot read or write {target}: {reason}; what was written before is intact, the "
+                "same command continues once this is mended"
+            ) from error
+
+
+def _line(item: Data | Mapping[str, Any]) -> str:
+    value = item.model_dump(mode="json") if isinstance(item, Data) else item
+    return canonical_json(value) + "\n"
+
+
+def _mend(file: int) -> None:
+    """Let a file end with the end of a line."""
+    end = os.lseek(file, 0, os.SEEK_END)
+    tail = b""
+    while end and b"\n" not in tail:
+        start = max(0, end - len(tail) - 65_536)
+        tail = os.pread(file, end - start, start)
+        if not start:
+            break
+    torn = tail.rpartition(b"\n")[2]
+    if is_object(torn):
+        os.write(file, b"\n")
+    elif torn:
+        os.ftruncate(file, end - len(torn))

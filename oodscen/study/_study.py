@@ -1,0 +1,319 @@
+"""A study on disk, for reading: every table in one call."""
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
+
+from pydantic import ConfigDict
+
+from oodscen.data._base import Data
+from oodscen.data._claim import Claim
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._verdict import Verdict
+from oodscen.errors import (
+    DataError,
+    FolderTaken,
+    MissingExtra,
+    StudyError,
+    StudyMissing,
+    UnknownComponent,
+)
+from oodscen.judging._aspects.opinions import Opinion
+from oodscen.llm._call_log import Call
+from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.restoration import Restoration
+from oodscen.stages._prune.side_by_side import Comparison
+from oodscen.stages._redteam.red_teamer import Round
+from oodscen.study._config import StudyConfig
+from oodscen.study._record import Info
+from oodscen.study._store import Store
+from oodscen.tree._edit_log import TreeEdit
+from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+
+    from oodscen.stages._drive import DriveResult
+
+Row = TypeVar("Row", bound=Data)
+
+TREES = ("initial", "diverse", "simulatable")
+"""The trees of a study, in order of growth."""
+
+TABLES: Mapping[str, str] = {
+    "redteam": "redteam.jsonl",
+    "edits": "edits.jsonl",
+    "pruned": "pruned.jsonl",
+    "scenarios": "scenarios.jsonl",
+    "scenes": "scenes.jsonl",
+    "episodes": "episodes.jsonl",
+    "verdicts": "verdicts.jsonl",
+    "calls": "calls.jsonl",
+}
+"""File of every table."""
+
+
+class _Failed(Data):
+    """A line that stands for an item that failed, in a file whose items have no status of their own."""
+
+    noun: ClassVar[str] = "failed item"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    status: Literal["failed"]
+    error: str
+    retryable: bool = False
+
+
+class _Told(Data):
+    """A line of `claims.jsonl`."""
+
+    noun: ClassVar[str] = "list of claims"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    claims: tuple[Claim, ...]
+
+
+class _Restaged(Data):
+    """A line of `restaged.jsonl`."""
+
+    noun: ClassVar[str] = "restaging"
+    model_config = ConfigDict(extra="allow")
+
+    id: str
+    scene: Scene | None = None
+
+
+_KINDS: Mapping[str, type[Data]] = {
+    "redteam.jsonl": Round,
+    "edits.jsonl": TreeEdit,
+    "pruned.jsonl": PruneDecision,
+    "scenarios.jsonl": Scenario,
+    "claims.jsonl": _Told,
+    "scenes.jsonl": Scene,
+    "restaged.jsonl": _Restaged,
+    "episodes.jsonl": Episode,
+    "episodes.paper.jsonl": Episode,
+    "verdicts.jsonl": Verdict,
+    "opinions.jsonl": Opinion,
+    "calls.jsonl": Call,
+}
+"""What the lines of every file are that a run goes on from, besides the text sets."""
+
+_OTHERS = (
+    "study.json",
+    "restore.json",
+    "catalogues.json",
+    "leaderboard.json",
+    "metrics.json",
+    "drives.jsonl",
+    "answers.jsonl",
+    "report.html",
+    "frames",
+    "traces",
+    "videos",
+)
+_TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
+
+
+def is_own(name: str) -> bool:
+    """Whether a study's folder has a file, or a folder, of this name that a run or a command writes."""
+    trees = {f"tree.{tree}.json" for tree in TREES}
+    return name in {*_OTHERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
+
+
+class Study:
+    """The folder that `oodscen run` leaves behind."""
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.store = Store(folder)
+
+    @classmethod
+    def open(cls, folder: str | Path) -> Self:
+        """Open an existing study.
+
+        Raises:
+            StudyMissing: When the folder holds none.
+        """
+        study = cls(folder)
+        if not study.store.has("study.json"):
+            raise StudyMissing(str(folder))
+        return study
+
+    def own(self) -> list[str]:
+        """Return the names in the folder, in order, that a study writes."""
+        try:
+            return sorted(filter(is_own, os.listdir(self.folder)))
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise StudyError(f"cannot read {self.folder}: {error.strerror or error}") from None
+
+    def check(self) -> None:
+        """Make sure that a run can go on from what the folder holds, or begin in it.
+
+        Raises:
+            FolderTaken: When there is no study, but something that one would write.
+            DataError: When a line, or a tree, is malformed.
+            StudyError: When a file cannot be read.
+        """
+        names = self.own()
+        if names and not self.store.has("study.json"):
+            raise FolderTaken(str(self.folder), names)
+        for name in names:
+            kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
+            if kind is not None:
+                self._rows(kind, name)
+        for name in TREES:
+            if f"tree.{name}.json" in names:
+                self.tree(name)
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """Content of `study.json`: configuration, seeds, versions, counts, status."""
+        content = self.store.read("study.json")
+        Info.parse(content, source=str(self.folder / "study.json"))
+        return content
+
+    @property
+    def config(self) -> StudyConfig:
+        """The configuration that the study was made with."""
+        return StudyConfig.parse(self.info.get("config"), source=str(self.folder / "study.json"))
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """Content of `metrics.json`; empty while there is none."""
+        return self.store.read("metrics.json") if self.store.has("metrics.json") else {}
+
+    def tree(self, name: str) -> ScenarioTree:
+        """Return the `initial`, `diverse` or `simulatable` tree."""
+        if name not in TREES:
+            raise UnknownComponent("tree", name, TREES)
+        return ScenarioTree.load(self.folder / f"tree.{name}.json")
+
+    @property
+    def rounds(self) -> list[Round]:
+        """Every round of red teaming."""
+        return self._rows(Round, "redteam.jsonl")
+
+    @property
+    def decisions(self) -> list[PruneDecision]:
+        """What became of every node of the diverse tree."""
+        return self._rows(PruneDecision, "pruned.jsonl")
+
+    @property
+    def restoration(self) -> Restoration:
+        """What would restore the branches that pruning dropped, ranked."""
+        return Restoration.load(self.folder / "restore.json")
+
+    @property
+    def comparison(self) -> Comparison:
+        """What other simulators' catalogues make of the diverse tree."""
+        return Comparison.load(self.folder / "catalogues.json")
+
+    @property
+    def scenarios(self) -> list[Scenario]:
+        """The texts along the paths of the simulatable tree."""
+        return self._rows(Scenario, "scenarios.jsonl")
+
+    def texts(self, size: int) -> list[Scenario]:
+        """Return one of the text sets of the diverse tree."""
+        return self._rows(Scenario, f"texts.diverse.{size}.jsonl")
+
+    @property
+    def scenes(self) -> list[Scene]:
+        """The scenes that were staged."""
+        return self._rows(Scene, "scenes.jsonl")
+
+    @property
+    def episodes(self) -> list[Episode]:
+        """Every episode, the failed ones included."""
+        return self._rows(Episode, "episodes.jsonl")
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """Every verdict, the failed ones included."""
+        return self._rows(Verdict, "verdicts.jsonl")
+
+    @property
+    def drives(self) -> "list[DriveResult]":
+        """What `oodscen drive` found."""
+        from oodscen.stages._drive import DriveResult
+
+        return self._rows(DriveResult, "drives.jsonl")
+
+    def trace(self, scene_id: str) -> "pa.Table":
+        """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
+
+        Raises:
+            StudyError: When the run that simulated it did not keep traces.
+            MissingExtra: When pyarrow is not installed.
+        """
+        name = f"traces/{scene_id}.parquet"
+        if not self.store.has(name):
+            raise StudyError(f"{self.folder} holds no {name}: run it with traces")
+        try:
+            import pyarrow.parquet as parquet
+        except ImportError:
+            raise MissingExtra("a trace as a table", "tables", "pyarrow") from None
+        try:
+            return parquet.read_table(self.store.inside(name))
+        except (OSError, ValueError) as error:
+            raise StudyError(f"cannot read {self.folder / name}: {error}") from None
+
+    def failures(self, table: str) -> list[dict[str, Any]]:
+        """Return the lines of a table that failed, each with its `error`."""
+        return [row for row in self.table(table) if row.get("status") == "failed"]
+
+    def table(self, name: str) -> list[dict[str, Any]]:
+        """Return the lines of a table as plain data.
+
+        Raises:
+            UnknownComponent: With close matches.
+        """
+        if name not in TABLES:
+            raise UnknownComponent("table", name, TABLES)
+        return list(self.store.lines(TABLES[name]))
+
+    def to_arrow(self, name: str) -> "pa.Table":
+        """Return a table as an Arrow table, one row per line; mappings become structs.
+
+        Raises:
+            StudyError: When values of one field are of several types.
+        """
+        try:
+            import pyarrow as pa
+        except ImportError:
+            raise MissingExtra("a table in Arrow's format", "tables", "pyarrow") from None
+        try:
+            return pa.Table.from_pylist(self.table(name))
+        except (pa.ArrowException, OverflowError) as error:
+            raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
+
+    def to_pandas(self, name: str) -> "pd.DataFrame":
+        """Return a table as a data frame, one row per line; fields of mappings are joined by dots."""
+        try:
+            import pandas as pd
+        except ImportError:
+            raise MissingExtra("a table as a data frame", "tables", "pandas") from None
+        return pd.json_normalize(self.table(name), max_level=1)
+
+    def _rows(self, kind: type[Row], name: str) -> list[Row]:
+        rows = []
+        for number, line in self.store.numbered(name):
+            try:
+                if line.get("status") == "failed" and "status" not in kind.model_fields:
+                    _Failed.parse(line)
+                else:
+                    rows.append(kind.parse(line))
+            except DataError as error:
+                source = f"{self.folder / name}, line {number}"
+                raise DataError(error.noun, error.issues, source=source) from None
+        return rows

@@ -1,0 +1,77 @@
+"""Scenes and short runs that the conformance checks share."""
+
+import math
+
+from oodscen.data._catalogue import Catalogue, RoadMap
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.protocols import Camera, Control, Frame, Observation, Simulator
+
+SMALL = Camera(width=160, height=120)
+"""The camera of the checks."""
+STEPS = 40
+"""How long a check drives."""
+
+
+def sample_scene(
+    road: RoadMap,
+    actors: tuple[Actor, ...],
+    *,
+    lane: int = 0,
+    speed: float = 8.0,
+    weather: Weather | None = None,
+) -> Scene:
+    """Return a scene of some actors, in good weather if nothing else is said."""
+    return Scene(
+        id="check",
+        scenario_id="check",
+        map=road.id,
+        ego=Ego(speed=speed, lane=lane),
+        weather=weather or Weather(),
+        actors=actors,
+        hazard=Hazard(weather=Weather()),
+        decision=Trigger(kind="time", value=1.0),
+    )
+
+
+def plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
+    """Return a scene in which something moves, if the catalogue has anything that can."""
+    kinds = {kind.id: kind for kind in catalogue.behaviours}
+    actors = []
+    for index, name in enumerate(("follow_lane", "wobble", "cross_road")):
+        categories = kinds[name].categories if name in kinds else ()
+        asset = next((one for one in catalogue.assets if one.category in categories), None)
+        if asset is not None:
+            place = Placement(ahead_m=25.0 + 20.0 * index)
+            actors.append(
+                Actor(
+                    id=f"{name.replace('_', '-')}",
+                    asset=asset.id,
+                    placement=place,
+                    behaviour=Behaviour(name=name),
+                )
+            )
+    scene = sample_scene(road, tuple(actors))
+    return scene.model_copy(update={"id": f"check-{road.id}"})
+
+
+def follow_lane(observation: Observation) -> Control:
+    """Keep the lane with the simplest law that does."""
+    reach = max(4.0, observation.speed)
+    bend = observation.curvature - observation.offset_m / reach**2
+    bend -= 2.0 * observation.heading_error / reach
+    return Control(0.0, math.atan(observation.wheelbase * bend))
+
+
+def run_bytes(simulator: Simulator, scene: Scene, *, seed: int) -> list[bytes]:
+    """Return the bytes of a run: states, and the frames at its beginning and end."""
+    trace = [simulator.reset(scene, seed).fingerprint()]
+    trace += frame_bytes(simulator.render(SMALL))
+    for step in range(STEPS):
+        control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)
+        trace.append(simulator.step(control).fingerprint())
+    return trace + frame_bytes(simulator.render(SMALL))
+
+
+def frame_bytes(frame: Frame) -> list[bytes]:
+    """Return the bytes of a frame."""
+    return [frame.rgb.tobytes(), frame.depth.tobytes(), frame.ids.tobytes()]

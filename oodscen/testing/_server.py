@@ -1,0 +1,362 @@
+"""An OpenAI-compatible server on this machine that answers with any language model."""
+
+import base64
+import gzip
+import hashlib
+import json
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import TracebackType
+from typing import Any, Literal, Self
+
+from oodscen.errors import LLMError
+from oodscen.llm._remote.litellm import LiteLLM, provider_seed
+from oodscen.protocols import LLM, Completion, Request
+
+Fault = Literal[
+    "malformed",
+    "truncated",
+    "wrong_schema",
+    "null",
+    "http400",
+    "http401",
+    "http429",
+    "http500",
+    "http503",
+    "html",
+    "empty",
+    "cut",
+    "reset",
+    "slow",
+    "slow_head",
+    "processing",
+    "huge",
+    "packed",
+    "redirect",
+    "filtered",
+    "withheld",
+]
+"""What a server can do wrong.
+
+The answer: `malformed` is prose, `truncated` its first half, `wrong_schema` another object, `null` none.
+The response: an HTTP status with the usual error body (`http429` with `Retry-After: 7`), a web page,
+an empty body, a body shorter than announced, a connection closed without a word, a body or a head that comes byte
+by byte and does not end (`slow`, `slow_head`), responses without an end that announce another (`processing`), a
+body without an end (`huge`), a compressed one (`packed`), a redirect to this server under another name (`redirect`).
+The content filter: the question is refused with status 400 (`filtered`), the answer is left out (`withheld`).
+"""
+
+Faults = Callable[[int, Request | None], Fault | None]
+"""Called with the number of the request, counted from 0, and the question it was recognised as."""
+
+
+@dataclass(frozen=True)
+class Received:
+    """One request as it arrived."""
+
+    body: dict[str, Any]
+    """The JSON document."""
+    headers: dict[str, str]
+    """By lower-case name, without credentials."""
+    images: tuple[bytes, ...]
+    """The pictures in the messages, decoded from their data URLs."""
+
+    @property
+    def messages(self) -> list[dict[str, Any]]:
+        """The conversation in OpenAI's format."""
+        messages: list[dict[str, Any]] = self.body["messages"]
+        return messages
+
+
+class AnsweringServer:
+    """Serves `/v1/chat/completions` on 127.0.0.1 while the context lasts.
+
+    A chat request carries text and pictures but not the typed question that `llm` needs. So `client` returns
+    a `LiteLLM` that tells the server every question just before sending it, and the server recognises the
+    question by what arrives: roles, texts, the pictures' hashes and the seed. What arrives changed is not
+    recognised and is refused with status 400.
+
+    Args:
+        llm: Who answers.
+        faults: Decides which requests go wrong, and how.
+
+    Example:
+        >>> with AnsweringServer(ConstantAnswerer()) as server:
+        ...     evaluate(episodes, server.client("gpt-4o"))
+    """
+
+    def __init__(self, llm: LLM, *, faults: Faults | None = None) -> None:
+        self.llm = llm
+        self.received: list[Received] = []
+        """Every chat request so far, in order of arrival."""
+        self._faults = faults
+        self._questions: dict[str, Request] = {}
+        self._lock = threading.Lock()
+        self._http: ThreadingHTTPServer | None = None
+
+    def __enter__(self) -> Self:
+        self._http = _Server(("127.0.0.1", 0), _handler(self))
+        threading.Thread(target=self._http.serve_forever, args=(0.02,), daemon=True).start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._http is not None:
+            self._http.shutdown()
+            self._http.server_close()
+            self._http = None
+
+    @property
+    def api_base(self) -> str:
+        """Address for `--api-base`, e.g. `http://127.0.0.1:40123/v1`."""
+        if self._http is None:
+            raise RuntimeError("the server runs only inside its with block")
+        return f"http://127.0.0.1:{self._http.server_port}/v1"
+
+    def client(self, model: str = "served", *, seed: int = 0, **settings: Any) -> LLM:
+        """Return a model that is asked through litellm and this server.
+
+        Args:
+            model: Name of the model, as for `LiteLLM`.
+            seed: As for `LiteLLM`.
+            settings: Further arguments of `LiteLLM`; by default retries do not wait.
+        """
+        settings = {"sleep": lambda seconds: None, "api_base": self.api_base, **settings}
+        return _Announcing(self, LiteLLM(model, seed=seed, **settings))
+
+    def announce(self, request: Request, seed: int) -> None:
+        """Make a question known that a client is about to send with a provider seed."""
+        turns = [
+            (message.role, message.text, [image.sha256 for image in message.images])
+            for message in request.messages
+        ]
+        with self._lock:
+            self._questions[_key(turns, seed)] = request
+
+    def recognise(self, received: Received) -> Request | None:
+        """Return the question that a received conversation renders, if it was announced."""
+        turns = []
+        for message in received.messages:
+            texts, images = _content(message)
+            turns.append((message["role"], texts, [hashlib.sha256(i).hexdigest() for i in images]))
+        with self._lock:
+            return self._questions.get(_key(turns, received.body.get("seed")))
+
+    def record(self, received: Received) -> int:
+        """Keep a request and return its number."""
+        with self._lock:
+            self.received.append(received)
+            return len(self.received) - 1
+
+    def fault(self, index: int, request: Request | None) -> Fault | None:
+        """Say what goes wrong with a request."""
+        return self._faults(index, request) if self._faults else None
+
+
+class _Server(ThreadingHTTPServer):
+    request_queue_size = 128
+
+
+class _Announcing:
+    """Tells the server each question before a client sends it."""
+
+    def __init__(self, server: AnsweringServer, client: LiteLLM) -> None:
+        self.name = client.name
+        self.client = client
+        self.traffic = client.traffic
+        self._server = server
+
+    def complete(self, request: Request) -> Completion:
+        seed = provider_seed(self.client.seed, request.sample, request.attempt)
+        self._server.announce(request, seed)
+        return self.client.complete(request)
+
+
+def _key(turns: Sequence[tuple[str, str, Sequence[str]]], seed: object) -> str:
+    return hashlib.sha256(json.dumps([turns, seed]).encode()).hexdigest()
+
+
+def _content(message: dict[str, Any]) -> tuple[str, list[bytes]]:
+    """Split a message in OpenAI's format into its text and its pictures.
+
+    Raises:
+        ValueError: When a picture is not a base64 data URL of a JPEG or PNG file.
+    """
+    content = message["content"]
+    if isinstance(content, str):
+        return content, []
+    texts, images = [], []
+    for part in content:
+        if part["type"] == "text":
+            texts.append(part["text"])
+            continue
+        head, _, data = part["image_url"]["url"].partition(",")
+        picture = base64.b64decode(data, validate=True)
+        start = {"data:image/jpeg;base64": b"\xff\xd8\xff", "data:image/png;base64": b"\x89PNG"}
+        if head not in start or not picture.startswith(start[head]):
+            raise ValueError(f"not a picture as a data URL: {head[:40]}")
+        images.append(picture)
+    return "\n".join(texts), images
+
+
+def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = json.loads(self.rfile.read(int(self.headers["content-length"])))
+            if self.path != "/v1/chat/completions":
+                return self._error(404, f"there is no {self.path} here")
+            try:
+                pictures = [image for message in body["messages"] for image in _content(message)[1]]
+            except (ValueError, KeyError, TypeError) as error:
+                return self._error(400, f"unreadable messages: {error}")
+            headers = {name.lower(): value for name, value in self.headers.items()}
+            headers = {k: v for k, v in headers.items() if k not in ("authorization", "api-key")}
+            received = Received(body, headers, tuple(pictures))
+            index = server.record(received)
+            request = server.recognise(received)
+            fault = server.fault(index, request)
+            if fault in _RESPONSES:
+                return self._misbehave(fault)
+            if request is None:
+                return self._error(400, "this conversation was not announced, or arrived changed")
+            try:
+                text = server.llm.complete(request).text
+            except LLMError as error:
+                return self._error(400, str(error))
+            ending = "content_filter" if fault == "withheld" else "stop"
+            spoilt = _spoil(text, fault)
+            document = _chat_completion(body["model"], body["messages"], spoilt, ending)
+            if fault == "cut":
+                return self._send(200, document, announced=len(document) + 999)
+            return self._send(200, document)
+
+        def _misbehave(self, fault: str) -> None:
+            if fault == "http429":
+                self._error(429, "slow down", {"retry-after": "7"})
+            elif fault.startswith("http"):
+                self._error(int(fault[4:]), "injected fault")
+            elif fault == "filtered":
+                self._error(400, "rejected by our safety system", code="content_policy_violation")
+            elif fault == "html":
+                self._send(200, b"<!doctype html><html><body>Bad gateway</body></html>")
+            elif fault == "empty":
+                self._send(200, b"")
+            elif fault == "packed":
+                self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
+            elif fault == "redirect":
+                address = f"http://localhost:{self.connection.getsockname()[1]}{self.path}"
+                self._send(307, b"", {"location": address})
+            elif fault == "processing":
+                self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
+            elif fault == "slow_head":
+                self._pour(b"HTTP/1.1 200 OK\r\nx-slow: ", b"a", _PAUSE_S)
+            elif fault in ("slow", "huge"):
+                head = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n"
+                slow = fault == "slow"
+                self._pour(head, b" " if slow else b" " * 65_536, _PAUSE_S if slow else 0.0)
+            self.close_connection = True
+
+        def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
+            """Send pieces until the client has had enough."""
+            try:
+                self.wfile.write(head)
+                while True:
+                    self.wfile.write(piece)
+                    time.sleep(pause_s)
+            except OSError:
+                return
+
+        def _error(
+            self,
+            status: int,
+            message: str,
+            headers: dict[str, str] | None = None,
+            code: str | None = None,
+        ) -> None:
+            document = {"error": {"message": message, "type": "injected", "code": code or status}}
+            self._send(status, json.dumps(document).encode(), headers)
+
+        def _send(
+            self,
+            status: int,
+            body: bytes,
+            headers: dict[str, str] | None = None,
+            announced: int | None = None,
+        ) -> None:
+            self.send_response(status)
+            for name, value in (headers or {}).items():
+                self.send_header(name, value)
+            self.send_header("content-type", "application/json")
+            self.send_header("content-length", str(len(body) if announced is None else announced))
+            self.end_headers()
+            self.wfile.write(body)
+
+        def log_message(self, format: str, *args: Any) -> None:
+            """Stay silent."""
+
+    return Handler
+
+
+_RESPONSES = (
+    "http400",
+    "http401",
+    "http429",
+    "http500",
+    "http503",
+    "html",
+    "empty",
+    "reset",
+    "slow",
+    "slow_head",
+    "processing",
+    "huge",
+    "packed",
+    "redirect",
+    "filtered",
+)
+
+_PAUSE_S = 0.02
+"""Between two bytes of a slow server."""
+
+
+def _spoil(text: str, fault: Fault | None) -> str | None:
+    if fault == "malformed":
+        return "I would rather describe this in prose, without any structure."
+    if fault == "truncated":
+        return text[: len(text) // 2]
+    if fault == "wrong_schema":
+        return json.dumps({"unexpected": [1, 2, 3]})
+    return None if fault in ("null", "withheld") else text
+
+
+def _chat_completion(
+    model: str, messages: list[dict[str, Any]], text: str | None, ending: str
+) -> bytes:
+    asked = sum(len(_content(message)[0]) for message in messages) // 4
+    answered = len(text or "") // 4
+    document = {
+        "id": "chatcmpl-0",
+        "object": "chat.completion",
+        "created": 0,
+        "model": model,
+        "choices": [
+            {
+                "index": 0,
+                "finish_reason": ending,
+                "message": {"role": "assistant", "content": text},
+            }
+        ],
+        "usage": {
+            "prompt_tokens": asked,
+            "completion_tokens": answered,
+            "total_tokens": asked + answered,
+        },
+    }
+    return json.dumps(document).encode()

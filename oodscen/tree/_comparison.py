@@ -1,0 +1,240 @@
+"""What distinguishes two trees, node by node."""
+
+from collections.abc import Container
+from typing import ClassVar, Literal
+
+from oodscen.data._base import Data
+from oodscen.protocols import Encoder
+from oodscen.tree._export import mermaid_text
+from oodscen.tree._matching import THRESHOLD, Match, match
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+class Placed(Data):
+    """A node that only one of the trees has."""
+
+    noun: ClassVar[str] = "node of one tree"
+
+    id: str
+    parent: str | None
+    path: tuple[str, ...]
+    """Labels from the root down; of a deep node the last ones, after `…`."""
+    is_leaf: bool
+
+
+class Broadened(Data):
+    """A node that has another label in the second tree."""
+
+    noun: ClassVar[str] = "relabelled node"
+
+    before: str
+    """Id in the first tree."""
+    after: str
+    """Id in the second tree."""
+    label_before: str
+    label_after: str
+    by: Literal["id", "label", "meaning"]
+    """What made the two one."""
+    similarity: float | None = None
+
+
+class Moved(Data):
+    """A node whose parent is another one in the second tree."""
+
+    noun: ClassVar[str] = "moved node"
+
+    before: str
+    """Id in the first tree."""
+    after: str
+    """Id in the second tree."""
+    parent_before: str | None
+    parent_after: str | None
+    path_before: tuple[str, ...]
+    path_after: tuple[str, ...]
+
+
+class TreeDiff(Data):
+    """How a second tree differs from a first one."""
+
+    noun: ClassVar[str] = "tree diff"
+
+    schema_version: Literal[1] = 1
+    encoder: str = ""
+    """Name of the encoder that compared meanings; empty where none did."""
+    threshold: float | None = None
+    sizes: tuple[int, int] = (0, 0)
+    """Nodes of the first and the second tree."""
+    matches: tuple[Match, ...] = ()
+    """The pairs of nodes that are taken to be one, in the order of the first tree."""
+    added: tuple[Placed, ...] = ()
+    """Nodes of the second tree alone, in its order."""
+    removed: tuple[Placed, ...] = ()
+    """Nodes of the first tree alone, in its order."""
+    broadened: tuple[Broadened, ...] = ()
+    moved: tuple[Moved, ...] = ()
+    """Nodes that hang below another parent; what moved along with its parent is not listed."""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether both trees hold the same nodes with the same labels in the same places."""
+        return not (self.added or self.removed or self.broadened or self.moved)
+
+    @property
+    def unchanged(self) -> int:
+        """Number of pairs that agree in label and place."""
+        changed = {item.before for item in self.broadened} | {item.before for item in self.moved}
+        return len(self.matches) - len(changed)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.sizes[0]} -> {self.sizes[1]} nodes: {len(self.added)} added, "
+            f"{len(self.removed)} removed, {len(self.broadened)} broadened, {len(self.moved)} "
+            f"moved, {self.unchanged} unchanged"
+        ]
+        lines += [f"+ {_shown(item.path)}" for item in self.added]
+        lines += [f"- {_shown(item.path)}" for item in self.removed]
+        for broad in self.broadened:
+            sure = "" if broad.similarity is None else f" (similarity {broad.similarity:.2f})"
+            lines.append(f"~ {broad.label_before} -> {broad.label_after}{sure}")
+        lines += [f"> {_shown(m.path_before)} -> {_shown(m.path_after)}" for m in self.moved]
+        return "\n".join(lines)
+
+    def to_mermaid(self) -> str:
+        """Return the changes as a Mermaid flowchart: new green, gone red, relabelled amber."""
+        partner = {pair.before: f"b {pair.after}" for pair in self.matches}
+        texts: dict[str, str] = {}
+        classes: dict[str, str] = {}
+        edges: list[tuple[str, str, str]] = []
+
+        def key(node_id: str, is_before: bool) -> str:
+            return partner.get(node_id, f"a {node_id}") if is_before else f"b {node_id}"
+
+        def hang(item: Placed, style: str) -> None:
+            here = key(item.id, style == "removed")
+            texts[here], classes[here] = item.path[-1], style
+            if item.parent is not None:
+                above = key(item.parent, style == "removed")
+                texts.setdefault(above, item.path[-2])
+                edges.append((above, "-->", here))
+
+        for item in self.removed:
+            hang(item, "removed")
+        for item in self.added:
+            hang(item, "added")
+        for broad in self.broadened:
+            here = key(broad.after, False)
+            texts[here] = f"{broad.label_before} → {broad.label_after}"
+            classes[here] = "broadened"
+        for moved in self.moved:
+            here = key(moved.after, False)
+            texts.setdefault(here, moved.path_after[-1])
+            classes.setdefault(here, "moved")
+            for parent, path, is_before in (
+                (moved.parent_before, moved.path_before, True),
+                (moved.parent_after, moved.path_after, False),
+            ):
+                if parent is not None:
+                    above = key(parent, is_before)
+                    texts.setdefault(above, path[-2])
+                    edges.append((above, "-. was .->" if is_before else "-->", here))
+        names = {name: f"n{number}" for number, name in enumerate(texts)}
+        lines = [f'  {names[name]}["{mermaid_text(text)}"]' for name, text in texts.items()]
+        lines += [f"  {names[above]} {arrow} {names[below]}" for above, arrow, below in edges]
+        lines += [f"  class {names[name]} {style}" for name, style in classes.items()]
+        return "\n".join(["flowchart LR", *lines, *_STYLES])
+
+
+_SHOWN_LABELS = 12
+
+_STYLES = (
+    "  classDef added fill:#d9f2e6,stroke:#0f7558,color:#10201a",
+    "  classDef removed fill:#fae0d9,stroke:#b23a1e,color:#2a120b,stroke-dasharray:4",
+    "  classDef broadened fill:#fbf1d9,stroke:#7a5200,color:#2a1d00",
+    "  classDef moved fill:#dce9f8,stroke:#1d5a9e,color:#0c1b2b",
+)
+
+
+def diff(
+    one: ScenarioTree,
+    other: ScenarioTree,
+    *,
+    encoder: Encoder | None = None,
+    threshold: float = THRESHOLD,
+) -> TreeDiff:
+    """Say what a second tree has, lacks, calls otherwise and keeps elsewhere.
+
+    Args:
+        one: The first tree.
+        other: The second tree.
+        encoder: Pairs nodes by meaning that neither id nor label pairs; see `match`.
+        threshold: Least cosine of two labels that mean the same.
+
+    Raises:
+        UsageError: When the threshold is no cosine.
+        EncoderError: When the encoder fails.
+    """
+    matches = match(one, other, encoder=encoder, threshold=threshold)
+    partner = {pair.before: pair.after for pair in matches}
+    broadened, moved = [], []
+    for pair in matches:
+        before, after = one.by_id[pair.before], other.by_id[pair.after]
+        if before.label != after.label:
+            broadened.append(
+                Broadened(
+                    before=before.id,
+                    after=after.id,
+                    label_before=before.label,
+                    label_after=after.label,
+                    by=pair.by,
+                    similarity=pair.similarity,
+                )
+            )
+        if (partner.get(before.parent) if before.parent else None) != after.parent:
+            moved.append(
+                Moved(
+                    before=before.id,
+                    after=after.id,
+                    parent_before=before.parent,
+                    parent_after=after.parent,
+                    path_before=_path(one, before.id),
+                    path_after=_path(other, after.id),
+                )
+            )
+    return TreeDiff(
+        encoder=encoder.name if encoder is not None else "",
+        threshold=threshold if encoder is not None else None,
+        sizes=(len(one), len(other)),
+        matches=matches,
+        added=_alone(other, set(partner.values())),
+        removed=_alone(one, partner.keys()),
+        broadened=tuple(broadened),
+        moved=tuple(moved),
+    )
+
+
+def _alone(tree: ScenarioTree, paired: Container[str]) -> tuple[Placed, ...]:
+    return tuple(
+        Placed(
+            id=node.id,
+            parent=node.parent,
+            path=_path(tree, node.id),
+            is_leaf=not tree.children[node.id],
+        )
+        for node in tree.nodes
+        if node.id not in paired
+    )
+
+
+def _path(tree: ScenarioTree, node_id: str) -> tuple[str, ...]:
+    """Return the labels down to a node, but never more than can be read."""
+    labels: list[str] = []
+    cursor: str | None = node_id
+    while cursor is not None and len(labels) < _SHOWN_LABELS:
+        labels.append(tree.by_id[cursor].label)
+        cursor = tree.by_id[cursor].parent
+    return (*(("…",) if cursor is not None else ()), *reversed(labels))
+
+
+def _shown(path: tuple[str, ...]) -> str:
+    """Leave out the root, which says nothing."""
+    return " > ".join(path[1:] if len(path) > 1 and path[0] != "…" else path)

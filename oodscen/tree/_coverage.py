@@ -1,0 +1,268 @@
+"""How much of a tree is covered: texts, scenes, episodes and outcomes, node by node."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from oodscen.data._base import Data
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._twins import scene_of
+from oodscen.tree._edit_log import Node
+from oodscen.tree._labels import same_words
+from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.study import Study
+
+Lack = Literal["", "text", "scene", "episode", "choice"]
+
+
+class Tally(Data):
+    """What there is at and below one node. Twins count apart."""
+
+    noun: ClassVar[str] = "tally"
+
+    id: str
+    label: str
+    kind: Literal["root", "class", "family", "leaf"]
+    depth: int
+    leaves: int
+    """Paths that end at or below it."""
+    texts: int = 0
+    """Texts that differ in more than case and spaces."""
+    scenes: int = 0
+    episodes: int = 0
+    """Episodes that ran."""
+    failed: int = 0
+    """Episodes that failed."""
+    safe: int = 0
+    """Actions that were safe, over all episodes."""
+    unsafe: int = 0
+    """Actions that were available and not safe."""
+    mixed: int = 0
+    """Episodes in which the choice matters: some action is safe and some is not."""
+    twins: int = 0
+    """Episodes of ordinary twins that ran."""
+    holes: int = 0
+    """Leaves at or below it that lack something."""
+    lacks: Lack = ""
+    """Of a leaf, the first thing it lacks: a text, a scene, an episode that ran, or one in which
+    the choice matters."""
+
+
+class Coverage(Data):
+    """What covers a tree, and where it has holes."""
+
+    noun: ClassVar[str] = "coverage report"
+
+    schema_version: Literal[1] = 1
+    rows: tuple[Tally, ...] = ()
+    """One per node, in tree order; each includes what is below it."""
+    elsewhere: int = 0
+    """Texts, scenes and episodes that belong to no leaf of the tree."""
+
+    @property
+    def holes(self) -> tuple[Tally, ...]:
+        """The leaves that lack something, in tree order."""
+        return tuple(row for row in self.rows if row.lacks)
+
+    def of(self, kind: Literal["root", "class", "family", "leaf"]) -> tuple[Tally, ...]:
+        """Return the rows of one kind."""
+        return tuple(row for row in self.rows if row.kind == kind)
+
+    def __str__(self) -> str:
+        head = f"{'':52} leaves  texts scenes    ran failed   safe unsafe  mixed  twins  holes"
+        lines = [head]
+        for row in self.rows:
+            name = f"{'  ' * min(row.depth, 8)}{row.label}"
+            name = name if len(name) <= 52 else f"{name[:51]}…"
+            counts = (
+                row.leaves,
+                row.texts,
+                row.scenes,
+                row.episodes,
+                row.failed,
+                row.safe,
+                row.unsafe,
+                row.mixed,
+                row.twins,
+                row.holes,
+            )
+            numbers = "".join(f"{count:7}" for count in counts)
+            lines.append(f"{name:52}{numbers}{f'  lacks {row.lacks}' if row.lacks else ''}")
+        for lack, words in LACKS.items():
+            found = [row.label for row in self.holes if row.lacks == lack]
+            if found:
+                lines.append(f"{len(found)} {words}: {'; '.join(found)}")
+        if self.elsewhere:
+            lines.append(f"{self.elsewhere} texts, scenes and episodes belong to no leaf")
+        return "\n".join(lines)
+
+
+LACKS: Mapping[Lack, str] = {
+    "text": "without a text",
+    "scene": "with a text but no scene",
+    "episode": "with a scene but no episode that ran",
+    "choice": "with episodes in which every action, or none, is safe",
+}
+"""What a leaf lacks, in words, by the names that `Tally.lacks` uses."""
+
+
+@dataclass
+class _Count:
+    texts: int = 0
+    scenes: int = 0
+    episodes: int = 0
+    failed: int = 0
+    safe: int = 0
+    unsafe: int = 0
+    mixed: int = 0
+    twins: int = 0
+    leaves: int = 0
+    holes: int = 0
+    words: set[str] = field(default_factory=set)
+
+    def add(self, other: "_Count") -> None:
+        for name in _SUMS:
+            setattr(self, name, getattr(self, name) + getattr(other, name))
+
+
+_SUMS = (
+    "texts",
+    "scenes",
+    "episodes",
+    "failed",
+    "safe",
+    "unsafe",
+    "mixed",
+    "twins",
+    "leaves",
+    "holes",
+)
+
+
+def coverage(
+    tree: ScenarioTree,
+    *,
+    texts: Iterable[Scenario] = (),
+    scenes: Iterable[Scene] = (),
+    episodes: Iterable[Episode] = (),
+) -> Coverage:
+    """Count what covers each node of a tree.
+
+    Texts belong to the leaf that they name, scenes to the leaf of their text, episodes to that of
+    their scene. Nothing is counted twice: ids that occur again are skipped.
+
+    Args:
+        tree: Any tree.
+        texts: The texts, or none where only the tree is of interest.
+        scenes: The staged scenes.
+        episodes: Their episodes, those of twins among them.
+    """
+    counts = {node.id: _Count() for node in tree.nodes}
+    leaf_of_text: dict[str, str] = {}
+    leaf_of_scene: dict[str, str] = {}
+    elsewhere = 0
+    for text in texts:
+        leaf_of_text.setdefault(text.id, text.leaf)
+        if text.leaf in counts:
+            counts[text.leaf].words.add(same_words(text.text))
+        else:
+            elsewhere += 1
+    for scene in scenes:
+        leaf = leaf_of_text.get(scene.scenario_id or "", "")
+        if scene.id in leaf_of_scene:
+            continue
+        leaf_of_scene[scene.id] = leaf
+        if leaf in counts:
+            counts[leaf].scenes += 1
+        else:
+            elsewhere += 1
+    seen: set[str] = set()
+    for episode in episodes:
+        leaf = leaf_of_scene.get(scene_of(episode.scene_id), "")
+        if episode.id in seen:
+            continue
+        seen.add(episode.id)
+        if leaf in counts:
+            _count_episode(counts[leaf], episode)
+        else:
+            elsewhere += 1
+    return Coverage(rows=_rows(tree, counts), elsewhere=elsewhere)
+
+
+def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
+    """Count what a study holds for each node of one of its trees.
+
+    Args:
+        study: Finished or not; what it does not hold counts as missing.
+        tree: `initial`, `diverse` or `simulatable`. The texts of the two larger trees are those
+            of the text sets and of the scenarios.
+
+    Raises:
+        UnknownComponent: For another name.
+        StudyError: When a file cannot be read.
+    """
+    texts = list(study.scenarios)
+    if tree != "simulatable":
+        # A text set counts its texts anew, so its ids may be those of other texts.
+        for size in study.config.sets:
+            texts += [
+                text.model_copy(update={"id": f"{size}.{text.id}"}) for text in study.texts(size)
+            ]
+    return coverage(study.tree(tree), texts=texts, scenes=study.scenes, episodes=study.episodes)
+
+
+def _count_episode(count: _Count, episode: Episode) -> None:
+    if episode.is_twin:
+        count.twins += episode.status == "ok"
+        return
+    if episode.status != "ok":
+        count.failed += 1
+        return
+    count.episodes += 1
+    count.safe += len(episode.safe_set)
+    count.unsafe += sum(outcome.is_unsafe for outcome in episode.actions.values())
+    count.mixed += episode.is_decidable
+
+
+def _rows(tree: ScenarioTree, counts: Mapping[str, _Count]) -> tuple[Tally, ...]:
+    order = list(tree.walk())
+    lacks: dict[str, Lack] = {}
+    for node, depth in reversed(order):
+        count = counts[node.id]
+        count.texts += len(count.words)
+        if not tree.children[node.id] and depth >= 2:
+            count.leaves = 1
+            lacks[node.id] = lack = _lack(count)
+            count.holes = int(bool(lack))
+        if node.parent is not None:
+            counts[node.parent].add(count)
+    return tuple(_tally(tree, node, depth, counts[node.id], lacks) for node, depth in order)
+
+
+def _tally(
+    tree: ScenarioTree, node: Node, depth: int, count: _Count, lacks: Mapping[str, Lack]
+) -> Tally:
+    kinds: tuple[Literal["root", "class"], ...] = ("root", "class")
+    is_leaf = not tree.children[node.id]
+    return Tally(
+        id=node.id,
+        label=node.label,
+        kind=kinds[depth] if depth < 2 else "leaf" if is_leaf else "family",
+        depth=depth,
+        lacks=lacks.get(node.id, ""),
+        **{name: getattr(count, name) for name in _SUMS},
+    )
+
+
+def _lack(count: _Count) -> Lack:
+    if not count.texts:
+        return "text"
+    if not count.scenes:
+        return "scene"
+    if not count.episodes:
+        return "episode"
+    return "" if count.mixed else "choice"

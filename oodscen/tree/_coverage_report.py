@@ -1,0 +1,85 @@
+"""The report's picture of what a tree covers."""
+
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup, escape
+
+from oodscen.tree._coverage import LACKS, Coverage, Tally, coverage
+
+if TYPE_CHECKING:
+    from oodscen.report._load import Material
+    from oodscen.study import Study
+
+_HEADS = (
+    "Paths",
+    "Texts",
+    "Scenes",
+    "Ran",
+    "Failed",
+    "Safe actions",
+    "Unsafe actions",
+    "Choice matters",
+    "Paths with a hole",
+)
+
+
+def part(study: "Study", found: "Material") -> Markup:
+    """Return counts per class and family of the simulatable tree, and the holes, leaf by leaf.
+
+    Args:
+        study: The study that the report is of.
+        found: What was read of it.
+    """
+    tree = found.trees.get("simulatable")
+    if tree is None or not found.scenarios:
+        return Markup("")
+    return coverage_html(
+        coverage(tree, texts=found.scenarios, scenes=found.scenes, episodes=found.episodes)
+    )
+
+
+def coverage_html(report: Coverage) -> Markup:
+    """Return a coverage report as a table above lists of holes; every label is escaped."""
+    heads = Markup("").join(
+        Markup('<th scope="col" class="n">{}</th>').format(head) for head in _HEADS
+    )
+    rows = Markup("").join(_row(row) for row in report.rows if row.kind != "leaf")
+    table = Markup(
+        '<div class="scroll" role="region" aria-label="Coverage per family" tabindex="0"><table>'
+        '<thead><tr><th scope="col">Branch</th>{}</tr></thead><tbody>{}</tbody></table></div>'
+    ).format(heads, rows)
+    return table + Markup("").join(_holes(report))
+
+
+def _row(row: Tally) -> Markup:
+    counts = (
+        row.leaves,
+        row.texts,
+        row.scenes,
+        row.episodes,
+        row.failed,
+        row.safe,
+        row.unsafe,
+        row.mixed,
+        row.holes,
+    )
+    cells = Markup("").join(Markup('<td class="n">{}</td>').format(count) for count in counts)
+    name = Markup("<bdi>{}</bdi>").format(row.label)
+    name = name if row.depth > 1 else Markup("<strong>{}</strong>").format(name)
+    return Markup('<tr><th scope="row">{}</th>{}</tr>').format(name, cells)
+
+
+def _holes(report: Coverage) -> list[Markup]:
+    found = []
+    for lack, words in LACKS.items():
+        labels = [row.label for row in report.holes if row.lacks == lack]
+        if labels:
+            items = Markup("").join(
+                Markup("<li><bdi>{}</bdi></li>").format(label) for label in labels
+            )
+            found.append(
+                Markup(
+                    '<details class="fold"><summary>{} {} {}</summary><ul>{}</ul></details>'
+                ).format(len(labels), "path" if len(labels) == 1 else "paths", escape(words), items)
+            )
+    return found

@@ -1,0 +1,274 @@
+"""Edits of a scenario tree, and the index that is their fold."""
+
+import re
+import threading
+import unicodedata
+from collections.abc import Iterable, Sequence
+from typing import ClassVar, Literal
+
+from oodscen.data._base import Data
+from oodscen.errors import Issue
+from oodscen.tree._labels import label_fault
+
+MAX_DEPTH = 50
+"""Most edges from the root of a tree to a node."""
+
+
+class TreeEdit(Data):
+    """One step in the making of a tree."""
+
+    noun: ClassVar[str] = "tree edit"
+
+    op: Literal["add", "broaden", "narrow", "keep", "move", "remove"]
+    """`add` a node, `broaden` or `narrow` its label, `keep` it as it is (a recorded decision), `move`
+    it with all below it under another parent, `remove` it."""
+    node: str
+    """Id of the node concerned; new for `add`."""
+    parent: str | None = None
+    """`add` and `move`: id of the (new) parent; `None` for the root."""
+    label: str | None = None
+    """`add`, `broaden` and `narrow`: the label the node has from here on."""
+    attested: Literal["paper"] | None = None
+    """`add`, `broaden` and `narrow`: set where the label names a scenario that the paper simulated.
+    A broader label keeps what the node had, a narrower one does not."""
+    stage: str = ""
+    """Who made the edit: `grow`, `redteam`, `prune`, or a name of the caller's."""
+    round: int | None = None
+    """Red-team round, where there was one."""
+    reason: str = ""
+    """Why, in the words of whoever decided."""
+    source: str = ""
+    """The text that caused the edit."""
+    model: str = ""
+    """Name of the model that decided; empty where none was asked."""
+    prompt: str = ""
+    """The question it was asked: `purpose@version`."""
+    origin: str = ""
+    """Set by a merge: the name of the tree that the edit was made in; rounds are counted apart."""
+    origin_node: str = ""
+    """Set by a merge: id of the node in that tree. A `keep` says with `label` how it is called there."""
+    undoes: int | None = None
+    """Index of the earlier edit that this one takes back; then `broaden` restores the attestation
+    too, which otherwise only grows."""
+
+
+class Node(Data):
+    """One node as it stands after all edits."""
+
+    noun: ClassVar[str] = "tree node"
+
+    id: str
+    parent: str | None
+    label: str
+    attested: Literal["paper"] | None = None
+
+
+def slug(label: str) -> str:
+    """Turn a label into an id that is safe in file names and URLs (at most 48 characters)."""
+    plain = unicodedata.normalize("NFKD", label).encode("ascii", "ignore").decode().lower()
+    return re.sub(r"[^a-z0-9]+", "-", plain)[:48].strip("-") or "node"
+
+
+_TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
+
+
+class Growth:
+    """The index that the trees of one line of edits share.
+
+    The newest tree is the index as it stands; every older one is a number of edits. So one more
+    edit costs nothing that grows with the tree, and only a branch off an older tree is copied.
+    """
+
+    def __init__(self) -> None:
+        self.log: list[TreeEdit] = []
+        self.before: list[Node | None] = []
+        """By edit: the node concerned as it was before; `None` where it did not exist."""
+        self.nodes: dict[str, Node] = {}
+        self.born: dict[str, int] = {}
+        """By id, removed ones included: the first edit that added it. Decides the order."""
+        self._children: dict[str, dict[str, None]] = {}
+        self._numbers: dict[str, int] = {}
+        self._is_ordered = True
+        self._lock = threading.Lock()
+
+    def __len__(self) -> int:
+        return len(self.log)
+
+    def extend(
+        self, version: int, edits: Iterable[TreeEdit], *, where: str = "edits"
+    ) -> tuple["Growth", list[Issue]]:
+        """Play edits on top of the first `version` ones.
+
+        Returns:
+            The index that holds the result, this one where nothing was added since; and every
+            misfit. With a misfit nothing is played.
+        """
+        with self._lock:
+            growth = self if version == len(self.log) else self._fork(version)
+            issues, refused = [], set[str | None]()
+            for index, edit in enumerate(edits):
+                if not (message := growth._misfit(edit, version + index)):
+                    growth._play(edit)
+                    continue
+                # What hangs on a node that was refused has no fault of its own.
+                on = edit.parent if edit.op == "add" else edit.node
+                if on not in refused or on in growth.nodes:
+                    issues.append(Issue(f"{where}[{index}]", message))
+                refused.add(edit.node)
+            if issues:
+                growth._cut(version)
+            return growth, issues
+
+    def at(self, version: int) -> "Growth":
+        """Return the index of the first `version` edits: this one, or a copy."""
+        with self._lock:
+            return self if version == len(self.log) else self._fork(version)
+
+    def size(self, version: int) -> int | None:
+        """Return the number of nodes after the first `version` edits, if those are all."""
+        with self._lock:
+            return len(self.nodes) if version == len(self.log) else None
+
+    def ordered(self) -> tuple[Node, ...]:
+        """Return all nodes, parents before children, otherwise in the order they were first added."""
+        with self._lock:
+            if not self._is_ordered:
+                born = self.born
+                self.nodes = _parents_first(
+                    sorted(self.nodes.values(), key=lambda node: born[node.id])
+                )
+                self._is_ordered = True
+            return tuple(self.nodes.values())
+
+    def free_id(self, base: str, version: int) -> str:
+        """Return an id that none of the first `version` edits has used."""
+        with self._lock:
+            is_newest = version == len(self.log)
+            number = self._numbers.get(base, 1) if is_newest else 1
+            candidate = base if number == 1 else f"{base}-{number}"
+            while self.born.get(candidate, version) < version:
+                number += 1
+                candidate = f"{base}-{number}"
+            if is_newest:
+                self._numbers[base] = number
+            return candidate
+
+    def _fork(self, version: int) -> "Growth":
+        copy = Growth()
+        copy.log, copy.before = self.log.copy(), self.before.copy()
+        copy.nodes, copy.born = self.nodes.copy(), self.born.copy()
+        copy._children = {key: below.copy() for key, below in self._children.items()}
+        copy._is_ordered = self._is_ordered
+        copy._cut(version)
+        return copy
+
+    def _cut(self, version: int) -> None:
+        """Take back all but the first `version` edits."""
+        while len(self.log) > version:
+            edit, before = self.log.pop(), self.before.pop()
+            self._put(edit.node, before)
+            if self.born[edit.node] == len(self.log):
+                del self.born[edit.node]
+        self._numbers.clear()
+
+    def _play(self, edit: TreeEdit) -> None:
+        before = self.nodes.get(edit.node)
+        self.born.setdefault(edit.node, len(self.log))
+        self.log.append(edit)
+        self.before.append(before)
+        if edit.op == "add":
+            self._put(
+                edit.node,
+                Node(
+                    id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested
+                ),
+            )
+        elif edit.op == "remove":
+            self._put(edit.node, None)
+        elif before is not None and edit.op == "broaden":
+            known = None if edit.undoes is not None else before.attested
+            update = {"label": edit.label, "attested": edit.attested or known}
+            self._put(edit.node, before.model_copy(update=update))
+        elif before is not None and edit.op == "narrow":
+            update = {"label": edit.label, "attested": edit.attested}
+            self._put(edit.node, before.model_copy(update=update))
+        elif before is not None and edit.op == "move":
+            self._put(edit.node, before.model_copy(update={"parent": edit.parent}))
+
+    def _put(self, node_id: str, node: Node | None) -> None:
+        """Replace, insert or delete one node."""
+        old = self.nodes.get(node_id)
+        if old is not None and old.parent is not None:
+            del self._children[old.parent][node_id]
+        if node is None:
+            self.nodes.pop(node_id, None)
+            return
+        if node.parent is not None:
+            self._children.setdefault(node.parent, {})[node_id] = None
+        # A key that returns stands last, and a moved one may stand before its parent.
+        is_newest = old is None and self.born[node_id] == len(self.log) - 1
+        if not is_newest and (old is None or old.parent != node.parent):
+            self._is_ordered = False
+        self.nodes[node_id] = node
+
+    def _misfit(self, edit: TreeEdit, index: int) -> str:
+        """Say why an edit cannot be played, or return an empty string."""
+        if edit.undoes is not None and not 0 <= edit.undoes < index:
+            return f"it undoes edit {edit.undoes}, which does not come before it"
+        if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):
+            return fault
+        if edit.op == "add":
+            if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", edit.node):
+                return f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')"
+            if edit.node in self.nodes:
+                return f"the id {edit.node!r} is taken"
+            if edit.parent is None and self.nodes:
+                return f"{edit.node!r} would be a second root"
+            if edit.parent is not None and edit.parent not in self.nodes:
+                return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
+            if len(self._line(edit.parent)) > MAX_DEPTH:
+                return _TOO_DEEP
+        elif edit.node not in self.nodes:
+            return f"the node {edit.node[:80]!r} does not exist"
+        elif edit.op == "move":
+            return self._misplaced(edit)
+        elif edit.op == "remove" and self._children.get(edit.node):
+            return f"the node {edit.node!r} still has children"
+        return ""
+
+    def _misplaced(self, edit: TreeEdit) -> str:
+        if edit.parent is None:
+            return f"{edit.node!r} would be a second root"
+        if edit.parent not in self.nodes:
+            return f"the parent {edit.parent[:80]!r} does not exist"
+        above = self._line(edit.parent)
+        if edit.node in above:
+            return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
+        level = [edit.node]
+        for _ in range(len(above), MAX_DEPTH + 1):
+            level = [child for name in level for child in self._children.get(name, ())]
+        return _TOO_DEEP if level else ""
+
+    def _line(self, node_id: str | None) -> list[str]:
+        """Return the ids from a node up to the root."""
+        found = []
+        while node_id is not None:
+            found.append(node_id)
+            node_id = self.nodes[node_id].parent
+        return found
+
+
+def _parents_first(nodes: Sequence[Node]) -> dict[str, Node]:
+    """Let every node that comes before its parent wait for it; siblings keep their order."""
+    found: dict[str, Node] = {}
+    waiting: dict[str, list[Node]] = {}
+    for node in nodes:
+        if node.parent is not None and node.parent not in found:
+            waiting.setdefault(node.parent, []).append(node)
+            continue
+        ready = [node]
+        while ready:
+            last = ready.pop()
+            found[last.id] = last
+            ready.extend(reversed(waiting.pop(last.id, ())))
+    return found

@@ -1,0 +1,90 @@
+"""Trees for other tools: Mermaid, Graphviz, nested JSON."""
+
+import json
+import re
+
+from oodscen.tree._edit_log import Node
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+def to_mermaid(tree: ScenarioTree) -> str:
+    """Return the tree as a Mermaid flowchart.
+
+    Labels are quoted and escaped; leaves that the paper names have a bold border. Renderers refuse
+    charts above a size of their own choosing (Mermaid's default: 500 edges); Graphviz does not.
+    """
+    names = _names(tree)
+    lines = [f'  {names[node.id]}["{mermaid_text(node.label)}"]' for node in tree.nodes]
+    lines += [
+        f"  {names[node.parent]} --> {names[node.id]}"
+        for node in tree.nodes
+        if node.parent is not None
+    ]
+    lines += [f"  class {names[node.id]} paper" for node in tree.nodes if _is_papers(tree, node)]
+    return "\n".join(["flowchart LR", *lines, "  classDef paper stroke-width:3px"])
+
+
+def to_dot(tree: ScenarioTree) -> str:
+    """Return the tree in Graphviz's language; node names are the ids."""
+    lines = [
+        f"  {_dot_text(node.id)} [label={_dot_text(node.label)}"
+        f"{', penwidth=2' if _is_papers(tree, node) else ''}];"
+        for node in tree.nodes
+    ]
+    lines += [
+        f"  {_dot_text(node.parent)} -> {_dot_text(node.id)};"
+        for node in tree.nodes
+        if node.parent is not None
+    ]
+    head = [
+        "digraph tree {",
+        "  rankdir=LR;",
+        '  node [shape=box, style=rounded, fontname="sans"];',
+    ]
+    return "\n".join([*head, *lines, "}"])
+
+
+def to_nested_json(tree: ScenarioTree) -> str:
+    """Return the tree as JSON objects within each other: `id`, `label`, `attested`, `children`.
+
+    An empty tree is `null`.
+    """
+    parts: list[str] = []
+    open_: list[int] = []
+    for node, depth in tree.walk():
+        while open_ and open_[-1] >= depth:
+            open_.pop()
+            parts.append("]}")
+        if parts and not parts[-1].endswith("["):
+            parts.append(",")
+        parts.append(f'{_fields(node)},"children":[')
+        open_.append(depth)
+    parts += ["]}"] * len(open_)
+    return "".join(parts) or "null"
+
+
+def mermaid_text(text: str) -> str:
+    """Escape a text so that it can stand in quotes in a Mermaid chart, and is only text there."""
+    return _SPECIAL.sub(lambda found: "".join(f"#{ord(char)};" for char in found[0]), text)
+
+
+# What a chart could read as its own: all but words and plain punctuation, and what begins a list.
+_SPECIAL = re.compile(r"[^\w .,;()/+–—’“”„→…-]|^[-+]|(?<=^\d)\.|(?<=^\d\d)\.")
+
+
+def _names(tree: ScenarioTree) -> dict[str, str]:
+    return {node.id: f"n{number}" for number, node in enumerate(tree.nodes)}
+
+
+def _is_papers(tree: ScenarioTree, node: Node) -> bool:
+    return node.attested is not None and not tree.children[node.id]
+
+
+def _dot_text(text: str) -> str:
+    escaped = text.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _fields(node: Node) -> str:
+    fields = {"id": node.id, "label": node.label, "attested": node.attested}
+    return json.dumps(fields, ensure_ascii=False)[:-1]

@@ -1,0 +1,198 @@
+"""Trees as outlines that fold, in notebooks and in the report. Every label is escaped."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from itertools import accumulate
+from typing import Literal
+
+from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._provenance import origin_words
+from oodscen.tree._scenario_tree import ScenarioTree
+
+MAX_SHOWN = 3_000
+"""Most nodes that a notebook shows; below that, whole levels are left out."""
+
+
+Fate = Literal["", "kept", "dropped", "failed"]
+
+
+@dataclass(frozen=True)
+class Remark:
+    """What an outline says about a node, beyond its label."""
+
+    fate: Fate = ""
+    """What became of it, where that is known."""
+    origin: str = ""
+    """Where it comes from, in a few words."""
+    lines: tuple[tuple[str, str], ...] = ()
+    """Heading (or nothing) and text of the lines below a leaf."""
+    link: str = ""
+    """Address that its label leads to."""
+    title: str = ""
+    """What a pointer on the label shows."""
+
+
+_MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
+
+
+def tree_html(
+    tree: ScenarioTree,
+    remarks: Mapping[str, Remark] | None = None,
+    *,
+    open_depth: int = 2,
+    max_depth: int | None = None,
+) -> str:
+    """Return the tree as one HTML list whose branches fold, without any style or script.
+
+    Args:
+        tree: Any tree.
+        remarks: By id of the node.
+        open_depth: Branches above this depth are open at first.
+        max_depth: Deeper nodes are left out.
+    """
+    known = remarks or {}
+    paths = _paths_below(tree)
+    parts = ['<ul class="outline">']
+    nesting: list[int] = []
+    for node, depth in tree.walk():
+        if max_depth is not None and depth > max_depth:
+            continue
+        while nesting and nesting[-1] >= depth:
+            nesting.pop()
+            parts.append("</ul></details></li>")
+        remark = known.get(node.id, _NOTHING)
+        if tree.children[node.id] and depth != max_depth:
+            nesting.append(depth)
+            parts.append(_branch(node, remark, paths[node.id], is_open=depth < open_depth))
+        else:
+            count = paths[node.id] if tree.children[node.id] else 0
+            parts.append(_item(node, remark, count))
+    parts += ["</ul></details></li>"] * len(nesting)
+    return "\n".join([*parts, "</ul>"])
+
+
+def notebook_html(tree: ScenarioTree) -> str:
+    """Return the tree as a notebook shows it: an outline with a style of its own, for any theme."""
+    return _dressed(tree, MAX_SHOWN)
+
+
+def to_page(tree: ScenarioTree) -> str:
+    """Return the whole tree as a page of its own, light or dark as the reader has it."""
+    title = escape(tree.nodes[0].label) if len(tree) else "An empty tree"
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta name="color-scheme" content="light dark">'
+        f"<title>{title}</title><style>body {{ font-family: system-ui, sans-serif; margin: 1.5rem; }}"
+        f"</style></head><body>{_dressed(tree, len(tree))}</body></html>"
+    )
+
+
+def _dressed(tree: ScenarioTree, most: int) -> str:
+    """Return an outline of at most so many nodes with its style and a line of totals."""
+    levels: dict[int, int] = {}
+    for _, depth in tree.walk():
+        levels[depth] = levels.get(depth, 0) + 1
+    shown = [
+        depth
+        for depth, total in enumerate(accumulate(levels[depth] for depth in sorted(levels)))
+        if total <= most
+    ]
+    deepest = max(levels, default=0)
+    max_depth = shown[-1] if shown else 0
+    hidden = sum(count for depth, count in levels.items() if depth > max_depth)
+    head = f"{len(tree):,} nodes, {len(tree.leaves):,} paths, depth {deepest:,}"
+    head += f"; {hidden:,} nodes below depth {max_depth} are not shown" if hidden else ""
+    origins, reasons = origin_words(tree), _last_reasons(tree)
+    remarks = {
+        node.id: Remark(origin=origins.get(node.id, ""), title=reasons.get(node.id, ""))
+        for node in tree.nodes
+    }
+    outline = tree_html(tree, remarks, max_depth=max_depth if hidden else None)
+    return f'<div class="oodscen-tree"><style>{_STYLE}</style>\n<p>{head}</p>\n{outline}\n</div>'
+
+
+_NOTHING = Remark()
+
+# No colour but the text's own, so that it suits every theme of every notebook.
+_STYLE = """
+.oodscen-tree { line-height: 1.5; max-width: 60rem; overflow-wrap: anywhere; }
+.oodscen-tree p { margin: 0 0 .3em; opacity: .75; }
+.oodscen-tree ul { list-style: none; margin: 0; padding: 0; }
+.oodscen-tree ul ul { margin-left: .4em; padding-left: 1em; border-left: 1px solid; border-color: color-mix(in srgb, currentColor 25%, transparent); }
+.oodscen-tree li { margin: 0; padding: .1em 0; }
+.oodscen-tree li.leaf { padding-left: 1em; }
+.oodscen-tree summary { cursor: pointer; }
+.oodscen-tree summary:focus-visible { outline: 2px solid; outline-offset: 1px; }
+.oodscen-tree .origin, .oodscen-tree .aside { font-size: .85em; opacity: .75; }
+.oodscen-tree .badge { font-size: .75em; border: 1px solid; border-radius: 3px; padding: 0 .35em; opacity: .85; }
+.oodscen-tree .sr { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+"""
+
+
+def _branch(node: Node, remark: Remark, paths: int, *, is_open: bool) -> str:
+    count = f'<span class="aside">{paths:,} path{"" if paths == 1 else "s"}</span>'
+    return (
+        f"<li><details{' open' if is_open else ''}><summary>{_mark(remark)}{_label(node, remark)}"
+        f" {count}{_origin(remark)}</summary>\n<ul>"
+    )
+
+
+def _item(node: Node, remark: Remark, paths: int) -> str:
+    parts = [f'<li class="leaf{f" is-{remark.fate}" if remark.fate else ""}">', _mark(remark)]
+    parts.append(_label(node, remark))
+    if node.attested and not paths:
+        parts.append(' <span class="badge paper">paper</span>')
+    if paths:
+        parts.append(f' <span class="aside">{paths:,} path{"" if paths == 1 else "s"}</span>')
+    parts.append(_origin(remark))
+    for heading, text in remark.lines:
+        bold = f"<b>{escape(heading)}</b> " if heading else ""
+        parts.append(f"\n<small>{bold}<bdi>{escape(text)}</bdi></small>")
+    return "".join([*parts, "</li>"])
+
+
+def _label(node: Node, remark: Remark) -> str:
+    title = f' title="{escape(remark.title)}"' if remark.title else ""
+    text = f'<bdi class="name"{title}>{escape(node.label)}</bdi>'
+    return f'<a href="{escape(remark.link)}">{text}</a>' if remark.link else text
+
+
+def _mark(remark: Remark) -> str:
+    if not remark.fate:
+        return ""
+    fate = remark.fate
+    return (
+        f'<span class="fate is-{fate}" title="{fate}">{_MARKS[fate]}<span class="sr"> {fate}'
+        "</span></span> "
+    )
+
+
+def _origin(remark: Remark) -> str:
+    if not remark.origin:
+        return ""
+    return f'<span class="origin"> · <bdi>{escape(remark.origin)}</bdi></span>'
+
+
+def _paths_below(tree: ScenarioTree) -> dict[str, int]:
+    """Count for every node the paths that end at or below it."""
+    found: dict[str, int] = {}
+    for node, depth in reversed(list(tree.walk())):
+        below = tree.children[node.id]
+        found[node.id] = sum(found[child] for child in below) if below else int(depth >= 2)
+    return found
+
+
+def _last_reasons(tree: ScenarioTree) -> dict[str, str]:
+    """Say by node who last decided about it, and why."""
+    last: dict[str, TreeEdit] = {edit.node: edit for edit in tree.edits}
+    return {name: _reason(edit) for name, edit in last.items()}
+
+
+def _reason(edit: TreeEdit) -> str:
+    parts = [edit.stage, "" if edit.round is None else f"round {edit.round}", edit.model]
+    who = ", ".join(filter(None, parts))
+    text = f"{edit.op} ({who})" if who else edit.op
+    text += f": {edit.reason}" if edit.reason else ""
+    return text if len(text) <= 300 else f"{text[:297]}..."

@@ -1,0 +1,257 @@
+"""Which node of one tree is which of another: by id, then by label, then by meaning."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import count, takewhile
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from oodscen.data._base import Data
+from oodscen.errors import UsageError
+from oodscen.metrics._vectors.centring import label_rows
+from oodscen.metrics._vectors.similarity import Vectors, unit
+from oodscen.protocols import Encoder
+from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._labels import same_words
+from oodscen.tree._scenario_tree import CLASSES, ScenarioTree
+
+THRESHOLD = 0.75
+"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for MiniLM. Measured
+so that hardly any pair is wrong: what is not paired stays, what is paired wrongly is lost."""
+
+_BLOCK = 1024
+
+
+class Match(Data):
+    """Two nodes that are taken to be one."""
+
+    noun: ClassVar[str] = "match"
+
+    before: str
+    """Id in the first tree."""
+    after: str
+    """Id in the second tree."""
+    by: Literal["id", "label", "meaning"]
+    similarity: float | None = None
+    """Centred cosine of the meanings, where it decided."""
+
+
+def match(
+    one: ScenarioTree,
+    other: ScenarioTree,
+    *,
+    encoder: Encoder | None = None,
+    threshold: float = THRESHOLD,
+) -> tuple[Match, ...]:
+    """Pair the nodes of two trees, each at most once; in the order of the first tree.
+
+    Roots are a pair. What a merge has said to be one stays one. Ids pair where both trees gave them
+    for the same label at first, since trees that were grown apart number their ids apart; a tree read
+    from a file without a log is trusted. Labels pair without regard to case, spaces and characters that
+    do not show, below paired parents first. What is left pairs by meaning: leaf with leaf and branch
+    with branch, where each is the other's nearest and the centred cosine is at least the threshold. A
+    leaf means its label; a branch means its label and the leaves below it, half and half.
+
+    A node below Environmental and one below Interactional are never a pair, but where one log
+    begins as the other does, the node was there already, and it was moved since.
+
+    All is linear in the nodes, but for the cosines of those left over: every pair is looked at, in
+    blocks of at most 4 MB.
+
+    Args:
+        one: The first tree.
+        other: The second tree.
+        encoder: Without one, meaning plays no part.
+        threshold: Between -1 and 1.
+
+    Raises:
+        UsageError: When the threshold is no cosine.
+        EncoderError: When the encoder fails.
+    """
+    if not -1.0 <= threshold <= 1.0:
+        raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
+    pairs = _Pairs(_classes(one), _classes(other))
+    for first, second in zip(one.nodes[:1], other.nodes[:1], strict=False):
+        pairs.add(first.id, second.id, "id" if first.id == second.id else "label")
+    for here, there in _merged(one, other):
+        pairs.add(here, there, "id")
+    for there, here in _merged(other, one):
+        pairs.add(here, there, "id")
+    _by_id(one, other, pairs)
+    _by_label(one, other, pairs)
+    if encoder is not None:
+        _by_meaning(one, other, pairs, encoder, threshold)
+    return tuple(pairs.forth[node.id] for node in one.nodes if node.id in pairs.forth)
+
+
+class _Pairs:
+    def __init__(self, one: Mapping[str, str], other: Mapping[str, str]) -> None:
+        self.forth: dict[str, Match] = {}
+        self.back: dict[str, Match] = {}
+        self.one, self.other = one, other
+        """By id: the class that a node lies in."""
+
+    def add(
+        self,
+        before: str,
+        after: str,
+        by: Literal["id", "label", "meaning"],
+        similarity: float | None = None,
+        *,
+        is_moved: bool = False,
+    ) -> None:
+        """Take two nodes for one, where neither is paired yet and they are of one class."""
+        classes = {self.one[before], self.other[after]} - {""}
+        if before in self.forth or after in self.back or (len(classes) > 1 and not is_moved):
+            return
+        found = Match(before=before, after=after, by=by, similarity=similarity)
+        self.forth[before] = self.back[after] = found
+
+
+def _classes(tree: ScenarioTree) -> dict[str, str]:
+    """Return the class of every node, in small letters; empty where it is none of the two."""
+    known = {name.casefold() for name in CLASSES}
+    found: dict[str, str] = {}
+    for node in tree.nodes:
+        above = tree.by_id[node.parent] if node.parent is not None else None
+        if above is None:
+            found[node.id] = ""
+        elif above.parent is None:
+            names = (same_words(node.label), node.id)
+            found[node.id] = next((name for name in names if name in known), "")
+        else:
+            found[node.id] = found[above.id]
+    return found
+
+
+def _merged(tree: ScenarioTree, other: ScenarioTree) -> Iterator[tuple[str, str]]:
+    """Yield ids of nodes, and of those of another tree that an earlier merge took them for."""
+    for edit in tree.edits:
+        if edit.stage == "merge" and edit.origin_node in other.by_id and edit.node in tree.by_id:
+            there = other.by_id[edit.origin_node]
+            is_same = same_words(edit.label or "") == same_words(there.label)
+            if is_same and bool(tree.children[edit.node]) == bool(other.children[there.id]):
+                yield edit.node, there.id
+
+
+def _by_id(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
+    first, second = _first_adds(one), _first_adds(other)
+    shared = _shared(one, other)
+    for node in one.nodes:
+        if node.id in other.by_id:
+            added = first[node.id], second[node.id]
+            labels = {same_words(edit.label or "") for edit in added if edit.stage != "file"}
+            if len(labels) < 2:
+                pairs.add(node.id, node.id, "id", is_moved=node.id in shared)
+
+
+def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
+    found: dict[str, TreeEdit] = {}
+    for edit in tree.edits:
+        if edit.op == "add":
+            found.setdefault(edit.node, edit)
+    return found
+
+
+def _shared(one: ScenarioTree, other: ScenarioTree) -> set[str]:
+    """Return the ids of the nodes that were there before two trees went apart."""
+    both = takewhile(lambda pair: pair[0] == pair[1], zip(one.edits, other.edits, strict=False))
+    return {edit.node for edit, _ in both if edit.op == "add"}
+
+
+def _by_label(one: ScenarioTree, other: ScenarioTree, pairs: _Pairs) -> None:
+    below: dict[tuple[str, str | None], list[Node]] = defaultdict(list)
+    anywhere: dict[tuple[str, str], list[Node]] = defaultdict(list)
+    for node in reversed(other.nodes):
+        if node.id not in pairs.back:
+            words = same_words(node.label)
+            below[words, node.parent].append(node)
+            anywhere[words, pairs.other[node.id]].append(node)
+    for is_strict in (True, False):
+        for node in one.nodes:
+            if node.id in pairs.forth:
+                continue
+            words = same_words(node.label)
+            parent = pairs.forth.get(node.parent or "")
+            if is_strict:
+                choices = [below.get((words, parent.after), [])] if parent else []
+            else:
+                own = pairs.one[node.id]
+                names = (own, "") if own else ("", *(name.casefold() for name in CLASSES))
+                choices = [anywhere.get((words, name), []) for name in names]
+            for candidates in choices:
+                while candidates and candidates[-1].id in pairs.back:
+                    candidates.pop()
+                if candidates and node.id not in pairs.forth:
+                    pairs.add(node.id, candidates[-1].id, "label")
+
+
+def _by_meaning(
+    one: ScenarioTree, other: ScenarioTree, pairs: _Pairs, encoder: Encoder, threshold: float
+) -> None:
+    meanings: dict[str, Vectors] | None = None
+    for is_leaf in (True, False):
+        for name in ("", *(name.casefold() for name in CLASSES)):
+            rows, columns = (
+                [
+                    node
+                    for node in tree.nodes
+                    if node.id not in paired
+                    and classes[node.id] == name
+                    and (not tree.children[node.id]) == is_leaf
+                ]
+                for tree, paired, classes in (
+                    (one, pairs.forth, pairs.one),
+                    (other, pairs.back, pairs.other),
+                )
+            )
+            if not rows or not columns:
+                continue
+            meanings = meanings or _meanings((one, other), encoder)
+            left = _vectors(one, rows, meanings), _vectors(other, columns, meanings)
+            forth, back = _nearest(*left), _nearest(left[1], left[0])
+            for node, index, (cosine, there) in zip(rows, count(), forth, strict=False):
+                if cosine >= threshold and back[there][1] == index:
+                    pairs.add(node.id, columns[there].id, "meaning", cosine)
+
+
+def _meanings(trees: Iterable[ScenarioTree], encoder: Encoder) -> dict[str, Vectors]:
+    """Return what the labels of both trees mean, without what all of them share."""
+    labels = list(dict.fromkeys(node.label for tree in trees for node in tree.nodes))
+    rows, centre = label_rows(encoder, labels)
+    return dict(zip(labels, unit((rows - centre).astype(np.float32)), strict=True))
+
+
+def _vectors(tree: ScenarioTree, nodes: Sequence[Node], meanings: Mapping[str, Vectors]) -> Vectors:
+    """Return what nodes mean: a leaf its label, a branch half its label and half its leaves."""
+    own = np.array([meanings[node.label] for node in nodes])
+    if not tree.children[nodes[0].id]:
+        return own
+    below: dict[str, Vectors] = {}
+    for node in reversed(tree.nodes):
+        children = tree.children[node.id]
+        below[node.id] = (
+            np.sum([below[child] for child in children], axis=0)
+            if children
+            else meanings[node.label]
+        )
+    return unit(own + unit(np.array([below[node.id] for node in nodes])))
+
+
+def _nearest(rows: Vectors, columns: Vectors) -> list[tuple[float, int]]:
+    """Return the nearest column of each row; rounded, so that rounding errors decide nothing."""
+    found = []
+    for start in range(0, len(rows), _BLOCK):
+        block = rows[start : start + _BLOCK]
+        best = np.full(len(block), -np.inf, np.float32)
+        place = np.zeros(len(block), np.int64)
+        for offset in range(0, len(columns), _BLOCK):
+            cosines = np.round(block @ columns[offset : offset + _BLOCK].T, 4)
+            here = cosines.argmax(axis=1)
+            values = cosines[np.arange(len(block)), here]
+            is_better = values > best
+            best[is_better] = values[is_better]
+            place[is_better] = here[is_better] + offset
+        found += [(round(float(b), 4), int(p)) for b, p in zip(best, place, strict=True)]
+    return found

@@ -1,0 +1,230 @@
+"""One tree out of two that were grown apart."""
+
+from oodscen.protocols import Encoder
+from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._history import undone_edits
+from oodscen.tree._labels import same_words
+from oodscen.tree._matching import THRESHOLD, Match, match
+from oodscen.tree._scenario_tree import ScenarioTree
+
+
+def merge(
+    one: ScenarioTree,
+    other: ScenarioTree,
+    *,
+    encoder: Encoder | None = None,
+    threshold: float = THRESHOLD,
+    name: str | None = None,
+) -> ScenarioTree:
+    """Return the first tree with what only the second one has added in its place.
+
+    The log of the first tree stays as it is. A node of the second that the first has too (see
+    `match`) leaves a `keep` there that names the second's label, model, prompt and text. Any other
+    is added below the node that stands for its parent, with the decisions that made it what it is:
+    stage, round, model, prompt, reason and text included; then a `keep` of stage `merge` says that
+    it came in by a merge. Siblings whose labels have the same words become one. Each of these edits has
+    the name of the second tree as its `origin`: `undo(round=3, origin=...)` takes back its round 3.
+
+    Every path of either tree remains one: where a leaf of one is a family of the other, the family gets
+    a leaf of that label. The second tree merged in again changes nothing. Neither order nor time nor
+    anything but the arguments decides.
+
+    Args:
+        one: Its labels and places win.
+        other: The tree that is merged in.
+        encoder: Pairs nodes by meaning that neither id nor label pairs.
+        threshold: Least centred cosine of two labels that mean the same.
+        name: What the second tree is called in the log; `merge-1`, `merge-2` ... if left out.
+
+    Raises:
+        UsageError: When the threshold is no cosine.
+        EncoderError: When the encoder fails.
+    """
+    paired = {pair.after: pair for pair in match(one, other, encoder=encoder, threshold=threshold)}
+    decisions = _decisions(other)
+    leaves = {leaf.id for leaf in other.leaves}
+    merging = _Merging(one, name or _free_name(one))
+    for node in other.nodes:
+        merging.take(node, paired.get(node.id), decisions[node.id], is_path=node.id in leaves)
+    return merging.tree
+
+
+def _free_name(tree: ScenarioTree) -> str:
+    taken = {edit.origin.partition("/")[0] for edit in tree.edits}
+    number = 1
+    while f"merge-{number}" in taken:
+        number += 1
+    return f"merge-{number}"
+
+
+class _Merging:
+    """The merge so far."""
+
+    def __init__(self, one: ScenarioTree, name: str) -> None:
+        self.tree = one
+        self._name = name
+        self._ids: dict[str, str] = {}
+        """Ids of the second tree's nodes in the merge."""
+        self._nodes = dict(one.by_id)
+        self._depths = {node.id: depth for node, depth in one.walk()}
+        self._below: dict[str, dict[str, str]] = {}
+        """By parent: its children by their words."""
+        for node in one.nodes:
+            self._hang(node)
+        self._paths = {leaf.id for leaf in one.leaves}
+        """Nodes that stand for a path, so that a leaf has to remain where they get children."""
+        self._own = set(one.edits)
+        self._told = {(edit.node, edit.origin_node, *_why(edit)) for edit in one.edits}
+
+    def take(self, node: Node, pair: Match | None, log: list[TreeEdit], *, is_path: bool) -> None:
+        """Find a node of the second tree in the merge, or add it."""
+        parent = self._ids[node.parent] if node.parent is not None else None
+        here = pair.before if pair is not None else self._sibling(parent, node)
+        if here is not None and is_path:
+            # A path ends at a leaf: go down families that are called the same.
+            while here is not None and here not in self._paths and here in self._below:
+                parent, here, pair = here, self._sibling(here, node), None
+        if here is None:
+            here = self._add(node, parent, log)
+        elif not self._is_told(here, node, log[-1]):
+            self.tree = self.tree.apply(_kept(node, here, pair, log[-1], self._name))
+        self._ids[node.id] = here
+        if is_path and self._depths[here] >= 2:
+            self._paths.add(here)
+
+    def _add(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
+        if parent in self._paths:
+            self._paths.discard(parent)
+            if same_words(self._nodes[parent].label) == same_words(node.label):
+                here = self._append(node, parent, log)
+                self._paths.add(here)
+                return here
+            self._keep_path(self._nodes[parent])
+        return self._append(node, parent, log)
+
+    def _append(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
+        here = self.tree.new_id(log[0].label or node.label)
+        self._put(_added(node, here, parent, log, self._name))
+        return here
+
+    def _keep_path(self, family: Node) -> None:
+        """Hang a leaf below what was a leaf itself and now is a family."""
+        here = self.tree.new_id(family.label)
+        edit = TreeEdit(
+            op="add",
+            node=here,
+            parent=family.id,
+            label=family.label,
+            attested=family.attested,
+            stage="merge",
+            reason="a kind of its own, which is a family in the other tree",
+            origin=self._name,
+        )
+        self._put([edit])
+        self._paths.add(here)
+
+    def _put(self, edits: list[TreeEdit]) -> None:
+        self.tree = self.tree.apply(*edits)
+        first = edits[0]
+        labels = [edit.label for edit in edits if edit.op != "keep" and edit.label]
+        self._depths[first.node] = self._depths[first.parent] + 1 if first.parent else 0
+        self._hang(
+            Node(id=first.node, parent=first.parent, label=labels[-1], attested=first.attested)
+        )
+
+    def _hang(self, node: Node) -> None:
+        self._nodes[node.id] = node
+        if node.parent is not None:
+            self._below.setdefault(node.parent, {}).setdefault(same_words(node.label), node.id)
+
+    def _sibling(self, parent: str | None, node: Node) -> str | None:
+        return self._below.get(parent or "", {}).get(same_words(node.label))
+
+    def _is_told(self, here: str, node: Node, last: TreeEdit) -> bool:
+        """Whether the log says already who called a node so, and why."""
+        is_own = last.node == here and last in self._own
+        return is_own or (here, node.id, *_why(last)) in self._told
+
+
+def _why(edit: TreeEdit) -> tuple[int | None, str, str, str]:
+    return edit.round, edit.source, edit.model, edit.prompt
+
+
+def _decisions(tree: ScenarioTree) -> dict[str, list[TreeEdit]]:
+    """Return by node the edit that added it and those that relabelled or confirmed it and stand."""
+    undone = undone_edits(tree.edits)
+    found: dict[str, list[TreeEdit]] = {}
+    for index, edit in enumerate(tree.edits):
+        if edit.op == "add" and (edit.undoes is None or edit.node not in found):
+            found[edit.node] = [edit]
+        elif (
+            edit.op in ("broaden", "narrow", "keep") and edit.undoes is None and index not in undone
+        ):
+            found[edit.node].append(edit)
+    return found
+
+
+def _kept(node: Node, here: str, pair: Match | None, last: TreeEdit, name: str) -> TreeEdit:
+    sure = f", similarity {pair.similarity:.2f}" if pair and pair.similarity is not None else ""
+    by = pair.by if pair else "label"
+    return TreeEdit(
+        op="keep",
+        node=here,
+        label=node.label,
+        stage="merge",
+        round=last.round,
+        reason=f"the other tree has it as “{node.label}” (same {by}{sure})",
+        source=last.source,
+        model=last.model,
+        prompt=last.prompt,
+        origin=_origin(name, last),
+        origin_node=node.id,
+    )
+
+
+def _origin(name: str, edit: TreeEdit) -> str:
+    """Name the tree that an edit comes from; of one that was merged itself, both."""
+    return f"{name}/{edit.origin}" if edit.origin else name
+
+
+def _added(
+    node: Node, here: str, parent: str | None, log: list[TreeEdit], name: str
+) -> list[TreeEdit]:
+    edits = [
+        edit.model_copy(
+            update={
+                "node": here,
+                "parent": parent if edit.op == "add" else None,
+                "attested": node.attested and edit.attested,
+                "undoes": None,
+                "origin": _origin(name, edit),
+                "origin_node": node.id,
+            }
+        )
+        for edit in log
+    ]
+    labels = [edit.label for edit in edits if edit.op != "keep"]
+    if labels[-1] != node.label or node.attested not in {edit.attested for edit in edits}:
+        edits.append(
+            TreeEdit(
+                op="broaden",
+                node=here,
+                label=node.label,
+                attested=node.attested,
+                stage="merge",
+                reason="its label in the other tree",
+                origin=name,
+                origin_node=node.id,
+            )
+        )
+    why = f"merged in from another tree, where its id was {node.id}"
+    keep = TreeEdit(
+        op="keep",
+        node=here,
+        label=node.label,
+        stage="merge",
+        reason=why,
+        origin=name,
+        origin_node=node.id,
+    )
+    return [*edits, keep]

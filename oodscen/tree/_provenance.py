@@ -1,0 +1,167 @@
+"""Where a node comes from: who put it there and why, and what was decided about it since."""
+
+from collections.abc import Iterable, Mapping
+from typing import ClassVar
+
+from oodscen._text import plain
+from oodscen.data._base import Data
+from oodscen.errors import UnknownComponent
+from oodscen.tree._edit_log import TreeEdit
+from oodscen.tree._history import undone_edits
+from oodscen.tree._scenario_tree import ScenarioTree
+
+_VERBS: Mapping[str, str] = {
+    "add": "added",
+    "broaden": "broadened",
+    "narrow": "narrowed",
+    "keep": "kept",
+    "move": "moved",
+    "remove": "removed",
+}
+
+
+class Decision(Data):
+    """One edit that concerned a node."""
+
+    noun: ClassVar[str] = "decision"
+
+    index: int
+    """Position of the edit in the tree's log."""
+    edit: TreeEdit
+    label_before: str = ""
+    """Label of the node until then; empty where it was not there."""
+    is_undone: bool = False
+    """A later edit took it back."""
+
+    def __str__(self) -> str:
+        edit = self.edit
+        what = "undid edit " + str(edit.undoes) if edit.undoes is not None else _VERBS[edit.op]
+        if edit.op in ("broaden", "narrow"):
+            what += f" from “{self.label_before}” to “{edit.label}”"
+        elif edit.op == "move":
+            what += f" below {edit.parent}"
+        when = "" if edit.round is None else f"round {edit.round}"
+        by = [edit.stage, f"{when} of {edit.origin}".strip() if edit.origin else when, edit.model]
+        line = f"{self.index}: {what} by {', '.join(filter(None, by)) or 'nobody named'}"
+        line += f" ({edit.prompt})" if edit.prompt else ""
+        line += f": {edit.reason}" if edit.reason else ""
+        line += f" [because of: {edit.source}]" if edit.source else ""
+        return plain(" ".join(line.split())) + (" (undone)" if self.is_undone else "")
+
+
+class Provenance(Data):
+    """The history of one node."""
+
+    noun: ClassVar[str] = "provenance"
+
+    node: str
+    """Id of the node."""
+    path: tuple[str, ...]
+    """Labels from the root down; empty for a node that is gone."""
+    origin: Decision
+    """The edit that first added it."""
+    later: tuple[Decision, ...] = ()
+    """Every edit that concerned it since, in order."""
+
+    @property
+    def is_present(self) -> bool:
+        """Whether the node is in the tree."""
+        return bool(self.path)
+
+    @property
+    def stage(self) -> str:
+        """The stage that put it there."""
+        return self.origin.edit.stage
+
+    @property
+    def model(self) -> str:
+        """The model that put it there."""
+        return self.origin.edit.model
+
+    @property
+    def prompt(self) -> str:
+        """The question that the model was asked: `purpose@version`."""
+        return self.origin.edit.prompt
+
+    @property
+    def round(self) -> int | None:
+        """The red-team round that put it there."""
+        return self.origin.edit.round
+
+    @property
+    def source(self) -> str:
+        """The text that caused it."""
+        return self.origin.edit.source
+
+    @property
+    def reason(self) -> str:
+        """Why it was put there."""
+        return self.origin.edit.reason
+
+    def __str__(self) -> str:
+        where = " > ".join(self.path) if self.path else f"{self.node} (gone)"
+        return "\n".join([where, *(f"  {decision}" for decision in (self.origin, *self.later))])
+
+
+def provenance(tree: ScenarioTree, node_id: str) -> Provenance:
+    """Return the history of one node; it may have been removed.
+
+    Raises:
+        UnknownComponent: When there never was such a node.
+    """
+    found = provenances(tree, [node_id])
+    if node_id not in found:
+        raise UnknownComponent("node", node_id, {edit.node for edit in tree.edits})
+    return found[node_id]
+
+
+def provenances(tree: ScenarioTree, node_ids: Iterable[str]) -> dict[str, Provenance]:
+    """Return the histories of several nodes, reading the log once."""
+    wanted = set(node_ids)
+    edits = tree.edits
+    undone = undone_edits(edits)
+    by_node: dict[str, list[Decision]] = {}
+    for index, edit in enumerate(edits):
+        if edit.node in wanted:
+            before = tree.before(index)
+            by_node.setdefault(edit.node, []).append(
+                Decision(
+                    index=index,
+                    edit=edit,
+                    label_before=before.label if before else "",
+                    is_undone=index in undone,
+                )
+            )
+    return {
+        node_id: Provenance(
+            node=node_id,
+            path=tree.path(node_id) if node_id in tree.by_id else (),
+            origin=decisions[0],
+            later=tuple(decisions[1:]),
+        )
+        for node_id, decisions in by_node.items()
+    }
+
+
+def origin_words(tree: ScenarioTree) -> dict[str, str]:
+    """Say in a few words which nodes red teaming or a merge added, and which were relabelled."""
+    born: dict[str, str] = {}
+    first: dict[str, str] = {}
+    changed: dict[str, list[str]] = {}
+    undone = undone_edits(tree.edits)
+    for index, edit in enumerate(tree.edits):
+        if index in undone or edit.undoes is not None:
+            continue
+        if edit.op == "add":
+            first[edit.node] = edit.label or ""
+            if edit.round is not None:
+                of = f" of {edit.origin}" if edit.origin else ""
+                born[edit.node] = f"new in round {edit.round}{of}"
+        elif edit.op == "broaden":
+            changed.setdefault(edit.node, []).append("?" if edit.round is None else str(edit.round))
+    found = dict(born)
+    for name, rounds in changed.items():
+        when = f"broadened in round{'s' if len(rounds) > 1 else ''} {', '.join(rounds)}"
+        start = f"{found[name]}, " if name in found else ""
+        found[name] = f"{start}{when}, at first “{first.get(name, '')}”"
+    return found

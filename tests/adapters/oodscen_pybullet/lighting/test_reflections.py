@@ -1,0 +1,60 @@
+import numpy as np
+from oodscen_pybullet._lighting.reflections import add_reflections
+from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, PLAIN, SHELTERED, SOFT
+from oodscen_pybullet._rendering.view import View
+
+from oodscen.protocols import Camera
+
+VIEW = View.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
+
+
+def mirror(kind: int, wet: float) -> np.ndarray:
+    """A red wall 10 m away on a grey plane."""
+    _, upwards = VIEW.slopes()
+    rise = upwards * np.float32(VIEW.up[2]) + np.float32(VIEW.forward[2])
+    ground = -np.float32(VIEW.eye[2]) / np.minimum(rise, np.float32(-1e-3))
+    depth = np.minimum(ground, np.float32(10.0))[:, None].repeat(80, axis=1).astype(np.float32)
+    is_wall = depth == 10.0
+    image = np.where(is_wall[..., None], [200, 0, 0], [60, 60, 60]).astype(np.uint8)
+    kinds = np.where(is_wall, PLAIN, kind).astype(np.uint8)
+    add_reflections(
+        image,
+        depth,
+        kinds,
+        np.float32(wet),
+        np.float32(0.0),
+        np.uint32(1),
+    )
+    assert (image[is_wall] == [200, 0, 0]).all()
+    return image[~is_wall]
+
+
+def test_dry_ground_mirrors_nothing() -> None:
+    assert (mirror(GROUND, 0.0) == 60).all()
+
+
+def test_wet_ground_takes_the_colour_of_what_stands_on_it_and_water_more_so() -> None:
+    wet, water = mirror(GROUND, 0.6), mirror(MIRROR, 0.0)
+    for some in (wet, water):
+        assert some[:80, 0].astype(int).mean() > 66 > some[:80, 1].mean()
+    assert water[:80, 0].astype(int).mean() > wet[:80, 0].astype(int).mean() + 10
+
+
+def test_grass_and_roads_in_tunnels_mirror_nothing() -> None:
+    for kind in (GROUND + SOFT, GROUND + SHELTERED):
+        assert (mirror(kind, 0.6) == 60).all()
+
+
+def test_the_sky_is_mirrored_paler_than_it_is() -> None:
+    depth = np.full((40, 8), 20.0, np.float32)
+    depth[:20] = np.inf
+    kinds = np.zeros((40, 8), np.uint8)
+    kinds[20:] = MIRROR
+    image = np.full((40, 8, 3), 60, np.uint8)
+    image[:20] = (90, 150, 220)
+    add_reflections(
+        image, depth, kinds, np.float32(0.0), np.float32(0.0), np.uint32(1)
+    )  # fmt: skip
+    water = image[30].astype(int)
+    assert (water[:, 2] > water[:, 0]).all()
+    assert (water[:, 2] - water[:, 0] < 0.4 * (220 - 90)).all()

@@ -1,0 +1,133 @@
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._lighting.shelter import Portal
+from oodscen_pybullet._rendering.triangles import SHELTERED
+from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.weather import (
+    add_rain,
+    add_snow,
+    cloud_columns,
+    cloud_sheet,
+    heaven,
+)
+
+from oodscen.data._scene import Weather
+from oodscen.driving._sight.visibility import extinction
+from oodscen.protocols import Camera
+
+VIEW = View.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
+SNOW = Weather(precipitation="snow", precipitation_mm_h=9.0)
+RAIN = Weather(precipitation="rain", precipitation_mm_h=20.0)
+DAY = Light.of(Weather(), 0.0, is_snowy=False)
+NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, is_snowy=False)
+
+
+@given(st.floats(15, 9_000))
+def test_contrast_at_the_visual_range_is_five_per_cent(visual_range: float) -> None:
+    rate = extinction(Weather(fog_visual_range_m=visual_range))
+    assert math.exp(-rate * visual_range) == pytest.approx(0.05, rel=1e-9)
+
+
+def test_clear_air_takes_nothing_away() -> None:
+    assert extinction(Weather()) == 0.0
+
+
+def test_rain_and_snow_dim_the_view_the_more_the_harder_they_fall() -> None:
+    for kind in ("rain", "snow"):
+        rates = [
+            extinction(Weather.model_validate({"precipitation": kind, "precipitation_mm_h": mm}))
+            for mm in (1.0, 5.0, 20.0, 50.0)
+        ]
+        assert rates == sorted(rates)
+        assert rates[0] > 0.0
+
+
+def test_skies_are_bright_by_day_and_dark_by_night_and_bluest_above() -> None:
+    day = heaven(VIEW, Weather(), DAY)
+    night = heaven(VIEW, Weather(sun_elevation_deg=-20.0), NIGHT)
+    assert day.shape == (120, 5)
+    assert day[:60, :3].min() > 60.0 > night[:60, :3].max()
+    assert (np.diff(day[:50, 2] - day[:50, 0]) <= 0.0).all()
+
+
+@given(st.floats(-10, 10))
+def test_clouds_stay_where_they_are_when_the_camera_turns(yaw: float) -> None:
+    columns = cloud_columns(View.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, yaw)))
+    assert columns.min() >= 0.0
+    assert columns.max() < 1024.0
+    middle = float(columns[79] + columns[80]) / 2 if abs(columns[79] - columns[80]) < 9 else None
+    if middle is not None:
+        apart = (middle / 1024 - yaw / math.tau) % 1.0
+        assert min(apart, 1.0 - apart) < 1e-3
+
+
+def test_the_sheet_of_clouds_closes_around_the_horizon() -> None:
+    sheet = cloud_sheet(4)
+    assert np.array_equal(sheet[:, 0], sheet[:, -1])
+    assert 0.0 <= sheet.min() < 0.2 < 0.8 < sheet.max() <= 1.0
+    assert abs(np.diff(sheet, axis=1)).max() < 0.2
+
+
+def test_what_falls_depends_on_seed_and_time_alone() -> None:
+    rain = Weather(precipitation="rain", precipitation_mm_h=20.0)
+    snow = Weather(precipitation="snow", precipitation_mm_h=5.0)
+    depth, kinds = np.full((120, 160), 50.0, np.float32), np.zeros((120, 160), np.uint8)
+
+    def draw(kind: str, seed: int, time: float) -> bytes:
+        image = np.full((120, 160, 3), 40, np.uint8)
+        if kind == "rain":
+            add_rain(image, VIEW, rain, DAY, depth, kinds, None, seed, time)
+        else:
+            add_snow(image, VIEW, snow, DAY, depth, kinds, None, seed, time)
+        assert image.max() > 60
+        assert image.min() >= 40
+        return image.tobytes()
+
+    for kind in ("rain", "snow"):
+        assert draw(kind, 1, 0.5) == draw(kind, 1, 0.5)
+        assert len({draw(kind, 1, 0.5), draw(kind, 1, 0.55), draw(kind, 2, 0.5)}) == 3
+
+
+def test_flakes_fall_behind_what_is_near() -> None:
+    image = np.zeros((120, 160, 3), np.uint8)
+    near = np.full((120, 160), 0.5, np.float32)
+    kinds = np.zeros((120, 160), np.uint8)
+    add_snow(image, VIEW, SNOW, DAY, near, kinds, None, 1, 0.0)
+    assert not image.any()
+
+
+@pytest.mark.parametrize("add", [add_rain, add_snow])
+def test_nothing_falls_into_tunnels(add: Callable[..., None]) -> None:
+    weather = SNOW if add is add_snow else RAIN
+    kinds = np.zeros((120, 160), np.uint8)
+    kinds[:, 80:] = SHELTERED
+    depth = np.full((120, 160), 50.0, np.float32)
+
+    def draw(portal: Portal | None) -> np.ndarray:
+        image = np.zeros((120, 160, 3), np.uint8)
+        add(image, VIEW, weather, DAY, depth, kinds, portal, 1, 0.5)
+        return np.count_nonzero(image.any(axis=2), axis=0)
+
+    open_air, ahead = (0.0, 0.0, 1.0), draw(None)
+    into = draw(Portal(is_inside=False, deep=0.0, distance=6.0, normal=open_air))
+    out = draw(Portal(is_inside=True, deep=1.0, distance=6.0, normal=open_air))
+    assert (into[:80] == ahead[:80]).all()
+    assert 0 < into[80:].sum() < 0.8 * ahead[80:].sum()
+    assert 0 < out.sum() < ahead.sum() - into.sum() + ahead.sum()
+    beyond = draw(Portal(is_inside=True, deep=1.0, distance=60.0, normal=open_air))
+    assert not beyond.any()
+
+
+def test_flakes_in_the_beams_are_brighter_than_the_road_and_darken_nothing() -> None:
+    depth, kinds = np.full((120, 160), 50.0, np.float32), np.zeros((120, 160), np.uint8)
+    image = np.full((120, 160, 3), 190, np.uint8)
+    add_snow(image, VIEW, SNOW, NIGHT, depth, kinds, None, 1, 0.5)
+    assert image.min() >= 190
+    middle = image[60:, 50:110]
+    assert (middle > 215).any(axis=2).mean() > 0.02

@@ -1,0 +1,189 @@
+import math
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from oodscen_pybullet._land.ground import Ground
+from oodscen_pybullet._meshes.atlas import swatch_uv
+from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
+from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
+from oodscen_pybullet._scenery.signals import limit_of, replaced
+
+from oodscen.data._catalogue import RoadMap
+from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
+from oodscen.driving._roads.corridor import RoadSignal
+
+each_map = pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
+
+
+@lru_cache(maxsize=32)
+def built(road: RoadMap) -> tuple[Corridor, Scenery]:
+    corridor = load_corridor(road)
+    return corridor, build_scenery(corridor, frozenset(road.traits), 0, road.id)
+
+
+@each_map
+def test_nothing_stands_on_any_road(road: RoadMap) -> None:
+    corridor, scenery = built(road)
+    ground = Ground(corridor)
+    corners = scenery.meshes[2].vertices
+    near = ground.near(corners[:, 0], corners[:, 1])
+    is_low = (corners[:, 2] - near.z < 2.2) & (corners[:, 2] - near.z > -0.5)
+    is_median = (near.ego < -0.5) & ("highway" in road.traits)
+    on_road = is_low & (near.asphalt < -0.05) & ~is_median
+    assert not on_road.any(), corners[on_road][:5]
+
+
+@each_map
+def test_the_ground_has_no_holes(road: RoadMap) -> None:
+    corridor, scenery = built(road)
+    rng = np.random.default_rng(3)
+    s = rng.uniform(corridor.start - 20.0, min(corridor.length, corridor.start + 300.0), 150)
+    t = rng.uniform(-80.0, 80.0, len(s))
+    points = np.array([corridor.point(a, b)[:2] for a, b in zip(s, t, strict=True)])
+    faces = np.concatenate(
+        [m.vertices[m.triangles] for m in (*scenery.meshes[:2], *scenery.meshes[3:])]
+    )
+    normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    faces = faces[normal[:, 2] > 1e-9][:, :, :2]
+    for x, y in points:
+        low, high = faces.min(axis=1), faces.max(axis=1)
+        some = faces[(low <= (x, y)).all(axis=1) & (high >= (x, y)).all(axis=1)]
+        a = some - np.array([x, y])
+        b = np.roll(a, -1, axis=1)
+        sides = a[:, :, 0] * b[:, :, 1] - a[:, :, 1] * b[:, :, 0]
+        assert (sides >= -1e-9).all(axis=1).any(), (x, y)
+
+
+@each_map
+def test_scenery_is_large_enough_to_be_rich_and_small_enough_to_be_quick(road: RoadMap) -> None:
+    count = sum(len(mesh.triangles) for mesh in built(road)[1].meshes)
+    assert 9_000 < count < 60_000
+
+
+@each_map
+def test_every_face_has_a_unit_normal(road: RoadMap) -> None:
+    for mesh in built(road)[1].meshes:
+        assert np.allclose((mesh.normals**2).sum(axis=1), 1.0, atol=1e-6)
+        assert np.isfinite(mesh.vertices).all()
+
+
+def test_scenery_depends_on_the_seed_alone() -> None:
+    road = SHIPPED_MAPS[1]
+    corridor = load_corridor(road)
+    one, two, other = (
+        build_scenery(corridor, frozenset(road.traits), seed, road.id) for seed in (0, 0, 1)
+    )
+    for a, b in zip(one.meshes, two.meshes, strict=True):
+        assert np.array_equal(a.vertices, b.vertices)
+        assert np.array_equal(a.uvs, b.uvs)
+    assert one.lamps == two.lamps
+    assert one.meshes[2].vertices.shape != other.meshes[2].vertices.shape
+
+
+def test_windows_are_lit_at_night() -> None:
+    road = SHIPPED_MAPS[1]
+    corridor = load_corridor(road)
+    day, night = (
+        build_scenery(corridor, frozenset(road.traits), 0, road.id, is_night=dark)
+        for dark in (False, True)
+    )
+    assert len(night.meshes[2].triangles) > len(day.meshes[2].triangles)
+
+
+@each_map
+def test_marks_lie_on_the_edges_of_lanes(road: RoadMap) -> None:
+    corridor, scenery = built(road)
+    mesh = scenery.meshes[0]
+    is_mark = (np.abs(mesh.uvs - swatch_uv("mark")) < 1e-9).all(axis=1)
+    corners = mesh.vertices[is_mark][::37]
+    outlines = [np.asarray(one.points) for one in corridor.crosswalks]
+    roads = [corridor, *(o.corridor for o in corridor.others if not o.is_connecting)]
+    for x, y, _ in corners.tolist():
+        in_outline = any(
+            (o.min(axis=0) - 0.1 <= (x, y)).all() and (o.max(axis=0) + 0.1 >= (x, y)).all()
+            for o in outlines
+        )
+        assert in_outline or any(_is_on_edge(one, x, y) for one in roads), (x, y)
+
+
+def _is_on_edge(road: Corridor, x: float, y: float) -> bool:
+    s, t = road.locate(x, y)
+    edges = [edge for strip in range(len(road.strips)) for edge in road.edges(strip, s)]
+    return min(abs(t - edge) for edge in edges) < 0.26
+
+
+def test_a_scenes_own_signal_stands_in_for_the_maps() -> None:
+    corridor, _ = built(next(road for road in SHIPPED_MAPS if road.id == "urban_junction"))
+    first, *others = corridor.signals
+    near = replaced(corridor, [(first.x + 2.0, first.y)])
+    assert first.id in near
+    assert near != {one.id for one in corridor.signals}
+    assert replaced(corridor, [(first.x + 300.0, first.y)]) == frozenset()
+    assert others
+
+
+def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "urban_junction")
+    corridor, scenery = built(road)
+    green = [one for one in scenery.signals if one.colour[1] > one.colour[0]]
+    red = [one for one in scenery.signals if one.colour[0] > one.colour[1]]
+    ahead = corridor.heading(corridor.start)
+    along = np.array([math.cos(ahead), math.sin(ahead)])
+    assert green
+    assert red
+    for lamps, is_along in ((green, True), (red, False)):
+        for lamp in lamps:
+            cosine = abs(float((np.array(lamp.facing[:2]) * along).sum()))
+            assert (cosine > 0.7) == is_along
+    without = frozenset(one.id for one in corridor.signals)
+    assert not build_scenery(corridor, frozenset(road.traits), 0, road.id, without=without).signals
+
+
+def test_the_ground_rises_with_the_road() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "rural_hill")
+    corridor, scenery = built(road)
+    for s in np.linspace(corridor.start, corridor.start + 300.0, 13).tolist():
+        left, right = corridor.extent(s)[1] + 1.0, corridor.extent(s)[0] - 1.0
+        for t in (left, right):
+            x, y, z, _ = corridor.point(s, t)
+            assert abs(scenery.terrain.height(x, y) - z) < 0.6
+
+
+def test_ground_lifts_what_stands_on_a_pavement_and_nothing_on_the_road() -> None:
+    corridor, scenery = built(SHIPPED_MAPS[1])
+    strip = next(i for i, one in enumerate(corridor.strips) if one.kind == "sidewalk")
+    s = corridor.start + 20.0
+    places = [corridor.point(s, corridor.centre(i, s)) for i in (strip, corridor.ego_lanes[0])]
+    lifts = scenery.terrain.lifts(
+        np.array([place[0] for place in places]), np.array([place[1] for place in places])
+    )
+    assert lifts.tolist() == pytest.approx([0.1, 0.0])
+
+
+def test_a_roundabouts_middle_is_an_island() -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
+    _, scenery = built(road)
+    islands = scenery.terrain.islands
+    assert len(islands.middles) == 1
+    x, y, radius = islands.middles[0]
+    assert radius > 5.0
+    assert islands.covers(np.array([[x, y]])).all()
+    assert not built(SHIPPED_MAPS[0])[1].terrain.islands.middles
+
+
+@pytest.mark.parametrize(
+    ("value", "limit"),
+    [("30", 30), ("70.0", 70), ("120", 120), ("37", None), ("", None), ("inf", None), ("x", None)],
+)
+def test_a_sign_never_shows_another_limit_than_the_maps(value: str, limit: int | None) -> None:
+    signal = RoadSignal("1", "sign", "274", value, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert limit_of(signal) == limit
+
+
+def test_speed_signs_differ_and_face_who_drives_up() -> None:
+    meshes = [speed_sign(limit) for limit in sorted(LIMITS)]
+    assert len({mesh.vertices.tobytes() for mesh in meshes}) == len(LIMITS)
+    for mesh in meshes:
+        is_black = (np.abs(mesh.uvs - swatch_uv("black")) < 1e-9).all(axis=1)
+        assert (mesh.normals[is_black, 0] < -0.99).all()

@@ -1,0 +1,146 @@
+from pathlib import Path
+
+import pytest
+
+from oodscen._author import Knowledge, load_knowledge, validate_knowledge
+from oodscen.errors import DataError
+
+GOOD = """
+[[hazard]]
+id = "piano"
+class = "environmental"
+family = "Musical instruments on the road"
+label = "Grand piano on the road"
+words = ["piano"]
+places = ["urban"]
+conditions = ["clear"]
+events = [
+  "A grand piano stands in the ego's lane {where}",
+  "A black grand piano blocks the ego's lane {where}",
+  "Somebody has left a concert piano in the ego's lane {where}",
+  "A piano on three legs stands in the path of the ego vehicle {where}",
+  "The ego's lane is taken up by a grand piano {where}",
+]
+ordinary = "the lane ahead is free"
+needs = { assets = ["piano"] }
+"""
+
+
+def test_the_shipped_knowledge_is_sound() -> None:
+    assert validate_knowledge() == []
+
+
+def test_it_is_as_rich_as_promised(knowledge: Knowledge) -> None:
+    own = knowledge.of_class("environmental")
+    assert len(own) >= 55
+    assert len({hazard.family for hazard in own}) >= 12
+    assert sum(hazard.stage is not None for hazard in own) >= 22
+    assert all(len(hazard.events) >= 5 for hazard in knowledge.hazards)
+
+
+def test_the_papers_scenarios_are_known(author) -> None:
+    assert len(author._trees.simulated) == 9
+    assert all(hazard.stage is not None for hazard in author._trees.simulated)
+    assert len(author._trees.mentioned) == 7
+
+
+def test_a_users_file_extends_what_is_shipped(tmp_path: Path, knowledge: Knowledge) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(GOOD)
+    assert validate_knowledge(path) == []
+    extended = load_knowledge(path)
+    assert len(extended.hazards) == len(knowledge.hazards) + 1
+    assert load_knowledge(tmp_path).by_id["piano"].label == "Grand piano on the road"
+
+
+def test_an_own_hazard_replaces_the_shipped_one(tmp_path: Path, knowledge: Knowledge) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(GOOD.replace('id = "piano"', 'id = "fallen-tree"'))
+    replaced = load_knowledge(path)
+    assert len(replaced.hazards) == len(knowledge.hazards)
+    assert replaced.by_id["fallen-tree"].label == "Grand piano on the road"
+
+
+def test_every_fault_is_reported_with_file_and_path(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(
+        GOOD.replace('places = ["urban"]', 'places = ["moon"]')
+        .replace('"clear"', '"hot"')
+        .replace("A grand piano stands in the ego's lane {where}", "a piano is here {there}.")
+        .replace("[[hazard]]", "[[hazard]]\nkin = ['nobody']", 1)
+        + '\n[[hazard]]\nid = "Bad Id"\nclass = "odd"\n[surprise]\nx = 1\n'
+    )
+    paths = {issue.path for issue in validate_knowledge(path)}
+    start = "own.toml:2: hazard[0] piano"
+    assert {f"{start}: places[0]", f"{start}: conditions[0]", f"{start}: kin[0]"} <= paths
+    assert {f"{start}: wider", f"{start}: events[0]", "own.toml: surprise"} <= paths
+    assert any(p.startswith("own.toml:21: hazard[1] Bad Id: ") for p in paths)
+    with pytest.raises(DataError) as caught:
+        load_knowledge(path)
+    assert len(caught.value.issues) >= 6
+
+
+@pytest.mark.parametrize("text", ["not toml at all [", "\xff"])
+def test_an_unreadable_file_is_one_typed_error(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "own.toml"
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(DataError):
+        load_knowledge(path)
+    assert validate_knowledge(path)
+
+
+def test_the_manual_counts_right(knowledge: Knowledge) -> None:
+    text = " ".join(Path("docs/author.md").read_text().split())
+    recipes = sum(hazard.stage is not None for hazard in knowledge.hazards)
+    assert f"hold {len(knowledge.hazards)} hazards in {len(knowledge.families)} families" in text
+    assert f"{recipes} of the hazards have a recipe" in text
+
+
+def test_what_a_recipe_is_measured_from_must_exist(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(
+        GOOD
+        + """
+[hazard.stage]
+speed = [8.0, 12.0]
+decision = { kind = "ttc", value = 3.0 }
+[[hazard.stage.actors]]
+id = "piano"
+asset = "piano"
+ahead = 5.0
+at = "violin"
+other = "cello"
+meets = 0.0
+"""
+    )
+    start = "own.toml:2: hazard[0] piano: stage.actors[0]"
+    assert {issue.path for issue in validate_knowledge(path)} == {
+        f"{start}.at",
+        f"{start}.other",
+        f"{start}.meets",
+    }
+
+
+def test_a_recipe_is_checked(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(
+        GOOD
+        + """
+[hazard.stage]
+speed = [12.0, 8.0]
+decision = { kind = "distance", value = [20.0, 25.0], actor = "violin" }
+weather = { humidity = 3.0 }
+[[hazard.stage.actors]]
+id = "piano"
+asset = "piano"
+ahead = [50.0, 60.0]
+trigger = { kind = "ttc", value = 3.0, actor = "cello" }
+"""
+    )
+    start = "own.toml:2: hazard[0] piano: stage"
+    assert {issue.path for issue in validate_knowledge(path)} == {
+        f"{start}.speed",
+        f"{start}.decision.actor",
+        f"{start}.weather.humidity",
+        f"{start}.actors[0].trigger.actor",
+    }

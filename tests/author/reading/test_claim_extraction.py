@@ -1,0 +1,234 @@
+"""Reading: what the words say and nothing else, whatever the words are."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen._author import BuiltinAuthor
+from oodscen._author.reading.claim_extraction import read_claims
+from oodscen._author.writing.compose import Composer
+from oodscen._seeding import stream
+from oodscen.llm._ask import ask
+from oodscen.prompts import ExtractClaims
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+
+
+def told(text):
+    return {" ".join(filter(None, (c.subject, c.kind, c.value))) for c in read_claims(text)}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            "Ego is traveling on a two-lane road at night in thick fog, with another vehicle ahead in the same lane.",
+            {
+                "weather thick_fog",
+                "time night",
+                "lanes 2",
+                "vehicle thing present",
+                "vehicle place ahead",
+                "vehicle place in_lane",
+            },
+        ),
+        (
+            "The ego vehicle is driving on a straight road when a pedestrian suddenly crosses from the right front.",
+            {"person thing present", "person motion crossing", "person motion from_right"},
+        ),
+        (
+            "A tanker stands on the right, and three cars come the other way.",
+            {
+                "tanker thing present",
+                "tanker motion stationary",
+                "tanker place right",
+                "car thing present",
+                "car count 3",
+            },
+        ),
+        (
+            "The ego vehicle is turning left at a signalised junction in drizzling rain.",
+            {"ego turns_left", "road junction", "road signalised", "weather light_rain"},
+        ),
+        (
+            "A car stands in the ego's lane 60 metres ahead, and a second car crosses from the left.",
+            {
+                "car thing present",
+                "car place in_lane",
+                "car place ahead",
+                "car distance 60",
+                "car motion stationary",
+                "car 2 thing present",
+                "car 2 motion crossing",
+                "car 2 motion from_left",
+            },
+        ),
+    ],
+)
+def test_plain_sentences_are_read(text, expected):
+    assert expected <= told(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "There is no car, no pedestrian and no animal here.",
+        "A hole as big as a lorry, the sound of a train, a sign for pedestrians.",
+        "Beside the car park and the bus stop nothing happens.",
+        "It is not raining, and after a frosty night the road is between two junctions.",
+        "",
+    ],
+)
+def test_what_is_denied_or_compared_is_no_claim(text):
+    assert told(text) == set()
+
+
+@settings(max_examples=150)
+@given(
+    st.lists(
+        st.sampled_from(
+            "a the ego's ego vehicle car lorry two in lane of behind ahead stands crosses which "
+            "it and , . from right left no without slow at night rain 60 metres with".split()
+        ),
+        max_size=25,
+    )
+)
+def test_any_words_are_read_and_answered_validly(words):
+    text = " ".join(words)
+    claims = read_claims(text)
+    assert claims == read_claims(text)
+    if claims:
+        assert tuple(ask(BuiltinAuthor(), ExtractClaims(text=text)).claims) == claims
+
+
+@given(st.text(max_size=60))
+def test_nothing_that_is_written_breaks_the_reading(text):
+    read_claims(text)
+
+
+def test_every_text_of_the_author_says_something(knowledge):
+    composer = Composer(knowledge)
+    total = 0
+    hazards = knowledge.hazards[::4]
+    for hazard in hazards:
+        text = next(composer.texts(hazard, stream(3, hazard.id), set()))
+        total += len(read_claims(text))
+    assert total >= 4 * len(hazards)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            "A heavy stump has rolled off a trailer and stopped in the ego's lane.",
+            "tree stump motion stationary",
+        ),
+        (
+            "In the ego's lane 40 metres down the road sits a yellow inflatable.",
+            "inflatable motion stationary",
+        ),
+        ("Ahead, a row of wheelie bins blocks ego's lane.", "wheelie bin motion stationary"),
+        (
+            "Somebody has left a refrigerator lying in ego's lane.",
+            "refrigerator motion stationary",
+        ),
+        (
+            "Ego's lane is barred 60 metres ahead by a discarded refrigerator.",
+            "refrigerator place in_lane",
+        ),
+        ("Ego's lane is blocked 60 metres ahead by a lorry.", "lorry distance 60"),
+        ("Holidaymakers have had to leave their camper in ego's lane.", "camper thing present"),
+        ("A pile of bricks and mortar lies in the path of ego.", "rubble thing present"),
+        ("An appliance of the fire brigade stands ahead.", "fire engine thing present"),
+        ("The crowd has spilled over and mills about on the road.", "crowd motion moving"),
+        ("Two patrol cars drive abreast ahead.", "police car motion moving"),
+        ("A wrong-way driver holds the middle of ego's lane.", "driver motion oncoming"),
+        ("A van comes towards us in our own lane.", "van place in_lane"),
+        ("I drive on when a car cuts in.", "car motion into_lane"),
+        ("A lorry stands in the left lane some forty metres away.", "lorry distance 40"),
+        ("A bus blocks the opposite lane.", "bus place oncoming_lane"),
+        ("A child runs out between two vans on the right.", "child motion from_right"),
+        ("Ego is in the middle lane.", "ego middle_lane"),
+        ("Snow is coming down hard.", "weather heavy_snow"),
+        ("It is pitch black.", "time night"),
+        ("It is 3 a.m.", "time night"),
+        ("The sun is out and the road is dry.", "weather dry"),
+        ("The sun is out and the road is dry.", "time day"),
+        ("The daylight is almost gone.", "time twilight"),
+        ("Rain has stopped, the road is still wet.", "weather wet_road"),
+    ],
+)
+def test_what_is_said_in_other_words_is_read(text, expected):
+    assert expected in told(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "unsaid"),
+    [
+        ("A tractor without a rotating beacon drives ahead.", "state"),
+        ("The place is marked by cones and a flashing beacon.", "state"),
+        ("Rain has stopped, the road is still wet.", "weather rain"),
+        ("After the rain the air is clear.", "weather rain"),
+        ("The daylight is almost gone.", "time day"),
+        (
+            "A cyclist overtakes on the right while the vehicle in front brakes.",
+            "cyclist place ahead",
+        ),
+        (
+            "A cyclist overtakes on the right while the vehicle in front brakes.",
+            "cyclist motion braking",
+        ),
+        ("Somebody has tipped rubble onto the road.", "somebody"),
+        ("Two movers carry a sofa over the road in ego's lane.", "sofa motion stationary"),
+        (
+            "Nobody holds the trolley that comes down the slope into ego's lane.",
+            "cart motion stationary",
+        ),
+        ("A slow object ahead turns out to be a person on a bicycle.", "object"),
+        ("An ambulance from behind squeezes past on the left.", "from_left"),
+        ("Not far ahead, an abandoned sofa leaves the ego's lane passable.", "moving"),
+        ("The junction 80 metres ahead is empty.", "distance"),
+    ],
+)
+def test_what_only_sounds_so_is_not_claimed(text, unsaid):
+    assert not [claim for claim in told(text) if unsaid in claim]
+
+
+LIFELESS = ("a sofa", "a refrigerator", "a cardboard box", "a fallen tree", "a tyre", "a mattress")
+STANDS = ("lies", "stands", "sits", "has come to rest", "has been left", "has been dumped")
+MOVERS = ("a dog", "a pedestrian", "a deer", "a cyclist", "a child")
+MOVES = ("runs", "walks", "darts", "hurries", "wanders", "comes")
+WHERE = ("in the ego's lane", "in ego's path", "across the ego lane")
+
+
+@given(st.sampled_from(LIFELESS), st.sampled_from(STANDS), st.sampled_from(WHERE))
+def test_what_lies_in_the_lane_is_there_and_stays(thing, verb, where):
+    for text in (
+        f"{thing} {verb} {where} 50 metres ahead.",
+        f"50 metres ahead, {thing} {verb} {where}.",
+    ):
+        found = {claim.split(" ", 1)[1] if " " in claim else claim for claim in told(text)}
+        assert {"stationary", "in_lane", "50"} <= {claim.split()[-1] for claim in found}, text
+
+
+@given(st.sampled_from(MOVERS), st.sampled_from(MOVES), st.sampled_from(("left", "right")))
+def test_what_comes_from_a_side_moves_and_does_not_stay(thing, verb, side):
+    text = f"From the {side}, {thing} {verb} across the road in front of ego."
+    values = {claim.split()[-1] for claim in told(text)}
+    assert f"from_{side}" in values or "crossing" in values, text
+    assert "stationary" not in values
+
+
+def test_every_text_of_the_author_names_what_its_scene_must_show(knowledge):
+    composer = Composer(knowledge)
+    known = {asset.id for asset in FLAT_CATALOGUE.assets}
+    staged = [
+        h
+        for h in knowledge.hazards
+        if h.stage is not None and h.stage.actors and set(h.stage.actors[0].asset) <= known
+    ]
+    without = []
+    for hazard in staged[::3]:
+        text = next(composer.texts(hazard, stream(5, hazard.id), set()))
+        if not any(claim.kind == "thing" for claim in read_claims(text)):
+            without.append(text)
+    assert len(without) <= 0.04 * len(staged[::3]), without

@@ -1,0 +1,83 @@
+import numpy as np
+import pytest
+
+from oodscen._author.knowledge.base import Company
+from oodscen._author.staging.background_traffic import company
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.prompts._digest import MapLine
+
+LEFT = Company(side="left", share=1.0, asset=("car",), gap=(1.0, 3.0))
+RIGHT = Company(side="right", share=1.0, asset=("car",), gap=(1.0, 3.0))
+ONCOMING = Company(side="oncoming", share=1.0, asset=("van",), gap=(50.0, 60.0), speed=(8.0, 8.0))
+DECISION = (Trigger(kind="distance", value=20.0), "a")
+
+
+def road(lanes: int, oncoming: int, *traits: str) -> MapLine:
+    return MapLine(
+        id="x",
+        description="",
+        lanes=lanes,
+        oncoming_lanes=oncoming,
+        speed_limit=14.0,
+        traits=traits,
+    )
+
+
+def actor(lane: int = 0, offset: float = 0.0, name: str = "stand", **parameters: float) -> Actor:
+    return Actor(
+        id="a",
+        asset="car",
+        placement=Placement(ahead_m=70.0, lane=lane, offset_m=offset),
+        behaviour=Behaviour(name=name, parameters=parameters),
+    )
+
+
+def drawn(line: MapLine, lane: int, *actors: Actor, free: int = 0) -> dict[str, Actor]:
+    rng = np.random.default_rng(0)
+    found = company((LEFT, RIGHT, ONCOMING), line, (lane, 10.0), actors, DECISION, rng, free=free)
+    return {one.id: one for one in found}
+
+
+@pytest.mark.parametrize(
+    ("line", "lane", "ids"),
+    [
+        (road(3, 0), 0, {"left-traffic"}),
+        (road(3, 0), 1, {"left-traffic", "right-traffic"}),
+        (road(2, 2), 1, {"right-traffic", "oncoming-traffic"}),
+        (road(1, 1), 0, {"oncoming-traffic"}),
+        (road(2, 2, "divided"), 1, {"right-traffic"}),
+    ],
+)
+def test_it_drives_where_the_road_has_a_lane(line: MapLine, lane: int, ids: set[str]) -> None:
+    assert set(drawn(line, lane, actor())) == ids
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        actor(lane=1),
+        actor(offset=1.5),
+        actor(name="cut_in", lanes=1.0, speed=8.0),
+        actor(lane=1, offset=-4.0, name="cross_road"),
+    ],
+)
+def test_a_lane_that_the_hazard_needs_stays_free(other: Actor) -> None:
+    assert "left-traffic" not in drawn(road(3, 0), 1, other)
+    assert "right-traffic" in drawn(road(3, 0), 1, other)
+
+
+def test_the_way_out_stays_free() -> None:
+    assert set(drawn(road(3, 0), 1, actor(), free=1)) == {"right-traffic"}
+
+
+def test_oncoming_traffic_is_near_when_the_ego_decides() -> None:
+    one = drawn(road(1, 1), 0, actor())["oncoming-traffic"]
+    decided = (70.0 - 20.0) / 10.0
+    gap = one.placement.ahead_m - (10.0 + 8.0) * decided
+    assert 50.0 <= gap <= 60.0
+
+
+def test_traffic_beside_the_ego_keeps_its_speed() -> None:
+    one = drawn(road(3, 0), 0, actor())["left-traffic"]
+    assert one.behaviour.parameters == {"speed": 10.0}
+    assert one.placement.lane == 1

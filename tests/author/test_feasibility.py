@@ -1,0 +1,103 @@
+import pytest
+
+from oodscen._author import BuiltinAuthor, Knowledge
+from oodscen._author.feasibility import WeatherLimits, realise
+from oodscen.prompts import CatalogueDigest, JudgeBranch
+
+
+def branch(hazard) -> tuple[str, ...]:
+    return ("Out-of-distribution", hazard.class_name.title(), hazard.family, hazard.label)
+
+
+def test_every_branch_is_judged(
+    author: BuiltinAuthor, ask, knowledge: Knowledge, digest: CatalogueDigest
+) -> None:
+    for hazard in knowledge.hazards:
+        judged = ask(author, JudgeBranch(path=branch(hazard), catalogue=digest))
+        assert judged.simulatable <= (hazard.stage is not None)
+        assert judged.missing if not judged.simulatable else True
+        assert bool(judged.missing) == (not judged.simulatable or bool(judged.substitutes))
+
+
+def test_all_that_the_paper_simulated_is_simulatable(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest
+) -> None:
+    for hazard in author._trees.simulated:
+        assert ask(author, JudgeBranch(path=branch(hazard), catalogue=digest)).simulatable
+
+
+@pytest.mark.parametrize(
+    ("label", "asset"),
+    [("Fallen tree across the road", "fallen_tree"), ("Truck tyre lying in the lane", "tyre")],
+)
+def test_a_missing_asset_is_named_and_restores_the_branch(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, label: str, asset: str
+) -> None:
+    poorer = digest.model_copy(
+        update={"assets": tuple(line for line in digest.assets if line.id != asset)}
+    )
+    judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
+    assert not judged.simulatable
+    (missing,) = judged.missing
+    assert (missing.kind, missing.name) == ("asset", asset)
+    assert missing.category is not None
+    judged = ask(author, JudgeBranch(path=("x", label), catalogue=digest))
+    assert judged.simulatable
+    assert asset in judged.assets
+
+
+@pytest.mark.parametrize(
+    ("label", "line", "missing"),
+    [
+        ("Heavy snowfall covering the road", "night; no fog; rain up to 50 mm/h", "snow"),
+        ("Thick fog at night with a vehicle ahead", "no night; fog down to 20 m", "night"),
+        ("Black ice on the road", "night; road friction down to 0.5", "slippery"),
+    ],
+)
+def test_missing_weather_is_named(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, label: str, line: str, missing: str
+) -> None:
+    poorer = digest.model_copy(update={"weather": line})
+    judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
+    assert not judged.simulatable
+    assert any(missing in item.words for item in judged.missing)
+
+
+def test_an_unknown_branch_is_not_claimed(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest
+) -> None:
+    judged = ask(author, JudgeBranch(path=("x", "Alien invasion"), catalogue=digest))
+    assert not judged.simulatable
+
+
+def test_the_line_on_the_weather_is_read(digest: CatalogueDigest) -> None:
+    assert WeatherLimits.of(
+        "night; fog down to 30 m visual range; rain and snow up to 60 mm/h; road friction down to 0.15"
+    ) == WeatherLimits(True, 30.0, True, True, 60.0, 0.15)
+    assert WeatherLimits.of("no night; no fog; no precipitation; road friction down to 1") == (
+        WeatherLimits(False, 10_000.0, False, False, 0.0, 1.0)
+    )
+    assert WeatherLimits.of(digest.weather).night
+
+
+def test_a_map_without_the_landmark_is_named(
+    author: BuiltinAuthor, ask, rich_digest: CatalogueDigest
+) -> None:
+    label = "Cross traffic running a red light"
+    assert ask(author, JudgeBranch(path=("x", label), catalogue=rich_digest)).simulatable
+    bare = tuple(line.model_copy(update={"landmarks": ()}) for line in rich_digest.maps)
+    poorer = rich_digest.model_copy(update={"maps": bare})
+    judged = ask(author, JudgeBranch(path=("x", label), catalogue=poorer))
+    assert [one.words for one in judged.missing] == ["a map with: junction, signalised"]
+
+
+def test_a_recipe_can_be_shown_or_its_things_are_missing(
+    knowledge: Knowledge, rich_digest: CatalogueDigest
+) -> None:
+    shown = 0
+    for hazard in knowledge.hazards:
+        if hazard.stage is not None:
+            missing = realise(hazard, rich_digest, knowledge).missing
+            assert {one.kind for one in missing} <= {"asset", "map"}, hazard.id
+            shown += not missing
+    assert shown >= 211

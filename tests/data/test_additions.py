@@ -1,0 +1,87 @@
+"""Additions: one thing has one name, and a catalogue that has them shows them."""
+
+from typing import get_args
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.data._additions import Addition, AdditionKind, extended, map_with
+from oodscen.data._catalogue import Catalogue
+from oodscen.prompts import CatalogueDigest
+from oodscen.testing import FlatSimulator
+
+CATALOGUE = FlatSimulator().catalogue()
+NAMES = st.text(st.characters(codec="utf-8", categories=["L", "N", "Z"]), min_size=1).filter(
+    lambda text: text.strip() != ""
+)
+
+
+@given(st.sampled_from(get_args(AdditionKind)), NAMES)
+def test_it_survives_its_json(kind, name):
+    addition = Addition.parse({"kind": kind, "name": name[:160]})
+    assert Addition.parse(addition.to_json()) == addition
+    assert addition.brings(addition)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "name"),
+    [
+        ("an asset: Fallen Tree", "asset", "fallen_tree"),
+        ("fallen  tree", "asset", "fallen_tree"),
+        ("weather: snow", "weather", "snow"),
+        ("a behavior: spin", "behaviour", "spin"),
+        ("a state: car: beacon", "state", "car: beacon"),
+        ("map: bridge + urban", "map", "bridge + urban"),
+    ],
+)
+def test_a_model_may_write_it_as_text(text, kind, name):
+    addition = Addition.model_validate(text)
+    assert (addition.kind, addition.name) == (kind, name)
+
+
+def test_a_map_brings_every_map_with_fewer_traits():
+    both, one = map_with(["bridge", "urban"]), map_with(["bridge"])
+    assert both.brings(one)
+    assert not one.brings(both)
+
+
+@pytest.mark.parametrize(
+    "addition",
+    [
+        Addition(kind="asset", name="piano", category="object"),
+        Addition(kind="asset", name="camel", category="animal"),
+        Addition(kind="behaviour", name="spin"),
+        Addition(kind="weather", name="dust"),
+        map_with(["coastal", "tunnel"]),
+        Addition(kind="state", name="deer: asleep"),
+    ],
+    ids=lambda one: one.words,
+)
+def test_an_extended_catalogue_is_valid_and_has_it(addition):
+    richer = extended(CATALOGUE, [addition])
+    assert Catalogue.parse(richer.to_json()) == richer
+    digest = CatalogueDigest.of(richer)
+    has = {
+        "asset": bool(digest.called(addition.name)),
+        "behaviour": addition.name in {line.id for line in digest.behaviours},
+        "weather": digest.limits.offers(addition.name),
+        "map": any(set(addition.traits) <= set(road.features) for road in digest.maps),
+        "state": "asleep" in digest.called("deer")[0].states,
+    }
+    assert has[addition.kind]
+
+
+@pytest.mark.parametrize("name", ["night", "fog", "rain", "snow", "ice"])
+def test_weather_that_a_scene_can_ask_for_is_added_as_such(name):
+    bare = CATALOGUE.model_copy(
+        update={"weather": type(CATALOGUE.weather)(min_sun_elevation_deg=0.0)}
+    )
+    assert not CatalogueDigest.of(bare).limits.offers(name)
+    richer = extended(bare, [Addition(kind="weather", name=name)])
+    assert CatalogueDigest.of(richer).limits.offers(name)
+    assert richer.weather.others == ()
+
+
+def test_what_no_catalogue_can_bring_changes_nothing():
+    assert extended(CATALOGUE, [Addition(kind="other", name="a recipe")]) == CATALOGUE

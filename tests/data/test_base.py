@@ -1,0 +1,156 @@
+"""Laws of every data type: canonical text, exact round trips, every fault at once."""
+
+import json
+import pickle
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.data._base import Data, Faults, canonical_json, dotted
+from oodscen.data._catalogue import Asset, BehaviourKind, BehaviourParameter, RoadMap, WeatherRange
+from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.data._messages import Image, Message
+from oodscen.data._scenario import Scenario
+from oodscen.data._verdict import Verdict
+from oodscen.errors import DataError, Issue
+from oodscen.llm._call_log import Call
+from oodscen.protocols import Completion, Usage
+
+text = st.text(max_size=8)
+number = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(min_value=1e-3, max_value=1e6)
+identifier = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,8}", fullmatch=True)
+
+values = st.one_of(
+    st.builds(Scenario, id=identifier, text=st.text(min_size=1), path=st.lists(text).map(tuple)),
+    st.builds(Message, role=st.sampled_from(["system", "user"]), text=text),
+    st.builds(Image, name=text, sha256=text),
+    st.builds(Usage, input_tokens=st.integers(), cost_usd=st.none() | number),
+    st.builds(Completion, text=text),
+    st.builds(Asset, length=positive, width=positive, height=positive),
+    st.builds(BehaviourParameter, minimum=number, maximum=number, default=number),
+    st.builds(
+        BehaviourKind,
+        parameters=st.dictionaries(
+            text, st.builds(BehaviourParameter, minimum=number, maximum=number, default=number)
+        ),
+    ),
+    st.builds(RoadMap, lanes=st.integers(1, 6), speed_limit=positive, length_m=positive),
+    st.builds(WeatherRange, min_friction=number),
+    st.builds(ActionOutcome, margin_m=st.none() | number),
+    st.builds(
+        Episode,
+        status=st.sampled_from(["ok", "failed"]),
+        visible=st.dictionaries(text, st.dictionaries(text, st.integers())),
+        actions=st.dictionaries(text, st.builds(ActionOutcome, margin_m=st.none() | number)),
+    ),
+    st.builds(Verdict, descriptions=st.lists(text).map(tuple)),
+    st.builds(Call, status=st.sampled_from(["ok", "failed"]), seconds=number),
+)
+
+
+@given(values)
+def test_json_gives_the_value_back(value):
+    again = type(value).parse(value.to_json())
+    assert again == value
+    assert again.to_json() == value.to_json()
+    assert type(value).parse(json.loads(value.to_json())) == value
+    assert pickle.loads(pickle.dumps(value)) == value
+
+
+@given(values, values)
+def test_the_digest_tells_values_apart(one, other):
+    if type(one) is type(other):
+        assert (one.digest() == other.digest()) == (one.to_json() == other.to_json())
+
+
+@given(st.dictionaries(text, st.recursive(number | text | st.none(), st.lists, max_leaves=4)))
+def test_canonical_text_does_not_depend_on_the_order_of_keys(value):
+    other = dict(reversed(value.items()))
+    assert canonical_json(other) == canonical_json(value)
+    assert json.loads(canonical_json(value)) == value
+
+
+def test_values_are_frozen_and_closed():
+    with pytest.raises(ValueError, match="frozen"):
+        Usage().input_tokens = 3
+    with pytest.raises(DataError) as caught:
+        Usage.parse({"tokens": 1})
+    assert [issue.path for issue in caught.value.issues] == ["tokens"]
+
+
+@pytest.mark.parametrize("constant", ["NaN", "Infinity", "-Infinity", "1e999"])
+def test_numbers_are_finite(constant):
+    with pytest.raises(DataError):
+        Usage.parse(f'{{"cost_usd": {constant}}}')
+
+
+def test_every_fault_has_its_path():
+    with pytest.raises(DataError) as caught:
+        BehaviourKind.parse(
+            {
+                "id": 1,
+                "categories": ["vehicle", "ghost"],
+                "parameters": {"speed": {"minimum": "fast", "maximum": 1, "default": 1}},
+            },
+            source="kinds.json",
+        )
+    error = caught.value
+    assert (error.noun, error.source) == ("behaviour", "kinds.json")
+    assert {issue.path for issue in error.issues} == {
+        "id",
+        "description",
+        "categories[1]",
+        "parameters.speed.minimum",
+    }
+
+
+def test_faults_of_a_whole_are_listed_below_its_place():
+    class Whole(Data):
+        parts: list[int] = []
+
+        def model_post_init(self, context):
+            raise Faults([Issue("parts[0]", "a"), Issue("[1]", "b"), Issue("", "c")])
+
+    class Holder(Data):
+        wholes: list[Whole]
+
+    with pytest.raises(DataError) as caught:
+        Holder.parse({"wholes": [{}]})
+    assert caught.value.issues == (
+        Issue("wholes[0].parts[0]", "a"),
+        Issue("wholes[0][1]", "b"),
+        Issue("wholes[0]", "c"),
+    )
+
+
+@given(st.binary())
+def test_any_bytes_in_a_file_are_a_value_or_a_data_error(tmp_path_factory, data):
+    file = tmp_path_factory.getbasetemp() / "any.json"
+    file.write_bytes(data)
+    with pytest.raises(DataError):
+        Scenario.load(file)
+
+
+def test_a_missing_file_and_a_folder_are_data_errors(tmp_path):
+    for path in (tmp_path / "none.json", tmp_path):
+        with pytest.raises(DataError) as caught:
+            Scenario.load(path)
+        assert caught.value.source == str(path)
+
+
+def test_locations_read_like_code():
+    assert dotted(("actors", 2, "placement", "lane")) == "actors[2].placement.lane"
+    assert dotted((0, "a")) == "[0].a"
+    assert dotted(()) == ""
+
+
+def test_an_image_is_read_late(tmp_path):
+    file = tmp_path / "a.jpg"
+    file.write_bytes(b"bytes")
+    image = Image.from_file(file, "frames/a.jpg")
+    assert (image.name, image.read()) == ("frames/a.jpg", b"bytes")
+    assert "path" not in json.loads(image.to_json())
+    with pytest.raises(FileNotFoundError):
+        Image.parse(image.to_json()).read()

@@ -1,0 +1,28 @@
+"""Pictures are told apart by name and content, not by where their bytes happen to lie."""
+
+import pytest
+
+from oodscen.data._messages import Image
+
+
+@pytest.fixture
+def files(tmp_path):
+    for name, data in (("a", b"same"), ("b", b"same"), ("c", b"other")):
+        (tmp_path / name).write_bytes(data)
+    return tmp_path
+
+
+def test_the_place_of_the_bytes_is_not_part_of_the_picture(files):
+    first, moved = (Image.from_file(files / name, "frames/x/first.jpg") for name in "ab")
+    assert first == moved
+    assert hash(first) == hash(moved)
+    assert first != Image.from_file(files / "c", "frames/x/first.jpg")
+    assert first != Image.from_file(files / "a", "frames/y/first.jpg")
+    assert "path" not in first.model_dump()
+
+
+def test_bytes_are_read_late_and_their_absence_is_said(files):
+    image = Image.from_file(files / "a")
+    assert image.read() == b"same"
+    with pytest.raises(FileNotFoundError, match=r"first\.jpg"):
+        Image(name="first.jpg", sha256="0" * 64).read()

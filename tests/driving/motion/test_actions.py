@@ -1,0 +1,119 @@
+from itertools import pairwise
+
+import pytest
+
+from oodscen.data._episode import ACTIONS
+from oodscen.driving import (
+    ACTION_DRIVERS,
+    SHIPPED_MAPS,
+    Cruise,
+    KinematicWorld,
+    action_driver,
+    is_available,
+)
+from oodscen.driving._motion.actions import ChangeLane, PullOver
+from oodscen.errors import UnknownComponent
+from oodscen.protocols import Driver, Observation
+from tests.driving.staging import scene, world
+
+
+def drive(
+    map: str, speed: float, lane: int, friction: float, action: str, *, lead_s: float = 0.0
+) -> tuple[KinematicWorld, list[Observation], Driver] | None:
+    one = world(scene(map=map, speed=speed, lane=lane, friction=friction))
+    cruise = Cruise()
+    while one.time < lead_s:
+        one.step(cruise.act(one.observe()))
+    if not is_available(action, one.observe()):
+        return None
+    driver = action_driver(action)
+    told = [one.observe()]
+    for _ in range(240):
+        one.step(driver.act(told[-1]))
+        told.append(one.observe())
+        assert not one.is_off_road(), (map, speed, lane, friction, action, lead_s, one.time)
+    return one, told, driver
+
+
+def test_there_is_a_driver_for_every_action() -> None:
+    assert tuple(ACTION_DRIVERS) == ACTIONS
+    for action in ACTIONS:
+        assert isinstance(action_driver(action), Driver)
+        assert action_driver(action) is not action_driver(action)
+
+
+def test_unknown_actions_name_close_matches() -> None:
+    with pytest.raises(UnknownComponent) as caught:
+        action_driver("emergency_break")
+    assert caught.value.matches[0] == "emergency_brake"
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+@pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
+def test_actions_keep_to_the_road_and_to_their_course(road, action: str) -> None:
+    is_round = road.id == "roundabout"
+    if is_round and action in ("change_lane_left", "pull_over"):
+        pytest.skip("its islands are no road to change to, and it has no room at the side")
+    within = 0.6 if is_round else 0.15
+    for speed in (8.0, 14.0) if is_round else (8.0, 18.0, 28.0):
+        for friction in (1.0,) if is_round else (1.0, 0.35):
+            if road.id == "rural_curve" and speed > 25 and friction < 1:
+                continue
+            for lane in range(road.lanes):
+                result = drive(road.id, speed, lane, friction, action, lead_s=2.0)
+                if result is None:
+                    continue
+                one, told, driver = result
+                target = 0.0
+                if isinstance(driver, ChangeLane | PullOver):
+                    target = driver.origin + driver.shift
+                offsets = [now.offset_m for now in told]
+                assert abs(offsets[-1] - target) < within
+                assert max(offsets) < max(0.0, target) + within
+                assert min(offsets) > min(0.0, target) - within
+                assert abs(told[-1].heading_error) < 0.02 or is_round or one.ego.speed > 0.0
+
+
+@pytest.mark.parametrize(
+    ("action", "final"),
+    [
+        ("keep_speed", 12.0),
+        ("slow_down", 6.0),
+        ("stop", 0.0),
+        ("emergency_brake", 0.0),
+        ("change_lane_left", 12.0),
+        ("pull_over", 0.0),
+    ],
+)
+def test_actions_reach_their_speed(action: str, final: float) -> None:
+    one, _, _ = drive("urban_avenue", 12.0, 0, 1.0, action)
+    assert abs(one.ego.speed - final) < 0.1
+
+
+def test_decelerations_are_as_named() -> None:
+    for action, expected in (("slow_down", 2.0), ("stop", 3.5), ("emergency_brake", 8.0)):
+        _, told, _ = drive("urban_avenue", 14.0, 0, 1.0, action)
+        hardest = max(a.speed - b.speed for a, b in pairwise(told)) / 0.05
+        assert abs(hardest - expected) < 0.02
+    _, told, _ = drive("urban_avenue", 14.0, 0, 0.35, "emergency_brake")
+    hardest = max(a.speed - b.speed for a, b in pairwise(told)) / 0.05
+    assert 3.2 < hardest <= 0.35 * 9.81
+
+
+def test_a_lane_change_takes_about_three_seconds() -> None:
+    _, told, _ = drive("highway", 25.0, 0, 1.0, "change_lane_left")
+    arrival = next(now.time for now in told if now.offset_m > 3.75 - 0.1)
+    assert 2.2 < arrival < 3.5
+
+
+def test_lanes_decide_what_is_available() -> None:
+    right = world(scene(lane=0)).observe()
+    left = world(scene(lane=1)).observe()
+    assert is_available("change_lane_left", right)
+    assert not is_available("change_lane_right", right)
+    assert is_available("change_lane_left", left)
+    assert is_available("change_lane_right", left)
+    assert is_available("change_lane_left", world(scene(map="rural_curve")).observe())
+    assert not is_available("change_lane_left", world(scene(map="highway", lane=1)).observe())
+    with pytest.raises(UnknownComponent):
+        is_available("fly", right)

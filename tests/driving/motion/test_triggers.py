@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.data._scene import Trigger
+from oodscen.driving import is_due
+from oodscen.driving._motion.triggers import is_reached
+from oodscen.protocols import Control, State
+from tests.driving.staging import actor, scene, world
+
+speeds = st.floats(-30, 30)
+
+
+@given(st.floats(-100, 100), speeds, speeds, st.floats(0, 20))
+def test_time_to_collision_is_when_the_distance_is_zero(
+    ahead: float, ego: float, other: float, limit: float
+) -> None:
+    due = is_reached("ttc", limit, time=0.0, ahead=ahead, ego_speed=ego, actor_speed=other)
+    later = np.linspace(0.0, limit, 2001)
+    distance = ahead + (other - ego) * later
+    meets = bool((np.sign(distance) != np.sign(ahead)).any()) or ahead == 0.0
+    margin = abs(abs(ahead) - limit * abs(ego - other))
+    assert due == meets or margin < 1e-6
+
+
+@given(st.floats(0, 50), st.floats(0, 50))
+def test_time_triggers_stay_due(value: float, time: float) -> None:
+    due = is_reached("time", value, time=time, ahead=0, ego_speed=0, actor_speed=0)
+    assert due == (time >= value - 1e-9)
+
+
+@pytest.mark.parametrize("kind", ["time", "distance", "ttc"])
+@pytest.mark.parametrize("map", ["urban_avenue", "rural_curve"])
+def test_a_state_tells_what_the_world_knows(kind: str, map: str) -> None:
+    staged = scene(actor("a", "car", "wrong_way", ahead=120.0, speed=9.0), map=map)
+    one = world(staged)
+    trigger = Trigger(kind=kind, value=2.0 if kind != "distance" else 40.0)
+    seen = set()
+    for step in range(100):
+        state = State(
+            step=step,
+            time=one.time,
+            ids=one.ids,
+            poses=one.poses(),
+            speeds=one.speeds(),
+            gaps=np.full(2, np.inf),
+            off_road=False,
+        )
+        known = one.is_due(trigger, "a")
+        assert is_due(trigger, "a", state, one.corridor) == known
+        seen.add(known)
+        one.step(Control())
+    assert seen == {False, True}
+
+
+def test_a_trigger_may_watch_another_actor() -> None:
+    watcher = actor("w", "adult", "walk_along", ahead=200.0, offset=-3.0,
+                    trigger=Trigger(kind="distance", value=30.0, actor="mark"))  # fmt: skip
+    one = world(scene(actor("mark", ahead=60.0, offset=3.0), watcher))
+    while one.motion("w").triggered < 0.0:
+        one.step(Control())
+    assert 29.0 < one.motion("mark").s - one.ego.s <= 30.0

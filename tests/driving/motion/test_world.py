@@ -1,0 +1,154 @@
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen.data._scene import Trigger
+from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld
+from oodscen.driving._motion.bodies import SPEED, YAW, X, Y
+from oodscen.protocols import Control
+from tests.driving.staging import actor, scene, world
+
+controls = st.lists(
+    st.builds(Control, st.floats(-8, 3), st.floats(-0.2, 0.2)), min_size=1, max_size=25
+)
+BUSY = scene(
+    actor("a", "car", "follow_lane", ahead=40.0, speed=8.0),
+    actor("b", "car", "cut_in", lane=1, ahead=15.0, speed=12.0, lanes=-1),
+    actor("c", "cyclist", "wobble", ahead=70.0, offset=-0.6),
+    actor("d", "dog", "bolt", ahead=60.0, offset=-4.0, heading=90.0,
+          trigger=Trigger(kind="distance", value=50.0)),
+    actor("e", "truck", "follow_lane", ahead=150.0, lane=2, speed=11.0),
+    actor("f", "adult", "hesitate", ahead=25.0, offset=-3.2, heading=80.0,
+          trigger=Trigger(kind="ttc", value=4.0)),
+)  # fmt: skip
+
+
+def trace(result: KinematicWorld, steps: int = 100) -> bytes:
+    driver, rows = Cruise(), []
+    for _ in range(steps):
+        rows += [result.poses().tobytes(), result.speeds().tobytes()]
+        result.step(driver.act(result.observe()))
+    return b"".join(rows)
+
+
+@settings(max_examples=25)
+@given(controls, controls)
+def test_a_restored_snapshot_goes_on_exactly_as_before(
+    before: list[Control], after: list[Control]
+) -> None:
+    one = world(BUSY)
+    for control in before:
+        one.step(control)
+    kept = one.snapshot()
+    ends = []
+    for _ in range(2):
+        for control in after:
+            one.step(control)
+        ends.append((one.snapshot(), one.poses().tobytes(), one.speeds().tobytes(), one.time))
+        one.restore(kept)
+    assert ends[0] == ends[1]
+    other = world(BUSY)
+    other.restore(kept)
+    for control in after:
+        other.step(control)
+    assert other.snapshot() == ends[0][0]
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_does_not() -> None:
+    assert trace(world(BUSY, seed=1)) == trace(world(BUSY, seed=1))
+    assert trace(world(BUSY, seed=1)) != trace(world(BUSY, seed=2))
+
+
+def test_a_fresh_process_gives_the_same_bytes() -> None:
+    code = (
+        "import hashlib; from tests.driving.motion.test_world import *;"
+        "print(hashlib.sha256(trace(world(BUSY, seed=4))).hexdigest())"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)
+    }
+    assert len(digests) == 1
+
+
+def test_removing_an_actor_shifts_no_other() -> None:
+    fewer = BUSY.model_copy(update={"actors": BUSY.actors[2:]})
+    full, thinned = world(BUSY, seed=5), world(fewer, seed=5)
+    for _ in range(60):
+        full.step(Control())
+        thinned.step(Control())
+    for body in "cde":
+        assert full.motion(body) == thinned.motion(body)
+
+
+@settings(max_examples=20)
+@given(controls)
+def test_all_state_is_quantised(demands: list[Control]) -> None:
+    one = world(BUSY)
+    for control in demands:
+        one.step(control)
+    for array in (one.poses(), one.speeds()):
+        assert np.array_equal(array, np.round(array, 6) + 0.0)
+        assert np.isfinite(array).all()
+
+
+@pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
+def test_a_blind_driver_keeps_its_lane(road) -> None:
+    for lane in range(road.lanes):
+        one = world(scene(map=road.id, speed=road.speed_limit, lane=lane))
+        driver = Cruise()
+        within = 0.1 if np.abs(one.corridor.curvature).max() < 0.02 else 0.6
+        for _ in range(round(0.9 * road.length_m / road.speed_limit / one.dt)):
+            one.step(driver.act(one.observe()))
+            told = one.observe()
+            assert abs(told.offset_m) < within
+            assert not one.is_off_road()
+        assert math.isclose(one.ego.speed, min(road.speed_limit, told.curve_speed), abs_tol=0.05)
+
+
+def test_the_driver_is_told_about_the_lanes_beside_it() -> None:
+    avenue = world(scene(lane=1)).observe()
+    assert (avenue.lane_left_m, avenue.lane_right_m) == pytest.approx((3.4, -3.4))
+    street = world(scene(map="residential_two_lane")).observe()
+    assert (street.lane_left_m, street.lane_right_m) == (3.25, None)
+    highway = world(scene(map="highway", lane=1)).observe()
+    assert highway.lane_left_m is None
+    assert highway.roadside_m < -3.75 - 1.875
+
+
+def put(one: KinematicWorld, x: float, y: float, yaw: float) -> None:
+    """Put the ego somewhere and let it settle for a step."""
+    kept = one.snapshot()
+    state = np.frombuffer(kept.state).copy()
+    state[[X, Y, YAW, SPEED]] = x, y, yaw, 0.0
+    one.restore(kept._replace(state=state.tobytes()))
+    one.step(Control())
+
+
+def test_off_road_begins_where_the_footprint_leaves_the_road() -> None:
+    one = world(scene(speed=10.0))
+    right = one.corridor.drivable_range(one.ego.s, one.ego.t)[0]
+    while not one.is_off_road():
+        x, y, _, yaw = one.corridor.point(one.ego.s, one.ego.t - 0.01)
+        put(one, x, y, yaw)
+    assert math.isclose(one.ego.t - 0.925, right, abs_tol=0.011)
+
+
+def test_the_oncoming_lane_is_road() -> None:
+    one = world(scene(map="rural_curve"))
+    x, y, _, yaw = one.corridor.point(one.ego.s, one.ego.t + 3.25)
+    put(one, x, y, yaw)
+    assert not one.is_off_road()
+
+
+@pytest.mark.parametrize("lane", [2, 6])
+def test_a_lane_that_does_not_exist_is_refused(lane: int) -> None:
+    with pytest.raises(ValueError, match="lanes"):
+        world(scene(lane=lane))

@@ -1,0 +1,123 @@
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oodscen.data._catalogue import RoadMap
+from oodscen.driving import SHIPPED_MAPS, find_map, load_corridor
+from oodscen.driving._roads.building import build_corridor
+from oodscen.driving._roads.opendrive import read_road
+from oodscen.errors import DataError, UnknownComponent
+from tests.driving.staging import CATALOGUE
+
+SECTIONS = """<OpenDRIVE><road id="7" length="200" rule="{rule}"><planView>
+<geometry s="0" x="0" y="0" hdg="0.3" length="200"><line/></geometry></planView>
+<lanes><laneOffset s="100" a="0" b="0.01" c="0" d="0"/>
+<laneSection s="0">
+  <left><lane id="1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane></left>
+  <center><lane id="0" type="none"><roadMark sOffset="0" type="broken"/></lane></center>
+  <right><lane id="-1" type="driving"><link><successor id="-2"/></link>
+    <width sOffset="0" a="3.5" b="0" c="0" d="0"/><roadMark sOffset="0" type="solid"/></lane></right>
+</laneSection>
+<laneSection s="120">
+  <left><lane id="1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane></left>
+  <center><lane id="0" type="none"/></center>
+  <right><lane id="-1" type="driving"><width sOffset="0" a="0" b="0.05" c="0" d="0"/></lane>
+         <lane id="-2" type="driving"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right>
+</laneSection></lanes></road></OpenDRIVE>"""
+
+
+@pytest.mark.parametrize("road_map", SHIPPED_MAPS, ids=lambda road: road.id)
+def test_shipped_maps_are_what_they_say(road_map: RoadMap) -> None:
+    road = load_corridor(road_map)
+    assert road.start >= 160.0
+    assert road.length - road.start >= road_map.length_m >= 450.0
+    assert len(road.ego_lanes) == road_map.lanes
+    assert len(road.driving) - len(road.ego_lanes) == road_map.oncoming_lanes
+    assert math.isclose(road.speed_limit, road_map.speed_limit, abs_tol=0.05)
+    assert road_map.has_shoulder == any(
+        strip.kind == "shoulder" and strip.direction > 0 for strip in road.strips
+    )
+    assert ("oncoming" in road_map.traits) == (
+        road.neighbour(road.ego_lanes[-1], road.start, 1) is not None
+    )
+
+
+@pytest.mark.parametrize("road_map", SHIPPED_MAPS, ids=lambda road: road.id)
+def test_samples_are_evenly_spaced(road_map: RoadMap) -> None:
+    road = load_corridor(road_map)
+    steps = np.sqrt(np.diff(road.x) ** 2 + np.diff(road.y) ** 2)
+    assert road.step <= 0.5
+    assert np.allclose(steps, road.step, atol=1e-4)
+    assert np.allclose(road.cos**2 + road.sin**2, 1.0, atol=5e-6)
+
+
+SINGLE_ROADS = [road for road in SHIPPED_MAPS if not road.route]
+
+
+@pytest.mark.parametrize("road_map", SINGLE_ROADS, ids=lambda road: road.id)
+def test_the_other_direction_mirrors_the_road(road_map: RoadMap) -> None:
+    ahead = load_corridor(road_map)
+    back = load_corridor(road_map.model_copy(update={"forward": False}))
+    assert len(back.ego_lanes) == road_map.oncoming_lanes
+    for s, t in ((10.0, 1.0), (333.0, -4.0), (700.0, 3.0)):
+        x, y, z, yaw = ahead.point(s, t)
+        other = back.point(back.length - s, -t)
+        assert np.allclose((x, y, z), other[:3], atol=1e-5)
+        assert abs(math.remainder(yaw + math.pi - other[3], math.tau)) < 1e-5
+    right_to_left = [strip.kind for strip in ahead.strips]
+    assert [strip.kind for strip in back.strips] == right_to_left[::-1]
+    marks = [(strip.right_mark, strip.mark) for strip in ahead.strips]
+    assert [(strip.mark, strip.right_mark) for strip in back.strips] == marks[::-1]
+
+
+def test_lanes_are_followed_through_sections() -> None:
+    road = build_corridor(read_road(SECTIONS.format(rule="RHT").encode()))
+    assert [strip.direction for strip in road.strips] == [1, 1, -1]
+    outer, new, left = range(3)
+    assert road.edges(outer, 50.0) == (-3.5, 0.0)
+    assert road.edges(new, 50.0) == (0.0, 0.0)
+    offset = 0.6
+    assert np.allclose(road.edges(new, 160.0), (offset - 2.0, offset), atol=1e-6)
+    assert np.allclose(road.edges(outer, 160.0), (offset - 5.5, offset - 2.0), atol=1e-6)
+    assert np.allclose(road.edges(left, 160.0), (offset, offset + 3.0), atol=1e-6)
+    assert road.driving == (outer, left)
+    assert road.neighbour(outer, 50.0, 1) == left
+    assert road.neighbour(outer, 190.0, 1) == new
+
+
+def test_left_hand_traffic_drives_on_the_left() -> None:
+    road = build_corridor(read_road(SECTIONS.format(rule="LHT").encode()))
+    assert [strip.direction for strip in road.strips] == [-1, -1, 1]
+
+
+def test_files_of_ones_own_are_found(tmp_path: Path) -> None:
+    file = tmp_path / "own.xodr"
+    file.write_text(SECTIONS.format(rule="RHT"))
+    road_map = find_map(str(file), CATALOGUE)
+    assert (road_map.lanes, road_map.oncoming_lanes, road_map.forward) == (1, 1, True)
+    assert load_corridor(road_map).start == 50.0
+
+
+def test_a_missing_map_names_close_matches() -> None:
+    with pytest.raises(UnknownComponent) as caught:
+        find_map("highwy", CATALOGUE)
+    assert "highway" in caught.value.matches
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"file": "/no/such/file.xodr"},
+        {"file": "oodscen.driving:maps/none.xodr"},
+        {"file": "no_such_package:maps/none.xodr"},
+        {"file": "\0"},
+        {"road": "17"},
+        {"start_m": 1e6},
+    ],
+    ids=str,
+)
+def test_unusable_maps_are_data_errors(change: dict[str, object]) -> None:
+    with pytest.raises(DataError):
+        load_corridor(SHIPPED_MAPS[0].model_copy(update=change))

@@ -1,0 +1,84 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.driving._roads.geometry import (
+    Arc,
+    Cubic,
+    Curve,
+    Line,
+    ParamPoly3,
+    Poly3,
+    Spiral,
+    piecewise,
+)
+
+coordinate = st.floats(-1e3, 1e3)
+heading = st.floats(-3, 3)
+length = st.floats(1, 300)
+bend = st.floats(-0.02, 0.02)
+curves = st.one_of(
+    st.builds(Line, st.just(0.0), coordinate, coordinate, heading, length),
+    st.builds(Arc, st.just(0.0), coordinate, coordinate, heading, length, bend),
+    st.builds(Spiral, st.just(0.0), coordinate, coordinate, heading, length, bend, bend),
+)
+
+
+@given(curves, st.floats(0, 1))
+def test_curves_are_measured_by_arc_length(curve: Curve, fraction: float) -> None:
+    along = fraction * (curve.length - 0.01)
+    a, b = curve.at(along), curve.at(along + 0.01)
+    assert math.isclose(math.dist(a[:2], b[:2]), 0.01, rel_tol=1e-4)
+    assert math.isclose(
+        math.remainder(math.atan2(b.y - a.y, b.x - a.x) - a.heading, math.tau),
+        0.005 * a.curvature,
+        abs_tol=1e-4,
+    )
+    assert math.isclose(b.heading - a.heading, 0.01 * a.curvature, abs_tol=1e-5)
+
+
+@given(coordinate, coordinate, heading, length, bend, st.floats(0, 1))
+def test_a_spiral_without_change_is_an_arc(x, y, angle, size, curvature, fraction) -> None:
+    spiral = Spiral(0.0, x, y, angle, size, curvature, curvature)
+    arc = Arc(0.0, x, y, angle, size, curvature)
+    for a, b in zip(spiral.at(fraction * size), arc.at(fraction * size), strict=True):
+        assert math.isclose(a, b, abs_tol=1e-6)
+
+
+def test_a_spiral_agrees_with_the_fresnel_integrals() -> None:
+    # C(1) and S(1) of the normalised Fresnel integrals (Abramowitz and Stegun, table 7.7).
+    end = Spiral(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, math.pi).at(1.0)
+    assert math.isclose(end.x, 0.7798934, abs_tol=1e-7)
+    assert math.isclose(end.y, 0.4382591, abs_tol=1e-7)
+
+
+@pytest.mark.parametrize("size", [5.0, 40.0])
+def test_straight_polynomials_are_lines(size: float) -> None:
+    line = Line(0.0, 3.0, 4.0, 0.5, size)
+    for other in (
+        Poly3(0.0, 3.0, 4.0, 0.5, size, (0.0, 0.0, 0.0, 0.0)),
+        ParamPoly3(0.0, 3.0, 4.0, 0.5, size, (0.0, size, 0.0, 0.0), (0.0,) * 4, 1.0),
+        ParamPoly3(0.0, 3.0, 4.0, 0.5, size, (0.0, 1.0, 0.0, 0.0), (0.0,) * 4, size),
+    ):
+        for fraction in (0.0, 0.3, 1.0):
+            expected = line.at(fraction * size)
+            found = other.at(fraction * size)
+            assert all(
+                math.isclose(a, b, abs_tol=1e-9) for a, b in zip(found, expected, strict=True)
+            )
+
+
+@given(st.floats(-0.004, 0.004), st.floats(-2e-5, 2e-5), st.floats(0.01, 0.99))
+def test_poly3_is_measured_by_arc_length(c: float, d: float, fraction: float) -> None:
+    curve = Poly3(0.0, 0.0, 0.0, 0.0, 60.0, (0.0, 0.0, c, d))
+    a, b = curve.at(fraction * 60.0), curve.at(fraction * 60.0 + 0.05)
+    assert math.isclose(math.dist(a[:2], b[:2]), 0.05, rel_tol=1e-2)
+
+
+@given(st.lists(st.floats(0, 100), min_size=1, max_size=5, unique=True), st.floats(0, 120))
+def test_the_last_polynomial_that_began_holds(starts: list[float], s: float) -> None:
+    pieces = tuple(Cubic(start, float(index)) for index, start in enumerate(sorted(starts), 1))
+    expected = max((i for i, p in enumerate(pieces, 1) if p.start <= s + 1e-9), default=0.0)
+    assert piecewise(pieces, s) == float(expected)

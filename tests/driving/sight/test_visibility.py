@@ -1,0 +1,126 @@
+"""What can be seen, judged without a picture, agrees with pictures."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.data._scene import Weather
+from oodscen.driving import SHIPPED_MAPS, load_corridor
+from oodscen.driving._sight.visibility import (
+    Eye,
+    Solid,
+    area,
+    clipped,
+    hull,
+    is_noticeable,
+    visual_range,
+)
+from oodscen.protocols import Camera
+from oodscen.testing import FlatSimulator
+from tests.driving.staging import actor, scene
+
+CAMERA = Camera()
+EGO = Solid(0, 0, 0, 0, 4.5, 1.85, 1.5)
+points = st.lists(st.tuples(st.floats(-900, 900), st.floats(-900, 900)), min_size=3, max_size=12)
+
+
+def car(x, y=0.0, yaw=0.0, height=1.5):
+    return Solid(x, y, 0.0, yaw, 4.3, 1.8, height)
+
+
+@given(points)
+def test_clipping_keeps_what_is_inside(outline):
+    whole = hull(outline)
+    shown = clipped(whole, 640, 480)
+    assert area(shown) <= min(area(whole), 640 * 480) * (1 + 1e-9) + 1e-6
+    assert all(-1e-6 <= u <= 640 + 1e-6 and -1e-6 <= v <= 480 + 1e-6 for u, v in shown)
+
+
+@pytest.mark.parametrize(("ahead", "aside", "heading"), [(12, 0, 20), (30, 3, -60), (60, -2, 90)])
+def test_the_silhouette_is_what_the_camera_shows(ahead, aside, heading):
+    staged = scene(actor("a", "van", ahead=ahead, offset=aside, heading=heading), map="highway")
+    with FlatSimulator() as simulator:
+        state = simulator.reset(staged, 0)
+        frame = simulator.render(CAMERA)
+        size = simulator.catalogue().asset("van")
+    bodies = [
+        Solid(*map(float, pose), *dimensions)
+        for pose, dimensions in zip(
+            state.poses, ((4.5, 1.85, 1.5), (size.length, size.width, size.height)), strict=True
+        )
+    ]
+    sight = Eye(CAMERA, bodies[0]).see(bodies[1], ())
+    pixels = int((frame.ids == 2).sum())
+    assert sight.area_px == pytest.approx(pixels, rel=0.05, abs=10)
+    assert sight.fault(Weather(), CAMERA) is None
+
+
+def test_what_is_outside_behind_or_small_is_not_seen():
+    eye = Eye(CAMERA, EGO)
+    for body, word in (
+        (car(-20.0), "outside"),
+        (car(10.0, 30.0), "outside"),
+        (Solid(150.0, 0.0, 0.0, 0.0, 0.3, 0.3, 0.3), "square pixels"),
+    ):
+        assert word in (eye.see(body, ()).fault(Weather(), CAMERA) or "")
+
+
+def test_fog_hides_what_is_beyond_the_visual_range():
+    sight = Eye(CAMERA, EGO).see(car(60.0), ())
+    assert "visual range" in (sight.fault(Weather(fog_visual_range_m=40.0), CAMERA) or "")
+    assert sight.fault(Weather(fog_visual_range_m=90.0), CAMERA) is None
+
+
+def test_a_larger_body_hides_a_smaller_one_behind_it():
+    eye = Eye(CAMERA, EGO)
+    bus = Solid(20.0, 0.0, 0.0, math.pi / 2, 12.0, 2.5, 3.1)
+    child = Solid(30.0, 0.0, 0.0, 0.0, 0.4, 0.4, 1.2)
+    assert eye.see(child, (bus,)).hidden == 1.0
+    assert "hidden" in (eye.see(child, (bus,)).fault(Weather(), CAMERA) or "")
+    assert eye.see(bus, (child,)).hidden == 0.0
+    assert eye.see(child, ()).hidden == 0.0
+
+
+def test_a_flat_road_hides_nothing():
+    corridor = load_corridor(SHIPPED_MAPS[0])
+    x, y, z, yaw = corridor.point(corridor.start, 0.0)
+    eye = Eye(CAMERA, Solid(x, y, z, yaw, 4.5, 1.85, 1.5))
+    other = corridor.point(corridor.start + 40.0, 0.0)
+    assert eye.see(Solid(*other, 4.3, 1.8, 1.5), (), corridor).hidden == 0.0
+
+
+@given(st.floats(20, 9000), st.sampled_from(["rain", "snow"]), st.floats(0.5, 60))
+def test_rain_and_snow_only_shorten_the_visual_range(fog, kind, intensity):
+    dry = Weather(fog_visual_range_m=fog)
+    wet = Weather(fog_visual_range_m=fog, precipitation=kind, precipitation_mm_h=intensity)
+    assert visual_range(wet) < visual_range(dry) == pytest.approx(fog, rel=1e-3)
+    assert visual_range(Weather()) == 10_000.0
+
+
+@pytest.mark.parametrize(
+    ("fields", "differs"),
+    [
+        ({}, False),
+        ({"sun_elevation_deg": 40.0, "cloud_cover": 0.3}, False),
+        ({"fog_visual_range_m": 5000.0}, False),
+        ({"fog_visual_range_m": 60.0}, True),
+        ({"sun_elevation_deg": -20.0}, True),
+        ({"precipitation": "rain", "precipitation_mm_h": 5.0}, True),
+        ({"friction": 0.2}, True),
+    ],
+)
+def test_weather_is_noticeable_where_a_person_would_say_so(fields, differs):
+    assert is_noticeable(Weather(**fields), Weather()) is differs
+    assert is_noticeable(Weather(), Weather(**fields)) is differs
+
+
+def test_sight_lines_meet_the_picture():
+    eye = Eye(CAMERA, EGO)
+    u, v, depth = eye.pixel((30.0, 2.0, 1.0))
+    ray = eye._ray(u, v)
+    np.testing.assert_allclose(
+        [a + depth * b for a, b in zip(eye.place, ray, strict=True)], (30.0, 2.0, 1.0), atol=1e-9
+    )

@@ -1,0 +1,144 @@
+"""Traces: what states imply, as a table that survives being written."""
+
+import numpy as np
+import pytest
+
+from oodscen import simulate
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.driving import SHIPPED_MAPS, load_corridor
+from oodscen.driving._trace import COLUMNS, Trace, places
+from oodscen.errors import DataError, UsageError
+from oodscen.protocols import Control
+from oodscen.testing import FlatSimulator
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing._scenes import example_scene
+
+
+def actor(name, asset, behaviour, ahead, **place):
+    return Actor(
+        id=name,
+        asset=asset,
+        placement=Placement(ahead_m=ahead, **place),
+        behaviour=Behaviour(name=behaviour),
+    )
+
+
+SCENE = Scene(
+    id="busy",
+    scenario_id="busy",
+    map="urban_avenue",
+    ego=Ego(speed=10.0),
+    actors=(
+        actor("lead", "car", "hard_brake", 22.0),
+        actor("beside", "truck", "follow_lane", -10.0, lane=1),
+        actor("pot", "plant_pot", "stand", 90.0),
+    ),
+    hazard=Hazard(actors={"lead": None}),
+    decision=Trigger(value=1.0),
+)
+
+
+@pytest.fixture(scope="module")
+def states():
+    with FlatSimulator() as simulator:
+        found = [simulator.reset(SCENE, 1)]
+        for step in range(100):
+            control = Control(-1.0 if step > 60 else 0.5, 0.01 if step % 20 < 10 else -0.01)
+            found.append(simulator.step(control))
+    return found
+
+
+@pytest.fixture(scope="module")
+def trace(states):
+    return Trace.of(states, SCENE, FLAT_CATALOGUE)
+
+
+def test_it_holds_what_the_states_hold(trace, states):
+    assert trace.ids == states[0].ids
+    assert trace.steps == len(states)
+    for row in (0, 40, 100):
+        state = states[row]
+        for axis, name in enumerate(("x", "y", "z", "yaw")):
+            np.testing.assert_array_equal(trace[name][row], state.poses[:, axis])
+        np.testing.assert_array_equal(trace["speed"][row], state.speeds)
+        np.testing.assert_array_equal(trace["gap_m"][row], state.gaps)
+        assert (trace["time"][row] == state.time).all()
+
+
+def test_velocities_and_accelerations_add_up(trace):
+    dt = trace["time"][1, 0] - trace["time"][0, 0]
+    for place, rate in (("x", "vx"), ("y", "vy"), ("speed", "acceleration")):
+        total = trace[place][0] + trace[rate][1:].sum(axis=0) * dt
+        np.testing.assert_allclose(total, trace[place][-1], atol=1e-9)
+    beside = np.hypot(trace["vx"], trace["vy"])[:, 1]
+    np.testing.assert_allclose(beside[1:], trace["speed"][1:, 1], atol=0.5)
+
+
+def test_lanes_count_to_the_left_of_the_ego(trace):
+    assert trace["lane"][0].tolist() == [0, 0, 1, 0]
+
+
+def test_the_conflict_shows(trace):
+    lead = trace.summary()["lead"]
+    assert lead.min_ttc_s is not None
+    assert lead.max_deceleration > 3.0
+    assert trace.summary()["beside"].min_time_headway_s is None
+    assert np.isinf(trace["ttc_s"][:, 0]).all()
+
+
+def test_contact_has_no_time_left():
+    with FlatSimulator() as simulator:
+        hit = simulate(example_scene(), simulator, render=False, traces=True).rollouts["keep_speed"]
+    met = hit.summary()["box"]
+    assert (met.min_gap_m, met.min_ttc_s, met.pet_s) == (0.0, 0.0, 0.0)
+    assert hit["contact"][-1].tolist() == [True, True]
+    assert not hit["contact"][0].any()
+
+
+@pytest.mark.parametrize("suffix", [".parquet", ".arrow", ".csv"])
+def test_what_is_written_is_read(trace, tmp_path, suffix):
+    again = Trace.load(trace.save(tmp_path / f"a{suffix}"))
+    assert again.ids == trace.ids
+    for name in COLUMNS:
+        if name != "id":
+            np.testing.assert_array_equal(again[name], trace[name])
+    assert again.summary() == trace.summary()
+
+
+def test_the_table_has_a_row_per_step_and_body(trace):
+    table = trace.to_pandas()
+    assert list(table) == list(COLUMNS)
+    assert len(table) == len(trace) == trace.steps * 4
+    assert table["off_road"].isna().sum() == trace.steps * 3
+    assert table["ttc_s"].isna().sum() > 0
+    assert not np.isinf(table["gap_m"]).any()
+
+
+def test_files_that_are_no_trace_are_refused(trace, tmp_path):
+    with pytest.raises(UsageError):
+        trace.save(tmp_path / "a.txt")
+    with pytest.raises(UsageError):
+        Trace.of([], SCENE, FLAT_CATALOGUE)
+    (tmp_path / "b.csv").write_text("step,time\n1,2\n")
+    with pytest.raises(DataError) as caught:
+        Trace.load(tmp_path / "b.csv")
+    assert "id" in {issue.path for issue in caught.value.issues}
+    (tmp_path / "c.parquet").write_bytes(b"nothing")
+    for name in ("c.parquet", "missing.parquet"):
+        with pytest.raises(DataError):
+            Trace.load(tmp_path / name)
+
+
+@pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
+def test_places_are_where_the_corridor_says(road):
+    corridor = load_corridor(road)
+    rng = np.random.Generator(np.random.PCG64(1))
+    s = rng.uniform(-20.0, corridor.length + 20.0, 60)
+    t = rng.uniform(-6.0, 6.0, 60)
+    points = np.array([corridor.point(a, b) for a, b in zip(s.tolist(), t.tolist(), strict=True)])
+    found = places(corridor, points[:, 0].copy(), points[:, 1].copy())
+    for index, (x, y, _, heading) in enumerate(points.tolist()):
+        expected = corridor.locate(x, y)
+        np.testing.assert_allclose((found[0][index], found[1][index]), expected, atol=1e-6)
+        cosine = found[2][index] * np.cos(heading) + found[3][index] * np.sin(heading)
+        assert cosine == pytest.approx(1.0, abs=1e-6)

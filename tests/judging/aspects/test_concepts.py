@@ -1,0 +1,44 @@
+"""The table of concepts can be read and extended: every line means what it says."""
+
+import pytest
+
+from oodscen.judging._aspects.concepts import concepts, named, widened
+
+SPOKEN = [
+    (name, expression.replace("*", ""))
+    for name, one in concepts().items()
+    for expression in one.expressions
+]
+
+
+def test_no_expression_belongs_to_two_concepts():
+    taken: dict[tuple[str, ...], str] = {}
+    for name, one in concepts().items():
+        for expression in one.expressions:
+            spelled = named(expression.replace("*", "")).words
+            spelled += ("*",) if "*" in expression else ()
+            assert taken.setdefault(spelled, name) == name, expression
+
+
+@pytest.mark.parametrize("kind", ["odd", "ordinary", "state", "act", "place"])
+def test_every_expression_is_found_for_its_concept_when_it_stands_alone(kind):
+    for name, expression in SPOKEN:
+        if concepts()[name].kind == kind:
+            assert name in [one.name for one in named(expression).concepts], expression
+
+
+def test_what_is_set_aside_names_nothing():
+    for name, expression in SPOKEN:
+        if concepts()[name].kind == "aside":
+            assert not named(expression).concepts, expression
+
+
+def test_wider_concepts_are_followed_to_the_widest():
+    assert widened("deer") == {"deer", "wild animal", "animal"}
+
+
+def test_states_imply_things():
+    for one in concepts().values():
+        if one.implied:
+            assert one.kind in ("state", "act")
+            assert concepts()[one.implied].kind in ("odd", "ordinary")

@@ -1,0 +1,171 @@
+"""The documented matcher of open answers: concepts, not shared words."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen._author.knowledge.loading import load_knowledge
+from oodscen.data._base import Data
+from oodscen.judging._aspects.matching import MOST_THINGS, names_aspect
+from oodscen.judging._constant_answerers import ASPECT
+
+
+class Answer(Data):
+    """An answer that a person wrote down for a label, and whether it is right."""
+
+    label: str
+    answer: str
+    is_right: bool
+    round: int
+    """Of writing: the answers of a round were written without a look at the table as it then was."""
+
+
+@cache
+def answers() -> tuple[Answer, ...]:
+    lines = Path(__file__).with_name("aspects.jsonl").read_text(encoding="utf-8").splitlines()
+    return tuple(Answer.model_validate(json.loads(line)) for line in lines)
+
+
+@cache
+def labels() -> tuple[str, ...]:
+    return tuple(dict.fromkeys(one.label for one in answers()))
+
+
+HELD_OUT = (4, 5)
+"""Rounds for which nothing was added to the table."""
+
+
+def share_right(*, is_right: bool, is_held_out: bool = False) -> float:
+    """Return the share of the right answers, or of the wrong ones, that count as right."""
+    found = [
+        names_aspect(one.answer, ("OOD", one.label))
+        for one in answers()
+        if one.is_right == is_right and (one.round in HELD_OUT) == is_held_out
+    ]
+    return sum(found) / len(found)
+
+
+@pytest.mark.parametrize(
+    ("aspect", "label", "is_right"),
+    [
+        ("a flipped car", "Overturned vehicle ahead", True),
+        ("car lying on its roof", "Overturned vehicle ahead", True),
+        ("dense mist", "Thick fog at night with a vehicle ahead", True),
+        ("night", "Thick fog at night with a vehicle ahead", False),
+        ("a crate in the lane", "Large cardboard box on the road", True),
+        ("a carton in the lane", "Large cardboard box on the road", True),
+        ("a stag", "Deer on the road", True),
+        ("a demonstration", "Large group of people (parade, protest)", True),
+        ("no deer, only a box", "Deer on the road", False),
+        ("the deer is not there", "Deer on the road", False),
+        ("traffic lights not working", "Traffic lights failing in rush hour", True),
+        ("a vehicle ahead", "Overturned vehicle ahead", False),
+        ("heavy rain", "Heavy snowfall covering the road", False),
+        ("a fire hydrant", "Fire on or beside the road", False),
+        ("vehicle stopped ahead", "Stop sign knocked down into the lane", False),
+        ("fog, snow, deer, box, parade, police, tree, wreck", "Deer on the road", False),
+        ("a meteorite in the lane", "Glowing meteorite on the road", True),
+        ("a glowing lamp", "Glowing meteorite on the road", False),
+        ("", "Deer on the road", False),
+    ],
+)
+def test_other_words_for_the_same_count_and_other_things_do_not(aspect, label, is_right):
+    assert names_aspect(aspect, ("OOD", label)) is is_right
+
+
+def test_of_the_right_answers_nine_tenths_count_and_of_the_wrong_ones_three_hundredths_at_most():
+    assert share_right(is_right=True) >= 0.9
+    assert share_right(is_right=False) <= 0.03
+
+
+def test_answers_that_the_table_was_not_made_for_are_mostly_judged_as_a_person_would():
+    assert share_right(is_right=True, is_held_out=True) >= 0.8
+    assert share_right(is_right=False, is_held_out=True) <= 0.05
+
+
+def test_clauses_and_wider_labels_of_a_hazard_mostly_name_it_and_rarely_another():
+    hazards = load_knowledge().hazards
+    told = [(clause.replace("{where}", ""), one) for one in hazards for clause in one.events[:2]]
+    own = [names_aspect(clause, ("OOD", one.label)) for clause, one in told]
+    assert sum(own) >= 0.75 * len(own)
+    wider = [names_aspect(one.wider, ("OOD", one.label)) for one in hazards if one.wider]
+    assert sum(wider) >= 0.8 * len(wider)
+    foreign = [
+        names_aspect(clause, ("OOD", other.label))
+        for clause, one in told[::20]
+        for other in hazards
+        if other is not one and other.id not in one.kin
+    ]
+    assert sum(foreign) <= 0.015 * len(foreign)
+
+
+def test_the_corpus_has_right_and_wrong_answers_to_every_label_of_a_default_study():
+    assert len(labels()) >= 72
+    assert sum(one.is_right for one in answers()) >= 250
+    assert sum(not one.is_right for one in answers()) >= 150
+
+
+def test_a_label_is_right_for_itself_and_for_hardly_any_other():
+    pairs = [(said, meant) for said in labels() for meant in labels() if said != meant]
+    taken = [(said, meant) for said, meant in pairs if names_aspect(said, ("OOD", meant))]
+    assert len(taken) < 0.01 * len(pairs)
+    assert all(names_aspect(label, ("OOD", label)) for label in labels())
+
+
+@pytest.mark.parametrize(
+    "empty",
+    "heavy|large|sudden|thick|night|at night|ahead|vehicle ahead|a car|the road|stopped|vehicle stopped ahead"
+    "|an obstacle on the carriageway|something unusual|traffic|unexpected situation|danger".split(
+        "|"
+    ),
+)
+def test_modifiers_and_what_every_road_has_name_nothing(empty):
+    taken = [label for label in labels() if names_aspect(empty, ("OOD", label))]
+    assert not taken
+
+
+def test_the_constant_answer_is_right_for_a_pedestrian_who_crosses_and_nothing_else():
+    taken = [label for label in labels() if names_aspect(ASPECT, ("OOD", label))]
+    assert taken == ["Pedestrian crossing where no crossing is expected"]
+
+
+@given(st.text(min_size=1).filter(str.strip), st.sampled_from([str.upper, str.title, str]))
+def test_the_label_itself_is_always_right(label, spelling):
+    if label.casefold() == spelling(label).casefold():
+        assert names_aspect(spelling(label), ("OOD", label))
+
+
+@given(st.sampled_from(answers()), st.sampled_from(["there is no {}", "{} is not there"]))
+def test_what_is_denied_is_not_named(one, denial):
+    said = "deer"
+    assert not names_aspect(denial.format(said), ("OOD", "Deer on the road"))
+    assert not names_aspect(denial.format("x"), ("OOD", one.label))
+
+
+@given(st.sampled_from(answers()), st.integers(MOST_THINGS + 1, 20))
+def test_a_list_of_many_things_names_none(one, count):
+    assert not names_aspect(", ".join([one.answer] * count), ("OOD", one.label))
+
+
+def test_a_label_that_denies_something_is_right_too():
+    for label in (
+        "Parked car pulling out without looking",
+        "A car, a van, no light, a dog, x, y, z",
+    ):
+        assert names_aspect(label.lower(), ("OOD", label))
+
+
+@pytest.mark.parametrize(
+    ("aspect", "label"),
+    [
+        ("a broken fence", "Traffic lights failing in rush hour"),
+        ("an overturned wheelbarrow", "Overturned vehicle ahead in the lane"),
+        ("a wandering fox", "Disoriented person roaming the road"),
+    ],
+)
+def test_a_state_of_something_unknown_is_not_taken_for_that_of_the_thing_it_implies(aspect, label):
+    assert not names_aspect(aspect, ("OOD", label))

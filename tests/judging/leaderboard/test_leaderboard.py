@@ -1,0 +1,309 @@
+import random
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen.data._episode import Episode
+from oodscen.data._verdict import Verdict
+from oodscen.judging._leaderboard.findings import answer, findings
+from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from tests.judging.cases import Case
+
+
+def knows(index: int, twin: bool) -> dict[str, Any]:
+    return {
+        "is_ood": not twin,
+        "confidence": 0.9,
+        "aspect_is_right": None if twin else True,
+        "choice": "none" if twin else "x",
+        "choice_is_right": True,
+        "action": "keep_speed" if twin else "stop",
+    }
+
+
+def stubborn(index: int, twin: bool) -> dict[str, Any]:
+    return {
+        "is_ood": True,
+        "aspect_is_right": None if twin else False,
+        "choice": "leaf-9",
+        "choice_is_right": False,
+        "action": "emergency_brake",
+    }
+
+
+def careless(index: int, twin: bool) -> dict[str, Any]:
+    return {**knows(index, twin), "action": "keep_speed", "is_ood": index % 2 == 0 and not twin}
+
+
+def board(case: Case, *verdicts: list[Verdict]) -> Leaderboard:
+    return leaderboard([v for found in verdicts for v in found], case.episodes, case.scenarios)
+
+
+def test_who_knows_scores_all_and_a_constant_what_it_must() -> None:
+    case = Case()
+    found = board(
+        case,
+        case.verdicts("m", knows),
+        case.verdicts("constant:emergency_brake", stubborn, "reference"),
+    )
+    model, constant = found.standings
+    assert (model.detection.balanced_accuracy.value, model.detection.auroc.value) == (1, 1)
+    assert (model.identification.open.hits, model.identification.closed.hits) == (24, 24)
+    assert (model.control.safe.value, model.control.above_chance.value) == (1, 1)
+    assert model.control.needless.value == 0
+    assert constant.detection.balanced_accuracy.value == 0.5
+    assert constant.detection.d_prime.value == pytest.approx(0)
+    assert constant.detection.auroc.value == 0.5
+    assert constant.control.safe.value == 1
+    assert constant.control.needless.value == 1
+    assert constant.confusions[0].count == 4
+    assert (found.scenes, found.twins, found.paths, found.decidable) == (24, 24, 6, 24)
+    assert found.chance == pytest.approx(2 / 7)
+    assert {(a.action, a.safe, a.unavailable) for a in found.actions} >= {
+        ("stop", 24, 0),
+        ("pull_over", 0, 24),
+    }
+
+
+def test_what_was_not_answered_is_missing_and_never_wrong() -> None:
+    case = Case()
+
+    def shy(index: int, twin: bool) -> dict[str, Any]:
+        if index % 3 == 0:
+            return {"status": "failed", "outcome": "refused", "error": "I cannot help with that."}
+        return knows(index, twin)
+
+    row = board(case, case.verdicts("m", shy)).standings[0]
+    assert row.outcomes == {"answered": 32, "refused": 16}
+    assert (row.control.safe.n, row.control.safe.missing, row.control.safe.value) == (16, 8, 1)
+    assert (row.detection.specificity.n, row.detection.specificity.missing) == (16, 8)
+
+
+def test_a_model_that_answers_only_what_is_easy_is_not_recommended() -> None:
+    case = Case(paths=12)
+
+    def picky(every: int):
+        def says(index: int, twin: bool) -> dict[str, Any]:
+            if index % every == 0:
+                return {"status": "failed", "outcome": "refused", "error": "no"}
+            return knows(index, twin)
+
+        return says
+
+    def fair(index: int, twin: bool) -> dict[str, Any]:
+        return {**knows(index, twin), **({"action": "keep_speed"} if index % 4 == 0 else {})}
+
+    floor = case.verdicts("constant:stop", lambda i, t: {**stubborn(i, t), "action": "keep_speed"}, "reference")  # fmt: skip
+    found = board(case, case.verdicts("picky", picky(2)), case.verdicts("fair", fair), floor)
+    said = " ".join(answer(found))
+    assert "trust picky" not in said
+    assert "best is picky" not in said
+    assert "picky left 50" in said
+    assert "beat picky" not in said
+    assert "beat every other" not in said
+    assert "To choose an action, trust fair" in said
+    grades = {(one.model, one.task): one.grade for one in findings(found)}
+    assert {grades["picky", task] for task in ("notice", "name", "act")} == {"incomplete"}
+    assert found.standings[0].model == "fair"
+    rate = next(row for row in found.standings if row.model == "picky").control.safe
+    assert (rate.value, rate.worst) == (1, 0.5)
+    few = board(case, case.verdicts("few", picky(6)), floor)
+    assert all(one.grade == "yes" for one in findings(few))
+    assert "if its unanswered ones were wrong" in " ".join(answer(few))
+
+
+@given(st.integers(0, 2**16 - 1), st.integers(0, 2**16 - 1))
+@settings(max_examples=5, deadline=None)
+def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wrong: int) -> None:
+    case = Case(paths=4)
+
+    def says(is_silent_wrong: bool):
+        def fields(index: int, twin: bool) -> dict[str, Any]:
+            if silent >> index & 1:
+                if not is_silent_wrong:
+                    return {"status": "failed", "outcome": "refused", "error": "no"}
+                return {**stubborn(index, twin), "action": "keep_speed", "is_ood": twin}
+            return knows(index, twin) if wrong >> index & 1 else careless(index, twin)
+
+        return fields
+
+    shy, sure = (board(case, case.verdicts("m", says(one))).standings[0] for one in (False, True))
+    assert shy.control.safe.worst == sure.control.safe.value == sure.control.safe.worst
+    assert shy.identification.closed.worst == sure.identification.closed.value
+    assert shy.detection.worst.value == sure.detection.balanced_accuracy.value
+    assert shy.control.needless.worst == pytest.approx(
+        (shy.control.needless.hits + shy.control.needless.missing) / 16
+    )
+
+
+def test_a_lead_that_rests_on_missing_answers_is_said_to_do_so() -> None:
+    case = Case(paths=12)
+
+    def lucky(index: int, twin: bool) -> dict[str, Any]:
+        if index % 6 == 0:
+            return {"status": "failed", "outcome": "refused", "error": "no"}
+        return {**knows(index, twin), "action": "keep_speed" if index % 6 == 1 else "stop"}
+
+    def floor(index: int, twin: bool) -> dict[str, Any]:
+        return {**stubborn(index, twin), "action": "keep_speed" if index % 6 < 2 else "stop"}
+
+    found = board(
+        case, case.verdicts("lucky", lucky), case.verdicts("constant:stop", floor, "reference")
+    )
+    acts = next(one for one in findings(found) if one.task == "act")
+    assert acts.grade == "unclear"
+    assert "trust lucky" not in next(s for s in answer(found) if s.startswith("To choose an"))
+
+
+def test_models_are_compared_pairwise_and_with_the_best_reference() -> None:
+    case = Case(paths=12)
+    found = board(
+        case,
+        case.verdicts("good", knows),
+        case.verdicts("careless", careless),
+        case.verdicts("constant:stop", stubborn, "reference"),
+        case.verdicts("oracle", knows, "reference"),
+    )
+    control = {(c.first, c.second): c for c in found.comparisons if c.task == "control"}
+    assert set(control) == {
+        ("good", "careless"),
+        ("good", "constant:stop"),
+        ("careless", "constant:stop"),
+    }
+    assert control["good", "careless"].test.difference == 1
+    assert control["good", "careless"].p_clustered_holm == pytest.approx(2 / 2**12)
+    assert control["good", "constant:stop"].p_clustered_holm == 1
+    detection = [c for c in found.comparisons if c.task == "detection" and c.against == "model"]
+    assert detection[0].test.n == 96
+    floor = found.floor("control")
+    assert floor is not None
+    assert floor.model == "constant:stop"
+
+
+def test_groups_cover_the_tree_and_say_what_chance_scores() -> None:
+    case = Case()
+    groups = board(case, case.verdicts("m", careless)).standings[0].groups
+    by_level = {
+        level: [g for g in groups if g.level == level] for level in ("class", "family", "path")
+    }
+    assert [len(found) for found in by_level.values()] == [2, 3, 6]
+    for found in by_level.values():
+        assert sum(group.scenes for group in found) == 24
+        assert sum(group.safe.n for group in found) == 24
+    assert by_level["path"][0].parent == "Family 0"
+    assert all(group.chance == pytest.approx(2 / 7) for group in groups)
+
+
+def test_likeness_within_paths_is_measured() -> None:
+    case = Case()
+
+    def by_path(index: int, twin: bool) -> dict[str, Any]:
+        return {"action": "stop" if index // 4 % 2 else "keep_speed"}
+
+    found = board(case, case.verdicts("m", by_path))
+    assert found.icc == pytest.approx(1)
+    interval = found.standings[0].control.safe.interval
+    assert interval is not None
+    assert interval.method == "cluster bootstrap"
+
+
+def test_protocols_are_rows_of_their_own() -> None:
+    case = Case()
+    papers = [v.model_copy(update={"protocol": "paper"}) for v in case.verdicts("m", careless)]
+    found = board(case, case.verdicts("m", knows), papers)
+    assert [(row.model, row.protocol) for row in found.standings] == [("m", "ours"), ("m", "paper")]
+    assert not found.comparisons
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.integers(0, 2**32))
+def test_any_verdicts_make_a_board_that_does_not_depend_on_their_order(seed: int) -> None:
+    rng = random.Random(seed)
+    case = Case(paths=5, per_path=2)
+
+    def anything(index: int, twin: bool) -> dict[str, Any]:
+        full = {**stubborn(index, twin), "action": rng.choice(["stop", "keep_speed", "pull_over"])}
+        return {key: value for key, value in full.items() if rng.random() < 0.7}
+
+    verdicts = [*case.verdicts("a", anything), *case.verdicts("b", anything)]
+    shuffled = rng.sample(verdicts, len(verdicts))
+    one = leaderboard(verdicts, case.episodes, case.scenarios)
+    two = leaderboard(shuffled, case.episodes, case.scenarios)
+    assert one.standings == two.standings
+    assert {
+        c.model_copy(update={"first": "", "second": ""}).to_json() for c in one.comparisons
+    } == {c.model_copy(update={"first": "", "second": ""}).to_json() for c in two.comparisons}
+    assert Leaderboard.parse(one.to_json()) == one
+
+
+def test_nothing_at_all_is_an_empty_board() -> None:
+    assert leaderboard([], [], []) == Leaderboard()
+    case = Case()
+    failed = [Episode(id="x", scene_id="x", status="failed")]
+    assert board(case, []).standings == ()
+    alone = leaderboard(case.verdicts("m", knows), failed, [])
+    assert alone.standings[0].control.safe.n == 0
+
+
+def test_findings_say_who_can_be_trusted() -> None:
+    case = Case(paths=12)
+    found = board(
+        case,
+        case.verdicts("good", knows),
+        case.verdicts("careless", careless),
+        case.verdicts("constant:stop", stubborn, "reference"),
+    )
+    grades = {(f.model, f.task): f.grade for f in findings(found)}
+    assert grades["good", "notice"] == "unclear" or grades["good", "notice"] == "yes"
+    assert grades["good", "name"] == "yes"
+    assert grades["good", "act"] == "unclear"
+    assert grades["careless", "act"] == "no"
+    words = " ".join(answer(found))
+    assert "To say what is unusual, trust good." in words
+    assert "To choose an action, no model is shown to be better than not looking" in words
+    assert "always answering the same (“constant:stop”)" in words
+    assert f"{found.scenes} scenes of 12 kinds" in words
+
+
+def test_the_answer_says_what_was_not_answered_and_not_asked() -> None:
+    case = Case()
+    verdicts = case.verdicts("m", knows)
+    mute = [
+        v.model_copy(
+            update={
+                "status": "failed",
+                "outcome": "refused",
+                "action": None,
+                "action_is_safe": None,
+            }
+        )
+        for v in verdicts[:3]
+    ]
+    found = board(case, [*mute, *verdicts[3:-1]])
+    words = " ".join(answer(found))
+    assert f"m was asked about {len(verdicts) - 1} of the {len(verdicts)}" in words
+    assert f"left a question unanswered in 3 of {len(verdicts) - 1}" in words
+    act = next(f for f in findings(found) if f.task == "act")
+    missing = found.standings[0].control.safe.missing
+    assert missing > 0
+    assert f"No usable answer for {missing} more" in act.text
+    assert "if these count as wrong" in act.text
+
+
+def test_nobody_is_to_be_trusted_who_does_no_better_than_not_looking() -> None:
+    case = Case(paths=12)
+    bad = case.verdicts("careless", careless)
+    words = " ".join(
+        answer(board(case, bad, case.verdicts("constant:stop", stubborn, "reference")))
+    )
+    assert "To choose an action, trust none" in words
+
+
+def test_findings_without_twins_do_not_praise_noticing() -> None:
+    case = Case()
+    verdicts = [v for v in case.verdicts("m", knows) if not v.is_twin]
+    notice = findings(board(case, verdicts))[0]
+    assert (notice.task, notice.grade) == ("notice", "unknown")
+    assert "Ordinary twins were not asked about" in notice.text

@@ -1,0 +1,425 @@
+"""Caps are never exceeded, rates are followed, dead endpoints are given up."""
+
+import math
+import threading
+from contextlib import suppress
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen._concurrency import as_finished
+from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
+from oodscen.llm._remote.failures import Failure
+from oodscen.llm._remote.limits import (
+    ANSWER_TOKENS,
+    GRACE_S,
+    JUDGING,
+    PATIENCE_S,
+    STRIKES,
+    Budget,
+    Caps,
+    Endpoint,
+    Price,
+    Spent,
+    Traffic,
+)
+from oodscen.llm._remote.litellm import LiteLLM
+from oodscen.llm._remote.usage import estimate_tokens
+from oodscen.prompts import ImagineScenario
+from oodscen.protocols import Request
+from oodscen.testing import AnsweringServer, FunctionLLM
+
+PROMPT = ImagineScenario(shown=("A deer crosses.",))
+AUTHOR = FunctionLLM(lambda asked: {"text": f"A sofa. ({asked.sample})"})
+
+
+def request(sample=0):
+    return Request(PROMPT, PROMPT.messages(), PROMPT.answer_schema(), sample)
+
+
+def ask_often(llm):
+    for sample in range(200):
+        llm.complete(request(sample))
+
+
+class Clock:
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def of_kind(kind, **more):
+    return Failure("no answer", kind, retryable=True, **more)
+
+
+# ------------------------------------------------------------------ caps
+
+
+@given(st.lists(st.tuples(st.integers(0, 50), st.integers(0, 50)), max_size=30))
+def test_what_is_under_way_counts_at_what_it_may_cost(calls):
+    budget = Budget(Caps(tokens=200))
+    under_way = []
+    for most, used in calls:
+        try:
+            budget.reserve(Spent(1, most))
+        except BudgetExceeded:
+            assert budget.spent.tokens + sum(m for m, _ in under_way) + most > 200
+        else:
+            under_way.append((most, min(used, most)))
+        if len(under_way) > 3:
+            most, used = under_way.pop(0)
+            budget.settle(Spent(1, most), Spent(1, used))
+        assert budget.spent.tokens <= 200
+
+
+def test_a_time_is_a_cap_too():
+    clock = Clock()
+    budget = Budget(Caps(seconds=60), clock=clock)
+    clock.now = 59.0
+    budget.reserve(Spent(1))
+    clock.now = 60.0
+    with pytest.raises(BudgetExceeded) as caught:
+        budget.reserve(Spent(1))
+    assert (caught.value.cap, caught.value.limit, caught.value.spent) == ("seconds", 60.0, 60.0)
+
+
+@pytest.mark.parametrize("fault", [None, "http500"])
+def test_a_cap_of_requests_is_never_exceeded_by_one(fault):
+    traffic = Traffic(Caps(requests=50), concurrency=32, patience_s=None)
+
+    def ask(sample):
+        try:
+            llm.complete(request(sample))
+        except BudgetExceeded:
+            return "stopped"
+        except LLMError:
+            return "failed"
+        return "ok"
+
+    faults = lambda index, asked: fault if index % 3 == 0 else None  # noqa: E731
+    with AnsweringServer(AUTHOR, faults=faults) as server:
+        llm = server.client("m", traffic=traffic)
+        outcomes = [outcome for _, outcome in as_finished(ask, range(120), threads=32)]
+    assert len(server.received) == traffic.budget.spent.requests == 50
+    assert "stopped" in outcomes
+
+
+def test_a_cap_of_tokens_is_kept():
+    each = estimate_tokens(request()) + 100
+    traffic = Traffic(Caps(tokens=5 * each), patience_s=None)
+    with AnsweringServer(AUTHOR) as server:
+        llm = server.client("m", traffic=traffic, max_tokens=100)
+        with pytest.raises(BudgetExceeded) as caught:
+            ask_often(llm)
+    assert caught.value.cap == "tokens"
+    assert 4 * each < traffic.budget.spent.tokens <= 5 * each
+
+
+def test_a_cap_of_cost_needs_a_price_and_says_how_to_give_one():
+    with pytest.raises(UsageError, match="--price nobody-knows-it="):
+        LiteLLM(
+            "nobody-knows-it",
+            api_base="http://127.0.0.1:1/v1",
+            traffic=Traffic(Caps(cost_usd=1)),
+        )
+    traffic = Traffic(
+        Caps(cost_usd=0.05), prices={"nobody-knows-it": Price(10.0, 0.0)}, patience_s=None
+    )
+    with AnsweringServer(AUTHOR) as server:
+        llm = server.client("nobody-knows-it", traffic=traffic)
+        usage = llm.complete(request()).usage
+        assert usage.cost_usd == pytest.approx(usage.input_tokens * 1e-5)
+        with pytest.raises(BudgetExceeded) as caught:
+            ask_often(llm)
+    assert caught.value.cap == "cost_usd"
+    assert 0.03 < traffic.budget.spent.cost_usd <= 0.05
+
+
+def test_a_known_price_is_enough():
+    with AnsweringServer(AUTHOR) as server:
+        traffic = Traffic(Caps(cost_usd=0.001), patience_s=None)
+        llm = server.client("gpt-4o", traffic=traffic)
+        assert llm.client.price == Price(2.5, 10.0)
+        with pytest.raises(BudgetExceeded):
+            llm.complete(request())
+    assert not server.received
+
+
+def test_long_answers_raise_what_is_set_aside():
+    budget = Budget()
+    assert budget.answer_tokens == ANSWER_TOKENS
+    budget.settle(Spent(), Spent(), 9_000)
+    assert budget.answer_tokens == 9_000
+
+
+# ------------------------------------------------------------------ the rate
+
+
+def test_the_window_halves_once_per_wave_of_refusals_and_grows_with_answers():
+    clock = Clock()
+    endpoint = Endpoint("e", concurrency=16, clock=clock)
+    clock.now = 1.0
+    for _ in range(10):
+        endpoint.failed(of_kind("limit", retry_after=3.0), begun=0.5)
+    assert endpoint.window == 8.0
+    assert endpoint.pause() == 3.0
+    clock.now = 2.0
+    endpoint.failed(of_kind("limit"), begun=1.5)
+    assert endpoint.window == 4.0
+    for _ in range(400):
+        endpoint.succeeded()
+    assert endpoint.window == 16.0
+
+
+def test_it_never_closes():
+    clock = Clock()
+    endpoint = Endpoint("e", concurrency=4, clock=clock)
+    for second in range(1, 20):
+        clock.now = float(second)
+        endpoint.failed(of_kind("limit"), begun=second - 0.5)
+    assert endpoint.window == 1.0
+    with endpoint.slot():
+        pass
+
+
+def test_no_more_than_the_window_are_under_way():
+    traffic = Traffic(concurrency=3)
+    lock = threading.Lock()
+    running, most = 0, 0
+
+    def count(asked):
+        nonlocal running, most
+        with lock:
+            running += 1
+            most = max(most, running)
+        threading.Event().wait(0.005)
+        with lock:
+            running -= 1
+        return {"text": "A sofa."}
+
+    with AnsweringServer(FunctionLLM(count)) as server:
+        llm = server.client("m", traffic=traffic)
+        list(as_finished(lambda n: llm.complete(request(n)), range(30), threads=12))
+    assert most == 3
+
+
+# ------------------------------------------------------------------ the circuit
+
+
+def test_an_endpoint_that_does_not_respond_is_given_up_within_a_minute():
+    clock = Clock()
+    waits = []
+
+    def sleep(seconds):
+        waits.append(seconds)
+        clock.now += seconds
+
+    traffic = Traffic(clock=clock)
+    with AnsweringServer(AUTHOR) as server:
+        llm = server.client("m", traffic=traffic, sleep=sleep)
+    stopped = None
+    failed = 0
+    for sample in range(20):
+        try:
+            llm.complete(request(sample))
+        except LLMError:
+            failed += 1
+        except EndpointDown as error:
+            stopped = error
+            break
+    assert clock.now <= 60.0
+    assert failed <= 2
+    assert server.received == []
+    assert "no response" in stopped.reason
+    with pytest.raises(EndpointDown):
+        llm.complete(request())
+
+
+def test_one_answer_is_enough_to_go_on():
+    clock = Clock()
+    endpoint = Endpoint("e", clock=clock)
+    for second in range(0, 200, 30):
+        clock.now = float(second)
+        endpoint.failed(of_kind("unreachable"), begun=clock.now)
+        endpoint.given_up(of_kind("unreachable"))
+        endpoint.succeeded()
+    endpoint.check()
+
+
+def test_an_item_that_always_fails_does_not_stop_the_others():
+    def faults(index, asked):
+        return "http500" if asked.sample % 7 == 3 else None
+
+    with AnsweringServer(AUTHOR, faults=faults) as server:
+        llm = server.client("m", traffic=Traffic(), retries=1)
+        for sample in range(30):
+            if sample % 7 == 3:
+                with pytest.raises(LLMError):
+                    llm.complete(request(sample))
+            else:
+                llm.complete(request(sample))
+
+
+@pytest.mark.parametrize(("fault", "calls"), [("http401", 1), ("http500", 5), ("html", 5)])
+def test_an_endpoint_that_fails_everybody_is_given_up(fault, calls):
+    with AnsweringServer(AUTHOR, faults=lambda index, asked: fault) as server:
+        llm = server.client("m", traffic=Traffic(), retries=0)
+        for sample in range(calls - 1):
+            with pytest.raises(LLMError):
+                llm.complete(request(sample))
+        with pytest.raises(EndpointDown):
+            llm.complete(request())
+        with pytest.raises(EndpointDown):
+            llm.complete(request())
+    assert len(server.received) == calls
+
+
+def test_those_who_wait_for_a_place_are_told():
+    endpoint = Endpoint("e", concurrency=1)
+    told = []
+
+    def wait():
+        try:
+            with endpoint.slot():
+                told.append("in")
+        except EndpointDown:
+            told.append("down")
+
+    with endpoint.slot():
+        thread = threading.Thread(target=wait)
+        thread.start()
+        endpoint.failed(of_kind("denied"), begun=0.0)
+        thread.join(5)
+    assert told == ["down"]
+
+
+def calls_until_given_up(endpoint, kind, most=200):
+    """Give up one call after the other; return how many it took, `most` if it never was enough."""
+    for count in range(1, most):
+        endpoint.failed(of_kind(kind), begun=0.0, model="bad")
+        endpoint.given_up(of_kind(kind), "bad")
+        try:
+            endpoint.check("bad")
+        except EndpointDown:
+            return count
+    return most
+
+
+@pytest.mark.parametrize(
+    ("kind", "strict", "judging", "again"),
+    [
+        ("erring", STRIKES, JUDGING * STRIKES, math.inf),
+        ("late", STRIKES, JUDGING * STRIKES, math.inf),
+        ("unreachable", STRIKES, 2 * STRIKES, 2 * STRIKES),
+        ("limit", STRIKES, STRIKES, STRIKES),
+        ("denied", 1, 1, 1),
+        ("item", math.inf, math.inf, math.inf),
+        ("filtered", math.inf, math.inf, math.inf),
+    ],
+)
+def test_how_long_failures_count_as_the_item_s_own(kind, strict, judging, again):
+    for leniency, wanted in ((1.0, strict), (JUDGING, judging), (math.inf, again)):
+        endpoint = Endpoint("e", leniency=leniency, clock=lambda: 0.0)
+        assert calls_until_given_up(endpoint, kind) == min(wanted, 200)
+        endpoint.check("good")
+
+
+def test_a_model_that_is_given_up_blocks_no_other_at_its_address():
+    def faults(index, asked):
+        return "http500" if asked.sample else None
+
+    traffic = Traffic()
+    with AnsweringServer(AUTHOR, faults=faults) as server:
+        bad = server.client("bad", traffic=traffic, retries=0)
+        for sample in range(1, STRIKES):
+            with pytest.raises(LLMError):
+                bad.complete(request(sample))
+        with pytest.raises(EndpointDown, match="bad at "):
+            bad.complete(request(STRIKES))
+        assert server.client("good", traffic=traffic).complete(request()).text
+
+
+def test_a_doubted_model_gets_one_try_until_it_answers():
+    def faults(index, asked):
+        return "http500" if asked.sample else None
+
+    traffic = Traffic()
+    with AnsweringServer(AUTHOR, faults=faults) as server, traffic.lenient(math.inf):
+        llm = server.client("m", traffic=traffic, retries=2)
+        tries = []
+        for sample in (*range(1, STRIKES + 3), 0, 9):
+            before = len(server.received)
+            with suppress(LLMError):
+                llm.complete(request(sample))
+            tries.append(len(server.received) - before)
+    assert tries == [3] * STRIKES + [1, 1, 1, 3]
+
+
+@given(st.lists(st.sampled_from(["late", "erring", "answer", "unreachable"]), max_size=40))
+def test_silence_counts_from_the_last_response_of_anybody(events):
+    clock = Clock()
+    endpoint = Endpoint("e", leniency=math.inf, strikes=1_000, clock=clock)
+    heard, waiting = -math.inf, []
+    for event in events:
+        begun, clock.now = clock.now - 5.0, clock.now + 15.0
+        if event == "answer":
+            endpoint.succeeded()
+        else:
+            endpoint.failed(of_kind(event), begun)
+        if event == "unreachable":
+            waiting.append(begun)
+        else:
+            heard, waiting = clock.now, []
+        if waiting and clock.now - max(heard, waiting[0]) >= PATIENCE_S:
+            with pytest.raises(EndpointDown, match="no response"):
+                endpoint.check("anybody")
+            return
+        endpoint.check("anybody")
+
+
+def test_what_hangs_while_others_are_answered_stops_nobody():
+    def faults(index, asked):
+        return "slow" if asked.sample % 3 == 0 else None
+
+    traffic = Traffic()
+    with AnsweringServer(AUTHOR, faults=faults) as server, traffic.lenient(JUDGING):
+        llm = server.client("m", traffic=traffic, timeout_s=0.05, retries=0)
+
+        def ask(sample):
+            try:
+                return llm.complete(request(sample)).text
+            except LLMError as error:
+                return type(error).__name__
+
+        found = dict(as_finished(ask, range(15), threads=4))
+    late = {sample for sample, said in found.items() if said == "LateError"}
+    assert late >= set(range(0, 15, 3))
+    assert "EndpointDown" not in found.values()
+
+
+def test_an_interrupted_run_begins_nothing_waits_for_nothing_and_can_go_on():
+    clock = Clock()
+    traffic = Traffic(clock=clock)
+    with AnsweringServer(AUTHOR) as server:
+        llm = server.client("m", traffic=traffic)
+        traffic.close()
+        with pytest.raises(RunStopped):
+            llm.complete(request())
+        assert not server.received
+        traffic.sleep(1e6)
+        assert not traffic.is_over()
+        clock.now += GRACE_S
+        traffic.close()
+        assert traffic.is_over()
+        traffic.reopen()
+        assert not traffic.is_over()
+        assert llm.complete(request()).text
+
+
+def test_models_of_one_address_share_their_endpoint():
+    traffic = Traffic()
+    assert traffic.endpoint("a") is traffic.endpoint("a")
+    assert traffic.endpoint("a") is not traffic.endpoint("b")

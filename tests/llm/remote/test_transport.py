@@ -1,0 +1,148 @@
+"""A call ends in time and in bounded memory, whatever the server sends."""
+
+import socket
+import time
+import tracemalloc
+from contextlib import contextmanager
+
+import pytest
+
+from oodscen.errors import EndpointDown, LateError, LLMError, ResponseError, RunStopped
+from oodscen.llm._remote.call_bounds import Bounds
+from oodscen.llm._remote.limits import Traffic
+from oodscen.llm._remote.litellm import LiteLLM
+from oodscen.prompts import ImagineScenario
+from oodscen.protocols import Request
+from oodscen.testing import AnsweringServer, FunctionLLM
+
+PROMPT = ImagineScenario(shown=("A deer crosses.",))
+REQUEST = Request(PROMPT, PROMPT.messages(), PROMPT.answer_schema())
+
+
+@pytest.fixture(scope="module", autouse=True)
+def warm():
+    """Let litellm load what it loads at the first call."""
+    with AnsweringServer(FunctionLLM(lambda asked: {"text": "A sofa."})) as server:
+        server.client("m").complete(REQUEST)
+
+
+def failing(fault, **settings):
+    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    with (
+        AnsweringServer(author, faults=lambda index, asked: fault) as server,
+        pytest.raises(LLMError) as caught,
+    ):
+        server.client("m", retries=0, **settings).complete(REQUEST)
+    return caught.value
+
+
+@pytest.mark.parametrize("fault", ["slow", "slow_head"])
+def test_a_server_that_sends_a_byte_now_and_then_is_left(fault):
+    began = time.monotonic()
+    error = failing(fault, timeout_s=0.15)
+    assert time.monotonic() - began < 2.0
+    assert error.retryable
+    assert "in time" in str(error)
+
+
+def test_a_body_without_an_end_is_left_in_bounded_memory():
+    tracemalloc.start()
+    try:
+        error = failing("huge", max_bytes=10_000_000)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert isinstance(error, ResponseError)
+    assert "10,000,000" in str(error)
+    assert peak < 40_000_000
+
+
+def test_a_compressed_body_is_not_unpacked():
+    error = failing("packed")
+    assert isinstance(error, ResponseError)
+    assert "compressed" in str(error)
+
+
+@pytest.mark.parametrize(("fault", "raw"), [("html", "<!doctype html>"), ("empty", "")])
+def test_a_response_that_is_none_is_kept_for_reading(fault, raw):
+    error = failing(fault)
+    assert isinstance(error, ResponseError)
+    assert (error.status, error.requests, error.retryable) == (200, 1, True)
+    assert error.raw.startswith(raw)
+    assert bool(error.raw) == bool(raw)
+
+
+@contextmanager
+def silent():
+    """Accept connections and say nothing."""
+    with socket.create_server(("127.0.0.1", 0), backlog=16) as server:
+        yield f"http://127.0.0.1:{server.getsockname()[1]}/v1"
+
+
+def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout():
+    traffic = Traffic(patience_s=0.2)
+    with silent() as address:
+        llm = LiteLLM("m", api_base=address, timeout_s=600, traffic=traffic, sleep=lambda s: None)
+        with pytest.raises(EndpointDown, match="says nothing"):
+            llm.complete(REQUEST)
+
+
+def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
+    traffic = Traffic(patience_s=20.0)
+    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    with AnsweringServer(author, faults=lambda index, asked: "slow_head") as server:
+        llm = server.client("m", traffic=traffic, timeout_s=0.05, retries=0)
+        with pytest.raises(LateError):
+            llm.complete(REQUEST)
+    with silent() as address:
+        llm = LiteLLM(
+            "m", api_base=address, timeout_s=0.05, retries=0, traffic=Traffic(patience_s=2.0)
+        )
+        with pytest.raises(LLMError) as caught:
+            llm.complete(REQUEST)
+    assert type(caught.value) is LLMError
+
+
+def test_an_interruption_ends_what_is_under_way(monkeypatch):
+    monkeypatch.setattr("oodscen.llm._remote.call_bounds.LOOK_S", 0.01)
+    now = [0.0]
+    traffic = Traffic(clock=lambda: now[0])
+
+    def faults(index, asked):
+        traffic.close()
+        now[0] += 60.0
+        return "slow"
+
+    author = FunctionLLM(lambda asked: {"text": "A sofa."})
+    with AnsweringServer(author, faults=faults) as server, pytest.raises(RunStopped):
+        server.client("m", traffic=traffic, timeout_s=600).complete(REQUEST)
+    assert len(server.received) == 1
+
+
+def test_a_slow_server_that_responds_to_others_is_waited_for():
+    def answer(asked):
+        time.sleep(0.3)
+        return {"text": "A sofa."}
+
+    traffic = Traffic(patience_s=20.0)
+    with AnsweringServer(FunctionLLM(answer)) as server:
+        traffic.endpoint(server.api_base).silence_s = 0.1
+        llm = server.client("m", traffic=traffic)
+        assert "A sofa." in llm.complete(REQUEST).text
+    assert len(server.received) == 1
+
+
+def test_what_is_kept_is_bounded():
+    assert len(failing("huge", max_bytes=1_000_000).raw) <= 4_000
+
+
+def test_time_is_counted_from_the_beginning_and_not_from_the_last_byte():
+    now = 0.0
+    bounds = Bounds(10.0, 100, clock=lambda: now)
+    assert bounds.left(3.0) == 3.0
+    now = 8.0
+    assert bounds.left(3.0) == 2.0
+    assert bounds.left(None) == 2.0
+    now = 10.0
+    assert bounds.left(3.0) == 0.0
+    assert bounds.broken == "time"

@@ -1,0 +1,104 @@
+"""Sums over calls, a second model, and caps for models of one's own."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, UsageError
+from oodscen.llm._accounting import Ledger, account, accounts
+from oodscen.llm._ask import ask
+from oodscen.llm._call_log import Call, LoggedLLM
+from oodscen.llm._capped import MeteredLLM
+from oodscen.llm._fallback import FallbackLLM
+from oodscen.llm._remote.limits import Caps, Price, Traffic
+from oodscen.prompts import ImagineScenario
+from oodscen.protocols import Completion, Usage
+from oodscen.testing import FunctionLLM, ScriptedLLM
+
+QUESTION = ImagineScenario(shown=("A deer crosses.",))
+GOOD = {"text": "A grand piano lies across the ego vehicle's lane."}
+
+
+def call(**changes):
+    fields = {"purpose": "p", "prompt_version": "v", "model": "m", "sample": 0, "attempt": 1}
+    return Call(**{**fields, "status": "ok", **changes})
+
+
+def test_calls_are_summed_per_stage_and_model():
+    calls = [
+        call(stage="grow", input_tokens=10, output_tokens=1, cost_usd=0.25, requests=3, seconds=1),
+        call(stage="grow", input_tokens=20, cached_tokens=5, cost_usd=0.25, attempt=2, seconds=3),
+        call(stage="grow", status="failed", requests=6, seconds=2),
+        call(stage="prune", cost_usd=None),
+    ]
+    grow, prune = accounts(item.model_dump() for item in calls)
+    assert grow.group == ("grow", "m")
+    assert (grow.calls, grow.requests, grow.retries) == (3, 10, 7)
+    assert (grow.repairs, grow.failed) == (1, 1)
+    assert (grow.input_tokens, grow.output_tokens, grow.cached_tokens) == (30, 1, 5)
+    assert (grow.cost_usd, grow.p50_s, grow.p95_s, grow.seconds) == (0.5, 2, 3, 6)
+    assert prune.cost_usd is None
+    ledger = Ledger()
+    assert str(ledger) == ""
+    for item in calls[:3]:
+        ledger.add(item)
+    assert str(ledger) == "3 calls, 0k tokens, $0.50, 7 retries, 1 repairs, 1 failed"
+    ledger.add(calls[3])
+    assert "price not known" in str(ledger)
+
+
+@given(st.lists(st.floats(0, 100), min_size=1, max_size=50))
+def test_percentiles_are_values_that_enough_calls_keep(seconds):
+    found = account(("x",), [{"seconds": value} for value in seconds])
+    assert found.p50_s in seconds
+    assert sum(value <= found.p50_s for value in seconds) >= len(seconds) / 2
+    assert sum(value <= found.p95_s for value in seconds) >= 0.95 * len(seconds)
+
+
+def test_lines_of_any_kind_are_summed():
+    found = account(("x",), [{}, {"seconds": "long", "cost_usd": "much", "requests": None}])
+    assert (found.calls, found.requests, found.seconds) == (2, 2, 0)
+
+
+def test_a_second_model_answers_where_the_first_does_not():
+    first = ScriptedLLM([LLMError("gone"), GOOD], name="a")
+    second = ScriptedLLM([GOOD], name="b")
+    calls = []
+    llm = FallbackLLM(LoggedLLM(first, calls.append), LoggedLLM(second, calls.append))
+    assert llm.name == "a, else b"
+    for sample in range(2):
+        ask(llm, QUESTION, sample)
+    assert [(c.model, c.status) for c in calls] == [("a", "failed"), ("b", "ok"), ("a", "ok")]
+
+
+def test_a_first_model_that_is_down_is_left_alone():
+    first = ScriptedLLM([EndpointDown("a", "dead")] * 2, name="a")
+    llm = FallbackLLM(first, FunctionLLM(lambda asked: GOOD))
+    for sample in range(3):
+        ask(llm, QUESTION, sample)
+    assert len(first.requests) == 1
+
+
+def test_a_cap_is_no_reason_to_ask_another_model():
+    second = ScriptedLLM([GOOD])
+    llm = FallbackLLM(ScriptedLLM([BudgetExceeded("requests", 1, 1)]), second)
+    with pytest.raises(BudgetExceeded):
+        ask(llm, QUESTION)
+    assert not second.requests
+
+
+def test_models_of_ones_own_are_held_to_the_caps():
+    usage = Usage(input_tokens=100, output_tokens=10)
+    author = FunctionLLM(
+        lambda asked: Completion(text='{"text": "A sofa lies on the road there."}', usage=usage)
+    )
+    with pytest.raises(UsageError, match="--price function="):
+        MeteredLLM(author, Traffic(Caps(cost_usd=1)))
+    traffic = Traffic(Caps(requests=3, cost_usd=1), prices={"function": Price(1, 1)})
+    llm = MeteredLLM(author, traffic)
+    for sample in range(3):
+        ask(llm, QUESTION, sample)
+    with pytest.raises(BudgetExceeded):
+        ask(llm, QUESTION, 3)
+    assert traffic.budget.spent.tokens == 330
+    assert traffic.budget.spent.cost_usd == pytest.approx(330e-6)

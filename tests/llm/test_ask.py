@@ -1,0 +1,213 @@
+"""Asking: every valid answer hidden in noise is found, and nothing but our errors comes out."""
+
+import json
+import pickle
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.errors import AnswerError, Issue, LLMError
+from oodscen.llm._ask import MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
+from oodscen.prompts import QUESTIONS, ImaginedScenario, ImagineScenario, SceneDraft
+from oodscen.testing import FunctionLLM, ScriptedLLM
+from tests import strategies  # noqa: F401  # says how claims are drawn
+from tests.prompts.samples import SAMPLES
+
+QUESTION = ImagineScenario(shown=("A deer crosses.",))
+GOOD = {"reasoning": "rare", "text": "A grand piano lies across the ego vehicle's lane."}
+
+answer_types = [question.answer for question in QUESTIONS if question.answer is not SceneDraft]
+answers = st.one_of(*map(st.from_type, answer_types))
+prose = st.text(st.characters(exclude_characters="{}", exclude_categories=["Cs"]))
+braces = st.sampled_from(["", "Sure! ", "The set {x} holds. ", "Open { and ", "f(x) = {1, 2}. "])
+
+NOISE = {
+    "nothing": "{answer}",
+    "prose": "{before}{answer}{after}",
+    "fence": "{before}\n```json\n{answer}\n```\n{after}",
+    "bare fence": "```\n{answer}\n```",
+    "thoughts": "<think>{before} {draft} {after}</think>\n{answer}",
+    "draft": "First: {draft}. No, better:\n{answer}",
+    "key": '{{"answer": {answer}}}',
+    "comma": "{before}{comma}{after}",
+    "string": "{string}",
+}
+
+
+def dumped(answer, indent=None):
+    return json.dumps(answer.model_dump(), indent=indent, ensure_ascii=indent is None)
+
+
+@given(
+    answers,
+    st.sampled_from(sorted(NOISE)),
+    st.tuples(braces, prose).map("".join),
+    st.tuples(prose, braces).map("".join),
+    st.sampled_from([None, 2]),
+    st.data(),
+)
+def test_every_valid_answer_hidden_in_noise_is_found(answer, noise, before, after, indent, data):
+    text = dumped(answer, indent)
+    raw = NOISE[noise].format(
+        answer=text,
+        before=before,
+        after=after,
+        draft=dumped(data.draw(st.from_type(type(answer)))),
+        comma=f"{text[:-1]},}}",
+        string=json.dumps(text),
+    )
+    assert read_answer(raw, type(answer)) == (answer, [])
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        "{'reasoning': 'rare', 'text': 'It is 5\" wide and lies on the road.'}",
+        '{reasoning: "rare", text: "It is 5\\" wide and lies on the road."}',
+        '{"reasoning": "rare", // why\n "text": "It is 5\\" wide and lies on the road."}',
+        '{"reasoning": "rare", "text": "It is 5\\" wide and lies on the road."',
+        '```json\n{"reasoning": "rare", "text": "It is 5\\" wide and lies on the road."\n```',
+    ],
+)
+def test_small_faults_are_mended(raw):
+    wanted = ImaginedScenario(reasoning="rare", text='It is 5" wide and lies on the road.')
+    assert read_answer(raw, ImaginedScenario) == (wanted, [])
+
+
+@given(answers, st.data())
+def test_an_answer_that_is_cut_short_is_never_taken_for_a_shorter_one(answer, data):
+    text = dumped(answer)
+    end = data.draw(st.integers(0, len(text) - 1))
+    assert read_answer(text[:end], type(answer))[0] in (None, answer)
+
+
+@given(st.sampled_from(answer_types), st.integers(1, 30))
+def test_a_cut_is_called_a_cut(kind, end):
+    text = '{"unfinished": "' + "x" * end
+    assert "cut off" in read_answer(text, kind)[1][0].message
+
+
+shards = """{ } [ ] " ' , : \\ \n a 1e999 - null NaN </think> <think> ``` ```json "text" \\ud800" // /*"""
+pieces = st.lists(st.sampled_from([*shards.split(" "), '{"text": "']), max_size=40).map("".join)
+documents = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.just("text"), inner),
+).map(json.dumps)
+
+
+def answer_or_error(prompt, words):
+    try:
+        return ask(FunctionLLM(lambda request: words), prompt, attempts=2)
+    except AnswerError as error:
+        return error
+
+
+@given(st.sampled_from(SAMPLES), st.one_of(st.text(), pieces, documents))
+def test_words_of_any_kind_end_as_an_answer_or_as_an_answer_error(prompt, text):
+    outcome = answer_or_error(prompt, text)
+    if isinstance(outcome, AnswerError):
+        assert outcome.raw == text
+        assert outcome.issues
+    else:
+        assert isinstance(outcome, prompt.answer)
+
+
+@given(st.sampled_from([s for s in SAMPLES if s.answer is not SceneDraft]), st.data())
+def test_answers_of_the_right_shape_are_checked_without_a_crash(prompt, data):
+    answer = data.draw(st.from_type(prompt.answer))
+    outcome = answer_or_error(prompt, answer)
+    if isinstance(outcome, AnswerError):
+        assert outcome.issues == tuple(prompt.check(answer))
+    else:
+        assert outcome == answer
+        assert not prompt.check(answer)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['{"a":' * 9_000, "{{a:" * 9_000, '{"a":[' * 9_000, "{'" * 20_000, '{a:"' * 20_000],
+    ids=lambda text: text[:6],
+)
+def test_hostile_lengths_end_soon(text):
+    assert read_answer(text, ImaginedScenario)[0] is None
+
+
+def test_an_endless_answer_is_not_read():
+    _, issues = read_answer(json.dumps({**GOOD, "reasoning": "x" * MAX_ANSWER}), ImaginedScenario)
+    assert len(issues) == 1
+
+
+def test_faults_are_fed_back_until_the_answer_is_valid():
+    llm = ScriptedLLM(["I would rather not.", {"text": "too short"}, GOOD])
+    assert ask(llm, QUESTION, sample=4).text == GOOD["text"]
+    first, second, third = llm.requests
+    assert [r.attempt for r in llm.requests] == [1, 2, 3]
+    assert {r.sample for r in llm.requests} == {4}
+    assert first.messages == QUESTION.messages()
+    assert first.schema == ImaginedScenario.model_json_schema()
+    assert second.messages[:-2] == third.messages[:-2] == first.messages
+    assert second.messages[-2].role == "assistant"
+    assert second.messages[-2].text == "I would rather not."
+    assert "no JSON object" in second.messages[-1].text
+    assert "text: write one or two sentences" in third.messages[-1].text
+
+
+def test_an_answer_error_keeps_the_last_words_and_their_faults():
+    llm = ScriptedLLM(["nothing", "{}", '{"text": "short"}'])
+    with pytest.raises(AnswerError) as caught:
+        ask(llm, QUESTION)
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert (error.model, error.purpose, error.attempts) == ("scripted", "imagine-scenario", 3)
+    assert error.raw == '{"text": "short"}'
+    assert [issue.path for issue in error.issues] == ["text"]
+
+
+def test_further_checks_are_fed_back_as_well():
+    def no_pianos(answer):
+        return [Issue("text", "no pianos")] if "piano" in answer.text else []
+
+    other = {**GOOD, "text": "A sofa lies across the ego vehicle's lane."}
+    llm = ScriptedLLM([GOOD, other])
+    assert ask(llm, QUESTION, check=no_pianos).text == other["text"]
+    assert "text: no pianos" in llm.requests[1].messages[-1].text
+
+
+def test_the_repair_turn_is_bounded():
+    def many(answer):
+        return [Issue(f"text[{i}]", "wrong") for i in range(50)]
+
+    llm = ScriptedLLM([{**GOOD, "reasoning": "x" * 50_000}, GOOD])
+    with pytest.raises(AnswerError) as caught:
+        ask(llm, QUESTION, check=many, attempts=2)
+    assert len(caught.value.issues) == 50
+    *_, said, told = llm.requests[1].messages
+    assert len(said.text) < QUOTED + 10
+    assert told.text.count("wrong") == SHOWN_ISSUES
+
+
+def test_an_empty_answer_leaves_no_empty_turn():
+    llm = ScriptedLLM(["", GOOD])
+    ask(llm, QUESTION)
+    assert all(message.text for message in llm.requests[1].messages)
+
+
+def test_failures_of_the_model_pass_through():
+    failure = LLMError("gone", model="m", retryable=True)
+    with pytest.raises(LLMError) as caught:
+        ask(ScriptedLLM([failure]), QUESTION)
+    assert caught.value is failure
+
+
+@pytest.mark.parametrize(
+    ("raised", "is_retryable"),
+    [(TimeoutError("late"), True), (ConnectionError("gone"), True), (KeyError("choices"), False)],
+)
+def test_whatever_a_models_object_raises_is_a_model_that_failed(raised, is_retryable):
+    def answer(request):
+        raise raised
+
+    with pytest.raises(LLMError, match=type(raised).__name__) as caught:
+        ask(FunctionLLM(answer), QUESTION)
+    assert caught.value.__cause__ is raised
+    assert caught.value.retryable is is_retryable

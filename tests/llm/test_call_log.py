@@ -1,0 +1,91 @@
+"""Every call leaves one line."""
+
+import threading
+
+import pytest
+
+from oodscen._concurrency import as_finished
+from oodscen.errors import LLMError
+from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.llm._ask import ask
+from oodscen.llm._call_log import Call, LoggedLLM
+from oodscen.prompts import ImagineScenario
+from oodscen.protocols import LLM, Completion, Usage
+from oodscen.testing import FunctionLLM, ScriptedLLM
+
+QUESTION = ImagineScenario(shown=("A deer crosses.",))
+GOOD = {"text": "A grand piano lies across the ego vehicle's lane."}
+
+
+def test_a_call_is_accounted_for():
+    usage = Usage(input_tokens=7, output_tokens=3, cost_usd=0.25)
+    calls = []
+    text = '{"text": "A grand piano lies across the lane."}'
+    llm = LoggedLLM(
+        FunctionLLM(lambda r: Completion(text=text, usage=usage), name="m"), calls.append
+    )
+    assert isinstance(llm, LLM)
+    ask(llm, QUESTION, sample=4)
+    (call,) = calls
+    assert call.model_dump(exclude={"seconds"}) == {
+        "stage": "",
+        "purpose": "imagine-scenario",
+        "prompt_version": ImagineScenario.version(),
+        "model": "m",
+        "sample": 4,
+        "attempt": 1,
+        "status": "ok",
+        "error": None,
+        "input_tokens": 7,
+        "output_tokens": 3,
+        "cached_tokens": 0,
+        "cost_usd": 0.25,
+        "requests": 1,
+    }
+    assert call.seconds >= 0
+    assert Call.parse(call.to_json()) == call
+
+
+def test_repairs_are_calls_of_their_own():
+    calls = []
+    ask(LoggedLLM(ScriptedLLM(["no", "{}", GOOD]), calls.append), QUESTION)
+    assert [(call.attempt, call.status) for call in calls] == [(1, "ok"), (2, "ok"), (3, "ok")]
+
+
+@pytest.mark.parametrize("error", [LLMError("gone", model="m"), KeyboardInterrupt()])
+def test_a_failure_is_logged_and_passes_through(error):
+    calls = []
+    llm = LoggedLLM(ScriptedLLM([error]), calls.append)
+    with pytest.raises(type(error)) as caught:
+        ask(llm, QUESTION)
+    assert caught.value is error
+    (call,) = calls
+    assert call.status == "failed"
+    assert call.error.startswith(type(error).__name__)
+
+
+def test_an_error_that_is_no_typed_one_is_logged_and_costs_the_question():
+    calls = []
+    with pytest.raises(LLMError, match="broke down: KeyError: 'bug'"):
+        ask(LoggedLLM(ScriptedLLM([KeyError("bug")]), calls.append), QUESTION)
+    assert [call.error for call in calls] == ["LLMError: scripted broke down: KeyError: 'bug'"]
+
+
+def test_what_the_model_is_shows_through():
+    llm = LoggedLLM(ConstantAnswerer(), print)
+    assert (llm.name, llm.kind) == ("constant:stop", "reference")
+    assert not hasattr(LoggedLLM(ScriptedLLM([]), print), "kind")
+
+
+def test_lines_are_written_one_at_a_time():
+    busy = threading.Lock()
+    calls = []
+
+    def log(call):
+        assert busy.acquire(blocking=False)
+        calls.append(call)
+        busy.release()
+
+    llm = LoggedLLM(FunctionLLM(lambda asked: GOOD), log)
+    list(as_finished(lambda sample: ask(llm, QUESTION, sample), range(60), threads=8))
+    assert sorted(call.sample for call in calls) == list(range(60))

@@ -1,0 +1,25 @@
+"""A model in front of another one looks like it."""
+
+import copy
+
+import pytest
+
+from oodscen.llm._wrapper import Wrapper
+from oodscen.testing import FunctionLLM
+
+
+def test_it_has_the_name_and_the_attributes_of_who_answers():
+    llm = FunctionLLM(lambda request: "")
+    llm.seed = 7
+    assert (Wrapper(llm).name, Wrapper(llm).seed) == (llm.name, 7)
+
+
+def test_what_is_private_or_missing_is_an_attribute_error():
+    llm = Wrapper(FunctionLLM(lambda request: ""))
+    for name in ("_secret", "colour"):
+        with pytest.raises(AttributeError):
+            getattr(llm, name)
+
+
+def test_a_copy_does_not_look_for_its_model_without_end():
+    assert copy.copy(Wrapper(FunctionLLM(lambda request: ""))).name

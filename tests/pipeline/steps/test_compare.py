@@ -1,0 +1,80 @@
+"""Other simulators beside the study's own: free with the built-in author, else only where asked for."""
+
+import pytest
+
+from oodscen._author import BuiltinAuthor
+from oodscen._pipeline.context import Context
+from oodscen._pipeline.steps.compare import CATALOGUES, compare_catalogues
+from oodscen.study import StudyConfig
+from oodscen.testing import FunctionLLM
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from tests.pipeline.quick import QUICK
+
+LABELS = {
+    "deer": "Deer on the road",
+    "rain": "Heavy rain or heavy snowfall",
+    "box": "Cardboard box",
+}
+
+
+@pytest.fixture
+def tree() -> ScenarioTree:
+    return ScenarioTree.planted().apply(
+        *(
+            TreeEdit(op="add", node=node, parent="environmental", label=label)
+            for node, label in LABELS.items()
+        )
+    )
+
+
+def prepared(out, config, **models):
+    run = Context(out, config, models=models)
+    run.store.prepare()
+    run.prepare()
+    return run
+
+
+def test_the_built_in_author_compares_with_carla(tmp_path, tree):
+    run = prepared(tmp_path, QUICK)
+    compare_catalogues(run, tree)
+    found = run.study.comparison
+    assert found.catalogues == ("flat", "carla-0.9.16")
+    carla = found.tallies[1]
+    assert set(carla.absent) == {"animal", "snow"}
+    sides = {line.id: line.sides[1] for line in found.lines}
+    assert not sides["deer"].keep
+    assert "no animals at all" in sides["deer"].reason
+    assert (sides["rain"].match, sides["rain"].label) == ("part", "Heavy rain")
+    assert "snow (weather)" in sides["rain"].reason
+    assert sides["box"].keep
+    before = run.store.path(CATALOGUES).read_bytes()
+    calls = len(list(run.store.lines("calls.jsonl")))
+    compare_catalogues(run, tree)
+    assert run.store.path(CATALOGUES).read_bytes() == before
+    assert len(list(run.store.lines("calls.jsonl"))) == calls
+
+
+def test_another_model_is_asked_only_where_that_is_wanted(tmp_path, tree):
+    author = BuiltinAuthor(QUICK.seed)
+    asked = []
+
+    def answer(request):
+        asked.append(request.prompt)
+        return author.complete(request).text
+
+    config = QUICK.model_copy(update={"llm": "served"})
+    run = prepared(tmp_path / "quiet", config, served=FunctionLLM(answer))
+    compare_catalogues(run, tree)
+    assert asked == []
+    assert not run.store.has(CATALOGUES)
+    wanted = config.model_copy(update={"catalogues": ("carla-0.9.16", "flat")})
+    run = prepared(tmp_path / "asked", wanted, served=FunctionLLM(answer))
+    compare_catalogues(run, tree)
+    assert len(asked) == 2 * len(LABELS)
+    assert run.study.comparison.catalogues == ("flat", "carla-0.9.16")
+
+
+def test_no_catalogue_can_be_asked_for():
+    assert StudyConfig().compared == ("carla-0.9.16",)
+    assert StudyConfig(catalogues=()).compared == ()
+    assert StudyConfig(llm="gpt-4o").compared == ()

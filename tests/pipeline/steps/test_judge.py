@@ -1,0 +1,447 @@
+"""The stage that judges: both tasks, scenes and twins, real pictures, nothing asked twice."""
+
+import json
+import shutil
+from collections import Counter
+
+import cv2
+import numpy as np
+import pytest
+from lxml import html
+
+from oodscen import Study
+from oodscen._pipeline import run_study
+from oodscen._pipeline.steps.judge import OPINIONS
+from oodscen.data._episode import ACTIONS
+from oodscen.errors import BudgetExceeded, LLMError
+from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.judging._leaderboard.leaderboard import Leaderboard
+from oodscen.llm._remote.limits import Caps, Traffic
+from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
+from tests.pipeline.quick import QUICK
+
+CONFIG = QUICK.model_copy(update={"iterations": 4, "max_paths": 3, "sets": (10,)})
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("judging") / "out"
+    run_study(out, CONFIG)
+    return out
+
+
+@pytest.fixture
+def study(folder):
+    return Study.open(folder)
+
+
+def of(study, model):
+    return {row.scene_id: row for row in study.verdicts if row.model == model}
+
+
+def test_scenes_and_twins_are_run_and_judged(study):
+    ids = [episode.id for episode in study.episodes]
+    scenes = [scene.id for scene in study.scenes]
+    assert ids == [name for scene in scenes for name in (scene, f"{scene}~twin")]
+    models = {row.model for row in study.verdicts}
+    assert models == {
+        *(f"constant:{a}" for a in ACTIONS), "random", "blind", "novelty", "oracle"
+    }  # fmt: skip
+    assert json.loads((study.folder / "leaderboard.json").read_text())
+
+
+def test_the_oracle_is_always_right_where_anything_is_safe(study):
+    episodes = {episode.id: episode for episode in study.episodes}
+    for name, row in of(study, "oracle").items():
+        assert row.is_ood is not row.is_twin
+        assert row.choice_is_right
+        assert row.aspect_is_right or row.is_twin
+        assert row.action_is_safe or not episodes[name].safe_set
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_a_constant_scores_exactly_what_its_action_scored(study, action):
+    rows = of(study, f"constant:{action}")
+    for episode in study.episodes:
+        assert rows[episode.id].action_is_safe is episode.actions[action].safe
+        unavailable = episode.actions[action].unavailable
+        assert rows[episode.id].outcome == ("unavailable" if unavailable else "answered")
+
+
+def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        model = server.client("gpt-4o")
+        config = CONFIG.model_copy(update={"vlms": ("served",)})
+        capped = server.client("gpt-4o", traffic=Traffic(Caps(requests=20)))
+        with pytest.raises(BudgetExceeded):
+            run_study(out, config, models={"served": capped})
+        assert 0 < len(server.received) <= 20
+        run_study(out, config, models={"served": model})
+        asked = len(server.received)
+        pictures = [image for one in server.received for image in one.images]
+        run_study(out, config, models={"served": model})
+        assert len(server.received) == asked
+    study = Study.open(out)
+    rows = of(study, model.name)
+    assert len(rows) == len(study.episodes)
+    assert asked == 6 * len(rows)
+    for data in pictures[:6]:
+        assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)
+    episodes = {episode.id: episode for episode in study.episodes}
+    assert all(row.action_is_safe is episodes[n].actions["stop"].safe for n, row in rows.items())
+    assert study.info["counts"]["outcomes"][model.name] == {"answered": len(rows)}
+
+
+def test_the_paper_s_protocol_stands_beside_ours(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    config = CONFIG.model_copy(update={"protocols": ("ours", "paper")})
+    study = run_study(out, config)
+    paper = [row for row in study.verdicts if row.protocol == "paper"]
+    assert {row.scene_id for row in paper} == {scene.id for scene in study.scenes}
+    assert not any(row.is_twin for row in paper)
+    assert all(row.action_is_safe is row.success for row in paper)
+    assert (out / "frames" / study.scenes[0].id / "whole-last.jpg").is_file()
+    whole = [json.loads(line) for line in (out / "episodes.paper.jsonl").read_text().splitlines()]
+    seen = sum(one["hazard_visible"] is True for one in whole)
+    board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
+    assert (board.whole, board.whole_shown) == (len(study.scenes), seen)
+    oracle = next(r for r in board.standings if (r.model, r.protocol) == ("oracle", "paper"))
+    assert oracle.identification.open_shown.n == seen
+    assert (
+        f"in {seen} of {len(whole)} scenes the hazard can be seen"
+        in (out / "report.html").read_text()
+    )
+
+
+def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "mine", "model"
+    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    cut = Study.open(out).scenes[0].id
+    for picture in (out / "frames" / cut).iterdir():
+        picture.write_bytes(picture.read_bytes()[:2_000])
+    study = run_study(out, config, models={"mine": model})
+    rows = of(study, "mine")
+    assert rows[cut].outcome == "error"
+    assert rows[cut].error_type == "DataError"
+    lines = (out / "verdicts.jsonl").read_text().splitlines()
+    changed = [line.replace(_version(rows), "0" * 12) for line in lines]
+    (out / "verdicts.jsonl").write_text("\n".join(changed) + "\n")
+    counts = run_study(out, config, models={"mine": model}).info["counts"]["outcomes"]["mine"]
+    assert counts["outdated"] == counts["answered"] == len(rows) - 1
+
+
+def test_no_picture_from_outside_the_study_is_shown(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    (tmp_path / "priv").mkdir()
+    scenes = [scene.id for scene in Study.open(out).scenes]
+    shutil.copy(out / "frames" / scenes[0] / "last.jpg", tmp_path / "priv" / "last.jpg")
+    shutil.rmtree(out / "frames" / scenes[1])
+    (out / "frames" / scenes[1]).symlink_to(tmp_path / "priv")
+    lines = (out / "episodes.jsonl").read_text()
+    named = lines.replace(f"frames/{scenes[0]}/last.jpg", "../priv/last.jpg")
+    (out / "episodes.jsonl").write_text(named)
+    shown = []
+
+    def answer(asked):
+        shown.extend(image.path for message in asked.messages for image in message.images)
+        return ConstantAnswerer("stop").complete(asked).text
+
+    model = FunctionLLM(answer)
+    model.name = "mine"
+    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    rows = of(run_study(out, config, models={"mine": model}), "mine")
+    for name in scenes[:2]:
+        assert (rows[name].outcome, rows[name].error_type) == ("error", "StudyError")
+    assert rows[scenes[2]].outcome == "answered"
+    assert shown
+    assert all(path.resolve().is_relative_to(out.resolve()) for path in shown)
+
+
+def _version(rows):
+    return next(row.prompts["name-aspect"] for row in rows.values() if row.prompts)
+
+
+HOSTILE = (
+    "<script>alert(1)</script></script><img src=x onerror=alert(1)> javascript:alert(1) "
+    "\ud800 \u202e \x00 \x1b[2J ]]> {{ 7*7 }} \ufffe"
+)
+
+
+def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    lines = [json.loads(line) for line in (out / "episodes.jsonl").read_text().splitlines()]
+    cut, _, _, fewer, empty, none = (line["id"] for line in lines)
+    for name, kept in ((cut, 0.5), (empty, 0)):
+        picture = out / "frames" / name / "middle.jpg"
+        data = picture.read_bytes()
+        picture.write_bytes(data[: int(kept * len(data))])
+    shutil.rmtree(out / "frames" / none)
+    del lines[3]["frames"]["middle"]
+    (out / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "mine", "model"
+    config = CONFIG.model_copy(update={"vlms": ("mine",)})
+    study = run_study(out, config, models={"mine": model})
+    rows = of(study, "mine")
+    bad = {name: rows[name].error for name in (cut, fewer)}
+    assert "cut off before its end" in bad[cut]
+    assert "no middle frame" in bad[fewer]
+    assert {rows[name].outcome for name in bad} == {"error"}
+    assert all(rows[name].outcome == "answered" for name in rows if name not in bad)
+    counted = {"answered": len(rows) - 2, "error": 2}
+    assert study.info["counts"]["outcomes"]["mine"] == counted
+    shown = (out / "report.html").read_text()
+    assert "2 failed" in shown
+    assert "cut off before its end" in shown
+
+
+@pytest.mark.parametrize("form", ["json", "prose", "raised"])
+def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folder, tmp_path, form):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    valid = {
+        "describe-frame": {"description": HOSTILE},
+        "name-aspect": {"reasoning": HOSTILE, "is_ood": True, "aspect": HOSTILE, "confidence": 1},
+        "choose-aspect": {"reasoning": HOSTILE, "choice": 1},
+        "choose-action": {"reasoning": HOSTILE, "action": "stop"},
+    }
+
+    prose = {
+        "describe-frame": HOSTILE,
+        "name-aspect": f"Yes: {HOSTILE}",
+        "choose-aspect": f"{HOSTILE}\nAnswer: 1",
+        "choose-action": f"{HOSTILE}\nAnswer: stop",
+    }
+
+    def answer(request):
+        if form == "raised":
+            raise RuntimeError(HOSTILE)
+        if form == "prose":
+            return prose[request.prompt.purpose]
+        return json.dumps(valid[request.prompt.purpose])
+
+    model = FunctionLLM(answer)
+    model.name = f"gpt/{HOSTILE[:60]}"
+    config = CONFIG.model_copy(update={"vlms": (model.name,)})
+    study = run_study(out, config, models={model.name: model})
+    rows = of(study, model.name)
+    assert len(rows) == len(study.episodes)
+    assert {row.outcome for row in rows.values()} == {"error" if form == "raised" else "answered"}
+    document = html.document_fromstring((out / "report.html").read_text(encoding="utf-8"))
+    words = document.get_element_by_id("models").text_content()
+    assert ("Was asked 3 times and gave no usable answer" in words) is (form == "raised")
+    assert "Was not asked" not in words
+    assert len(document.xpath("//script")) == 2
+    assert not document.xpath("//@*[starts-with(name(), 'on')]")
+    assert not document.xpath("//a[starts-with(@href, 'javascript:')] | //img[@src='x']")
+    told = _payload(document)["scenes"]
+    assert "<script>alert" in json.dumps(told)
+
+
+def _payload(document):
+    return json.loads(document.get_element_by_id("data").text)
+
+
+def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    before = Study.open(out).verdicts
+    said = {
+        "describe-frame": {"description": "a road"},
+        "name-aspect": {"is_ood": True, "aspect": "something odd"},
+        "choose-aspect": {"choice": 1},
+        "choose-action": {"action": "stop"},
+    }
+    seen = ScriptedLLM(said, name="seen")
+
+    broken, questions = True, []
+
+    def says(request):
+        questions.append((request.prompt.aspect, request.prompt.path))
+        if broken and request.prompt.aspect == "something odd":
+            return "?"
+        return {"is_same": request.prompt.aspect == "something odd"}
+
+    judge = FunctionLLM(says, name="judge")
+    config = CONFIG.model_copy(update={"judge": "judge", "vlms": ("seen",)})
+    models = {"seen": seen, "judge": judge}
+    first = run_study(out, config, models=models)
+    asked = len(seen.requests)
+    board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
+    unjudged = sum(row.identification.unjudged for row in board.standings)
+    assert unjudged == sum(bool(one.judge_error) for one in first.verdicts) > 0
+    assert first.info["counts"]["judged"]["matched"] == unjudged
+
+    broken = False
+    study = run_study(out, config, models=models, retry=True)
+    counted = Counter(one for one in questions if one[0] != "something odd")
+    assert set(counted.values()) == {1}
+    assert len(seen.requests) == asked
+    assert {one.model for one in study.verdicts} == {*(one.model for one in before), "seen"}
+    for one in study.verdicts:
+        is_open = one.is_ood and one.aspect and not one.is_twin
+        assert one.judge.startswith("judge@") is bool(is_open), one.id
+        if one.model == "seen" and is_open:
+            assert one.aspect_is_right
+    counted = Counter(line["status"] for line in study.store.lines(OPINIONS))
+    assert set(counted) == {"ok"}
+    assert "judge@" in (out / "report.html").read_text()
+
+
+# ------------------------------------------------------------------ models that fail
+
+
+def judging(*names):
+    return CONFIG.model_copy(update={"vlms": names})
+
+
+def by_picture(wrong, fault):
+    """Let every question about some pictures go wrong, each time."""
+
+    def faults(index, request):
+        shown = request.messages[-1].images if request else ()
+        return fault if any(wrong in image.name for image in shown) else None
+
+    return faults
+
+
+def tally(study, model):
+    return study.info["counts"]["outcomes"][model]
+
+
+@pytest.mark.parametrize(
+    ("fault", "outcome"), [("http500", "error"), ("slow", "timeout"), ("filtered", "refused")]
+)
+def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, fault, outcome):
+    out = shutil.copytree(folder, tmp_path / "out")
+    items = len(Study.open(out).episodes)
+    wanted = {"answered": items // 2, outcome: items // 2}
+    model = ConstantAnswerer("stop")
+    with AnsweringServer(model, faults=by_picture("~twin", fault)) as server:
+        for _ in range(1 if fault == "filtered" else 2):
+            traffic = Traffic(strikes=1)
+            seconds = 1.0 if fault == "slow" else 60.0
+            client = server.client("m", traffic=traffic, timeout_s=seconds, retries=0)
+            study = run_study(out, judging("m"), models={"m": client}, traffic=traffic)
+            assert tally(study, "m") == wanted
+            assert study.info["status"] == "incomplete"
+    healthy = of(study, "m")
+    assert all((row.outcome == "answered") is not row.is_twin for row in healthy.values())
+    assert all(row.retryable is (outcome != "refused") for row in healthy.values() if row.is_twin)
+
+
+def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    traffic = Traffic(strikes=1)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        dead = server.client("dead", traffic=traffic, retries=0)
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        live = server.client("live", traffic=traffic)
+        models = {"dead": dead, "live": live}
+        study = run_study(out, judging("dead", "live"), models=models, traffic=traffic)
+        items = len(study.episodes)
+        assert tally(study, "live") == {"answered": items}
+        found = tally(study, "dead")
+        assert found["unasked"] + found["error"] == items
+        assert found["unasked"] >= items - 2 - traffic.concurrency
+        left = [row for row in of(study, "dead").values() if row.outcome == "unasked"]
+        assert all(row.retryable and "is given up" in row.error for row in left)
+        shown = (out / "report.html").read_text("utf-8")
+        assert f"{found['unasked']} not asked" in shown
+        models["dead"] = server.client("dead")
+        study = run_study(out, judging("dead", "live"), models=models)
+    assert tally(study, "dead") == {"answered": items}
+    assert study.info["status"] == "success"
+
+
+def test_what_was_never_asked_comes_before_what_failed(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    order = []
+
+    def mute(request):
+        order.append("old")
+        raise LLMError("no", retryable=True)
+
+    def answer(request):
+        order.append("new")
+        return ConstantAnswerer("stop").complete(request).text
+
+    old, new = FunctionLLM(mute), FunctionLLM(answer)
+    old.name, new.name = "old", "new"
+    run_study(out, judging("old"), models={"old": old})
+    order.clear()
+    run_study(out, judging("old", "new"), models={"old": old, "new": new})
+    assert sorted(order) == order
+    assert set(order) == {"new", "old"}
+
+
+def test_a_model_given_up_while_asked_again_keeps_what_is_known_of_its_items(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+
+    def faults(index, request):
+        return "http500"
+
+    with AnsweringServer(ConstantAnswerer("stop"), faults=faults) as server:
+        client = server.client("m", traffic=Traffic(patience_s=None), retries=0)
+        first = run_study(out, judging("m"), models={"m": client})
+    before = tally(first, "m")
+    assert set(before) == {"error"}
+    traffic = Traffic(strikes=1)
+    dead = server_gone(traffic)
+    second = run_study(out, judging("m"), models={"m": dead}, traffic=traffic)
+    assert tally(second, "m") == before
+
+
+def server_gone(traffic):
+    with AnsweringServer(ConstantAnswerer("stop")) as server:
+        return server.client("m", traffic=traffic, retries=0)
+
+
+def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    failing, asked = FunctionLLM(lambda request: 1 / 0), []
+    failing.name = "m"
+    run_study(out, judging("m"), models={"m": failing})
+    before = (out / "verdicts.jsonl").read_bytes()
+    lines = before.decode().splitlines()
+    lines = [json.dumps({**json.loads(row), "retryable": "@m" in row}) + "\n" for row in lines]
+    (out / "verdicts.jsonl").write_text("".join(lines))
+
+    def interrupt(request):
+        asked.append(request)
+        raise KeyboardInterrupt
+
+    model = FunctionLLM(interrupt)
+    model.name = "m"
+    counts = Study.open(out).info["counts"]
+    with pytest.raises(KeyboardInterrupt):
+        run_study(out, judging("m"), models={"m": model})
+    study = Study.open(out)
+    assert study.info["status"] == "stopped"
+    assert study.info["counts"] == counts
+    assert len(study.verdicts) == len(lines)
+    assert {row.outcome for row in of(study, "m").values()} == {"error"}
+    assert "the same command continues it" in (out / "report.html").read_text("utf-8")
+    answering = ConstantAnswerer("stop")
+    answering.name, answering.kind = "m", "model"
+    study = run_study(out, judging("m"), models={"m": answering})
+    assert tally(study, "m") == {"answered": len(study.episodes)}
+
+
+def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "mine", "model"
+    traffic = Traffic(strikes=1)
+    config = judging("mine").model_copy(update={"judge": "m"})
+    models = {"mine": model, "m": server_gone(traffic)}
+    study = run_study(out, config, models=models, traffic=traffic)
+    assert tally(study, "mine") == {"answered": len(study.episodes)}
+    assert study.info["status"] != "stopped"

@@ -1,0 +1,240 @@
+"""What is missing comes back byte for byte; what was changed is never taken for what it was."""
+
+import json
+import random
+import shutil
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from oodscen import Study
+from oodscen._pipeline import run_study
+from oodscen.errors import DataError, StudyError
+from oodscen.testing import ScriptedLLM
+from tests.pipeline.quick import QUICK
+
+CONFIG = QUICK.model_copy(
+    update={
+        "iterations": 4,
+        "max_paths": 3,
+        "vlms": ("eye",),
+        "judge": "judge",
+        "protocols": ("ours", "paper"),
+    }
+)
+LOGS = {"study.json", "calls.jsonl", "answers.jsonl", "report.html"}
+"""What was asked and when; everything else is a function of the configuration."""
+
+
+class Counted(ScriptedLLM):
+    """Counts its calls."""
+
+    calls = 0
+
+    def complete(self, request):
+        self.calls += 1
+        return super().complete(request)
+
+
+def models():
+    seen = {
+        "describe-frame": {"description": "a road"},
+        "name-aspect": {"is_ood": True, "aspect": "something odd", "confidence": 0.8},
+        "name-ood-aspect": {"aspect": "something odd"},
+        "choose-aspect": {"choice": 1},
+        "choose-action": {"reasoning": "", "action": "stop"},
+    }
+    return {
+        "eye": Counted(seen, name="eye"),
+        "judge": Counted({"judge-aspect": {"reasoning": "", "is_same": False}}, name="judge"),
+    }
+
+
+def run(folder, config=CONFIG, **options):
+    asked = models()
+    run_study(folder, config, models=asked, **options)
+    return sum(model.calls for model in asked.values())
+
+
+def content(folder):
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    return {
+        str(path.relative_to(folder)): path.read_bytes() for path in files if path.name not in LOGS
+    }
+
+
+def lines(folder, name):
+    return [json.loads(line) for line in (folder / name).read_text().splitlines()]
+
+
+def rewrite(folder, name, rows):
+    (folder / name).write_text("".join(json.dumps(row) + "\n" for row in rows))
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """Return a finished study; some scene in it was re-staged."""
+    out = tmp_path_factory.mktemp("resume") / "out"
+    assert run(out) > 0
+    assert any(line["how"] for line in lines(out, "restaged.jsonl"))
+    return out
+
+
+@pytest.fixture
+def folder(finished, tmp_path):
+    shutil.copytree(finished, tmp_path / "out")
+    return tmp_path / "out"
+
+
+def damage(folder, name, how, rng):
+    """Remove a file, or all of its lines, or some."""
+    path = folder / name
+    if how == "gone":
+        path.unlink()
+        return
+    kept = path.read_bytes().splitlines(keepends=True)
+    few = rng.sample(range(len(kept)), rng.randint(0, max(len(kept) - 1, 0)))
+    path.write_bytes(b"".join(kept[place] for place in sorted(few)) if how == "some" else b"")
+
+
+def test_the_study_has_every_table(finished):
+    names = {path.name for path in finished.iterdir()}
+    assert names >= {
+        "tree.initial.json", "tree.diverse.json", "tree.simulatable.json", "redteam.jsonl",
+        "edits.jsonl", "pruned.jsonl", "restore.json", "catalogues.json", "scenarios.jsonl",
+        "texts.diverse.10.jsonl", "metrics.json", "claims.jsonl", "staged.jsonl", "scenes.jsonl",
+        "restaged.jsonl", "episodes.jsonl", "episodes.paper.jsonl", "frames", "verdicts.jsonl",
+        "opinions.jsonl", "leaderboard.json",
+    }  # fmt: skip
+
+
+@settings(max_examples=12, suppress_health_check=list(HealthCheck))
+@given(st.data())
+def test_whatever_is_removed_comes_back_byte_for_byte(finished, tmp_path_factory, data):
+    out = tmp_path_factory.mktemp("damaged") / "out"
+    shutil.copytree(finished, out)
+    before = content(out)
+    hit = data.draw(st.lists(st.sampled_from(sorted(before)), min_size=1, max_size=5, unique=True))
+    rng = random.Random(data.draw(st.integers(0, 999)))
+    for name in hit:
+        damage(out, name, data.draw(st.sampled_from(["gone", "empty", "some"])), rng)
+    assert run(out, workers=data.draw(st.sampled_from([0, 0, 0, 0, 0, 2]))) == 0
+    assert content(out) == before
+    shutil.rmtree(out)
+
+
+def test_what_is_added_later_is_what_it_would_have_been(finished, tmp_path):
+    out = tmp_path / "out"
+    run(out, CONFIG.model_copy(update={"vlms": (), "judge": None, "protocols": ("ours",)}))
+    run(out)
+    assert content(out) == content(finished)
+
+
+def test_both_protocols_judge_the_scenes_as_they_were_run(finished):
+    digests = {scene.id: scene.digest() for scene in Study.open(finished).scenes}
+    for file in ("episodes.jsonl", "episodes.paper.jsonl"):
+        for line in lines(finished, file):
+            assert line["made_from"] == digests[line["id"].removesuffix("~twin")]
+
+
+def test_a_scene_that_was_moved_by_hand_is_run_as_it_is_now(folder):
+    before = {name: lines(folder, name) for name in ("episodes.jsonl", "verdicts.jsonl")}
+    rows = lines(folder, "scenes.jsonl")
+    moved = next(row for row in rows if row["decision"]["kind"] != "time")
+    moved["actors"][0]["placement"]["offset_m"] += 0.25
+    rewrite(folder, "scenes.jsonl", rows)
+    assert run(folder) > 0
+    for name, old in before.items():
+        new = lines(folder, name)
+        assert [line["id"] for line in new] == [line["id"] for line in old]
+        is_moved = {line["id"]: line["id"].startswith(moved["id"]) for line in new}
+        others = [
+            line for line in old if not is_moved[line["id"]] and line.get("kind") != "reference"
+        ]
+        assert others == [line for line in new if line in others]
+        for was, now in zip(old, new, strict=True):
+            if is_moved[was["id"]]:
+                assert was["made_from"] != now["made_from"]
+    study = Study.open(folder)
+    scene = next(scene for scene in study.scenes if scene.id == moved["id"])
+    assert scene.actors[0].placement.offset_m == moved["actors"][0]["placement"]["offset_m"]
+    assert scene.digest() in {episode.made_from for episode in study.episodes}
+    after = content(folder)
+    for name in ("episodes.jsonl", "restaged.jsonl", "verdicts.jsonl"):
+        (folder / name).unlink()
+    assert run(folder) == 0
+    assert content(folder) == after
+
+
+def test_a_restaged_scene_that_is_changed_by_hand_is_no_longer_restaged_like_that(folder):
+    restaged = next(line["id"] for line in lines(folder, "restaged.jsonl") if line["how"])
+    rows = lines(folder, "scenes.jsonl")
+    next(row for row in rows if row["id"] == restaged)["horizon_s"] = 0.1
+    rewrite(folder, "scenes.jsonl", rows)
+    (folder / "staged.jsonl").unlink()
+    run(folder)
+    (line,) = (line for line in lines(folder, "restaged.jsonl") if line["id"] == restaged)
+    assert not line["how"]
+    assert line["tried"]
+    assert lines(folder, "scenes.jsonl") == rows
+
+
+def test_a_verdict_on_an_episode_that_is_another_now_is_given_again(folder):
+    rows = lines(folder, "episodes.jsonl")
+    rows[0]["actions"]["stop"]["safe"] = not rows[0]["actions"]["stop"]["safe"]
+    rewrite(folder, "episodes.jsonl", rows)
+    assert run(folder) == 0
+    verdicts = {line["id"]: line for line in lines(folder, "verdicts.jsonl")}
+    assert verdicts[f"{rows[0]['id']}@eye"]["action_is_safe"] is rows[0]["actions"]["stop"]["safe"]
+
+
+def test_what_follows_from_a_text_that_was_changed_is_made_again(folder):
+    before = {name: lines(folder, name) for name in ("claims.jsonl", "staged.jsonl")}
+    metrics = json.loads((folder / "metrics.json").read_text())
+    rows = lines(folder, "scenarios.jsonl")
+    rows[0]["text"] += " It is night."
+    rewrite(folder, "scenarios.jsonl", rows)
+    run(folder)
+    assert lines(folder, "scenarios.jsonl") == rows
+    for name, old in before.items():
+        new = lines(folder, name)
+        assert new[0]["made_from"] != old[0]["made_from"]
+        assert new[1:] == old[1:]
+    assert json.loads((folder / "metrics.json").read_text())["made_from"] != metrics["made_from"]
+
+
+def test_a_branch_that_is_kept_by_hand_gets_texts_and_the_others_stay(folder):
+    rows = lines(folder, "pruned.jsonl")
+    leaves = {line["leaf"] for line in lines(folder, "scenarios.jsonl")}
+    gone = next(row for row in rows if row["id"] in leaves)
+    gone["keep"] = False
+    rewrite(folder, "pruned.jsonl", rows)
+    run(folder)
+    assert gone["id"] not in {line["leaf"] for line in lines(folder, "scenarios.jsonl")}
+    study = Study.open(folder)
+    assert gone["id"] not in study.tree("simulatable").by_id
+    assert {scene.id for scene in study.scenes} == {one.id for one in study.scenarios}
+    assert {one.id.removesuffix("~twin") for one in study.episodes} == {s.id for s in study.scenes}
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        (lambda rows: rows.append({**rows[0], "id": "own-001"}), StudyError, "own-001"),
+        (lambda rows: rows.append({**rows[0], "horizon_s": 3.0}), StudyError, "two scenes"),
+        (
+            lambda rows: rows[0].update(decision={"kind": "ttc", "value": 2.0}),
+            DataError,
+            "line 1.*decision.actor: name the actor",
+        ),
+    ],
+)
+def test_a_scene_that_cannot_be_taken_is_named(folder, change, error, words):
+    rows = lines(folder, "scenes.jsonl")
+    change(rows)
+    rewrite(folder, "scenes.jsonl", rows)
+    before = content(folder)
+    with pytest.raises(error, match=f"(?s){words}"):
+        run(folder)
+    assert content(folder) == before

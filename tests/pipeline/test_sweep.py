@@ -1,0 +1,228 @@
+"""Sweeps: processes change no byte, a bad scene or a dead process costs only its own items."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen._pipeline import run_study
+from oodscen._pipeline.sweep import Extras, Job, sweep
+from oodscen.data._episode import MOMENTS
+from oodscen.errors import MissingExtra, StudyError, UsageError
+from oodscen.stages._annotations import FrameAnnotations
+from oodscen.study import Store, Study, StudyConfig
+from oodscen.testing._scenes import example_scene
+from tests.pipeline.quick import QUICK
+
+JOB = Job(simulator="flat")
+
+
+def scenes(count):
+    return [example_scene().model_copy(update={"id": f"s-{number:03d}"}) for number in range(count)]
+
+
+def by_id(results):
+    return {result.episode.id: result for result in results}
+
+
+@pytest.fixture(scope="module")
+def here():
+    return by_id(sweep(JOB, scenes(5)))
+
+
+def test_every_scene_comes_back_with_decodable_frames(here):
+    assert set(here) == {scene.id for scene in scenes(5)}
+    for name, result in here.items():
+        assert result.episode.status == "ok"
+        assert tuple(result.frames) == MOMENTS
+        picture = cv2.imdecode(np.frombuffer(result.frames["last"], np.uint8), cv2.IMREAD_COLOR)
+        assert picture.shape == (480, 640, 3)
+        assert result.episode.frames["last"] == f"frames/{name}/last.jpg"
+
+
+def test_processes_and_executors_change_no_byte(here):
+    assert by_id(sweep(JOB, scenes(5), workers=2)) == here
+    with ThreadPoolExecutor(2) as pool:
+        assert by_id(sweep(JOB, scenes(5), executor=pool)) == here
+
+
+def test_what_else_is_asked_for_comes_as_files(here, tmp_path):
+    job = Job("flat", extras=Extras(traces=True, annotations=True, video="bird"))
+    (result,) = sweep(job, scenes(1))
+    store = Store(tmp_path)
+    store.prepare()
+    result.save(store)
+    names = set(result.episode.files)
+    assert {"traces/s-000.parquet", "videos/s-000.mp4", "frames/s-000/last.json"} <= names
+    assert all((tmp_path / name).stat().st_size > 100 for name in names)
+    table = Study(tmp_path).trace("s-000").to_pandas()
+    available = [k for k, v in result.episode.actions.items() if not v.unavailable]
+    assert list(table["phase"].unique()) == ["approach", *available]
+    kept = table[(table["phase"] == "stop") & (table["id"] == "box")]
+    assert kept["gap_m"].min() == pytest.approx(result.episode.actions["stop"].margin_m, abs=1e-3)
+    notes = FrameAnnotations.load(tmp_path / "frames/s-000/last.json")
+    assert notes.actors[0].visible_px == result.episode.visible["last"]["box"]
+    assert result.episode.model_copy(update={"files": ()}) == here["s-000"].episode
+    with pytest.raises(StudyError):
+        Study(tmp_path).trace("s-001")
+
+
+def test_a_refused_scene_is_a_failed_episode_and_the_rest_goes_on(here):
+    bad = example_scene().model_copy(update={"id": "bad", "map": "nowhere"})
+    results = by_id(sweep(JOB, [bad, *scenes(2)]))
+    assert results["bad"].episode.status == "failed"
+    assert "nowhere" in results["bad"].episode.error
+    assert results["bad"].episode.error_type == "SceneError"
+    assert results["s-001"] == here["s-001"]
+
+
+def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatch, here):
+    (tmp_path / "deadly_simulator.py").write_text(
+        "import os\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Deadly(FlatSimulator):\n"
+        "    def reset(self, scene, seed):\n"
+        "        if scene.id == 's-001':\n"
+        "            os._exit(7)\n"
+        "        return super().reset(scene, seed)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    job = Job(simulator="deadly_simulator:Deadly")
+    results = by_id(sweep(job, scenes(3), workers=2))
+    assert results["s-001"].episode.status == "failed"
+    assert "process died" in results["s-001"].episode.error
+    assert results["s-001"].episode.error_type == "SimulatorCrash"
+    assert results["s-001"].episode.retryable
+    for name in ("s-000", "s-002"):
+        assert results[name].episode == here[name].episode
+
+
+def test_one_worker_survives_a_scene_that_kills_it(tmp_path, monkeypatch, here):
+    (tmp_path / "killed_simulator.py").write_text(
+        "import os, signal\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Killed(FlatSimulator):\n"
+        "    def draw(self, camera):\n"
+        "        if self.world.scene.id == 's-000':\n"
+        "            os.kill(os.getpid(), signal.SIGKILL)\n"
+        "        return super().draw(camera)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    results = by_id(sweep(Job(simulator="killed_simulator:Killed"), scenes(2), workers=1))
+    assert results["s-000"].episode.error_type == "SimulatorCrash"
+    assert results["s-001"].episode == here["s-001"].episode
+
+
+def test_a_broken_simulator_is_replaced_and_the_rest_goes_on(tmp_path, monkeypatch, here):
+    (tmp_path / "breaking_simulator.py").write_text(
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Breaking(FlatSimulator):\n"
+        "    is_broken = False\n\n"
+        "    def step(self, control):\n"
+        "        self.is_broken |= self.world.scene.id == 's-001' and self.world.time > 0.5\n"
+        "        if self.is_broken:\n"
+        "            raise RuntimeError('Not connected to physics server.')\n"
+        "        return super().step(control)\n\n"
+        "    def close(self):\n"
+        "        if self.is_broken:\n"
+        "            raise RuntimeError('Not connected to physics server.')\n"
+        "        super().close()\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    results = by_id(sweep(Job(simulator="breaking_simulator:Breaking"), scenes(4)))
+    failed = results["s-001"].episode
+    assert (failed.status, failed.error_type) == ("failed", "SimulatorCrash")
+    assert "physics server" in failed.error
+    for name in ("s-000", "s-002", "s-003"):
+        assert results[name].episode == here[name].episode
+
+
+def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
+    (tmp_path / "lacking_simulator.py").write_text(
+        "from oodscen.errors import MissingExtra\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Lacking(FlatSimulator):\n"
+        "    def load(self, corridor, scene, seed):\n"
+        "        raise MissingExtra('a simulator', 'lacking', 'nothing')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(MissingExtra):
+        list(sweep(Job(simulator="lacking_simulator:Lacking"), scenes(1)))
+
+
+UNGUARDED = """
+from oodscen.study.sweep import Job, sweep
+from oodscen.testing.scenes import example_scene
+
+for result in sweep(Job("flat"), [example_scene()], workers=2):
+    print(result.episode.status)
+"""
+
+
+def ran(*order, **more):
+    return subprocess.run([sys.executable, *order], capture_output=True, text=True, **more)
+
+
+def test_scripts_need_no_main_guard(tmp_path):
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    assert ran(tmp_path / "script.py").stdout == "ok\n"
+    assert ran("-", input=UNGUARDED, cwd=tmp_path).stdout == "ok\n"
+
+
+OWN = """
+from oodscen.study import StudyConfig
+from oodscen._pipeline import run_study
+from oodscen.testing import FlatSimulator
+
+class Mine(FlatSimulator):
+    pass
+
+run_study("out", StudyConfig.quick(simulator="own:Mine", encoder="hash"), workers=2)
+"""
+
+
+def test_a_script_that_is_its_own_simulator_is_refused_before_any_work(tmp_path):
+    (tmp_path / "own.py").write_text(OWN)
+    done = ran("own.py", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "UsageError" in done.stderr
+    assert "if __name__ == '__main__':" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_simulator_of_the_script_itself_is_refused_before_any_work(tmp_path):
+    config = StudyConfig.quick(simulator="__main__:Mine")
+    with pytest.raises(UsageError, match="module of its own"):
+        run_study(tmp_path / "out", config, workers=2)
+    with pytest.raises(UsageError, match="module of its own"):
+        next(sweep(Job("__main__:Mine"), scenes(1), workers=1))
+    assert not (tmp_path / "out").exists()
+
+
+def test_scenes_whose_process_died_are_run_again_by_the_same_command(tmp_path, monkeypatch):
+    (tmp_path / "fragile_simulator.py").write_text(
+        "import os\n"
+        "from pathlib import Path\n"
+        "from oodscen.testing import FlatSimulator\n\n\n"
+        "class Fragile(FlatSimulator):\n"
+        "    def step(self, control):\n"
+        f"        if Path({str(tmp_path / 'bad')!r}).exists():\n"
+        "            os._exit(9)\n"
+        "        return super().step(control)\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    config = QUICK.model_copy(update={"simulator": "fragile_simulator:Fragile", "max_paths": 1})
+    (tmp_path / "bad").touch()
+    study = run_study(tmp_path / "out", config, workers=1)
+    assert study.info["status"] == "incomplete"
+    assert all(line["retryable"] for line in study.failures("episodes"))
+    (tmp_path / "bad").unlink()
+    study = run_study(tmp_path / "out", config, workers=1)
+    assert study.info["status"] == "success"
+    assert {verdict.status for verdict in study.verdicts} == {"ok"}

@@ -1,0 +1,31 @@
+"""The narrower label of a pruning answer is a label like any other."""
+
+import pytest
+
+from oodscen.prompts import BranchJudgement, JudgeBranch
+from oodscen.tree._labels import label_fault
+from tests.prompts.samples import DIGEST
+from tests.tree.woods import HOSTILE, REFUSED
+
+PROMPT = JudgeBranch(path=("Scenarios", "Environmental", "Fog or hail"), catalogue=DIGEST)
+
+
+def issues(label):
+    answer = {"reasoning": "", "simulatable": True, "label": label, "missing": ["weather: hail"]}
+    found = PROMPT.check(BranchJudgement.model_validate(answer))
+    return [issue.message for issue in found if issue.path == "label"]
+
+
+@pytest.mark.parametrize("label", [text for text in REFUSED if text])
+def test_what_no_edit_takes_is_no_narrower_label(label):
+    assert issues(label) == [label_fault(label)]
+
+
+@pytest.mark.parametrize("label", ["Fog", "Obstacle < 10 cm high", *HOSTILE])
+def test_what_an_edit_takes_is_one(label):
+    assert issues(label) == []
+
+
+@pytest.mark.parametrize("label", ["fog  OR hail", "Fo\u200dg or hail"])
+def test_the_same_words_are_not_narrower(label):
+    assert len(issues(label)) == 1

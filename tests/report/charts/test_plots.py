@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+
+from oodscen.errors import UsageError
+from oodscen.metrics._vectors.axes import principal_axes
+from oodscen.metrics._vectors.similarity import unit
+from oodscen.report._charts.plots import distributions, embedding_map, size_curve
+
+pytest.importorskip("matplotlib")
+
+
+def rows(seed: int, n: int) -> np.ndarray:
+    return unit(np.random.default_rng(seed).normal(size=(n, 6)).astype(np.float32))
+
+
+def drawn(figure, tmp_path) -> bytes:
+    figure.savefig(tmp_path / "figure.png")
+    return (tmp_path / "figure.png").read_bytes()
+
+
+def test_every_set_is_in_the_picture(tmp_path):
+    sets = {"ordinary": [0.1, 0.2, 0.2], "strange": [0.5]}
+    figure = distributions(sets)
+    labels = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert labels == ["ordinary\nn = 3", "strange\nn = 1"]
+    assert drawn(figure, tmp_path)[:4] == b"\x89PNG"
+    vectors = {"ordinary": rows(0, 30), "strange": rows(1, 2)}
+    assert "ordinary (30)" in [
+        text.get_text()
+        for text in embedding_map(vectors, reference="ordinary").axes[0].get_legend().get_texts()
+    ]
+    assert len(size_curve(vectors, repeats=2).axes[0].lines) == 4
+
+
+def test_the_same_sets_give_the_same_picture(tmp_path):
+    sets = {"a": rows(0, 20), "b": rows(1, 9)}
+    assert drawn(embedding_map(sets), tmp_path) == drawn(embedding_map(sets), tmp_path)
+
+
+def test_axes_are_orthonormal_and_their_sign_is_fixed():
+    set_ = rows(2, 40)
+    mean, axes, share = principal_axes(set_)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(2), atol=1e-9)
+    again = principal_axes(set_[::-1])[1]
+    np.testing.assert_allclose(axes, again, atol=1e-6)
+    values = np.linalg.eigvalsh(np.cov((set_ - mean).T.astype(float)))[::-1]
+    np.testing.assert_allclose(share, values[:2] / values.sum(), atol=1e-6)
+    assert principal_axes(set_[:1])[2].tolist() == [0.0, 0.0]
+
+
+def test_nothing_to_draw_is_refused():
+    for bad in ({}, {"a": []}):
+        with pytest.raises(UsageError):
+            distributions(bad)
+    with pytest.raises(UsageError):
+        size_curve({"a": rows(0, 1)})
+    with pytest.raises(UsageError):
+        embedding_map({"a": rows(0, 3)}, reference="b")

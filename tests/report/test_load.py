@@ -1,0 +1,58 @@
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.report._load import dig, number, printable, read
+from oodscen.study import Study
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.floats(allow_nan=False) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=12,
+)
+
+
+@given(st.text(st.characters(codec=None)))
+def test_printable_text_can_be_encoded_and_stays_so(text: str) -> None:
+    once = printable(text)
+    once.encode("utf-8")
+    assert printable(once) == once
+    assert not any(ord(char) < 32 and char not in "\t\n\r" for char in once)
+
+
+@given(JSON, st.lists(st.text(), max_size=3))
+def test_looking_into_anything_never_raises(value: object, keys: list[str]) -> None:
+    dig(value, *keys)
+    number(value, *keys)
+
+
+def test_a_torn_last_line_is_no_fault(study: Study) -> None:
+    whole = read(study)
+    with (study.folder / "scenarios.jsonl").open("ab") as file:
+        file.write(b'{"id": "half')
+    torn = read(study)
+    assert torn.scenarios == whole.scenarios
+    assert "scenarios.jsonl" not in torn.gaps
+    assert (study.folder / "scenarios.jsonl").read_bytes().endswith(b'"half')
+
+
+def test_one_bad_line_costs_only_itself(study: Study) -> None:
+    file = study.folder / "scenes.jsonl"
+    before = read(study)
+    lines = file.read_bytes().split(b"\n")
+    lines[0] = b'{"id": "broken-001"}'
+    lines.insert(1, b"not json")
+    file.write_bytes(b"\n".join(lines))
+    after = read(study)
+    assert len(after.scenes) == len(before.scenes) - 1
+    assert "1 malformed line(s)" in after.gaps["scenes.jsonl"]
+    assert "1 line(s) of scenes.jsonl are not JSON objects" in after.gaps["scenes.jsonl"]
+    assert any(failure.id == "broken-001" for failure in after.failures)
+
+
+def test_reading_changes_nothing(study: Study) -> None:
+    def content() -> dict[str, bytes]:
+        return {f.name: f.read_bytes() for f in study.folder.iterdir() if f.is_file()}
+
+    before = content()
+    read(study)
+    assert content() == before

@@ -1,0 +1,106 @@
+"""What is too near is found, whatever the order in which one resumes."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen import ScenarioTree
+from oodscen.stages._redteam.novelty import Novelty
+from oodscen.stages._redteam.rounds import Round
+from oodscen.testing._encoder import HashEncoder
+from oodscen.tree._scenario_tree import TreeEdit
+
+TREE = ScenarioTree.planted().apply(
+    TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
+    TreeEdit(op="add", node="fog", parent="weather", label="Thick fog at night"),
+    TreeEdit(op="add", node="hail", parent="weather", label="Hail stones on the bonnet"),
+)
+
+
+def covered(number, text, kind="fog"):
+    return Round(round=number, text=text, decision="covered", kind=kind)
+
+
+def test_without_an_encoder_only_repetitions_are_found():
+    novelty = Novelty(TREE)
+    assert novelty.nearness("Fog.") == (None, None, None, "", False)
+    novelty.learn(covered(1, "Thick fog, at night!"), TREE)
+    found = novelty.nearness("thick fog at night")
+    assert (found.similarity, found.node, found.is_too_near) == (1.0, "fog", True)
+
+
+def test_a_leafs_own_label_is_nearest_to_it():
+    found = Novelty(TREE, HashEncoder()).nearness("Hail stones on the bonnet")
+    assert (found.node, found.by, found.is_too_near) == ("hail", "label", True)
+
+
+def test_labels_follow_the_tree():
+    novelty = Novelty(TREE, HashEncoder(), label=0.9)
+    edits = (
+        TreeEdit(op="broaden", node="fog", label="Bad sight"),
+        TreeEdit(op="add", node="sand", parent="weather", label="Sand on the wind"),
+    )
+    after = TREE.apply(*edits)
+    novelty.learn(Round(round=1, edits=edits, decision="add", kind="sand"), after)
+    assert not novelty.nearness("Thick fog at night").is_too_near
+    assert novelty.nearness("Bad sight").node == "fog"
+    assert novelty.nearness("Sand on the wind").node == "sand"
+    emptied = after.apply(TreeEdit(op="remove", node="sand"))
+    gone = Round(round=2, edits=(TreeEdit(op="remove", node="sand"),))
+    novelty.learn(gone, emptied)
+    assert novelty.nearness("Sand on the wind").node != "sand"
+
+
+def test_of_a_split_leaf_the_old_meaning_keeps_the_proposals():
+    novelty = Novelty(TREE, HashEncoder())
+    text = "A wall of mist stands on the bridge."
+    novelty.learn(covered(1, text), TREE)
+    edits = (
+        TreeEdit(op="broaden", node="fog", label="Hidden road"),
+        TreeEdit(op="add", node="old", parent="fog", label="Thick fog at night"),
+        TreeEdit(op="add", node="new", parent="fog", label="Smoke"),
+    )
+    after = TREE.apply(*edits)
+    novelty.learn(Round(round=2, edits=edits, decision="split", kind="new"), after)
+    assert novelty.nearness(text).node == "old"
+    assert novelty.nearness("Thick fog at night").node == "old"
+
+
+def test_leaves_are_ranked_by_meaning_or_by_words():
+    for encoder in (None, HashEncoder()):
+        ranked = Novelty(TREE, encoder).ranked("Hail stones fall on the bonnet.", TREE)
+        assert ranked == ["hail", "fog"]
+
+
+@given(st.lists(st.sampled_from(["Fog.", "A dog barks.", "Hail falls.", "Ice", ""]), max_size=6))
+def test_the_figures_are_a_function_of_the_log(texts):
+    log = [covered(number, text) for number, text in enumerate(texts, start=1)]
+    one, two = (Novelty(TREE, HashEncoder(32)) for _ in range(2))
+    for item in log:
+        one.learn(item, TREE)
+        one.nearness("Something else altogether.")
+    for item in log:
+        two.learn(item, TREE)
+    for text in ("A dog.", "Thick fog at night", ""):
+        found = one.nearness(text)
+        assert found == two.nearness(text)
+        assert found.similarity is not None
+        assert -1.0 <= found.similarity <= 1.0
+        assert found.similarity == round(found.similarity, 4)
+
+
+class Blank:
+    """Knows no text."""
+
+    name = "blank"
+    dimension = 4
+
+    def encode(self, texts):
+        return np.zeros((len(texts), 4), np.float32)
+
+
+def test_texts_without_a_vector_are_near_to_nothing():
+    novelty = Novelty(TREE, Blank())
+    novelty.learn(covered(1, "Fog."), TREE)
+    assert novelty.nearness("Dog.").similarity == 0.0
+    assert not novelty.nearness("Dog.").is_too_near

@@ -1,0 +1,131 @@
+"""Annotations: what they say of a frame is what the frame shows."""
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.protocols import Camera, Frame
+from oodscen.stages._annotations import (
+    CLASSES,
+    FrameAnnotations,
+    annotate,
+    save_annotations,
+    semantic_map,
+)
+from oodscen.testing import FlatSimulator
+
+CAMERA = Camera(width=320, height=240)
+
+
+def actor(name, asset, ahead, lane=0, **place):
+    return Actor(id=name, asset=asset, placement=Placement(ahead_m=ahead, lane=lane, **place))
+
+
+SCENE = Scene(
+    id="annotated",
+    scenario_id="annotated",
+    map="urban_avenue",
+    ego=Ego(speed=10.0),
+    actors=(
+        actor("bus", "bus", 20.0),
+        actor("hidden", "child", 34.0),
+        actor("deer", "deer", 14.0, offset_m=-2.6, heading_deg=90.0),
+        actor("behind", "car", -20.0),
+        actor("cut", "truck", 8.0, lane=1),
+    ),
+    hazard=Hazard(actors={"deer": None}),
+    decision=Trigger(value=1.0),
+)
+
+
+@pytest.fixture(scope="module")
+def seen():
+    with FlatSimulator() as simulator:
+        state = simulator.reset(SCENE, 0)
+        frame = simulator.render(CAMERA)
+        catalogue = simulator.catalogue()
+    return frame, state, catalogue
+
+
+@pytest.fixture(scope="module")
+def notes(seen):
+    frame, state, catalogue = seen
+    return annotate(frame, state, SCENE, catalogue, CAMERA)
+
+
+def by_id(notes):
+    return {one.id: one for one in notes.actors}
+
+
+def test_pixels_and_boxes_are_those_of_the_ids(seen, notes):
+    frame = seen[0]
+    for one in notes.actors:
+        mask = frame.ids == one.instance
+        assert one.visible_px == mask.sum()
+        if one.box is None:
+            assert not mask.any()
+            continue
+        left, top, right, bottom = map(int, one.box)
+        assert mask[top:bottom, left:right].sum() == mask.sum()
+        assert mask[top].any()
+        assert mask[bottom - 1].any()
+        assert mask[:, left].any()
+        assert mask[:, right - 1].any()
+
+
+def test_the_projected_box_holds_the_visible_one(notes):
+    deer = by_id(notes)["deer"]
+    assert deer.is_hazard
+    assert deer.truncation == 0.0
+    for index, (visible, projected) in enumerate(zip(deer.box, deer.box_projected, strict=True)):
+        assert visible == pytest.approx(projected, abs=1.5), index
+
+
+def test_what_is_hidden_behind_or_cut_off_says_so(notes):
+    found = by_id(notes)
+    assert found["hidden"].visible_px == 0
+    assert found["hidden"].box_projected is not None
+    assert found["behind"].box_projected is None
+    assert found["behind"].truncation == 1.0
+    assert found["behind"].centre_camera[2] < 0.0
+    assert 0.2 < found["cut"].truncation < 1.0
+
+
+def test_visibility_needs_to_know_what_is_unhidden(seen, notes):
+    frame, state, catalogue = seen
+    assert by_id(notes)["bus"].visible_share is None
+    counts = np.array([0, 0, 40, 0, 0, 0], np.int32)
+    counts[1] = 2 * (frame.ids == 2).sum()
+    told = Frame(frame.rgb, frame.depth, frame.ids, counts)
+    found = by_id(annotate(told, state, SCENE, catalogue, CAMERA))
+    assert found["bus"].visible_share == pytest.approx(0.5)
+    assert found["bus"].occlusion == pytest.approx(0.5)
+    assert found["hidden"].occlusion == 1.0
+    assert found["behind"].occlusion is None
+
+
+def test_every_pixel_has_a_class(seen):
+    frame, state, catalogue = seen
+    classes = semantic_map(frame, state, SCENE, catalogue, CAMERA)
+    assert classes.shape == frame.ids.shape
+    assert (classes[frame.ids == 2] == CLASSES["vehicle"]).all()
+    assert (classes[frame.ids == 4] == CLASSES["animal"]).all()
+    assert (classes[np.isinf(frame.depth)] == CLASSES["sky"]).all()
+    assert classes[-1, CAMERA.width // 2] == CLASSES["road"]
+    assert {CLASSES["pavement"], CLASSES["scenery"]} <= set(np.unique(classes).tolist())
+    road = frame.rgb[classes == CLASSES["road"]].astype(int)
+    assert np.ptp(np.median(road, axis=0)) < 12, "asphalt is grey"
+
+
+def test_files_hold_all_of_it(seen, notes, tmp_path):
+    frame, state, catalogue = seen
+    classes = semantic_map(frame, state, SCENE, catalogue, CAMERA)
+    files = save_annotations(tmp_path / "deep", "last", frame, notes, classes)
+    assert FrameAnnotations.load(files[0]) == notes
+    ids, semantic, depth = (cv2.imread(str(file), cv2.IMREAD_UNCHANGED) for file in files[1:])
+    np.testing.assert_array_equal(ids, frame.ids)
+    np.testing.assert_array_equal(semantic, classes)
+    near = np.isfinite(frame.depth) & (frame.depth < 600.0)
+    np.testing.assert_allclose(0.01 * depth[near], frame.depth[near], atol=0.006)
+    assert (depth[~np.isfinite(frame.depth)] == 0).all()

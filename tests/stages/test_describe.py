@@ -1,0 +1,139 @@
+"""Describing: the right number of texts, ids known before, near duplicates drawn again."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen import Describer, Metrics, Scenario, ScenarioTree
+from oodscen._author import BuiltinAuthor
+from oodscen.errors import UsageError
+from oodscen.prompts import STYLES, DescribeOrdinary
+from oodscen.prompts._scenario.describe_path import plain
+from oodscen.stages._describe import spread, spread_subset
+from oodscen.testing import FunctionLLM, HashEncoder
+from oodscen.tree._scenario_tree import Node
+
+BUILTIN = ("OOD", "Environmental", "Debris", "Large cardboard box on the road")
+PATH = ("OOD", "Environmental", "Debris", "Box on the road")
+
+
+def writer(texts):
+    """Return a model that hands out prepared texts, skipping those to avoid."""
+
+    def answer(request):
+        fresh = [text for text in texts if text not in request.prompt.avoid]
+        return {"texts": fresh[: request.prompt.count]}
+
+    return FunctionLLM(answer)
+
+
+def test_ids_are_numbered_within_the_leaf_and_batches_avoid_earlier_texts():
+    texts = [f"The ego meets obstacle number {number} on its way." for number in range(25)]
+    scenarios = Describer(writer(texts), batch=10).path("box", PATH, 23)
+    assert [item.id for item in scenarios][:2] == ["box-001", "box-002"]
+    assert [item.text for item in scenarios] == texts[:23]
+    assert all(item.path == PATH and item.leaf == "box" for item in scenarios)
+
+
+def test_near_duplicates_are_replaced():
+    first = "A large cardboard box lies in the middle of the lane ahead of the ego vehicle."
+    near = "In the middle of the lane ahead of the ego vehicle lies a large cardboard box."
+    other = "Under a bridge the ego comes upon a carton blown there by the wind at dusk."
+    describer = Describer(writer([first, near, other]), HashEncoder(), nearest=0.9)
+    assert {item.text for item in describer.path("b", PATH, 2)} == {first, other}
+
+
+@given(st.integers(1, 300), st.integers(1, 40))
+def test_texts_are_shared_out_evenly(total, leaves):
+    paths = {f"l{number}": PATH for number in range(leaves)}
+    counts = spread(paths, total)
+    assert sum(counts.values()) == total
+    assert max(counts.values()) - min(counts.values()) <= 1
+
+
+@given(st.lists(st.integers(1, 5), min_size=1, max_size=20), st.data())
+def test_a_subset_covers_the_paths_as_evenly_as_it_can(sizes, data):
+    scenarios = [
+        Scenario(id=f"l{leaf}-{number:03d}", text="x", leaf=f"l{leaf}", path=PATH)
+        for leaf, size in enumerate(sizes)
+        for number in range(size)
+    ]
+    wanted = data.draw(st.integers(1, len(scenarios)))
+    chosen = spread_subset(scenarios, wanted)
+    assert len(chosen) == wanted
+    assert [item for item in scenarios if item in chosen] == chosen
+    counts = [sum(item.leaf == f"l{leaf}" for item in chosen) for leaf in range(len(sizes))]
+    highest = max(counts)
+    assert all(count >= min(size, highest - 1) for count, size in zip(counts, sizes, strict=True))
+
+
+def author_scenarios(**options):
+    return Describer(BuiltinAuthor(), **options).path("box", BUILTIN, 6)
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_every_style_is_distinct_repeatable_and_kept(style):
+    first, again = author_scenarios(style=style), author_scenarios(style=style)
+    assert first == again
+    assert {item.style for item in first} == {style}
+    assert len({plain(item.text) for item in first}) == 6
+    assert all("box" in item.text or "carton" in item.text for item in first)
+
+
+def test_styles_differ_in_register():
+    texts = {style: [item.text for item in author_scenarios(style=style)] for style in STYLES}
+    words = {style: sum(len(text.split()) for text in found) for style, found in texts.items()}
+    assert words["terse"] < words["natural"] < words["verbose"]
+    assert all(": " in text for text in texts["terse"])
+    assert not any(re.search(r"\bego\b", text, re.I) for text in texts["first-person"])
+    assert all(re.search(r"\bego\b", text, re.I) for text in texts["natural"] + texts["paper"])
+
+
+def test_of_many_candidates_the_most_diverse_inside_the_band_are_kept():
+    metrics = Metrics(HashEncoder(), ["A car waits at a red light.", "A box lies on the road."])
+    plenty = author_scenarios(candidates=5, metrics=metrics)
+    few = author_scenarios()
+    assert [item.id for item in plenty] == [item.id for item in few]
+    spread = [metrics.diversity([item.text for item in found]).nearest for found in (plenty, few)]
+    assert spread[0] > spread[1]
+    middle = metrics.oodness([item.text for item in plenty]).mean
+    inside = author_scenarios(candidates=5, metrics=metrics, band=(-1.0, middle))
+    assert max(metrics.oodness([item.text for item in inside]).per_text) <= middle
+    with pytest.raises(UsageError):
+        author_scenarios(candidates=2, metrics=metrics, band=(0.9, 1.0))
+
+
+@pytest.mark.parametrize("options", [{"style": "rude"}, {"candidates": 0}, {"candidates": 2}])
+def test_what_cannot_be_is_refused_at_once(options):
+    with pytest.raises(UsageError):
+        Describer(BuiltinAuthor(), **options)
+
+
+def test_texts_of_different_paths_that_agree_are_written_again():
+    texts = ["The ego vehicle meets a box.", "A carton lies ahead of the ego vehicle."]
+    tree = ScenarioTree(
+        nodes=(
+            Node(id="root", parent=None, label="Out of distribution"),
+            Node(id="environmental", parent="root", label="Environmental"),
+            Node(id="a", parent="environmental", label="Box"),
+            Node(id="b", parent="environmental", label="Carton"),
+        )
+    )
+    found = Describer(writer(texts), per_path=1).run(tree)
+    assert [item.text for item in found] == texts
+    assert [item.id for item in found] == ["a-001", "b-001"]
+
+
+def test_twins_are_written_on_demand_and_left_out_where_no_answer_is_valid():
+    found = author_scenarios(twins=True)
+    assert all(item.ordinary and plain(item.ordinary) != plain(item.text) for item in found)
+    assert all(item.ordinary is None for item in author_scenarios())
+
+    def answer(request):
+        if isinstance(request.prompt, DescribeOrdinary):
+            return {"text": request.prompt.text}
+        return {"texts": ["A large box lies in the lane of the ego vehicle."]}
+
+    assert Describer(FunctionLLM(answer), twins=True).path("b", PATH, 1)[0].ordinary is None

@@ -1,0 +1,87 @@
+"""The same scene and seed give the same bytes in any process and order, whatever libraries choose."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from oodscen.data._scene import Weather
+from oodscen.testing._scenes import example_scene
+
+CHILD = """
+import json, sys
+from oodscen.scene import Scene
+from oodscen.simulation import simulate
+from oodscen.testing import FlatSimulator
+
+found = {}
+with FlatSimulator() as simulator:
+    for line in sys.stdin:
+        scene = Scene.parse(line)
+        done = simulate(scene, simulator, seed=4, actions=("stop", "change_lane_left"), traces=True)
+        truth = {"approach": done.trace, **done.rollouts}
+        found[scene.id] = [
+            done.episode.to_json(),
+            {name: {c: v.tobytes().hex() for c, v in t.columns.items()} for name, t in truth.items()},
+        ]
+print(json.dumps(found))
+"""
+
+
+def scenes():
+    box = example_scene()
+    other = box.model_copy(
+        update={
+            "id": "curve",
+            "map": "rural_curve",
+            "weather": Weather(precipitation="rain", precipitation_mm_h=9.0, friction=0.6),
+            "ego": box.ego.model_copy(update={"speed": 14.0}),
+        }
+    )
+    weaving = box.actors[0].model_copy(
+        update={
+            "asset": "cyclist",
+            "behaviour": box.actors[0].behaviour.model_copy(update={"name": "wobble"}),
+        }
+    )
+    return [box, other.model_copy(update={"actors": (weaving,)})]
+
+
+def run(order, settings):
+    lines = "\n".join(scene.to_json() for scene in order)
+    done = subprocess.run(
+        [sys.executable, "-c", CHILD],
+        input=lines,
+        capture_output=True,
+        text=True,
+        env={**os.environ, **settings},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return run(scenes(), {})
+
+
+def numpy_features():
+    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
+    return " ".join(name for name in __cpu_dispatch__ if __cpu_features__.get(name))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("OPENBLAS_CORETYPE", "Prescott"),
+        ("NPY_DISABLE_CPU_FEATURES", numpy_features()),
+        ("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-AVX2_Usable,-FMA,-FMA_Usable"),
+        ("NUMBA_DISABLE_JIT", "1"),
+    ],
+)
+def test_no_library_decides_a_bit(plain, name, value):
+    assert run(scenes()[::-1], {name: value}) == plain

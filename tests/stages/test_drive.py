@@ -1,0 +1,84 @@
+"""Driving stacks over scenes and twins: outcomes are data, whatever a driver does."""
+
+import math
+
+import pytest
+
+from oodscen import make_simulator
+from oodscen.driving import Cruise
+from oodscen.errors import SimulatorError
+from oodscen.protocols import Camera, Control
+from oodscen.stages._drive import RuleBasedDriver, drive
+from oodscen.testing import FlatSimulator
+from oodscen.testing._scenes import example_scene
+
+
+@pytest.fixture(scope="module")
+def simulator():
+    with make_simulator("flat") as made:
+        yield made
+
+
+class Broken:
+    def act(self, observation):
+        raise RuntimeError("no idea")
+
+
+class Wild:
+    def act(self, observation):
+        return Control(math.nan, 0.0)
+
+
+def test_a_blind_driver_hits_and_the_rule_based_one_does_not(simulator):
+    blind = drive([example_scene()], Cruise, simulator, name="blind")
+    ruled = drive([example_scene()], RuleBasedDriver, simulator)
+    assert [one.scene_id for one in ruled] == ["example-001", "example-001~twin"]
+    assert blind[0].collisions
+    assert not blind[0].passed
+    assert blind[1].passed
+    assert ruled[0].passed
+    assert ruled[0].twin_passed
+    assert ruled[0].progress_lost > 0
+    assert ruled[1].brakes_needlessly is False
+    assert ruled[1].progress == pytest.approx(1.0, abs=0.02)
+    assert ruled[0].min_headway_s is not None
+
+
+def test_drives_repeat_byte_for_byte_in_any_order(simulator):
+    first = drive([example_scene()], RuleBasedDriver, simulator)
+    drive([example_scene()], Cruise, simulator)
+    assert drive([example_scene()], RuleBasedDriver, simulator) == first
+
+
+@pytest.mark.parametrize(("driver", "error"), [(Broken, "RuntimeError"), (Wild, "UsageError")])
+def test_a_driver_that_fails_is_a_result(simulator, driver, error):
+    results = drive([example_scene()], driver, simulator)
+    assert [one.error_type for one in results] == [error, error]
+    assert all(one.status == "failed" and not one.passed for one in results)
+
+
+def test_a_twin_that_cannot_be_run_leaves_the_result_of_its_scene():
+    class Picky(FlatSimulator):
+        def reset(self, scene, seed):
+            if scene.is_twin:
+                raise SimulatorError("no twins here")
+            return super().reset(scene, seed)
+
+    with Picky() as simulator:
+        whole, twin = drive([example_scene()], Cruise, simulator, name="blind")
+    assert (whole.id, whole.status, whole.is_twin) == ("example-001@blind", "ok", False)
+    assert (twin.id, twin.status, twin.is_twin) == ("example-001~twin@blind", "failed", True)
+
+
+def test_a_driver_may_ask_for_frames(simulator):
+    seen = []
+
+    class Sees(Cruise):
+        wants_frames = True
+
+        def act(self, observation):
+            seen.append(observation.frame.rgb.shape)
+            return super().act(observation)
+
+    drive([example_scene()], Sees, simulator, twins=False, camera=Camera(width=16, height=12))
+    assert set(seen) == {(12, 16, 3)}

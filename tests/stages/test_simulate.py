@@ -1,0 +1,130 @@
+"""Simulating one scene: frames at three moments, every action, the same bytes each time."""
+
+import numpy as np
+import pytest
+
+from oodscen import simulate
+from oodscen.data._episode import ACTIONS, MOMENTS
+from oodscen.data._scene import Behaviour, Trigger
+from oodscen.errors import SceneError
+from oodscen.protocols import Camera
+from oodscen.testing import FlatSimulator
+from oodscen.testing._scenes import example_scene
+
+SMALL = Camera(width=80, height=60)
+
+
+@pytest.fixture(scope="module")
+def flat():
+    with FlatSimulator() as simulator:
+        yield simulator
+
+
+@pytest.fixture(scope="module")
+def result(flat):
+    return simulate(example_scene(), flat, camera=SMALL)
+
+
+def test_keeping_speed_hits_the_box_and_braking_does_not(result):
+    actions = result.episode.actions
+    assert tuple(actions) == ACTIONS
+    assert actions["keep_speed"].contacts == ("box",)
+    assert not actions["keep_speed"].safe
+    assert actions["keep_speed"].margin_m == 0
+    assert actions["emergency_brake"].safe
+    assert actions["stop"].safe
+    assert actions["stop"].final_speed == 0
+    assert actions["change_lane_right"].unavailable
+    assert not actions["change_lane_right"].safe
+    assert actions["emergency_brake"].margin_m > 0
+
+
+def test_the_decision_falls_where_the_trigger_says(result):
+    episode = result.episode
+    assert episode.decision_fired
+    last = result.states[-1]
+    ahead = float(last.poses[1, 0] - last.poses[0, 0])
+    assert 25.0 - 8.0 * episode.dt <= ahead <= 25.0
+    assert episode.decision_s == pytest.approx(last.time)
+
+
+def test_three_frames_show_the_approach(result):
+    assert tuple(result.frames) == MOMENTS
+    pixels = [result.episode.visible[moment].get("box", 0) for moment in MOMENTS]
+    assert pixels[0] < pixels[2]
+    assert all(frame.rgb.shape == (60, 80, 3) for frame in result.frames.values())
+
+
+def test_the_same_scene_and_seed_give_the_same_bytes_after_another_scene(flat, result):
+    simulate(
+        example_scene().model_copy(update={"id": "other", "map": "highway"}),
+        flat,
+        camera=SMALL,
+        actions=("stop",),
+    )
+    again = simulate(example_scene(), flat, camera=SMALL)
+    assert again.episode == result.episode
+    for moment in MOMENTS:
+        np.testing.assert_array_equal(again.frames[moment].rgb, result.frames[moment].rgb)
+
+
+def test_without_snapshots_the_actions_are_replayed_to_the_same_end(result):
+    class Replayed(FlatSimulator):
+        snapshot = restore = None
+
+    with Replayed() as simulator:
+        again = simulate(example_scene(), simulator, camera=SMALL)
+    assert again.episode == result.episode
+
+
+def test_a_simulator_that_is_not_deterministic_claims_no_safe_action():
+    class Drifting(FlatSimulator):
+        resets = 0
+
+        def reset(self, scene, seed):
+            self.resets += 1
+            ego = scene.ego.model_copy(update={"speed": scene.ego.speed + 0.01 * self.resets})
+            return super().reset(scene.model_copy(update={"ego": ego}), seed)
+
+    with Drifting() as simulator:
+        episode = simulate(example_scene(), simulator, render=False).episode
+    assert not episode.is_deterministic
+    assert episode.safe_set == ()
+
+
+def test_a_trigger_that_never_fires_is_said_and_the_approach_ends(flat):
+    scene = example_scene()
+    moved = scene.actors[0].model_copy(
+        update={"placement": scene.actors[0].placement.model_copy(update={"ahead_m": 250.0})}
+    )
+    episode = simulate(
+        scene.model_copy(
+            update={"actors": (moved,), "decision": Trigger(kind="ttc", value=1, actor="box")}
+        ),
+        flat,
+        render=False,
+        actions=(),
+    ).episode
+    assert not episode.decision_fired
+    assert episode.decision_s == pytest.approx(15.0, abs=0.1)
+
+
+def test_the_twin_without_the_box_is_safe_for_keeping_speed(flat, result):
+    twin = example_scene().twin(result.episode.decision_s)
+    episode = simulate(twin, flat, render=False).episode
+    assert episode.actions["keep_speed"].safe
+    assert episode.decision_s == result.episode.decision_s
+
+
+def test_a_refused_scene_names_every_fault(flat):
+    scene = example_scene()
+    actor = scene.actors[0].model_copy(
+        update={"asset": "cardbord_box", "behaviour": Behaviour(name="stnd")}
+    )
+    with pytest.raises(SceneError) as caught:
+        simulate(scene.model_copy(update={"actors": (actor,), "map": "residental"}), flat)
+    assert {issue.path for issue in caught.value.issues} == {
+        "map",
+        "actors[0].asset",
+        "actors[0].behaviour.name",
+    }

@@ -1,0 +1,118 @@
+"""Bird's-eye views and videos show what happens."""
+
+import cv2
+import numpy as np
+import pytest
+
+from oodscen.data._scene import Ego, Hazard, Scene, Trigger, Weather
+from oodscen.driving import SHIPPED_MAPS
+from oodscen.errors import OodscenError, UnknownComponent
+from oodscen.protocols import Camera, Control
+from oodscen.stages._video import Video, birds_eye, record
+from oodscen.testing import FlatSimulator
+from oodscen.testing._scenes import example_scene
+
+SMALL = Camera(width=96, height=64)
+RED = (214, 52, 44)
+
+
+@pytest.fixture
+def flat():
+    with FlatSimulator() as simulator:
+        yield simulator
+
+
+def frames(path):
+    video = cv2.VideoCapture(str(path))
+    found = []
+    while True:
+        there, picture = video.read()
+        if not there:
+            return found, video.get(cv2.CAP_PROP_FPS)
+        found.append(picture)
+
+
+@pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
+def test_the_ego_is_on_a_grey_road_on_every_map(flat, road):
+    scene = Scene(
+        id="a",
+        scenario_id="a",
+        map=road.id,
+        ego=Ego(speed=5.0),
+        hazard=Hazard(weather=Weather(cloud_cover=1.0)),
+        decision=Trigger(value=1.0),
+    )
+    picture = birds_eye(flat.reset(scene, 0), scene, flat.catalogue(), size=320)
+    assert picture.shape == (320, 320, 3)
+    red = np.argwhere((picture == RED).all(axis=2))
+    assert 20 < len(red) < 400
+    row, column = red.mean(axis=0)
+    assert abs(column - 160) < 5
+    beside = picture[int(row), int(column) + 9].astype(int)
+    assert np.ptp(beside) < 12
+
+
+def test_the_hazard_has_an_amber_outline(flat):
+    scene = example_scene()
+    picture = birds_eye(flat.reset(scene, 0), scene, flat.catalogue(), span_m=150)
+    amber = (picture[..., 0] > 230) & (picture[..., 2] < 40)
+    assert amber.sum() >= 4
+    twin = scene.twin(1.0)
+    picture = birds_eye(flat.reset(twin, 0), twin, flat.catalogue(), span_m=150)
+    assert not ((picture[..., 0] > 230) & (picture[..., 2] < 40)).any()
+
+
+@pytest.mark.parametrize(
+    ("view", "size"), [("ego", (64, 96)), ("bird", (480, 480)), ("both", (64, 160))]
+)
+def test_a_video_has_the_views_that_are_asked_for(flat, tmp_path, view, size):
+    scene = example_scene().model_copy(update={"horizon_s": 1.0})
+    shares = []
+    path = record(
+        scene,
+        flat,
+        tmp_path / "new" / "a.mp4",
+        driver="stop",
+        view=view,
+        camera=SMALL,
+        fps=5,
+        progress=shares.append,
+    )
+    pictures, fps = frames(path)
+    assert pictures[0].shape[:2] == size
+    assert fps == pytest.approx(5.0)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert len(pictures) == pytest.approx(5 * flat.state().time, abs=2)
+    assert (np.abs(pictures[0].astype(int) - pictures[-1]).mean(axis=2) > 20).any()
+
+
+def test_a_video_ends_soon_after_a_collision(flat, tmp_path):
+    record(example_scene(), flat, tmp_path / "a.mp4", view="bird", fps=2)
+    hit = flat.state().time
+    record(example_scene(), flat, tmp_path / "b.mp4", driver="emergency_brake", view="bird", fps=2)
+    assert hit < flat.state().time
+
+
+def test_a_driver_of_one_s_own_drives_from_the_start(flat, tmp_path):
+    class Standing:
+        def act(self, observation):
+            return Control(-8.0)
+
+    short = example_scene().model_copy(update={"decision": Trigger(value=2.0), "horizon_s": 1.0})
+    record(short, flat, tmp_path / "a.mp4", driver=Standing(), view="bird", fps=5)
+    assert flat.state().speeds[0] == 0.0
+    assert flat.state().time == pytest.approx(3.0)
+
+
+def test_unknown_views_and_actions_are_refused(flat, tmp_path):
+    with pytest.raises(UnknownComponent):
+        record(example_scene(), flat, tmp_path / "a.mp4", view="side")
+    with pytest.raises(UnknownComponent):
+        record(example_scene(), flat, tmp_path / "a.mp4", driver="fly")
+
+
+def test_a_video_that_cannot_be_written_says_so(tmp_path):
+    with pytest.raises(OodscenError), Video(tmp_path / "a.nothing") as video:
+        video.add(np.zeros((32, 32, 3), np.uint8))
+    video.close()

@@ -1,0 +1,89 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen._statistics.resampling import bootstrap_mean, bootstrap_pairwise, wilson
+from oodscen.metrics._vectors.similarity import unit
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(st.floats(-1, 1), min_size=2, max_size=30))
+def test_an_interval_lies_within_the_values(values):
+    found = bootstrap_mean(np.array(values), replicates=200)
+    assert min(values) - 1e-9 <= found.low <= found.high <= max(values) + 1e-9
+
+
+def test_it_has_the_width_that_theory_gives():
+    values = np.random.default_rng(3).normal(size=400)
+    found = bootstrap_mean(values)
+    expected = 2 * 1.96 * values.std() / np.sqrt(400)
+    assert abs((found.high - found.low) / expected - 1.0) < 0.1
+
+
+def test_the_same_seed_gives_the_same_interval():
+    values = np.arange(20.0)
+    assert bootstrap_mean(values, seed=1) == bootstrap_mean(values, seed=1)
+    assert bootstrap_mean(values, seed=1) != bootstrap_mean(values, seed=2)
+
+
+def test_texts_that_resemble_one_another_widen_it():
+    values = np.repeat(np.random.default_rng(0).normal(size=10), 20)
+    paths = [str(i // 20) for i in range(200)]
+    alone, together = bootstrap_mean(values), bootstrap_mean(values, paths)
+    assert together.high - together.low > 3 * (alone.high - alone.low)
+    assert (together.units, together.is_clustered) == (10, True)
+
+
+def test_clusters_of_one_are_no_clusters():
+    values = np.arange(12.0)
+    alone, together = bootstrap_mean(values), bootstrap_mean(values, list(map(str, range(12))))
+    assert (alone.low, alone.high) == (together.low, together.high)
+    rows = unit(np.random.default_rng(0).normal(size=(12, 3)).astype(np.float32))
+    alone = bootstrap_pairwise(rows)
+    together = bootstrap_pairwise(rows, list(map(str, range(12))))
+    assert (alone.low, alone.high) == (together.low, together.high)
+
+
+def test_fewer_than_two_units_have_no_interval():
+    assert bootstrap_mean(np.array([1.0])) is None
+    assert bootstrap_mean(np.array([1.0, 2.0]), ["a", "a"]) is None
+    assert bootstrap_pairwise(np.ones((3, 2), np.float32), ["a"] * 3) is None
+
+
+def test_pairs_of_a_text_with_its_own_copy_do_not_count():
+    rows = np.eye(8, dtype=np.float32)
+    found = bootstrap_pairwise(rows)
+    assert abs(found.low) < 1e-12
+    assert abs(found.high) < 1e-12
+
+
+def test_an_interval_of_pairs_surrounds_the_figure():
+    rows = unit(np.random.default_rng(5).normal(0.5, 1.0, size=(60, 8)).astype(np.float32))
+    wide = rows.astype(np.float64)
+    cosines = (wide @ wide.T)[np.triu_indices(60, 1)]
+    for clusters in (None, [str(i % 12) for i in range(60)]):
+        found = bootstrap_pairwise(rows, clusters)
+        assert found.low < cosines.mean() < found.high
+
+
+@given(st.integers(0, 500), st.integers(1, 500))
+def test_wilson_holds_the_share_mirrors_and_narrows(hits: int, more: int) -> None:
+    n = hits + more
+    low, high = wilson(hits, n)
+    assert 0 <= low <= hits / n <= high <= 1
+    assert (1 - high, 1 - low) == pytest.approx(wilson(n - hits, n))
+    assert wilson(4 * hits, 4 * n)[1] - wilson(4 * hits, 4 * n)[0] < high - low
+    assert wilson(hits, n, level=0.99)[0] <= low
+
+
+def test_wilson_without_anything_knows_nothing() -> None:
+    assert wilson(0, 0) == (0, 1)
+    assert wilson(110, 130) == pytest.approx((0.7746, 0.8981), abs=5e-4)
+
+
+def test_wilson_agrees_with_scipy() -> None:
+    stats = pytest.importorskip("scipy.stats")
+    for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
+        found = stats.binomtest(hits, n).proportion_ci(method="wilson")
+        assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)

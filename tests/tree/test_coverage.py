@@ -1,0 +1,121 @@
+"""What covers a tree adds up, and what does not is a hole."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.data._scenario import Scenario
+from oodscen.study import StudyConfig
+from oodscen.testing._scenes import example_scene
+from oodscen.tree import Coverage, coverage, study_coverage
+from oodscen.tree._coverage_report import coverage_html
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from tests.tree.woods import HOSTILE, few, trees
+
+SCENE = example_scene()
+SUMS = ("texts", "scenes", "episodes", "failed", "safe", "unsafe", "mixed", "twins")
+
+
+def text(name, leaf, words=None):
+    return Scenario(id=name, text=words or f"Text {name}.", leaf=leaf)
+
+
+def scene(name, scenario):
+    return SCENE.model_copy(update={"id": name, "scenario_id": scenario})
+
+
+def episode(name, outcomes=(), status="ok"):
+    actions = {
+        f"action-{number}": ActionOutcome(safe=outcome == "safe", unavailable=outcome == "no")
+        for number, outcome in enumerate(outcomes)
+    }
+    return Episode(id=name, scene_id=name, status=status, actions=actions)
+
+
+TREE = ScenarioTree.planted().apply(
+    TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
+    *(
+        TreeEdit(op="add", node=name, parent="weather", label=name)
+        for name in ("bare", "text", "scene", "failed", "same", "whole")
+    ),
+)
+
+
+def test_each_leaf_lacks_the_first_thing_that_is_missing():
+    names = ("text", "scene", "failed", "same", "whole")
+    report = coverage(
+        TREE,
+        texts=[text(f"{name}-001", name) for name in names]
+        + [text("whole-002", "whole", "TEXT  whole-001."), text("lost-001", "lost")],
+        scenes=[scene(f"{name}-001", f"{name}-001") for name in names[1:]] * 2,
+        episodes=[
+            episode("failed-001", status="failed"),
+            episode("same-001", ("safe", "safe", "no")),
+            episode("whole-001", ("safe", "hit", "no")),
+            episode("whole-001~twin", ("safe", "safe")),
+        ],
+    )
+    lacks = {row.id: row.lacks for row in report.rows if row.kind == "leaf"}
+    assert lacks == {
+        "bare": "text",
+        "text": "scene",
+        "scene": "episode",
+        "failed": "episode",
+        "same": "choice",
+        "whole": "",
+    }
+    assert [row.id for row in report.holes] == ["bare", "text", "scene", "failed", "same"]
+    (family,) = report.of("family")
+    assert {name: getattr(family, name) for name in SUMS} == {
+        "texts": 5,
+        "scenes": 4,
+        "episodes": 2,
+        "failed": 1,
+        "safe": 3,
+        "unsafe": 1,
+        "mixed": 1,
+        "twins": 1,
+    }
+    assert (family.leaves, family.holes, report.elsewhere) == (6, 5, 1)
+    lines = str(report).splitlines()
+    assert "1 without a text: bare" in lines
+    shown = {line.split()[0]: line.split()[1:] for line in lines[1 : 1 + len(report.rows)]}
+    assert shown["bare"] == ["1", *"00000000", "1", "lacks", "text"]
+    assert shown["same"] == ["1", "1", "1", "1", *"02000", "1", "lacks", "choice"]
+    assert shown["whole"] == ["1", "1", "1", "1", *"011110"]
+    assert Coverage.parse(report.to_json()) == report
+
+
+@few
+@given(trees, st.lists(st.sampled_from(["a", "b", "c", "nowhere"]), max_size=8))
+def test_every_count_is_the_sum_of_what_is_below(tree, leaves):
+    texts = [text(f"t{number}", leaf) for number, leaf in enumerate(leaves)]
+    report = coverage(tree, texts=texts, scenes=[scene(f"s{t.id}", t.id) for t in texts])
+    rows = {row.id: row for row in report.rows}
+    assert list(rows) == [node.id for node, _ in tree.walk()]
+    for name in ("leaves", "holes"):
+        for row in report.rows:
+            below = [getattr(rows[child], name) for child in tree.children[row.id]]
+            assert not below or getattr(row, name) == sum(below)
+    found = report.rows[0].texts if report.rows else 0
+    assert found + report.elsewhere / 2 == len(texts)
+    assert "<script" not in coverage_html(report)
+
+
+def test_text_sets_of_any_size_are_counted():
+    class Kept:
+        config = StudyConfig(sets=(7,))
+        scenarios, scenes, episodes = (), (), ()
+
+        def tree(self, name):
+            return TREE
+
+        def texts(self, size):
+            return [text(f"text-{number:03d}", "text") for number in range(size)]
+
+    assert study_coverage(Kept(), "diverse").rows[0].texts == 7
+
+
+def test_labels_are_escaped_in_the_report():
+    tree = TREE.apply(TreeEdit(op="broaden", node="weather", label=HOSTILE[0]))
+    assert "a &lt; b &amp; " in coverage_html(coverage(tree))

@@ -1,0 +1,202 @@
+"""Laws of time: replay, earlier moments, undo."""
+
+from contextlib import suppress
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from oodscen.errors import UsageError
+from oodscen.tree import replay
+from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
+from tests.tree.woods import changes, few, grown, trees
+
+
+@few
+@given(trees)
+def test_a_replay_passes_every_earlier_moment(tree):
+    after = ScenarioTree()
+    for index, (edit, after) in enumerate(replay(tree)):
+        assert edit == tree.edits[index]
+        assert after == tree.at(edit=index + 1)
+        assert after.nodes == ScenarioTree(edits=tree.edits[: index + 1]).nodes
+    assert after.nodes == tree.nodes
+
+
+@few
+@given(trees)
+def test_a_later_round_holds_an_earlier_one(tree):
+    moments = [len(tree.at(round=number).edits) for number in range(7)]
+    assert moments == sorted(moments)
+    for number, moment in enumerate(moments):
+        rounds = [edit.round for edit in tree.edits[:moment] if edit.round is not None]
+        assert all(one <= number for one in rounds)
+
+
+def test_rounds_and_stages_are_moments():
+    def add(name, **why):
+        return TreeEdit(op="add", node=name, parent="environmental", label=name, **why)
+
+    tree = ScenarioTree.planted().apply(
+        add("a", stage="redteam", round=2),
+        add("b", stage="redteam", round=2),
+        add("c", stage="redteam", round=4),
+        add("d", stage="prune"),
+    )
+    assert [len(tree.at(round=number)) for number in range(6)] == [3, 3, 5, 5, 6, 6]
+    assert [len(tree.at(stage=stage)) for stage in ("grow", "redteam", "prune")] == [3, 6, 7]
+    again = tree.apply(add("e", stage="redteam", round=1))
+    assert len(again.at(round=4)) == 6
+
+
+@pytest.mark.parametrize(
+    "moment", [{}, {"edit": 1, "round": 1}, {"edit": 9}, {"edit": -1}, {"stage": "nobody"}]
+)
+def test_what_is_no_moment_is_refused(moment):
+    with pytest.raises(UsageError):
+        ScenarioTree.planted().at(**moment)
+
+
+@given(trees)
+def test_undoing_the_last_edit_gives_the_nodes_before_it(tree):
+    assume(tree.edits)
+    assert tree.undo(-1).nodes == tree.at(edit=len(tree.edits) - 1).nodes
+
+
+@given(trees, st.integers(0, 12))
+def test_an_undo_is_appended_and_can_be_undone(tree, index):
+    text = tree.to_json()
+    try:
+        after = tree.undo(index)
+    except UsageError:
+        after = None
+    assert tree.to_json() == text
+    if after is None:
+        return
+    known = len(tree.edits)
+    assert after.edits[:known] == tree.edits
+    assert {edit.undoes for edit in after.edits[known:]} == {index}
+    assert ScenarioTree.parse(after.to_json()) == after
+    for position in reversed(range(known, len(after.edits))):
+        after = after.undo(position)
+    assert after.nodes == tree.nodes
+
+
+@few
+@given(changes)
+def test_undoing_step_by_step_leads_back_to_nothing(steps):
+    tree = grown(step.model_copy(update={"undoes": None}) for step in steps)
+    for done in range(len(tree.edits), 0, -1):
+        tree = tree.undo()
+        assert tree.nodes == tree.at(edit=done - 1).nodes
+    assert len(tree) == 0
+    with pytest.raises(UsageError):
+        tree.undo()
+
+
+def test_undoing_a_round_takes_back_all_it_did():
+    why = {"stage": "redteam", "round": 3}
+    before = ScenarioTree.planted()
+    tree = before.apply(
+        TreeEdit(op="add", node="weather", parent="environmental", label="Weather", **why),
+        TreeEdit(op="add", node="fog", parent="weather", label="Fog", **why),
+        TreeEdit(op="broaden", node=ROOT, label="Rare", attested="paper", **why),
+    )
+    assert tree.undo(round=3).nodes == before.nodes
+    for round_ in (2, 3):
+        with pytest.raises(UsageError):
+            tree.undo(round=3).undo(round=round_)
+    with pytest.raises(UsageError):
+        tree.undo(1, round=3)
+
+
+@pytest.mark.parametrize("is_chain", [False, True])
+def test_undoing_a_large_round_looks_at_the_tree_once(monkeypatch, is_chain):
+    size = MAX_DEPTH - 1 if is_chain else 300
+    why = {"stage": "redteam", "round": 3}
+    before = ScenarioTree.planted()
+    tree = before.apply(
+        *(
+            TreeEdit(
+                op="add",
+                node=f"n{number}",
+                parent=f"n{number - 1}" if is_chain and number else "environmental",
+                label=f"Kind {number}",
+                **why,
+            )
+            for number in range(size)
+        ),
+        *(TreeEdit(op="broaden", node=f"n{n}", label=f"Wider {n}", **why) for n in range(size)),
+    )
+    applied, apply = [], ScenarioTree.apply
+    monkeypatch.setattr(
+        ScenarioTree,
+        "apply",
+        lambda self, *edits: applied.append(len(edits)) or apply(self, *edits),
+    )
+    assert tree.undo(round=3).nodes == before.nodes
+    assert applied == [2 * size]
+
+
+@few
+@given(changes, st.integers(0, 1))
+def test_undoing_a_round_is_undoing_its_edits_from_the_last_one_on(steps, number):
+    tree = grown(
+        step.model_copy(update={"undoes": None, "round": (step.round or 0) % 2}) for step in steps
+    )
+    one_by_one = tree
+    try:
+        at_once = tree.undo(round=number)
+    except UsageError:
+        return
+    for index in reversed(range(len(tree.edits))):
+        if tree.edits[index].round == number:
+            with suppress(UsageError):
+                one_by_one = one_by_one.undo(index)
+    assert at_once.nodes == one_by_one.nodes
+    assert ScenarioTree.parse(at_once.to_json()) == at_once
+
+
+def test_what_a_round_added_and_removed_does_not_come_back():
+    why = {"stage": "redteam", "round": 3}
+    before = ScenarioTree.planted()
+    tree = before.apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog", **why),
+        TreeEdit(op="broaden", node="environmental", label="Surroundings", **why),
+        TreeEdit(op="remove", node="fog", **why),
+    )
+    assert tree.undo(round=3).nodes == before.nodes
+
+
+def test_a_removed_leaf_comes_back_with_its_parents_and_to_its_place():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
+        TreeEdit(op="add", node="fog", parent="weather", label="Fog"),
+        TreeEdit(op="add", node="debris", parent="environmental", label="Debris"),
+        TreeEdit(op="remove", node="fog"),
+        TreeEdit(op="remove", node="weather"),
+    )
+    assert tree.undo(6).nodes == tree.at(edit=6).nodes
+
+
+def test_a_move_that_would_now_be_a_cycle_cannot_be_undone():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="a", parent="environmental", label="A"),
+        TreeEdit(op="add", node="b", parent="a", label="B"),
+        TreeEdit(op="move", node="b", parent="environmental"),
+        TreeEdit(op="move", node="a", parent="b"),
+    )
+    with pytest.raises(UsageError):
+        tree.undo(5)
+    assert tree.undo(6).undo(5).nodes == tree.at(edit=5).nodes
+
+
+def test_a_narrowed_label_has_a_history_and_can_be_taken_back():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="a", parent="environmental", label="Fog or hail", attested="paper"),
+        TreeEdit(op="narrow", node="a", label="Hail", stage="prune"),
+    )
+    assert "narrowed from “Fog or hail” to “Hail” by prune" in str(tree.provenance("a"))
+    before = tree.undo().by_id["a"]
+    assert (before.label, before.attested) == ("Fog or hail", "paper")

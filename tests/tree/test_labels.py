@@ -1,0 +1,90 @@
+"""What can be a label, and which labels are the same."""
+
+import html
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.tree._labels import label_fault, same_words
+from tests.tree.woods import HOSTILE, REFUSED
+
+PLAIN = (
+    "Driver ignores a red light",
+    "Drivers ignore the instructions of a traffic officer",
+    "Drivers ignore previous warning signs",
+    "Pedestrians ignore all rules",
+    "Obstacle < 10 cm high, gap > 2 m",
+    "Traffic light system: dark",
+    "Brake-assist system: failure in the car ahead",
+    "Q&A van of a broadcaster; R&D prototype",
+    "Warning system prompts a sudden stop",
+    "`Bold` paint on the road #3",
+    "Überschwemmte Straße — 50 % gesperrt",
+    "شب\u200cگرد در جاده",
+    "हिन्दी क\u094d\u200dष",
+    "落石",
+)
+PIECES = (
+    "<b",
+    "<",
+    ">",
+    "&lt;",
+    "&",
+    "{{",
+    "```",
+    "\u200b",
+    "\u200d",
+    "\u202e",
+    "fog",
+    " ",
+    "system:",
+)
+composed = st.lists(st.sampled_from(PIECES) | st.text(max_size=4), max_size=6).map("".join)
+
+
+@pytest.mark.parametrize("label", [*PLAIN, *HOSTILE])
+def test_plain_words_about_driving_are_labels(label):
+    assert label_fault(label) == ""
+
+
+@pytest.mark.parametrize("label", REFUSED)
+def test_what_is_no_label_is_told(label):
+    assert label_fault(label)
+    assert len(label_fault(label)) < 120
+
+
+@given(composed)
+def test_no_label_holds_markup_or_what_does_not_show(label):
+    if label_fault(label):
+        return
+    assert html.unescape(label) == label
+    assert "{{" not in label
+    assert "```" not in label
+    assert "<b" not in label
+    hidden = {char for char in label if unicodedata.category(char) == "Cf"}
+    assert hidden <= {"\u200c", "\u200d"}
+
+
+@given(
+    st.sampled_from(PLAIN),
+    st.integers(0, 60),
+    st.sampled_from("\u200b\u200e\u202e\u2060\ufeff\u00ad"),
+)
+def test_what_does_not_show_is_refused_and_makes_no_other_label(label, place, char):
+    other = label[:place] + char + label[place:]
+    assert label_fault(other)
+    assert same_words(other) == same_words(label)
+
+
+@given(composed)
+def test_the_words_are_those_of_any_spacing_and_case(label):
+    words = same_words(label)
+    assert same_words(f"  {words}\u200b ") == words
+    assert same_words(words.replace(" ", " \t ")) == words
+
+
+def test_a_joiner_between_letters_makes_no_other_label():
+    assert label_fault("Fo\u200dg bank") == ""
+    assert same_words("Fo\u200dg BANK") == same_words("fog  bank")

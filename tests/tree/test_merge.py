@@ -1,0 +1,204 @@
+"""Laws of the merge of two trees."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.errors import UsageError
+from oodscen.testing import HashEncoder
+from oodscen.tree import diff, match, merge
+from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._labels import same_words
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from tests.tree.woods import broad, chain, few, trees
+
+ENCODER = HashEncoder()
+
+
+@few
+@given(trees, trees)
+def test_a_merge_is_a_valid_tree_that_begins_with_the_first_log(one, other):
+    merged = merge(one, other, encoder=ENCODER)
+    assert ScenarioTree.parse(merged.to_json()) == merged
+    assert merged.edits[: len(one.edits)] == one.edits
+    assert merged.nodes[: len(one)] == one.nodes
+    assert merged == merge(one, other, encoder=ENCODER)
+
+
+@few
+@given(trees, trees, st.sampled_from([None, ENCODER]))
+def test_everything_of_the_second_tree_is_in_the_merge(one, other, encoder):
+    merged = merge(one, other, encoder=encoder, threshold=0.3)
+    paired = {pair.after for pair in match(one, other, encoder=encoder, threshold=0.3)}
+    words = {same_words(node.label) for node in merged.nodes}
+    for node in other.nodes:
+        if node.id not in paired:
+            assert same_words(node.label) in words
+    came = [edit for edit in merged.edits[len(one.edits) :] if edit.op == "add"]
+    assert {edit.origin.partition("/")[0] for edit in came} <= {"merge-1"}
+
+
+@few
+@given(trees, trees, st.sampled_from([None, ENCODER]))
+def test_the_second_tree_merged_in_again_changes_nothing(one, other, encoder):
+    merged = merge(one, other, encoder=encoder, threshold=0.3)
+    assert merge(merged, other, encoder=encoder, threshold=0.3) == merged
+    assert merge(one, one, encoder=encoder) == one
+
+
+@few
+@given(trees, trees)
+def test_every_path_of_the_first_tree_and_every_pair_of_the_second_stays_a_path(one, other):
+    merged = merge(one, other)
+    words = {same_words(leaf.label) for leaf in merged.leaves}
+    assert {same_words(leaf.label) for leaf in one.leaves} <= words
+    leaves = {leaf.id for leaf in other.leaves}
+    inner = {node.id for node in merged.nodes if merged.children[node.id]}
+    told = {
+        edit.origin_node: edit.node
+        for edit in merged.edits[len(one.edits) :]
+        if edit.stage == "merge" and edit.origin_node in leaves
+    }
+    for name, here in told.items():
+        own = same_words(other.by_id[name].label)
+        assert here not in inner or any(
+            same_words(merged.by_id[child].label) in (own, same_words(merged.by_id[here].label))
+            for child in merged.children[here]
+        )
+
+
+@few
+@given(trees, trees)
+def test_siblings_that_only_look_different_are_one(one, other):
+    merged = merge(one, other)
+    ours = set(one.by_id)
+    for parent, children in merged.children.items():
+        new = [same_words(merged.by_id[name].label) for name in children if name not in ours]
+        old = {same_words(merged.by_id[name].label) for name in children if name in ours}
+        assert len(set(new)) == len(new), parent
+        assert not old & set(new)
+
+
+def weather(*nodes, top="environmental", **why):
+    """Return a tree with a family of weather."""
+    return ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="weather", parent=top, label="Weather", **why),
+        *(
+            TreeEdit(op="add", node=name, parent=parent, label=label, **why)
+            for name, parent, label in nodes
+        ),
+    )
+
+
+SNOW = ("snow", "weather", "Snow")
+BLIZZARD = ("blizzard", "snow", "Blizzard")
+
+
+def test_a_leaf_that_is_a_family_in_the_other_tree_stays_a_leaf_of_it():
+    one, other = weather(SNOW), weather(SNOW, BLIZZARD)
+    for first, second in ((one, other), (other, one)):
+        merged = merge(first, second)
+        assert {leaf.label for leaf in merged.leaves} == {"Snow", "Blizzard"}
+        assert merged.path("blizzard")[-3:] == ("Weather", "Snow", "Blizzard")
+        assert merge(merged, second) == merged
+        assert merge(merged, first).nodes == merged.nodes
+
+
+def test_siblings_of_one_tree_that_only_look_different_are_one():
+    other = weather(SNOW, ("snow-2", "weather", "  SNOW "), ("blizzard", "snow-2", "Blizzard"))
+    merged = merge(ScenarioTree.planted(), other)
+    assert [merged.path(leaf.id)[2:] for leaf in merged.leaves] == [
+        ("Weather", "Snow", "Snow"),
+        ("Weather", "Snow", "Blizzard"),
+    ]
+
+
+def test_the_two_classes_never_mix():
+    one, other = weather(SNOW), weather(("hail", "weather", "Hail"), SNOW, top="interactional")
+    found = match(one, other, encoder=ENCODER, threshold=-1.0)
+    assert {pair.before for pair in found} == {"root", "environmental", "interactional"}
+    merged = merge(one, other, encoder=ENCODER, threshold=-1.0)
+    assert len(merged.leaves) == 3
+    moved = one.apply(TreeEdit(op="move", node="weather", parent="interactional"))
+    assert [item.before for item in diff(one, moved).moved] == ["weather"]
+
+
+def test_rounds_of_the_merged_tree_are_undone_apart():
+    one = weather(("mud", "weather", "Mud"), stage="redteam", round=3, model="same")
+    other = weather(("hail", "weather", "Hail"), stage="redteam", round=3, model="same")
+    merged = merge(one, other)
+    assert [leaf.label for leaf in merged.leaves] == ["Mud", "Hail"]
+    assert [leaf.label for leaf in merged.undo(round=3, origin="merge-1").leaves] == ["Mud"]
+    third = merge(merged, weather(SNOW, round=3), name="third")
+    assert [leaf.label for leaf in third.undo(round=3, origin="third").leaves] == ["Mud", "Hail"]
+    own = merge(ScenarioTree.planted(), other)
+    with pytest.raises(UsageError, match="merge-1"):
+        own.undo(round=3)
+    with pytest.raises(UsageError):
+        own.undo(origin="merge-1")
+    assert own.at(round=3) == ScenarioTree.planted()
+    assert "round 3 of merge-1" in str(merged.provenance("hail"))
+    twice = merge(ScenarioTree.planted(), own, name="outer")
+    assert {edit.origin for edit in twice.edits if edit.node == "hail"} >= {"outer/merge-1"}
+
+
+@few
+@given(trees)
+def test_a_tree_merged_with_itself_or_with_nothing_stays(tree):
+    assert merge(tree, tree).nodes == tree.nodes
+    assert merge(tree, ScenarioTree()).nodes == tree.nodes
+    assert [node.label for node in merge(ScenarioTree(), tree).nodes] == [
+        node.label for node in tree.nodes
+    ]
+
+
+def test_nodes_keep_who_put_them_there():
+    def grow(model, *leaves):
+        edits = [
+            TreeEdit(op="add", node="weather", parent="environmental", label="Weather", model=model)
+        ]
+        edits += [
+            TreeEdit(
+                op="add",
+                node=f"leaf-{number}",
+                parent="weather",
+                label=label,
+                stage="redteam",
+                round=number,
+                model=model,
+                prompt=f"place-scenario@{model}",
+                reason=f"{model} says so",
+                source=f"{label} ahead.",
+                attested="paper",
+            )
+            for number, label in enumerate(leaves)
+        ]
+        return ScenarioTree.planted().apply(*edits)
+
+    one, other = grow("one", "Fog at night", "Hail"), grow("other", "Snow", "At night fog")
+    other = other.apply(TreeEdit(op="broaden", node="leaf-0", label="Snow or ice", model="other"))
+    merged = merge(one, other, encoder=ENCODER)
+    assert [leaf.label for leaf in merged.leaves] == ["Fog at night", "Hail", "Snow or ice"]
+    snow = merged.provenance("snow")
+    assert (snow.stage, snow.round, snow.model) == ("redteam", 0, "other")
+    assert (snow.prompt, snow.reason, snow.source) == (
+        "place-scenario@other",
+        "other says so",
+        "Snow ahead.",
+    )
+    assert [one.edit.stage for one in snow.later] == ["", "merge"]
+    fog = merged.provenance("leaf-0").later[-1].edit
+    assert (fog.op, fog.stage, fog.model, fog.source) == (
+        "keep",
+        "merge",
+        "other",
+        "At night fog ahead.",
+    )
+    assert "At night fog" in fog.reason
+    assert not diff(merged, other, encoder=ENCODER).added
+    assert len(merged.at(round=1)) == len(one)
+
+
+def test_size_is_no_obstacle():
+    merged = merge(broad(10_000), chain(MAX_DEPTH + 1))
+    assert len(merged) == 10_000 + MAX_DEPTH

@@ -1,0 +1,371 @@
+"""Laws of the tree: a value that is the fold of its edits."""
+
+import copy
+import json
+import pickle
+import re
+import threading
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.errors import DataError
+from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree, TreeEdit, slug
+from tests.tree.woods import REFUSED, broad, chain, changes, edits, few, grown, trees
+
+
+@given(trees)
+def test_a_tree_is_valid_however_it_was_edited(tree):
+    seen = set()
+    for node in tree.nodes:
+        assert node.parent in seen or (node.parent is None and not seen)
+        assert node.id not in seen
+        assert node.label.strip()
+        seen.add(node.id)
+    assert list(tree.by_id) == [node.id for node in tree.nodes]
+    assert sum(map(len, tree.children.values())) == max(len(tree) - 1, 0)
+
+
+@given(trees, edits)
+def test_an_edit_is_applied_or_refused_and_the_tree_stays(tree, edit):
+    text, nodes = tree.to_json(), tree.nodes
+    try:
+        after = tree.apply(edit)
+    except DataError as caught:
+        after, error = None, caught
+    assert (tree.to_json(), tree.nodes) == (text, nodes)
+    if after is None:
+        assert [issue.path for issue in error.issues] == ["edits[0]"]
+    else:
+        assert after.edits == (*tree.edits, edit)
+        assert after != tree
+
+
+@few
+@given(trees)
+def test_nodes_are_the_fold_of_the_edits(tree):
+    assert ScenarioTree(edits=tree.edits) == tree
+    assert ScenarioTree().apply(*tree.edits) == tree
+    half = len(tree.edits) // 2
+    assert ScenarioTree().apply(*tree.edits[:half]).apply(*tree.edits[half:]) == tree
+
+
+@few
+@given(trees)
+def test_json_and_pickle_give_the_tree_back(tree):
+    again = ScenarioTree.parse(tree.to_json())
+    assert again == tree == pickle.loads(pickle.dumps(tree))
+    assert again.to_json() == tree.to_json()
+    assert hash(again) == hash(tree)
+
+
+@given(trees, changes)
+def test_a_tree_is_a_collection_of_its_nodes(tree, steps):
+    assert list(tree) == list(tree.nodes)
+    assert len(tree) == len(list(tree))
+    assert bool(tree) == bool(tree.nodes)
+    assert all(node in tree for node in tree)
+    for node in grown(steps):
+        assert (node in tree) == (node in tree.nodes)
+    assert "root" not in tree
+    assert None not in tree
+
+
+@few
+@given(trees, trees)
+def test_digests_are_equal_exactly_for_equal_trees(one, other):
+    assert (one.digest() == other.digest()) == (one == other)
+
+
+@few
+@given(trees)
+def test_a_file_of_nodes_alone_is_a_tree(tree):
+    nodes = [node.model_dump() for node in tree.nodes]
+    read = ScenarioTree.parse(json.dumps({"nodes": nodes}))
+    assert read.nodes == tree.nodes
+    assert len(read.edits) == len(read.nodes)
+    assert ScenarioTree.parse(read.to_json()) == read
+
+
+@few
+@given(trees)
+def test_the_outline_has_one_line_per_node(tree):
+    lines = tree.outline(ids=True).splitlines()
+    assert len(lines) == len(tree)
+    for line, (node, depth) in zip(lines, tree.walk(), strict=True):
+        assert line == f"{'  ' * depth}- {node.label} [{node.id}]"
+
+
+@few
+@given(trees)
+def test_paths_lead_from_the_root_to_every_leaf(tree):
+    assert list(tree.paths) == [leaf.id for leaf in tree.leaves]
+    for leaf, path in tree.paths.items():
+        assert path == tree.path(leaf)
+        assert path[0] == tree.by_id[ROOT].label
+        assert path[-1] == tree.by_id[leaf].label
+        assert 3 <= len(path) <= tree.depth + 1
+    below_classes = {node.id for node, depth in tree.walk() if depth >= 2}
+    assert set(tree.paths) == {name for name in below_classes if not tree.children[name]}
+
+
+@few
+@given(trees, st.text())
+def test_new_ids_are_free_and_valid(tree, label):
+    new = tree.new_id(label)
+    assert new not in {edit.node for edit in tree.edits}
+    assert tree.apply(
+        TreeEdit(op="add", node=new, parent=None if not len(tree) else tree.nodes[0].id, label="x")
+    )
+
+
+@given(st.text())
+def test_a_slug_is_a_safe_file_name(label):
+    assert re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,46}[a-z0-9])?", slug(label))
+
+
+@given(st.characters(categories=["Cc", "Zl", "Zp"]))
+def test_labels_stay_on_one_line(char):
+    assert unicodedata.category(char) in ("Cc", "Zl", "Zp")
+    with pytest.raises(DataError):
+        ScenarioTree.planted().apply(TreeEdit(op="broaden", node=ROOT, label=f"a{char}b"))
+
+
+def test_a_removed_id_is_not_given_out_again():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog"),
+        TreeEdit(op="remove", node="fog"),
+    )
+    assert tree.new_id("Fog") == "fog-2"
+
+
+def test_broadening_keeps_the_place_and_the_attestation():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog", attested="paper"),
+        TreeEdit(op="add", node="ice", parent="environmental", label="Ice"),
+        TreeEdit(op="broaden", node="fog", label="Fog or smoke"),
+    )
+    assert tree.by_id["fog"] == Node(
+        id="fog", parent="environmental", label="Fog or smoke", attested="paper"
+    )
+    assert [leaf.id for leaf in tree.leaves] == ["fog", "ice"]
+
+
+def test_every_fault_of_an_edit_list_is_reported():
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.planted().apply(
+            TreeEdit(op="add", node="a b", parent="environmental", label="x"),
+            TreeEdit(op="add", node="fog", parent="nowhere", label="x"),
+            TreeEdit(op="keep", node="environmental"),
+            TreeEdit(op="remove", node=ROOT),
+            TreeEdit(op="add", node="top", label="second root"),
+            TreeEdit(op="broaden", node="environmental", label=" "),
+        )
+    assert [issue.path for issue in caught.value.issues] == [f"edits[{i}]" for i in (0, 1, 3, 4, 5)]
+
+
+def test_a_malformed_file_lists_every_issue_with_its_path(tmp_path):
+    file = tmp_path / "tree.json"
+    file.write_text(
+        json.dumps(
+            {
+                "nodes": [
+                    {"id": "root", "parent": None, "label": "r"},
+                    {"id": 3, "parent": "root", "label": "x"},
+                    {"id": "y", "parent": "root"},
+                    {"id": "z", "parent": "root", "label": "z", "colour": "red"},
+                ],
+                "size": 4,
+            }
+        )
+    )
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.load(file)
+    assert caught.value.source == str(file)
+    assert {issue.path for issue in caught.value.issues} == {
+        "nodes[1].id",
+        "nodes[2].label",
+        "nodes[3].colour",
+        "size",
+    }
+
+
+def test_a_file_of_misfitting_nodes_lists_every_node():
+    nodes = [("root", None, "r"), ("a", "root", "a"), ("a", "root", "b"), ("c", "nowhere", "c")]
+    value = {"nodes": [{"id": i, "parent": p, "label": text} for i, p, text in nodes]}
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.parse(value)
+    assert [issue.path for issue in caught.value.issues] == ["nodes[2]", "nodes[3]"]
+
+
+@pytest.mark.parametrize("part", ["nodes", "edits"])
+def test_a_label_that_is_none_is_found_in_a_file_too(part):
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog")
+    )
+    value = json.loads(tree.to_json())
+    value[part][3]["label"] = "Fog <img src=x onerror=alert(1)>"
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.parse({part: value[part]})
+    assert [issue.path for issue in caught.value.issues] == [f"{part}[3]"]
+    assert "markup" in caught.value.issues[0].message
+
+
+def test_nodes_that_do_not_follow_from_the_edits_are_refused():
+    tree = ScenarioTree.planted()
+    value = json.loads(tree.to_json())
+    value["nodes"][1]["label"] = "Else"
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.parse(value)
+    assert [issue.path for issue in caught.value.issues] == ["nodes"]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "null", '{"nodes": 3}', "{", "\ufeff{}", '{"nodes":' + "[" * 9_000]
+)
+def test_files_that_hold_something_else_are_data_errors(tmp_path, text):
+    file = tmp_path / "tree.json"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(DataError):
+        ScenarioTree.load(file)
+
+
+def test_the_deepest_tree_works():
+    tree = chain(MAX_DEPTH + 1)
+    last = f"n{MAX_DEPTH}"
+    assert tree.depth == MAX_DEPTH
+    assert [leaf.id for leaf in tree.leaves] == [last]
+    assert ScenarioTree.parse(tree.to_json()) == tree
+    with pytest.raises(DataError, match="cycle"):
+        tree.apply(TreeEdit(op="move", node="n1", parent=last))
+    assert len(tree.undo(1)) == 1
+    assert tree.undo(1).undo(-1).path("n1") == ("0", "1")
+
+
+def test_what_is_too_deep_is_refused_where_it_begins():
+    nodes = [{"id": "n0", "parent": None, "label": "0"}]
+    nodes += [{"id": f"n{i}", "parent": f"n{i - 1}", "label": str(i)} for i in range(1, 15_000)]
+    with pytest.raises(DataError, match="levels below the root") as caught:
+        ScenarioTree.parse({"nodes": nodes})
+    assert [issue.path for issue in caught.value.issues] == [f"nodes[{MAX_DEPTH + 1}]"]
+
+
+@given(st.integers(0, MAX_DEPTH - 1), st.integers(0, MAX_DEPTH - 1))
+def test_a_move_is_refused_exactly_where_the_tree_would_be_too_deep(above, size):
+    tree = chain(above + 1).apply(TreeEdit(op="add", node="x0", parent="n0", label="x0"))
+    tree = tree.apply(
+        *(
+            TreeEdit(op="add", node=f"x{i}", parent=f"x{i - 1}", label=f"x{i}")
+            for i in range(1, size + 1)
+        )
+    )
+    move = TreeEdit(op="move", node="x0", parent=f"n{above}")
+    if above + 1 + size > MAX_DEPTH:
+        with pytest.raises(DataError, match="levels below the root"):
+            tree.apply(move)
+    else:
+        assert tree.apply(move).depth == above + 1 + size
+
+
+def test_ten_thousand_single_edits_copy_nothing():
+    tree = broad.__wrapped__(10_000)
+    assert len(tree) == 10_000
+    growth = tree._line[0]
+    tree = tree.apply(TreeEdit(op="keep", node=ROOT))
+    assert tree._line[0] is growth
+    assert "nodes" not in tree.__dict__
+    assert "edits" not in tree.__dict__
+    assert tree.at(edit=5_000)._line[0] is growth
+    assert len(tree.at(edit=5_000)) == 5_000
+
+
+@few
+@given(changes, changes)
+def test_branches_of_one_tree_know_nothing_of_each_other(one, other):
+    trunk = ScenarioTree.planted()
+    first, second = grown(one, trunk), grown(other, trunk)
+    assert first == ScenarioTree(edits=first.edits)
+    assert second == ScenarioTree(edits=second.edits)
+    assert [tree.nodes for tree in (first, second, trunk)] == [
+        ScenarioTree(edits=tree.edits).nodes for tree in (first, second, trunk)
+    ]
+    assert len(first) == len(first.nodes)
+
+
+def test_threads_may_branch_off_the_same_tree():
+    trunk = ScenarioTree.planted()
+    found = {}
+
+    def grow(name):
+        tree = trunk
+        for number in range(200):
+            label = f"{name}{number}"
+            edit = TreeEdit(op="add", node=tree.new_id(label), parent="environmental", label=label)
+            tree = tree.apply(edit)
+        found[name] = tree
+
+    threads = [threading.Thread(target=grow, args=(name,)) for name in "abcd"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for name, tree in found.items():
+        assert [node.label for node in tree.nodes[3:]] == [f"{name}{n}" for n in range(200)]
+
+
+@given(trees, edits)
+def test_a_moved_branch_takes_all_below_it_along(tree, edit):
+    after = grown([edit], tree)
+    if edit.op != "move" or after is tree:
+        return
+    assert set(after.by_id) == set(tree.by_id)
+    assert after.by_id[edit.node].parent == edit.parent
+    for node in tree.nodes:
+        if node.id != edit.node:
+            assert after.by_id[node.id] == node
+    for parent, children in after.children.items():
+        before = tree.children[parent]
+        assert [child for child in children if child != edit.node] == [
+            child for child in before if child != edit.node
+        ]
+
+
+@pytest.mark.parametrize("label", REFUSED)
+@pytest.mark.parametrize("op", ["add", "broaden", "narrow"])
+def test_what_cannot_be_a_label_is_refused(label, op):
+    tree = ScenarioTree.planted()
+    node = "fog" if op == "add" else "environmental"
+    with pytest.raises(DataError) as caught:
+        tree.apply(TreeEdit(op=op, node=node, parent="environmental", label=label))
+    assert len(str(caught.value)) < 500
+    assert tree == ScenarioTree.planted()
+
+
+@few
+@given(trees)
+def test_copies_are_equal_and_hold_all_fields(tree):
+    late = tree.apply(TreeEdit(op="keep", node=ROOT)) if ROOT in tree.by_id else tree
+    for other in (late.model_copy(), copy.copy(late), copy.deepcopy(late)):
+        assert other == late
+        assert other._fields() == late._fields()
+        assert repr(other) == repr(late)
+
+
+@given(changes, st.data())
+def test_a_move_below_itself_and_no_other_is_a_cycle(steps, data):
+    tree = grown(steps)
+    ids = st.sampled_from([node.id for node in tree.nodes])
+    node, parent = data.draw(ids), data.draw(ids)
+    cursor, above = parent, []
+    while cursor is not None:
+        above.append(cursor)
+        cursor = tree.by_id[cursor].parent
+    try:
+        tree.apply(TreeEdit(op="move", node=node, parent=parent))
+    except DataError:
+        assert node in above
+    else:
+        assert node not in above

@@ -1,0 +1,1 @@
+"""Makers of shipped data: nothing here runs with the product."""

@@ -1,0 +1,1 @@
+"""Designs of the shipped OpenDRIVE maps, and the scripts that write and draw them."""

@@ -1,0 +1,177 @@
+"""What the design of a map is made of."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from oodscen.driving._roads.geometry import Arc, Curve, Line, Spiral
+
+Row = tuple[float, float, float, float, float]
+"""Where a cubic starts, and its coefficients a, b, c, d."""
+Piece = tuple[str, float, float, float]
+"""Kind, length, start and end curvature of one geometry."""
+Pose = tuple[float, float, float]
+"""x, y, heading."""
+
+
+@dataclass(frozen=True)
+class LaneDesign:
+    """One lane: its type, width in metres and the mark on its outer edge."""
+
+    type: str
+    width: float | tuple[Row, ...]
+    mark: str = "none"
+    predecessor: int | None = None
+    successor: int | None = None
+
+
+@dataclass(frozen=True)
+class SectionDesign:
+    """A cross-section from `s` on."""
+
+    right: tuple[LaneDesign, ...]
+    """From the reference line outwards."""
+    left: tuple[LaneDesign, ...]
+    centre_mark: str
+    s: float = 0.0
+
+
+@dataclass(frozen=True)
+class LinkDesign:
+    """What a road leads to at one end."""
+
+    kind: Literal["road", "junction"]
+    id: str
+    contact: Literal["start", "end"] = "start"
+
+
+@dataclass(frozen=True)
+class SignalDesign:
+    """A traffic light or sign beside a road."""
+
+    id: str
+    name: str
+    s: float
+    t: float
+    type: str
+    orientation: str = "+"
+    country: str = "DE"
+    is_dynamic: bool = False
+    bottom: float = 2.1
+    """Height of its lower edge, m."""
+    height: float = 0.75
+    width: float = 0.75
+    value: float | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class PatchDesign:
+    """A rectangle on the road: a crosswalk or a stop line."""
+
+    id: str
+    kind: Literal["crosswalk", "stop_line"]
+    s: float
+    """Of its middle."""
+    t: float
+    length: float
+    """Along the road, m."""
+    width: float
+    """Across it, m."""
+
+
+@dataclass(frozen=True)
+class StretchDesign:
+    """A tunnel or a bridge."""
+
+    kind: Literal["tunnel", "bridge"]
+    id: str
+    name: str
+    s: float
+    length: float
+
+
+@dataclass(frozen=True)
+class RoadDesign:
+    """One road."""
+
+    id: str
+    name: str
+    type: str
+    speed_km_h: int
+    pieces: tuple[Piece, ...]
+    sections: tuple[SectionDesign, ...]
+    start: Pose = (0.0, 0.0, 0.0)
+    elevation: tuple[Row, ...] = ((0.0, 0.0, 0.0, 0.0, 0.0),)
+    junction: str = "-1"
+    predecessor: LinkDesign | None = None
+    successor: LinkDesign | None = None
+    signals: tuple[SignalDesign, ...] = ()
+    patches: tuple[PatchDesign, ...] = ()
+    stretches: tuple[StretchDesign, ...] = ()
+
+    @property
+    def length(self) -> float:
+        """Of the reference line, m."""
+        return sum(piece[1] for piece in self.pieces)
+
+
+@dataclass(frozen=True)
+class ConnectionDesign:
+    """One way into a junction."""
+
+    incoming: str
+    connecting: str
+    lanes: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class JunctionDesign:
+    """Where roads meet."""
+
+    id: str
+    name: str
+    connections: tuple[ConnectionDesign, ...]
+
+
+@dataclass(frozen=True)
+class MapDesign:
+    """One map: one file."""
+
+    id: str
+    name: str
+    roads: tuple[RoadDesign, ...]
+    junctions: tuple[JunctionDesign, ...] = ()
+
+
+def curves_of(road: RoadDesign) -> list[Curve]:
+    """Chain a road's pieces, each starting where the last one ends."""
+    curves: list[Curve] = []
+    s = 0.0
+    x, y, heading = road.start
+    for kind, length, start, end in road.pieces:
+        curve: Curve
+        if kind == "line":
+            curve = Line(s, x, y, heading, length)
+        elif kind == "arc":
+            curve = Arc(s, x, y, heading, length, start)
+        else:
+            curve = Spiral(s, x, y, heading, length, start, end)
+        curves.append(curve)
+        last = curve.at(length)
+        s, x, y, heading = s + length, last.x, last.y, last.heading
+    return curves
+
+
+def smooth(start: float, length: float, low: float, high: float) -> tuple[Row, ...]:
+    """Return rows that go from one value to another with level ends.
+
+    Args:
+        start: Where the change begins.
+        length: How long it takes.
+        low: Value before.
+        high: Value after.
+    """
+    rise = high - low
+    change = (start, low, 0.0, 3 * rise / length**2, -2 * rise / length**3)
+    before = ((0.0, low, 0.0, 0.0, 0.0),) if start > 0.0 else ()
+    return (*before, change, (start + length, high, 0.0, 0.0, 0.0))

@@ -1,0 +1,220 @@
+"""Writes the shipped OpenDRIVE maps.
+
+Run `python -m tools.maps.generate [FOLDER]` after changing a design; without a folder the
+shipped files are replaced. The same design gives the same bytes.
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from lxml import etree
+
+from oodscen.driving._roads.geometry import Arc, Curve, Spiral
+from tools.maps.crossings import CROSSINGS
+from tools.maps.design import (
+    JunctionDesign,
+    LaneDesign,
+    MapDesign,
+    PatchDesign,
+    RoadDesign,
+    SectionDesign,
+    SignalDesign,
+    StretchDesign,
+    curves_of,
+)
+from tools.maps.streets import STREETS
+
+SHIPPED = Path(__file__).parents[2] / "oodscen" / "driving" / "maps"
+
+DESIGNS: tuple[MapDesign, ...] = (*STREETS, *CROSSINGS)
+"""The ego starts 200 m after the beginning of the first road of every one of them."""
+
+
+def write(design: MapDesign) -> bytes:
+    """Return the OpenDRIVE 1.7 file of a design."""
+    root = etree.Element("OpenDRIVE")
+    header = {"revMajor": "1", "revMinor": "7", "name": design.name, "version": "1.0"}
+    etree.SubElement(root, "header", header)
+    for road in design.roads:
+        _add_road(root, road)
+    for junction in design.junctions:
+        _add_junction(root, junction)
+    etree.indent(root)
+    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8")) + b"\n"
+
+
+def _add_road(root: etree._Element, design: RoadDesign) -> None:
+    curves = curves_of(design)
+    length = sum(curve.length for curve in curves)
+    facts = {"name": design.name, "length": _text(length), "id": design.id}
+    road = etree.SubElement(root, "road", {**facts, "junction": design.junction, "rule": "RHT"})
+    if design.predecessor or design.successor:
+        links = etree.SubElement(road, "link")
+        for end, link in (("predecessor", design.predecessor), ("successor", design.successor)):
+            if link is not None:
+                meets = {"elementType": link.kind, "elementId": link.id}
+                contact = {"contactPoint": link.contact} if link.kind == "road" else {}
+                etree.SubElement(links, end, {**meets, **contact})
+    kind = etree.SubElement(road, "type", s="0", type=design.type)
+    etree.SubElement(kind, "speed", max=str(design.speed_km_h), unit="km/h")
+    plan = etree.SubElement(road, "planView")
+    for curve in curves:
+        _add_curve(plan, curve)
+    profile = etree.SubElement(road, "elevationProfile")
+    for s, *coefficients in design.elevation:
+        row = dict(zip("abcd", map(_text, coefficients), strict=True))
+        etree.SubElement(profile, "elevation", {"s": _text(s), **row})
+    lanes = etree.SubElement(road, "lanes")
+    for section in design.sections:
+        _add_section(lanes, section)
+    if design.patches or design.stretches:
+        objects = etree.SubElement(road, "objects")
+        for patch in design.patches:
+            _add_patch(objects, patch)
+        for stretch in design.stretches:
+            _add_stretch(objects, stretch)
+    if design.signals:
+        signals = etree.SubElement(road, "signals")
+        for signal in design.signals:
+            _add_signal(signals, signal)
+
+
+def _add_curve(plan: etree._Element, curve: Curve) -> None:
+    place = {"s": curve.s, "x": curve.x, "y": curve.y, "hdg": curve.heading, "length": curve.length}
+    geometry = etree.SubElement(plan, "geometry", {k: _text(v) for k, v in place.items()})
+    if isinstance(curve, Arc):
+        etree.SubElement(geometry, "arc", curvature=_text(curve.curvature))
+    elif isinstance(curve, Spiral):
+        ends = {"curvStart": curve.curvature_start, "curvEnd": curve.curvature_end}
+        etree.SubElement(geometry, "spiral", {k: _text(v) for k, v in ends.items()})
+    else:
+        etree.SubElement(geometry, "line")
+
+
+def _add_section(lanes: etree._Element, design: SectionDesign) -> None:
+    section = etree.SubElement(lanes, "laneSection", s=_text(design.s))
+    numbered = list(enumerate(design.left, start=1))[::-1]
+    if numbered:
+        _add_lanes(section, "left", numbered)
+    centre = etree.SubElement(etree.SubElement(section, "center"), "lane", id="0", type="none")
+    _add_mark(centre, design.centre_mark)
+    if design.right:
+        _add_lanes(section, "right", [(-i, lane) for i, lane in enumerate(design.right, start=1)])
+
+
+def _add_lanes(section: etree._Element, side: str, lanes: Sequence[tuple[int, LaneDesign]]) -> None:
+    group = etree.SubElement(section, side)
+    for number, lane in lanes:
+        element = etree.SubElement(group, "lane", id=str(number), type=lane.type, level="false")
+        if lane.predecessor is not None or lane.successor is not None:
+            link = etree.SubElement(element, "link")
+            for end, other in (("predecessor", lane.predecessor), ("successor", lane.successor)):
+                if other is not None:
+                    etree.SubElement(link, end, id=str(other))
+        rows = lane.width
+        if not isinstance(rows, tuple):
+            rows = ((0.0, rows, 0.0, 0.0, 0.0),)
+        for start, *coefficients in rows:
+            row = dict(zip("abcd", map(_text, coefficients), strict=True))
+            etree.SubElement(element, "width", {"sOffset": _text(start), **row})
+        _add_mark(element, lane.mark)
+
+
+def _add_mark(lane: etree._Element, mark: str) -> None:
+    facts = {"sOffset": "0", "type": mark, "weight": "standard", "color": "standard"}
+    if mark not in ("none", "curb"):
+        facts |= {"width": "0.12", "laneChange": "both" if mark == "broken" else "none"}
+    etree.SubElement(lane, "roadMark", facts)
+
+
+def _add_patch(objects: etree._Element, patch: PatchDesign) -> None:
+    kind = {"crosswalk": "crosswalk", "stop_line": "roadMark"}[patch.kind]
+    name = {"crosswalk": "Crosswalk", "stop_line": "StopLine"}[patch.kind]
+    element = etree.SubElement(
+        objects,
+        "object",
+        {
+            "id": patch.id,
+            "name": name,
+            "type": kind,
+            "s": _text(patch.s),
+            "t": _text(patch.t),
+            "zOffset": "0",
+            "hdg": "0",
+            "roll": "0",
+            "pitch": "0",
+            "orientation": "none",
+            "length": _text(patch.length),
+            "width": _text(patch.width),
+            "height": "0",
+        },
+    )
+    outline = etree.SubElement(etree.SubElement(element, "outlines"), "outline", id="0")
+    u, v = 0.5 * patch.length, 0.5 * patch.width
+    for index, (along, across) in enumerate(((-u, -v), (u, -v), (u, v), (-u, v), (-u, -v))):
+        place = {"u": _text(along), "v": _text(across), "z": "0", "height": "0"}
+        etree.SubElement(outline, "cornerLocal", {**place, "id": str(index)})
+
+
+def _add_stretch(objects: etree._Element, stretch: StretchDesign) -> None:
+    facts = {"id": stretch.id, "name": stretch.name, "s": _text(stretch.s)}
+    facts["length"] = _text(stretch.length)
+    if stretch.kind == "tunnel":
+        facts |= {"type": "standard", "lighting": "0.5", "daylight": "0.5"}
+    else:
+        facts |= {"type": "concrete"}
+    etree.SubElement(objects, stretch.kind, facts)
+
+
+def _add_signal(signals: etree._Element, signal: SignalDesign) -> None:
+    facts = {
+        "id": signal.id,
+        "name": signal.name,
+        "s": _text(signal.s),
+        "t": _text(signal.t),
+        "dynamic": "yes" if signal.is_dynamic else "no",
+        "orientation": signal.orientation,
+        "zOffset": _text(signal.bottom),
+        "country": signal.country,
+        "type": signal.type,
+        "subtype": "-1",
+        "height": _text(signal.height),
+        "width": _text(signal.width),
+        "hOffset": "0",
+    }
+    if signal.value is not None:
+        facts |= {"value": _text(signal.value), "unit": signal.unit}
+    etree.SubElement(signals, "signal", facts)
+
+
+def _add_junction(root: etree._Element, design: JunctionDesign) -> None:
+    junction = etree.SubElement(root, "junction", id=design.id, name=design.name)
+    for number, connection in enumerate(design.connections):
+        element = etree.SubElement(
+            junction,
+            "connection",
+            {
+                "id": str(number),
+                "incomingRoad": connection.incoming,
+                "connectingRoad": connection.connecting,
+                "contactPoint": "start",
+            },
+        )
+        for start, end in connection.lanes:
+            etree.SubElement(element, "laneLink", {"from": str(start), "to": str(end)})
+
+
+def _text(value: float) -> str:
+    return format(round(value, 12) + 0.0, ".12g")
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Write all maps into a folder."""
+    folder = Path(arguments[0]) if arguments else SHIPPED
+    for design in DESIGNS:
+        (folder / f"{design.id}.xodr").write_bytes(write(design))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,250 @@
+"""Designs of the maps that are a single road."""
+
+from dataclasses import replace
+
+from tools.maps.design import (
+    LaneDesign,
+    MapDesign,
+    Piece,
+    RoadDesign,
+    Row,
+    SectionDesign,
+    StretchDesign,
+    smooth,
+)
+
+PAVEMENT = LaneDesign("sidewalk", 2.5)
+RESIDENTIAL = (
+    LaneDesign("driving", 3.25, "solid"),
+    LaneDesign("parking", 2.2, "curb"),
+    PAVEMENT,
+)
+AVENUE = (
+    LaneDesign("driving", 3.4, "broken"),
+    LaneDesign("driving", 3.4, "curb"),
+    LaneDesign("sidewalk", 3.0),
+)
+_HIGHWAY = (
+    LaneDesign("median", 1.5),
+    LaneDesign("shoulder", 0.75, "solid"),
+    LaneDesign("driving", 3.75, "broken"),
+    LaneDesign("driving", 3.75, "solid"),
+    LaneDesign("shoulder", 3.0),
+    LaneDesign("border", 5.0),
+)
+_RURAL = (
+    LaneDesign("driving", 3.25, "solid"),
+    LaneDesign("shoulder", 1.0),
+    LaneDesign("border", 6.0),
+)
+_OPEN = (
+    LaneDesign("driving", 3.5, "solid"),
+    LaneDesign("shoulder", 0.75),
+    LaneDesign("border", 5.0),
+)
+_WALLED = (
+    LaneDesign("driving", 3.5, "solid"),
+    LaneDesign("shoulder", 0.75, "curb"),
+    LaneDesign("sidewalk", 1.0),
+)
+_DECK = (
+    LaneDesign("driving", 3.5, "solid"),
+    LaneDesign("shoulder", 0.75, "curb"),
+    LaneDesign("sidewalk", 2.0),
+)
+
+
+def _street(
+    id: str,
+    name: str,
+    type: str,
+    speed_km_h: int,
+    pieces: tuple[Piece, ...],
+    lanes: tuple[LaneDesign, ...],
+    left: tuple[LaneDesign, ...] | None = None,
+    *,
+    centre_mark: str = "broken",
+    elevation: tuple[Row, ...] = ((0.0, 0.0, 0.0, 0.0, 0.0),),
+) -> MapDesign:
+    section = SectionDesign(lanes, lanes if left is None else left, centre_mark)
+    road = RoadDesign("1", name, type, speed_km_h, pieces, (section,), elevation=elevation)
+    return MapDesign(id, name, (road,))
+
+
+def _with_stretch(
+    plain: MapDesign, stretch: StretchDesign, lanes: tuple[LaneDesign, ...]
+) -> MapDesign:
+    """Put a tunnel or bridge, with a cross-section of its own, into a single road."""
+    road = plain.roads[0]
+    outside = road.sections[0].right
+    mark = road.sections[0].centre_mark
+    sections = []
+    for number, (s, used) in enumerate(
+        ((0.0, outside), (stretch.s, lanes), (stretch.s + stretch.length, outside))
+    ):
+        sides = []
+        for sign in (-1, 1):
+            linked = []
+            for index, lane in enumerate(used, start=1):
+                same = index < 3
+                linked.append(
+                    replace(
+                        lane,
+                        predecessor=sign * index if same and number > 0 else None,
+                        successor=sign * index if same and number < 2 else None,
+                    )
+                )
+            sides.append(tuple(linked))
+        sections.append(SectionDesign(sides[0], sides[1], mark, s))
+    road = replace(road, sections=tuple(sections), stretches=(stretch,))
+    return replace(plain, roads=(road,))
+
+
+STREETS: tuple[MapDesign, ...] = (
+    _street(
+        "residential_two_lane",
+        "Residential street",
+        "townLocal",
+        30,
+        (
+            ("line", 430.0, 0.0, 0.0),
+            ("spiral", 40.0, 0.0, 1 / 300),
+            ("arc", 130.0, 1 / 300, 1 / 300),
+            ("spiral", 40.0, 1 / 300, 0.0),
+            ("line", 180.0, 0.0, 0.0),
+        ),
+        RESIDENTIAL,
+    ),
+    _street(
+        "urban_three_lane",
+        "One-way street with three lanes",
+        "townArterial",
+        50,
+        (("line", 1000.0, 0.0, 0.0),),
+        (
+            LaneDesign("driving", 3.5, "broken"),
+            LaneDesign("driving", 3.5, "broken"),
+            LaneDesign("driving", 3.5, "curb"),
+            LaneDesign("sidewalk", 3.0),
+        ),
+        (LaneDesign("sidewalk", 3.0),),
+        centre_mark="curb",
+    ),
+    _street(
+        "urban_avenue",
+        "Avenue with two lanes each way",
+        "townArterial",
+        50,
+        (
+            ("line", 600.0, 0.0, 0.0),
+            ("spiral", 50.0, 0.0, -1 / 500),
+            ("arc", 150.0, -1 / 500, -1 / 500),
+            ("spiral", 50.0, -1 / 500, 0.0),
+            ("line", 150.0, 0.0, 0.0),
+        ),
+        AVENUE,
+        centre_mark="solid solid",
+    ),
+    _street(
+        "highway",
+        "Divided highway with two lanes and a shoulder each way",
+        "motorway",
+        100,
+        (
+            ("line", 700.0, 0.0, 0.0),
+            ("spiral", 120.0, 0.0, 1 / 1500),
+            ("arc", 400.0, 1 / 1500, 1 / 1500),
+            ("spiral", 120.0, 1 / 1500, 0.0),
+            ("line", 260.0, 0.0, 0.0),
+        ),
+        _HIGHWAY,
+        centre_mark="none",
+    ),
+    _street(
+        "rural_curve",
+        "Country road with a long bend",
+        "rural",
+        80,
+        (
+            ("line", 260.0, 0.0, 0.0),
+            ("spiral", 70.0, 0.0, 1 / 250),
+            ("arc", 220.0, 1 / 250, 1 / 250),
+            ("spiral", 70.0, 1 / 250, 0.0),
+            ("line", 60.0, 0.0, 0.0),
+            ("spiral", 70.0, 0.0, -1 / 350),
+            ("arc", 150.0, -1 / 350, -1 / 350),
+            ("spiral", 70.0, -1 / 350, 0.0),
+            ("line", 130.0, 0.0, 0.0),
+        ),
+        _RURAL,
+        elevation=(
+            (0.0, 0.0, 0.0, 0.0, 0.0),
+            (250.0, 0.0, 0.0, 3 * 2.5 / 400**2, -2 * 2.5 / 400**3),
+            (650.0, 2.5, 0.0, 0.0, 0.0),
+        ),
+    ),
+    _street(
+        "rural_hill",
+        "Country road over a crest",
+        "rural",
+        80,
+        (
+            ("line", 620.0, 0.0, 0.0),
+            ("spiral", 60.0, 0.0, -1 / 400),
+            ("arc", 160.0, -1 / 400, -1 / 400),
+            ("spiral", 60.0, -1 / 400, 0.0),
+            ("line", 100.0, 0.0, 0.0),
+        ),
+        _RURAL,
+        elevation=(
+            (0.0, 0.0, 0.0, 0.0, 0.0),
+            (170.0, 0.0, 0.0, 0.07 / 120, 0.0),
+            (230.0, 2.1, 0.07, 0.0, 0.0),
+            (280.0, 5.6, 0.07, -0.07 / 80, 0.0),
+            (360.0, 5.6, -0.07, 0.0, 0.0),
+            (410.0, 2.1, -0.07, 0.07 / 120, 0.0),
+            (470.0, 0.0, 0.0, 0.0, 0.0),
+        ),
+    ),
+    _with_stretch(
+        _street(
+            "tunnel",
+            "Road through a tunnel",
+            "rural",
+            70,
+            (
+                ("line", 560.0, 0.0, 0.0),
+                ("spiral", 60.0, 0.0, 1 / 500),
+                ("arc", 180.0, 1 / 500, 1 / 500),
+                ("spiral", 60.0, 1 / 500, 0.0),
+                ("line", 100.0, 0.0, 0.0),
+            ),
+            _OPEN,
+            centre_mark="solid solid",
+        ),
+        StretchDesign("tunnel", "t1", "Tunnel", 260.0, 200.0),
+        _WALLED,
+    ),
+    _with_stretch(
+        _street(
+            "bridge",
+            "Road over a bridge",
+            "rural",
+            70,
+            (
+                ("line", 520.0, 0.0, 0.0),
+                ("spiral", 60.0, 0.0, -1 / 450),
+                ("arc", 160.0, -1 / 450, -1 / 450),
+                ("spiral", 60.0, -1 / 450, 0.0),
+                ("line", 140.0, 0.0, 0.0),
+            ),
+            _OPEN,
+            elevation=(
+                *smooth(160.0, 180.0, 0.0, 4.5)[:2],
+                *smooth(340.0, 180.0, 4.5, 0.0)[1:],
+            ),
+        ),
+        StretchDesign("bridge", "b1", "Bridge", 260.0, 160.0),
+        _DECK,
+    ),
+)
