@@ -28,8 +28,9 @@ from oodscen import (
 )
 from oodscen._author.knowledge.loading import load_knowledge
 from oodscen._seeding import stream
-from oodscen.claims import Claim, check_claims, judge_claims
+from oodscen.claims import check_claims, judge_claims
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._claim import Claim
 from oodscen.driving._trace import Trace
 from oodscen.errors import AnswerError, LLMError
 from oodscen.protocols import LLM

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from oodscen._redaction import redact
 from oodscen.errors import InUse, StudyError
-from oodscen.llm._remote.redaction import redact
 
 NAME = ".oodscen.lock"
 """Lock file inside a locked folder; that of a file lies beside it and begins with the file's name."""

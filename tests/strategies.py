@@ -2,8 +2,7 @@
 
 from hypothesis import strategies as st
 
-from oodscen.claims import NUMBERS, VALUES, Claim
-from oodscen.data._claim import OF_THINGS
+from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
 from oodscen.prompts import OodAspect
 
 

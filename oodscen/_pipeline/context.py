@@ -9,13 +9,13 @@ from typing import Any, TypeVar
 
 from oodscen._pipeline.models import Models
 from oodscen._pipeline.sweep import Extras
+from oodscen._redaction import redact
 from oodscen._registry import make_encoder, make_simulator
 from oodscen.data._base import Data
 from oodscen.encoders import CachedEncoder
 from oodscen.errors import StudyError
 from oodscen.llm._accounting import Ledger
 from oodscen.llm._remote.limits import Traffic
-from oodscen.llm._remote.redaction import redact
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study

@@ -12,13 +12,13 @@ from oodscen._pipeline.steps.measure import measure
 from oodscen._pipeline.steps.scenes import augment, simulate
 from oodscen._pipeline.steps.texts import describe, describe_sets
 from oodscen._pipeline.steps.trees import grow, prune, redteam
+from oodscen._redaction import redact
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import RunStopped, StudyMismatch
 from oodscen.llm._accounting import accounts
-from oodscen.llm._remote.redaction import redact
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
 from oodscen.study._study import Study

@@ -5,12 +5,12 @@ from typing import TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
 
+from oodscen._redaction import redact_keys
 from oodscen.data._base import issues_of
 from oodscen.data._messages import Message
 from oodscen.errors import AnswerError, Issue
 from oodscen.llm._check import complete
 from oodscen.llm._json_objects import find_objects, is_cut_off
-from oodscen.llm._remote.redaction import redact_keys
 from oodscen.prompts._base import Prompt
 from oodscen.protocols import LLM, Request
 

@@ -5,9 +5,9 @@ import time
 from collections.abc import Callable
 from typing import ClassVar, Literal
 
+from oodscen._redaction import redact
 from oodscen.data._base import Data
 from oodscen.llm._check import complete
-from oodscen.llm._remote.redaction import redact
 from oodscen.llm._remote.usage import believed
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request, Usage

@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import BinaryIO, ClassVar, NamedTuple
 
 from oodscen._lock import locked
+from oodscen._redaction import redact_keys
 from oodscen.data._base import Data, canonical_json
 from oodscen.data._messages import Message
 from oodscen.errors import DataError, Issue, ReplayMiss, StudyError, UsageError
-from oodscen.llm._remote.redaction import redact_keys
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request, Usage
 

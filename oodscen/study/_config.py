@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
 
 from oodscen import _paper as paper
+from oodscen._redaction import redact
 from oodscen._registry import (
     DEFAULT_CATALOGUES,
     DEFAULT_ENCODER,
@@ -16,7 +17,6 @@ from oodscen._registry import (
 from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Data, issues_of
 from oodscen.errors import DataError
-from oodscen.llm._remote.redaction import redact
 from oodscen.prompts import Style
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 

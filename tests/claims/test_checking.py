@@ -2,7 +2,9 @@
 
 import pytest
 
-from oodscen.claims import Claim, check_claims, judge_claims, watch
+from oodscen.claims import check_claims, judge_claims
+from oodscen.claims._watching import watch
+from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._scenes import example_scene

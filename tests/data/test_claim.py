@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.claims import NUMBERS, VALUES, Claim, Mismatch
-from oodscen.data._claim import OF_THINGS
+from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim, Mismatch
 from oodscen.errors import DataError
 
 

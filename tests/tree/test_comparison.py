@@ -5,7 +5,8 @@ from hypothesis import given
 
 from oodscen.errors import UsageError
 from oodscen.testing import HashEncoder
-from oodscen.tree import TreeDiff, diff, match
+from oodscen.tree import diff, match
+from oodscen.tree._comparison import TreeDiff
 from oodscen.tree._edit_log import MAX_DEPTH
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 from tests.tree.woods import broad, chain, changes, few, grown, trees

@@ -7,7 +7,8 @@ from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
 from oodscen.study import StudyConfig
 from oodscen.testing._scenes import example_scene
-from oodscen.tree import Coverage, coverage, study_coverage
+from oodscen.tree import coverage, study_coverage
+from oodscen.tree._coverage import Coverage
 from oodscen.tree._coverage_report import coverage_html
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.tree.woods import HOSTILE, few, trees

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 
 from oodscen.errors import UnknownComponent
-from oodscen.tree import Provenance
-from oodscen.tree._provenance import origin_words, provenances
+from oodscen.tree._provenance import Provenance, origin_words, provenances
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.tree.woods import few, trees
 

@@ -5,12 +5,12 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal
 
+from oodscen._redaction import redact
 from oodscen.data._base import Data, canonical_json
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.llm._ask import ask
-from oodscen.llm._remote.redaction import redact
 from oodscen.prompts import JudgeAspect
 from oodscen.protocols import LLM
 

@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
+from oodscen._redaction import redact
 from oodscen.llm._remote.call_bounds import Bounds
-from oodscen.llm._remote.redaction import redact
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
 """What a failure says: nothing beyond this item (`item`: the request is refused; `filtered`: the

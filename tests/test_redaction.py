@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.llm._remote.redaction import HIDDEN, redact, redact_keys, secrets_in, secrets_of
+from oodscen._redaction import HIDDEN, redact, redact_keys, secrets_in, secrets_of
 
 # What a key can consist of; a key of letters alone may be a word, which is hidden all the same.
 keys = st.text(st.characters(min_codepoint=0x21, max_codepoint=0x7E), min_size=8, max_size=40)
