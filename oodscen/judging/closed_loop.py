@@ -15,7 +15,7 @@ from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, S
 from oodscen.scene import Scene
 from oodscen.simulation import MAX_APPROACH_S, peak_deceleration, peak_jerk
 from oodscen.trace import Course, Trace
-from oodscen.twins import is_twin, scene_of, twin_id
+from oodscen.twins import is_twin, twin_id
 
 MakeDriver = Callable[[], Driver]
 
@@ -118,13 +118,8 @@ def drive(
             results += [one, _failed(twin_id(scene.id), label, error)]
             continue
         results += _paired(one, other, ordinary)
-    digests = {scene.id: scene.digest() for scene in scenes}
-    return [
-        one.model_copy(
-            update={"made_from": digests.get(one.scene_id, digests.get(scene_of(one.scene_id)))}
-        )
-        for one in results
-    ]
+    digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
+    return [one.model_copy(update={"made_from": digests[one.scene_id]}) for one in results]
 
 
 class RuleBasedDriver:
