@@ -7,7 +7,7 @@ from oodscen.llms.accounting import Ledger
 from oodscen.llms.fallback import FallbackLLM
 from oodscen.llms.logged import Call, LoggedLLM
 from oodscen.llms.metered import MeteredLLM
-from oodscen.llms.replay import RecordingLLM, ReplayLLM
+from oodscen.llms.replay import Recorder, RecordingLLM, ReplayLLM
 from oodscen.llms.traffic import Traffic
 from oodscen.protocols import LLM
 from oodscen.registry import is_builtin, make_llm
@@ -52,6 +52,7 @@ class Models:
         self._ledger = ledger or Ledger()
         self._is_retry = is_retry
         self._made: dict[str, LLM] = {}
+        self._recorder: Recorder | None = None
 
     def author(self, name: str) -> LLM:
         """Return the model that writes under this name, with the fallback of the configuration."""
@@ -61,6 +62,11 @@ class Models:
     def get(self, name: str) -> LLM:
         """Return the model of this name alone."""
         return self._get(name, None)
+
+    def close(self) -> None:
+        """Let go of the recording; the next question opens it again."""
+        if self._recorder is not None:
+            self._recorder.close()
 
     def threads(self, name: str) -> int:
         """Return how many questions may be put to a model at once."""
@@ -81,7 +87,9 @@ class Models:
             logged = FallbackLLM(logged, LoggedLLM(self._make(fallback), self._log))
         if fallback is None and (is_builtin(name) or isinstance(made, ReplayLLM)):
             return logged
-        return RecordingLLM(logged, self._store.path(ANSWERS), is_reading=not self._is_retry)
+        if self._recorder is None:
+            self._recorder = Recorder.at(self._store.path(ANSWERS))
+        return RecordingLLM(logged, self._recorder, is_reading=not self._is_retry)
 
     def _make(self, name: str) -> LLM:
         given = self._given.get(name)
