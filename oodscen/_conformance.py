@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from typing import Any, NamedTuple
 
 from oodscen._numbers import finite_number
+from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
 from oodscen.errors import EncoderError, LLMError, OodscenError, SimulatorCrash, UsageError
 
@@ -134,7 +135,8 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
 def reason(error: BaseException) -> str:
     """Return the type and the words of a foreign exception, in one line."""
     try:
-        said = one_line(plain(str(error)))[:_MOST_SAID]
+        # Before it is cut: half a key is no key that could be found.
+        said = one_line(plain(redact(str(error))))[:_MOST_SAID]
     except Exception:
         said = ""
     return f"{type(error).__name__}: {said}" if said else type(error).__name__

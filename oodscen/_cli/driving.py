@@ -64,7 +64,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
     if lost := len({one.id for one in before} - {row.id for row in rows}):
-        say(f"{lost} results of earlier drives are dropped: their scenes are others now", err=True)
+        say(f"{lost} results of earlier drives are dropped: their scenes have changed", err=True)
     sys.exit(any(row.status == "failed" for row in here))
 
 

@@ -9,7 +9,7 @@ from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._capped import MeteredLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._remote.limits import Traffic
-from oodscen.llm._replay import RecordingLLM, ReplayLLM
+from oodscen.llm._replay import Recorder, RecordingLLM, ReplayLLM
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
@@ -52,6 +52,7 @@ class Models:
         self._ledger = ledger or Ledger()
         self._is_retry = is_retry
         self._made: dict[str, LLM] = {}
+        self._recorder: Recorder | None = None
 
     def author(self, name: str) -> LLM:
         """Return the model that writes under this name, with the fallback of the configuration."""
@@ -61,6 +62,11 @@ class Models:
     def get(self, name: str) -> LLM:
         """Return the model of this name alone."""
         return self._get(name, None)
+
+    def close(self) -> None:
+        """Let go of the recording; the next question opens it again."""
+        if self._recorder is not None:
+            self._recorder.close()
 
     def threads(self, name: str) -> int:
         """Return how many questions may be put to a model at once."""
@@ -81,7 +87,9 @@ class Models:
             logged = FallbackLLM(logged, LoggedLLM(self._make(fallback), self._log))
         if fallback is None and (is_builtin(name) or isinstance(made, ReplayLLM)):
             return logged
-        return RecordingLLM(logged, self._store.path(ANSWERS), is_reading=not self._is_retry)
+        if self._recorder is None:
+            self._recorder = Recorder.at(self._store.path(ANSWERS))
+        return RecordingLLM(logged, self._recorder, is_reading=not self._is_retry)
 
     def _make(self, name: str) -> LLM:
         given = self._given.get(name)

@@ -94,6 +94,8 @@ class Pipeline:
             )
             self._report()
             raise
+        finally:
+            self.context.models.close()
         return self.study
 
     def prepare(self) -> None:

@@ -1,7 +1,8 @@
 """A scene: the machine-readable configuration of one scenario.
 
 Places are relative to the ego's start along its road: `ahead_m` forward, lanes and offsets to the
-left, headings counter-clockwise (ISO 8855). Speeds are m/s.
+left, headings counter-clockwise (ISO 8855). Speeds are m/s. Mappings are sorted when they are validated, as they are
+in JSON: nothing may depend on the order of keys.
 """
 
 from typing import ClassVar, Literal, Self

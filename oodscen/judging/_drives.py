@@ -1,7 +1,7 @@
 """What drives come to: outcomes, conflicts, headway, progress and comfort by driver, paired with the twins."""
 
 from collections.abc import Callable, Iterable, Sequence
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -33,14 +33,10 @@ CRITICAL_TTC_S = 1.5
 
 def current(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
     """Return the results that are of scenes as they are now, by driver in the order of the scenes."""
-    order = {scene.id: (place, scene.digest()) for place, scene in enumerate(scenes)}
-    fitting = [
-        (one.driver, place, one.is_twin, one)
-        for one in drives
-        for place, digest in [order.get(scene_of(one.scene_id), (0, None))]
-        if digest == one.made_from
-    ]
-    return [one for *_, one in sorted(fitting, key=itemgetter(0, 1, 2))]
+    digests = {scene.id: scene.digest() for scene in scenes}
+    order = {name: place for place, name in enumerate(digests)}
+    kept = [one for one in drives if digests.get(scene_of(one.scene_id)) == one.made_from]
+    return sorted(kept, key=lambda one: (one.driver, order[scene_of(one.scene_id)], one.is_twin))
 
 
 class Share(Data):

@@ -86,7 +86,7 @@ def read(study: Study) -> Material:
     drives = _optional(store, "drives.jsonl", DriveResult, found)
     found.drives = current(drives, found.scenes)
     if lost := len(drives) - len(found.drives):
-        note = f"{lost} results in drives.jsonl are of scenes that are others now and were left out"
+        note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
         _note(found, "drives.jsonl", note)
     if store.has("restaged.jsonl"):
         found.restagings = list(_lines(store, "restaged.jsonl", found))

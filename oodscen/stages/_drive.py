@@ -10,7 +10,7 @@ import numpy as np
 from oodscen._conformance import working
 from oodscen.data._base import Data
 from oodscen.data._scene import Scene
-from oodscen.data._twins import is_twin, scene_of, twin_id
+from oodscen.data._twins import is_twin, twin_id
 from oodscen.driving import Cruise, find_map, is_due, load_corridor
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
@@ -118,13 +118,8 @@ def drive(
             results += [one, _failed(twin_id(scene.id), label, error)]
             continue
         results += _paired(one, other, ordinary)
-    digests = {scene.id: scene.digest() for scene in scenes}
-    return [
-        one.model_copy(
-            update={"made_from": digests.get(one.scene_id, digests.get(scene_of(one.scene_id)))}
-        )
-        for one in results
-    ]
+    digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
+    return [one.model_copy(update={"made_from": digests[one.scene_id]}) for one in results]
 
 
 class RuleBasedDriver:

@@ -251,8 +251,8 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             elif fault == "packed":
                 self._send(200, gzip.compress(b" " * 50_000_000), {"content-encoding": "gzip"})
             elif fault == "redirect":
-                address = f"http://localhost:{self.connection.getsockname()[1]}{self.path}"
-                self._send(307, b"", {"location": address})
+                elsewhere = server.api_base.replace("127.0.0.1", "localhost")
+                self._send(307, b"", {"location": f"{elsewhere}/chat/completions"})
             elif fault == "processing":
                 self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
             elif fault == "slow_head":

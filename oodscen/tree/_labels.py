@@ -1,8 +1,9 @@
 """What a text must be to serve as a label, and when two labels are the same.
 
 A label comes from a model or a file, is shown in pages, charts and terminals, and goes into later
-prompts. So it has to be plain words: no markup, nothing unseen, nothing that speaks to a model. What
-speaks to a model cannot be listed in full; besides, prompts mark labels as data and answers are checked.
+prompts. So it has to be plain words: no markup, nothing unseen, no letters that pass for others, nothing that
+speaks to a model. What speaks to a model cannot be listed in full: patterns stop what is common and in
+English. Beyond them, prompts mark labels as data, answers are checked and pages escape what they show.
 """
 
 import html
@@ -20,46 +21,66 @@ _JOINERS = "\u200c\u200d"
 _MARKUP = re.compile(r"<[a-z/!?]|javascript\s*:|```|~~~|\{\{|\}\}|\{%|%\}|\$\{", re.IGNORECASE)
 """A tag as HTML reads it, code fences, braces of templates; `< 10 cm` is none."""
 
+_DETERMINERS = r"(?:(?:all|any|every|everything|of|the|your|my|these|those|this|that|such)\s+)*"
 _ORDERS = (
-    r"(?:instructions?|prompts?|rules?|messages?|guidelines?|directions?|commands?|context|text)"
+    r"(?:instructions?|prompts?|rules?|messages?|guidelines?|directions?|directives?|commands?"
+    r"|context|texts?)"
 )
+_DROP = r"(?:ignore|disregard|forget|override|bypass|discard|neglect)"
+_EARLIER = r"(?:previous|prior|preceding|earlier|above|foregoing|aforementioned)"
 _ROLES = r"(?:system|assistant|developer|user|human)"
-_ADDRESSED = tuple(
-    re.compile(pattern, flags)
-    for pattern, flags in (
-        # "ignore all previous instructions", "disregard the rules above"
+_BEGINS = r"(?:^|[.;:!?,(]\s*|\b(?:and|then|but|instead)\s+)(?:(?:please|just|now|only|always|simply)\s+)*"
+"""Where a clause can begin with an order."""
+_ADDRESSED = re.compile(
+    "|".join(
         (
-            r"\b(?:ignore|disregard|forget|override)\b(?:\s+(?:all|any|every|of|the|your|my|these|those))*"
-            rf"\s+(?:previous|prior|preceding|earlier|above|foregoing)\s+(?:\w+\s+)?{_ORDERS}\b",
-            re.IGNORECASE,
-        ),
-        (
-            r"\b(?:ignore|disregard|forget|override)\b(?:\s+(?:all|any|every|of|the|your|my|these|those))*"
-            rf"\s+{_ORDERS}\s+(?:\w+\s+)?(?:above|before|so far|earlier|previously)\b",
-            re.IGNORECASE,
-        ),
-        # as an order, at the start of a sentence: "Disregard your instructions"
-        (
-            r"(?:^|[.;!?]\s*)\W*(?:please\s+)?(?:ignore|disregard|forget|override)\s+"
-            r"(?:(?:all|any|every|of|the|your|my|these|those)\s+)*"
-            r"(?:instructions?|prompts?|guidelines?)\b",
-            re.IGNORECASE,
-        ),
-        (r"\b(?:ignore|disregard|forget)\s+everything\b", re.IGNORECASE),
-        # a role: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
-        (rf"(?:^|[^\w\s-]\s*){_ROLES}\s*:", re.IGNORECASE),
-        (rf"\b{_ROLES.upper()}\s*:", 0),
-        (
+            # "ignore all previous instructions", "disregard the rules above"
+            rf"\b{_DROP}\s+{_DETERMINERS}{_EARLIER}\s+(?:\w+\s+)?{_ORDERS}\b",
+            rf"\b{_DROP}\s+{_DETERMINERS}{_ORDERS}\s+(?:\w+\s+)?(?:above|before|so far|earlier|previously)\b",
+            # as an order: "Ignore the above and ...", "Disregard your instructions", "forget everything"
+            rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}{_EARLIER}(?=\s*(?:$|[^\w\s-]|and\b|or\b|then\b))",
+            rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}(?:instructions?|prompts?|guidelines?)\b",
+            r"\b(?:ignore|disregard|forget)\s+everything\b",
+            r"\b(?:do not|don't|stop|never)\s+(?:follow|obey)(?:ing)?\s+(?:\w+\s+){0,3}"
+            r"(?:instructions|prompts?|guidelines)\b",
+            # what to answer: "reply with yes", "and answer stop", "say 'covered'", "output {"
+            rf"{_BEGINS}(?:answer|reply|respond|output|print|say|write|return)(?:\s*:\s*|\s+)"
+            r"(?:(?:only|just|always|never|with|as|that|exactly|back)\s+)*[\"'“‘`]?(?:yes|no|true|false|none|null"
+            r"|nothing|stop|safe|unsafe|covered|ood|off topic|ordinary|unusual|normal|ok|okay|json|add|broaden"
+            r"|split|keep|remove|keep speed|slow down|emergency brake|change lane|pull over|pwned"
+            r"|(?:the|a|one|this) (?:single )?(?:word|answer|text|number|action|label|id|following)s?)\b",
+            rf"{_BEGINS}(?:answer|reply|respond|output|print|return)\s*:?\s*[{{\[]",
+            rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
+            r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
+            r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
+            # who the reader is: "you are now ...", "you must ...", "act as an assistant"
+            r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"
+            r"|must|should|shall|have to|need to|will)\b",
+            r"\b(?:act as|pretend (?:to be|that)|behave as)\s+(?:if\s+)?(?:an? |the )?"
+            r"(?:ai|assistant|language model|chatbot|judge|grader|you)\b",
+            r"\b(?:from now on|as an ai|language model|system prompt|jailbreak|prompt injection)\b",
+            r"\b(?:new|updated|real|actual) (?:instructions?|task)\s*:",
+            rf"{_BEGINS}(?:reveal|repeat|show|print|leak)\s+(?:\w+\s+){{0,2}}(?:instructions|prompt)\b",
+            # a role: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
+            rf"(?:^|[^\w\s-]\s*){_ROLES}\s*:",
+            rf"\b(?-i:{_ROLES.upper()})\s*:",
             rf"\b{_ROLES}\s*:\s*(?:you|answer|respond|reply|output|return|say|always|never)\b",
-            re.IGNORECASE,
-        ),
-        # marks of chat templates
-        (r"<\||\|>|\[/?INST\]|<<\s*/?SYS\s*>>|^\s*#+\s*(?:instruction|system|response)", re.I),
-        (r"\byou are (?:now|an? (?:ai|assistant|language model|chatbot))\b", re.IGNORECASE),
-        (r"\b(?:new|updated) instructions?\s*:|\bsystem prompt\b", re.IGNORECASE),
-    )
+            # marks of chat templates
+            r"<\||\|>|\[/?INST\]|<<\s*/?SYS\s*>>|^\s*#+\s*(?:instruction|system|response)",
+        )
+    ),
+    re.IGNORECASE,
 )
-"""Few and general; labels about driving such as "Driver ignores a red light" match none."""
+"""Words to a model. Labels about driving such as "Driver ignores a red light" do not match."""
+
+_LOOKALIKES = str.maketrans(
+    "аеорсухіјѕԁԛԝһӏԍАВЕКМНОРСТУХІЈЅԚԜαιορνυΑΒΕΖΗΙΚΜΝΟΡΤΥΧ",
+    "aeopcyxijsdqwhlgABEKMHOPCTYXIJSQWaiopvuABEZHIKMNOPTYX",
+)
+"""Cyrillic and Greek letters that look like Latin ones (Unicode's confusables, the plain pairs)."""
+_ALPHABETS = frozenset({"LATIN", "CYRILLIC", "GREEK", "COPTIC", "ARMENIAN", "CHEROKEE"})
+"""Scripts whose letters pass for one another; no language mixes them within a word."""
+_WORD = re.compile(r"[^\W\d_]+")
 
 
 def label_fault(label: str) -> str:
@@ -67,7 +88,8 @@ def label_fault(label: str) -> str:
 
     Refused are: nothing to see, more than `MAX_LABEL` characters, line breaks and control characters,
     characters that show nothing or turn the direction of writing (joiners between letters may stay),
-    tags, HTML entities, code fences and template braces, and words that speak to a model.
+    tags, HTML entities, code fences and template braces, words of two alphabets or of letters that
+    pass for another's, and words that speak to a model.
     """
     if not is_visible(label):
         return "the label is empty"
@@ -83,8 +105,10 @@ def label_fault(label: str) -> str:
         text = _seen(label)
     if _MARKUP.search(text) or ("&" in text and html.unescape(text) != text):
         return "the label contains markup or code: plain words are wanted"
-    text = one_line(text)
-    if any(pattern.search(text) for pattern in _ADDRESSED):
+    if not label.isascii() and _is_disguised(text):
+        return "the label mixes alphabets so that words pass for others: use one alphabet per word"
+    plain = one_line(text.translate(_LOOKALIKES))
+    if _ADDRESSED.search(plain) or _ADDRESSED.search(re.sub(r"[-_/*~]+", " ", plain)):
         return "the label speaks to a model: plain words for a kind of scenario are wanted"
     return ""
 
@@ -92,6 +116,22 @@ def label_fault(label: str) -> str:
 def same_words(label: str) -> str:
     """Return what two labels share that differ only in case, width, spaces and what does not show."""
     return one_line(_seen(label).casefold())
+
+
+def _is_disguised(text: str) -> bool:
+    """Tell whether a word mixes alphabets, or looks Latin among Latin words and is not."""
+    foreign, is_latin = [], False
+    for word in _WORD.findall(text):
+        scripts = {unicodedata.name(char, "").partition(" ")[0] for char in word} & _ALPHABETS
+        if len(scripts) > 1:
+            return True
+        is_latin |= scripts == {"LATIN"}
+        foreign += [word] if scripts - {"LATIN"} else []
+    return (
+        is_latin
+        and bool(foreign)
+        and all(word.translate(_LOOKALIKES).isascii() for word in foreign)
+    )
 
 
 def _has_unseen(label: str) -> bool:

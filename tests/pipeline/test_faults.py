@@ -23,7 +23,7 @@ PATIENCE_S = 60.0
 KEY = "sk-test-planted-0123456789abcdef"
 CONFIG = QUICK.model_copy(update={"llm": "served", "max_paths": 2, "iterations": 6})
 FAULTS = (
-    "http429 http500 http503 reset slow processing truncated wrong_schema malformed html empty huge packed cut"
+    "http429 http500 http503 reset slow truncated wrong_schema malformed html empty huge packed cut"
 ).split()
 RESULTS = ("tree.simulatable.json", "scenarios.jsonl", "scenes.jsonl", "redteam.jsonl")
 

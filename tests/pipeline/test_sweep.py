@@ -157,7 +157,7 @@ def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
 
 
 UNGUARDED = """
-from oodscen.study.sweep import Job, sweep
+from oodscen._pipeline.sweep import Job, sweep
 from oodscen.testing.scenes import example_scene
 
 for result in sweep(Job("flat"), [example_scene()], workers=2):

@@ -12,8 +12,8 @@ from oodscen.testing._scenes import example_scene
 
 CHILD = """
 import json, sys
-from oodscen.scene import Scene
-from oodscen.simulation import simulate
+from oodscen.data._scene import Scene
+from oodscen.stages._simulate import simulate
 from oodscen.testing import FlatSimulator
 
 found = {}

@@ -1,8 +1,12 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import stats
 
+from oodscen._seeding import stream
 from oodscen._statistics.resampling import bootstrap_mean, bootstrap_pairwise, wilson
 from oodscen.metrics._vectors.similarity import unit
 
@@ -58,6 +62,26 @@ def test_pairs_of_a_text_with_its_own_copy_do_not_count():
     assert abs(found.high) < 1e-12
 
 
+def test_pairs_are_those_of_different_paths_and_those_within_a_drawn_path():
+    rows = unit(np.random.default_rng(6).normal(0.3, 1.0, size=(11, 4)).astype(np.float32))
+    paths = [0, 0, 0, 1, 1, 2, 3, 3, 3, 3, 4]
+    draws = stream(7, "bootstrap", "pairwise").multinomial(5, np.full(5, 0.2), size=60)
+    means = []
+    for weights in draws.tolist():
+        drawn = [
+            (path, copy, text) for text, path in enumerate(paths) for copy in range(weights[path])
+        ]
+        cosines = [
+            float(rows[a[2]] @ rows[b[2]])
+            for a, b in itertools.combinations(drawn, 2)
+            if a[0] != b[0] or a[1] == b[1]
+        ]
+        means += [np.mean(cosines)] if cosines else []
+    found = bootstrap_pairwise(rows, list(map(str, paths)), seed=7, replicates=60)
+    expected = np.quantile(means, [0.025, 0.975])
+    np.testing.assert_allclose((found.low, found.high), expected, atol=1e-6)
+
+
 def test_an_interval_of_pairs_surrounds_the_figure():
     rows = unit(np.random.default_rng(5).normal(0.5, 1.0, size=(60, 8)).astype(np.float32))
     wide = rows.astype(np.float64)
@@ -83,7 +107,6 @@ def test_wilson_without_anything_knows_nothing() -> None:
 
 
 def test_wilson_agrees_with_scipy() -> None:
-    stats = pytest.importorskip("scipy.stats")
     for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
         found = stats.binomtest(hits, n).proportion_ci(method="wilson")
         assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 from oodscen._statistics.resampling import wilson
 from oodscen._statistics.tests import (
@@ -34,7 +35,6 @@ def test_mcnemar_is_a_symmetric_p_and_mid_p_is_the_smaller(a: int, b: int) -> No
 
 
 def test_mcnemar_agrees_with_the_binomial_test() -> None:
-    stats = pytest.importorskip("scipy.stats")
     for a, b in ((19, 0), (63, 44), (5, 12), (1, 0), (700, 640)):
         expected = stats.binomtest(min(a, b), a + b).pvalue
         assert mcnemar(a, b)[0] == pytest.approx(expected, rel=1e-9)
@@ -107,6 +107,55 @@ def test_intervals_do_not_pretend_where_all_agree_or_paths_are_few() -> None:
     assert share_bounds(0, 0, 0) is None
 
 
+def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
+    found = np.linspace(0.2, 0.8, 50)
+    assert percentiles(found, 4) is None
+    assert percentiles(found, 5) is not None
+
+
+def test_only_where_all_agree_a_path_counts_as_one_item() -> None:
+    mixed, equal = share_bounds(7, 20, 10), share_bounds(20, 20, 10)
+    assert mixed is not None
+    assert equal is not None
+    assert (mixed.method, mixed.units) == ("wilson", 20)
+    assert (mixed.low, mixed.high) == pytest.approx(wilson(7, 20), abs=1e-6)
+    assert equal.units == 10
+
+
+@given(st.lists(st.integers(1, 6), min_size=2, max_size=6), st.integers(0, 99))
+def test_the_intraclass_correlation_follows_from_the_analysis_of_variance(
+    sizes: list[int], seed: int
+) -> None:
+    groups = [np.random.default_rng([seed, i]).normal(size=n) for i, n in enumerate(sizes)]
+    clusters = [str(i) for i, group in enumerate(groups) for _ in group]
+    found = intraclass(np.concatenate(groups), clusters)
+    if max(sizes) == 1:
+        assert found is None
+        return
+    ratio = stats.f_oneway(*groups).statistic
+    mean = np.mean(sizes)
+    # Donner's n0, written as the mean size less its relative variance.
+    size = mean - np.var(sizes, ddof=1) / (len(sizes) * mean)
+    assert found == pytest.approx(min(max((ratio - 1) / (ratio - 1 + size), 0.0), 1.0), abs=1e-9)
+
+
+def test_a_permutation_test_is_never_certain() -> None:
+    assert sign_flip(np.ones(30), replicates=500) == pytest.approx(1 / 501)
+
+
+@given(st.integers(1, 80), st.integers(1, 80), st.data())
+def test_two_proportions_agree_with_the_chi_square_test(
+    n: int, m: int, data: st.DataObject
+) -> None:
+    one, two = data.draw(st.integers(0, n)), data.draw(st.integers(0, m))
+    table = np.array([[one, n - one], [two, m - two]])
+    if 0 in table.sum(axis=0):
+        assert two_proportions(one, n, two, m) == 1
+    else:
+        expected = stats.chi2_contingency(table, correction=False).pvalue
+        assert two_proportions(one, n, two, m) == pytest.approx(expected, abs=1e-9)
+
+
 def test_the_same_seed_gives_the_same_draws() -> None:
     clusters = list("aabbccddee")
     assert (Resampler(clusters, seed=3).weights == Resampler(clusters, seed=3).weights).all()
@@ -152,13 +201,32 @@ def test_auroc_resamples_whole_paths() -> None:
     area, bounds = found
     assert bounds is not None
     assert bounds.low < area < bounds.high
-    # One resampled set, worked out by hand from the same draws.
-    resampler = Resampler(clusters, replicates=3)
-    drawn = [np.repeat(np.arange(20), row.astype(int)) for row in resampler.weights]
-    for _, units in zip(range(3), drawn, strict=True):
-        items = np.concatenate([np.arange(u * 10, u * 10 + 10) for u in units])
-        assert auroc(scores[items], mask[items]) is not None
     assert auroc(scores, np.ones(200, np.bool_)) is None
+
+
+def test_the_interval_of_an_auroc_is_that_of_the_sets_drawn() -> None:
+    rng = np.random.default_rng(2)
+    mask = rng.integers(0, 2, 60).astype(bool)
+    scores = np.round(rng.normal(size=60) + mask, 1)
+    clusters = [f"{index // 7}" for index in range(60)]
+    resampler = Resampler(clusters, replicates=40)
+    areas = []
+    for row in resampler.weights.astype(int).tolist():
+        drawn = [
+            i
+            for unit, times in enumerate(row)
+            for _ in range(times)
+            for i in range(60)
+            if i // 7 == unit
+        ]
+        area = stats.mannwhitneyu(scores[drawn][mask[drawn]], scores[drawn][~mask[drawn]]).statistic
+        areas.append(area / mask[drawn].sum() / (~mask[drawn]).sum())
+    found = auroc(scores, mask, resampler)
+    assert found is not None
+    assert found[1] is not None
+    assert (found[1].low, found[1].high) == pytest.approx(
+        tuple(np.quantile(areas, [0.025, 0.975])), abs=1e-6
+    )
 
 
 def test_chance_is_nought_and_perfect_is_one() -> None:

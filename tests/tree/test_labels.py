@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen._author import load_knowledge
 from oodscen.tree._labels import label_fault, same_words
 from tests.tree.woods import HOSTILE, REFUSED
 
@@ -20,6 +21,19 @@ PLAIN = (
     "Brake-assist system: failure in the car ahead",
     "Q&A van of a broadcaster; R&D prototype",
     "Warning system prompts a sudden stop",
+    "Signs say stop",
+    "Sign says 'STOP'",
+    "Driver answers a call and stops",
+    "Passers-by must jump aside",
+    "Child repeats the prompt of a crossing guard",
+    "Car follows the instructions of its satnav into a lake",
+    "Gate says 'You are here'",
+    "Ignored no-entry sign",
+    "Mark on the road that looks like a lane",
+    "Стоп-сигнал на дороге",
+    "Знак STOP у дороги",
+    "Φωτιά στο δρόμο",
+    "T字路の転倒車",
     "`Bold` paint on the road #3",
     "Überschwemmte Straße — 50 % gesperrt",
     "شب\u200cگرد در جاده",
@@ -53,6 +67,24 @@ def test_plain_words_about_driving_are_labels(label):
 def test_what_is_no_label_is_told(label):
     assert label_fault(label)
     assert len(label_fault(label)) < 120
+
+
+ALIKE = {"a": "а", "c": "с", "e": "е", "o": "о", "p": "р", "x": "х", "i": "ι", "v": "ν", "A": "Α"}
+
+
+@given(st.sampled_from(PLAIN[:10]), st.data())
+def test_a_lookalike_within_a_word_is_refused(label, data):
+    places = [i for i, char in enumerate(label) if char in ALIKE]
+    chosen = data.draw(st.sets(st.sampled_from(places), min_size=1, max_size=3))
+    other = "".join(ALIKE[char] if i in chosen else char for i, char in enumerate(label))
+    assert label_fault(other)
+
+
+def test_no_label_of_the_knowledge_base_is_refused():
+    hazards = load_knowledge().hazards
+    labels = {text for one in hazards for text in (one.label, one.wider, one.family) if text}
+    assert len(labels) > 300
+    assert [label for label in labels if label_fault(label)] == []
 
 
 @given(composed)

@@ -90,6 +90,14 @@ def test_a_file_of_nodes_alone_is_a_tree(tree):
     assert ScenarioTree.parse(read.to_json()) == read
 
 
+def test_a_file_of_nodes_alone_keeps_what_is_attested():
+    nodes = [
+        {"id": "root", "parent": None, "label": "Root"},
+        {"id": "fog", "parent": "root", "label": "Fog", "attested": "paper"},
+    ]
+    assert ScenarioTree.parse({"nodes": nodes}).by_id["fog"].attested == "paper"
+
+
 @few
 @given(trees)
 def test_the_outline_has_one_line_per_node(tree):

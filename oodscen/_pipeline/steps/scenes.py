@@ -5,7 +5,8 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.sweep import Job, SweepResult, sweep
+from oodscen._pipeline.staging import Staging
+from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
@@ -18,8 +19,7 @@ from oodscen.stages._augment import Augmenter
 SCENES = "scenes.jsonl"
 """One line per scenario: the scene as it was run."""
 STAGED = "staged.jsonl"
-"""One line per scenario: the scene as it was staged (`scene`); once it ran, how it was re-staged (`how`, empty where
-it was not), the scene that was run instead (`run`), and what was tried in vain and why (`tried`)."""
+"""One `Staging` per scenario."""
 RESTAGED = "restaged.jsonl"
 """Of the scenes that told no actions apart: how each was re-staged, the scene that was run, and what was tried."""
 
@@ -29,75 +29,96 @@ Line = dict[str, Any]
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     """Read what every text says, and stage it so that the scene holds to that.
 
+    Returns:
+        The scenes as they were staged.
+
     Raises:
         StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two of one.
         DataError: When what it holds is no scene.
     """
     augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
     by_id = {scenario.id: scenario for scenario in scenarios}
-    written = _written(run, by_id)
+    before = _staged(_lines(run))
+    written = _written(run, {*by_id, *before})
     told = _claims(run, augmenter, scenarios)
 
     def made_from(name: str) -> str:
         scenario, claims = by_id[name], told[name]
-        said = () if isinstance(claims, LLMError) else claims
-        return digest([scenario.text, scenario.path, [one.model_dump(mode="json") for one in said]])
+        if isinstance(claims, LLMError):
+            return digest([scenario.text, scenario.path, None])
+        said = [claim.model_dump(mode="json") for claim in claims]
+        return digest([scenario.text, scenario.path, said])
 
-    def work(scenario: Scenario) -> Line:
+    def work(scenario: Scenario) -> Staging | Line:
         claims = told[scenario.id]
         if isinstance(claims, LLMError):
             return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            scene = augmenter.run(scenario, claims)
+            return Staging(id=scenario.id, scene=augmenter.run(scenario, claims))
         except LLMError as error:
             return failed(scenario.id, error, scenario_id=scenario.id)
-        return {"id": scenario.id, "scene": scene.model_dump(mode="json")}
 
     # What was made of a text that is another now must go first: later it would look changed by hand.
-    outdated = {line["id"] for line in run.store.lines(STAGED)}
-    outdated -= run.fitting(STAGED, by_id, made_from).keys()
-    if not outdated.isdisjoint(written):
-        written = {name: line for name, line in written.items() if name not in outdated}
-        run.store.write_lines(SCENES, written.values())
-    rows = _asked(run, "augment", STAGED, scenarios, work, made_from)
-    _write_scenes(run, rows, written)
-    return [Scene.parse(row["scene"]) for row in rows if "scene" in row]
+    fits = run.fitting(STAGED, by_id, made_from)
+    kept = {
+        name: scene
+        for name, scene in written.items()
+        if name in fits or _is_by_hand(scene, before.get(name))
+    }
+    if len(kept) < len(written):
+        run.store.write_lines(SCENES, kept.values())
+    _asked(run, "augment", STAGED, scenarios, work, made_from)
+    lines = _lines(run)
+    staged = _staged(lines)
+    _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept)
+    return [one.scene for one in staged.values()]
 
 
-def _written(run: Context, texts: Collection[str]) -> dict[str, Line]:
+def _lines(run: Context) -> dict[str, Line]:
+    """Return the lines of `staged.jsonl` by id; the last of a scene counts."""
+    return {line["id"]: line for line in run.store.lines(STAGED)}
+
+
+def _staged(lines: Mapping[str, Line]) -> dict[str, Staging]:
+    """Return the scenes that could be staged, by id."""
+    return {
+        name: Staging.parse(line, source=f"{STAGED}, {name}")
+        for name, line in lines.items()
+        if line.get("status") != "failed"
+    }
+
+
+def _written(run: Context, known: Collection[str]) -> dict[str, Scene]:
     """Return the scenes in `scenes.jsonl` by id, where they may have been changed by hand."""
-    path = run.store.path(SCENES)
-    staged = {line["id"] for line in run.store.lines(STAGED)}
-    found: dict[str, Line] = {}
+    found: dict[str, Scene] = {}
     for number, line in enumerate(run.store.lines(SCENES), start=1):
         if line.get("status") == "failed":
             continue
-        scene = Scene.parse(line, source=f"{path}, line {number}")
+        source = f"{run.store.path(SCENES)}, line {number}"
+        scene = Scene.parse(line, source=source)
         if scene.id in found:
+            raise StudyError(f"{source}: there are two scenes {scene.id!r}; remove one")
+        if scene.id not in known:
             raise StudyError(
-                f"{path}, line {number}: there are two scenes {scene.id!r}; remove one"
+                f"{source}: there is no text {scene.id!r} in this study; remove the line, and run the scene by "
+                "itself with `oodscen simulate`"
             )
-        if scene.id not in texts and scene.id not in staged:
-            raise StudyError(
-                f"{path}, line {number}: there is no text {scene.id!r} in this study; remove the line, and "
-                "run the scene by itself with `oodscen simulate`"
-            )
-        found[scene.id] = scene.model_dump(mode="json")
+        found[scene.id] = scene
     return found
 
 
-def _write_scenes(run: Context, rows: Sequence[Line], written: Mapping[str, Line]) -> None:
-    """Write `scenes.jsonl`: what is in it already, else the scene that was run, or the failure."""
-    lines = []
-    for row in rows:
-        line = written.get(row["id"]) or _ran(row)
-        lines.append(line or {key: row[key] for key in row if key != "made_from"})
-    run.store.write_lines(SCENES, lines)
+def _is_by_hand(scene: Scene, made: Staging | None) -> bool:
+    """Whether a scene in `scenes.jsonl` is neither what was staged nor what was run, as far as is known."""
+    return made is None or scene not in (made.scene, made.run)
 
 
-def _ran(row: Line) -> Line | None:
-    """Return the scene that was run, or will be; `None` where there is none."""
-    return row.get("run") or row.get("scene")
+def _write_scenes(run: Context, lines: Mapping[str, Line], scenes: Mapping[str, Scene]) -> None:
+    """Write `scenes.jsonl`: every scene, and the failures of those that were not staged."""
+    failures = {
+        name: {key: value for key, value in line.items() if key != "made_from"}
+        for name, line in lines.items()
+    }
+    run.store.write_lines(SCENES, [scenes.get(name, failure) for name, failure in failures.items()])
 
 
 def _claims(
@@ -133,7 +154,7 @@ def _asked(
     stage: str,
     file: str,
     scenarios: Sequence[Scenario],
-    work: Callable[[Scenario], Line],
+    work: Callable[[Scenario], Staging | Line],
     made_from: Callable[[str], str],
 ) -> list[Line]:
     """Ask a model about every scenario, as many at once as it may be asked; return the lines."""
@@ -160,70 +181,55 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     Returns:
         The scenes as they were run, and the episodes of scenes and twins.
     """
-    rows = {line["id"]: line for line in run.store.lines(STAGED)}
-    episodes = _simulated(run, rows)
-    if changed := _changed(run, rows):
-        rows |= changed
-        run.store.write_lines(STAGED, rows.values())
-        episodes = _simulated(run, rows)
-    run.store.write_lines(STAGED, rows.values())
-    told = [rows[name] for name in sorted(rows) if rows[name].get("how") or rows[name].get("tried")]
-    run.store.write_lines(RESTAGED, map(_restaging, told))
-    _write_scenes(run, list(rows.values()), {})
-    return [Scene.parse(line) for line in map(_ran, rows.values()) if line], episodes
+    lines = _lines(run)
+    staged = _staged(lines)
+    episodes = _simulated(run, staged)
+    by_hand = {
+        name: Staging(id=name, made_from=lines[name]["made_from"], scene=scene)
+        for name, scene in _written(run, lines).items()
+        if _is_by_hand(scene, staged.get(name))
+    }
+    if by_hand:
+        staged |= by_hand
+        staged = {name: staged[name] for name in lines if name in staged}
+        run.store.write_lines(STAGED, [staged.get(name, line) for name, line in lines.items()])
+        episodes = _simulated(run, staged)
+    run.store.write_lines(STAGED, [staged.get(name, line) for name, line in lines.items()])
+    restagings = [staged[name].restaging() for name in sorted(staged)]
+    run.store.write_lines(RESTAGED, filter(None, restagings))
+    ran = {name: one.ran for name, one in staged.items()}
+    _write_scenes(run, lines, ran)
+    return list(ran.values()), episodes
 
 
-def _simulated(run: Context, rows: dict[str, Line]) -> list[Episode]:
-    """Run the scenes that have no episodes, each with its twin; note in the rows what was run."""
+def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
+    """Run the scenes that lack an episode, each with its twin; note in `staged` what they came to."""
     job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
-    given = {name: Scene.parse(row["scene"]) for name, row in rows.items() if "scene" in row}
-    made_from = {name: Scene.parse(_ran(rows[name])).digest() for name in given}
+    made_from = {name: one.ran.digest() for name, one in staged.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
-        wanted = [given[name] for name in dict.fromkeys(todo.values())]
+        wanted = [staged[name].scene for name in dict.fromkeys(todo.values())]
         for result in sweep(job, wanted, workers=run.workers, executor=run.executor):
             name = result.episode.id
-            if name in given:
-                rows[name] = _run_row(rows[name], result)
-                made_from[name] = (result.restaged or given[name]).digest()
-                run.store.append(STAGED, rows[name])
+            if name in staged:
+                staged[name] = staged[name].after(result)
+                made_from[name] = staged[name].ran.digest()
+                run.store.append(STAGED, staged[name])
             result.save(run.store)
             yield result.episode
+
+    def is_whole(line: Mapping[str, Any]) -> bool:
+        return staged[scene_of(line["id"])].how is not None and _has_files(run, line)
 
     found = run.each(
         "simulate",
         "episodes.jsonl",
-        {item: name for name in given for item in (name, twin_id(name))},
+        {item: name for name in staged for item in (name, twin_id(name))},
         work,
         made_from=lambda item: made_from[scene_of(item)],
-        is_whole=lambda line: "how" in rows[scene_of(line["id"])] and _has_files(run, line),
+        is_whole=is_whole,
     )
     return [Episode.parse(row) for row in found]
-
-
-def _run_row(row: Line, result: SweepResult) -> Line:
-    """Return a line of `staged.jsonl` with what running the scene came to."""
-    told: Line = {
-        "how": result.episode.restaged,
-        "tried": [attempt._asdict() for attempt in result.tried],
-    }
-    if result.restaged:
-        told["run"] = result.restaged.model_dump(mode="json")
-    return {**{key: row[key] for key in ("id", "made_from", "scene")}, **told}
-
-
-def _restaging(row: Line) -> Line:
-    line = {key: row[key] for key in ("id", "how", "tried")}
-    return {**line, "scene": row["run"]} if "run" in row else line
-
-
-def _changed(run: Context, rows: Mapping[str, Line]) -> dict[str, Line]:
-    """Return the rows of scenes that were changed by hand: neither staged like that nor run."""
-    return {
-        name: {"id": name, "made_from": rows[name]["made_from"], "scene": line}
-        for name, line in _written(run, rows).items()
-        if line not in (rows[name].get("scene"), _ran(rows[name]))
-    }
 
 
 def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:

@@ -118,7 +118,7 @@ def test_frames_are_the_same_after_another_scene_and_in_another_process(
     code = f"""
 import hashlib
 from oodscen.protocols import Camera, Control
-from oodscen.scene import Scene
+from oodscen.data._scene import Scene
 from oodscen_pybullet import PyBulletSimulator
 with PyBulletSimulator() as one:
     one.reset(Scene.load({str(tmp_path / "scene.json")!r}), 7)

@@ -1,5 +1,6 @@
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -68,6 +69,50 @@ def test_straight_polynomials_are_lines(size: float) -> None:
             assert all(
                 math.isclose(a, b, abs_tol=1e-9) for a, b in zip(found, expected, strict=True)
             )
+
+
+polynomials = st.one_of(
+    st.builds(
+        lambda c, d: Poly3(0.0, 5.0, -3.0, 0.7, 60.0, (0.0, 0.0, c, d)),
+        st.floats(-0.01, 0.01),
+        st.floats(-1e-4, 1e-4),
+    ),
+    st.builds(
+        lambda u, v, d: ParamPoly3(
+            0.0, 5.0, -3.0, 0.7, 60.0, (0.0, 30.0, u, 0.0), (0.0, 0.0, v, d), 1.0
+        ),
+        st.floats(10, 60),
+        st.floats(-30, 30),
+        st.floats(-20, 20),
+    ),
+)
+
+
+@given(polynomials, st.floats(0.02, 0.98))
+def test_headings_and_curvatures_of_polynomials_are_derivatives(
+    curve: Poly3 | ParamPoly3, fraction: float
+) -> None:
+    along, h = fraction * curve.length, 0.01
+    before, here, after = (curve.at(along + shift) for shift in (-h, 0.0, h))
+    way = math.dist(before[:2], after[:2])
+    direction = math.atan2(after.y - before.y, after.x - before.x)
+    assert math.remainder(direction - here.heading, math.tau) == pytest.approx(0.0, abs=1e-4)
+    turned = math.remainder(after.heading - before.heading, math.tau)
+    assert turned / way == pytest.approx(here.curvature, rel=0.02, abs=1e-4)
+
+
+@given(st.floats(10, 60), st.floats(-30, 30), st.floats(-20, 20), st.floats(0.0, 1.0))
+def test_a_parametric_cubic_is_measured_by_its_arc(
+    u: float, v: float, d: float, fraction: float
+) -> None:
+    curve = ParamPoly3(0.0, 0.0, 0.0, 0.0, 8.0, (0.0, 3.0, u, 0.0), (0.0, 0.0, v, d), 1.0)
+    p = np.linspace(0.0, 1.0, 20_001)
+    points = np.stack([3.0 * p + u * p**2, v * p**2 + d * p**3])
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points)))])
+    found = curve.at(fraction * 8.0)
+    x, y = (np.interp(fraction * arc[-1], arc, axis) for axis in points)
+    assert math.dist((found.x, found.y), (x, y)) < 1e-4
+    assert curve.arc == pytest.approx(arc[-1], rel=1e-6)
 
 
 @given(st.floats(-0.004, 0.004), st.floats(-2e-5, 2e-5), st.floats(0.01, 0.99))

@@ -1,0 +1,46 @@
+"""Single edits: what they do to a node, and which are refused."""
+
+import pytest
+from hypothesis import given
+
+from oodscen.errors import DataError
+from oodscen.tree import ScenarioTree, TreeEdit
+from tests.tree.woods import changes, few, grown
+
+FOG = ScenarioTree.planted().apply(
+    TreeEdit(op="add", node="fog", parent="environmental", label="Fog or smoke", attested="paper")
+)
+
+
+@pytest.mark.parametrize(("op", "kept"), [("broaden", "paper"), ("narrow", None)])
+def test_a_broader_label_keeps_what_was_attested_and_a_narrower_one_does_not(op, kept):
+    assert FOG.apply(TreeEdit(op=op, node="fog", label="Mist")).by_id["fog"].attested == kept
+    named = TreeEdit(op=op, node="fog", label="Mist", attested="paper")
+    assert FOG.apply(named).by_id["fog"].attested == "paper"
+
+
+def test_only_an_earlier_edit_can_be_undone():
+    last = len(FOG.edits) - 1
+    assert FOG.apply(TreeEdit(op="keep", node="fog", undoes=last)).edits[-1].undoes == last
+    for later in (last + 1, last + 2, -1):
+        with pytest.raises(DataError, match="does not come before it"):
+            FOG.apply(TreeEdit(op="keep", node="fog", undoes=later))
+
+
+def test_a_node_that_moves_and_returns_stands_where_it_stood():
+    tree = ScenarioTree.planted().apply(
+        *(TreeEdit(op="add", node=name, parent="environmental", label=name) for name in "abc"),
+        TreeEdit(op="move", node="b", parent="interactional"),
+    )
+    assert tree.children["environmental"] == ("a", "c")
+    back = tree.apply(TreeEdit(op="move", node="b", parent="environmental"))
+    assert back.children["environmental"] == ("a", "b", "c")
+
+
+@few
+@given(changes)
+def test_siblings_stand_in_the_order_in_which_they_were_first_added(steps):
+    tree = grown(steps)
+    first = {edit.node: index for index, edit in reversed(list(enumerate(tree.edits)))}
+    for below in tree.children.values():
+        assert list(below) == sorted(below, key=first.__getitem__)
