@@ -38,6 +38,13 @@ MOST_KILLS = 6
 TWICE = 0.2
 """Share of the signals after which a second one follows."""
 PYBULLET_EVERY = 8
+TIMES = (
+    r"The run took [^,]+,",
+    r"<dt>time</dt><dd>.*?</dd>",
+    r'(?<="row">)seconds\.\w+</th>.*',
+    r'(?s)<h3 id="calls">.*?</table>',
+)
+"""Where the report shows times and calls."""
 MARK = "OODSCEN_KILLS"
 """Environment variable by which the processes of a command are known, wherever they went."""
 
@@ -138,13 +145,16 @@ def killed(out: Path, simulator: str, span_s: float, draw: random.Random, tally:
     tally.slowest_s = max(tally.slowest_s, time.monotonic() - began)
     tally.left += [f"{what}: {one}" for one in alive]
     for one in alive:
-        os.kill(int(one.split()[0]), signal.SIGKILL)
+        with suppress(ProcessLookupError):
+            os.kill(int(one.split()[0]), signal.SIGKILL)
     code = command.process.wait()
     tally.sent[number.name] += 1
     # A signal before the command listens, or the second one, ends it as if it were SIGKILL.
     if code == 128 + number and before != "running" and status(out) == "running":
         tally.running.append(what)
-    if "Traceback" in command.log.read_text(errors="replace"):
+    shown = command.log.read_text(errors="replace")
+    # While Python still imports the command, its own words for Ctrl-C are a traceback.
+    if "Traceback" in shown and "import main" not in shown:
         tally.tracebacks.append(f"{what}: {tail(command.log)}")
     return code == 0
 
@@ -167,7 +177,7 @@ def contents(out: Path) -> dict[str, object]:
     info = json.loads((out / "study.json").read_text())
     found["study.json"] = {k: v for k, v in info.items() if k not in ("seconds", "usage")}
     page = (out / "report.html").read_text("utf-8")
-    for pattern in (r'(?<="row">)seconds\.\w+</th>.*', r'(?s)<h3 id="calls">.*?</table>'):
+    for pattern in TIMES:
         page = re.sub(pattern, "", page)
     found["report.html"] = page
     return found

@@ -46,9 +46,10 @@ class PyBulletSimulator(MirrorSimulator):
     """Shows scenes with PyBullet; needs no display.
 
     PyBullet measures the distances between the catalogue's boxes; pictures come from a software
-    rasteriser with light and weather added from depth. Nothing is started before the first scene, and the camera's world
-    is not built before the first picture. The very first picture after installation waits for some
-    seconds while the rasteriser is compiled; numba keeps the result on disk.
+    rasteriser with light and weather added from depth. Nothing is started before the first scene,
+    and the camera's world is not built before the first picture. The very first picture after
+    installation waits for some seconds while the rasteriser is compiled; numba keeps the result on
+    disk.
     """
 
     name = "pybullet"

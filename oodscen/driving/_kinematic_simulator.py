@@ -20,6 +20,8 @@ from oodscen.protocols import Camera, Control, Frame, Observation, State
 
 NEAR_M = 12.0
 """Up to this distance between two bodies' circles the simulator itself measures their gap."""
+LEAST_M = 1e-4
+"""The least gap that is measured: 0 is contact, which the boxes decide."""
 
 
 class MirrorSimulator(ABC):
@@ -211,7 +213,7 @@ class MirrorSimulator(ABC):
         near = np.flatnonzero((seen.apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
         if near:
             for row, distance in zip(near, self.gaps(near), strict=True):
-                gaps[row] = max(0.0, round(float(distance), 4))
+                gaps[row] = max(LEAST_M, round(float(distance), 4))
         for array in (seen.poses, seen.speeds, gaps, seen.accelerations, seen.places):
             array.setflags(write=False)
         self._state = State(

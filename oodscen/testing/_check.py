@@ -62,8 +62,8 @@ def check_simulator(
     state can be had, and shows), one `dt` per step, ids and shapes and dtypes of states and
     frames, frames that show something, finite depth and true ids of bodies, the same bytes for
     the same scene and seed whatever ran before and in a fresh process, gaps that are those between
-    the catalogue's boxes, snapshots where offered,
-    typed refusals, a `close` that may be called twice, and memory and open files that do not grow.
+    the catalogue's boxes, snapshots where offered, typed refusals, a `close` that may be called
+    twice, and memory and open files that do not grow.
 
     Args:
         simulator: Makes a fresh simulator, or a name as in `make_simulator`. Only names, and

@@ -226,7 +226,7 @@ class Growth:
                 return f"{edit.node!r} would be a second root"
             if edit.parent is not None and edit.parent not in self.nodes:
                 return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
-            if len(self._line(edit.parent)) > MAX_DEPTH:
+            if len(self._ancestry(edit.parent)) > MAX_DEPTH:
                 return _TOO_DEEP
         elif edit.node not in self.nodes:
             return f"the node {edit.node[:80]!r} does not exist"
@@ -241,7 +241,7 @@ class Growth:
             return f"{edit.node!r} would be a second root"
         if edit.parent not in self.nodes:
             return f"the parent {edit.parent[:80]!r} does not exist"
-        above = self._line(edit.parent)
+        above = self._ancestry(edit.parent)
         if edit.node in above:
             return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
         level = [edit.node]
@@ -249,7 +249,7 @@ class Growth:
             level = [child for name in level for child in self._children.get(name, ())]
         return _TOO_DEEP if level else ""
 
-    def _line(self, node_id: str | None) -> list[str]:
+    def _ancestry(self, node_id: str | None) -> list[str]:
         """Return the ids from a node up to the root."""
         found = []
         while node_id is not None:

@@ -220,6 +220,19 @@ def test_a_branch_that_is_kept_by_hand_gets_texts_and_the_others_stay(folder):
     assert {one.id.removesuffix("~twin") for one in study.episodes} == {s.id for s in study.scenes}
 
 
+def test_a_scene_that_was_changed_by_hand_and_lost_its_text_is_named(folder):
+    rows = lines(folder, "scenes.jsonl")
+    rows[0]["horizon_s"] = 3.0
+    rewrite(folder, "scenes.jsonl", rows)
+    texts = lines(folder, "scenarios.jsonl")
+    decisions = lines(folder, "pruned.jsonl")
+    next(one for one in decisions if one["id"] == texts[0]["leaf"])["keep"] = False
+    rewrite(folder, "pruned.jsonl", decisions)
+    with pytest.raises(StudyError, match=rows[0]["id"]):
+        run(folder)
+    assert lines(folder, "scenes.jsonl") == rows
+
+
 @pytest.mark.parametrize(
     ("change", "error", "words"),
     [

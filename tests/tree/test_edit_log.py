@@ -37,6 +37,24 @@ def test_a_node_that_moves_and_returns_stands_where_it_stood():
     assert back.children["environmental"] == ("a", "b", "c")
 
 
+def test_siblings_below_a_parent_that_came_later_keep_their_order():
+    tree = ScenarioTree.planted().apply(
+        *(TreeEdit(op="add", node=name, parent="environmental", label=name) for name in "abcp"),
+        *(TreeEdit(op="move", node=name, parent="p") for name in "cab"),
+    )
+    assert tree.children["p"] == ("a", "b", "c")
+    assert [node.id for node in tree.nodes][3:] == ["p", "a", "b", "c"]
+
+
+def test_a_node_that_was_removed_and_added_again_stands_where_it_stood():
+    tree = ScenarioTree.planted().apply(
+        *(TreeEdit(op="add", node=name, parent="environmental", label=name) for name in "abc"),
+        TreeEdit(op="remove", node="a"),
+        TreeEdit(op="add", node="a", parent="environmental", label="a"),
+    )
+    assert tree.children["environmental"] == ("a", "b", "c")
+
+
 @few
 @given(changes)
 def test_siblings_stand_in_the_order_in_which_they_were_first_added(steps):

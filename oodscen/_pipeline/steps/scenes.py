@@ -39,7 +39,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
-    written = _written(run, {*by_id, *before})
+    written = _written(run, by_id, before)
     told = _claims(run, augmenter, scenarios)
 
     def made_from(name: str) -> str:
@@ -88,7 +88,9 @@ def _staged(lines: Mapping[str, Line]) -> dict[str, Staging]:
     }
 
 
-def _written(run: Context, known: Collection[str]) -> dict[str, Scene]:
+def _written(
+    run: Context, texts: Collection[str], staged: Mapping[str, Staging]
+) -> dict[str, Scene]:
     """Return the scenes in `scenes.jsonl` by id, where they may have been changed by hand."""
     found: dict[str, Scene] = {}
     for number, line in enumerate(run.store.lines(SCENES), start=1):
@@ -98,7 +100,7 @@ def _written(run: Context, known: Collection[str]) -> dict[str, Scene]:
         scene = Scene.parse(line, source=source)
         if scene.id in found:
             raise StudyError(f"{source}: there are two scenes {scene.id!r}; remove one")
-        if scene.id not in known:
+        if scene.id not in texts and _is_by_hand(scene, staged.get(scene.id)):
             raise StudyError(
                 f"{source}: there is no text {scene.id!r} in this study; remove the line, and run the scene by "
                 "itself with `oodscen simulate`"
@@ -186,7 +188,7 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     episodes = _simulated(run, staged)
     by_hand = {
         name: Staging(id=name, made_from=lines[name]["made_from"], scene=scene)
-        for name, scene in _written(run, lines).items()
+        for name, scene in _written(run, lines, staged).items()
         if _is_by_hand(scene, staged.get(name))
     }
     if by_hand:

@@ -52,6 +52,7 @@ APART_X, APART_Y, APART_YAW = 8, 9, 10
 POLE = 11
 """From the body that tows it to its own axle, m."""
 HEIGHT = 12
+"""With `LENGTH` and `WIDTH` the box that it is, m."""
 FIRST = 13
 PARAMETERS = (
     "speed",
