@@ -30,6 +30,7 @@ from oodscen.stages._prune.side_by_side import Comparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._config import StudyConfig
 from oodscen.study._record import Info
+from oodscen.study._staging import Staging
 from oodscen.study._store import Store
 from oodscen.tree._edit_log import TreeEdit
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -96,6 +97,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "pruned.jsonl": PruneDecision,
     "scenarios.jsonl": Scenario,
     "claims.jsonl": _Told,
+    "staged.jsonl": Staging,
     "scenes.jsonl": Scene,
     "restaged.jsonl": _Restaged,
     "episodes.jsonl": Episode,
@@ -172,7 +174,8 @@ class Study:
             if kind is not None:
                 self._rows(kind, name)
         for name in TREES:
-            if f"tree.{name}.json" in names:
+            file = f"tree.{name}.json"
+            if file in names and self.store.path(file).stat().st_size:
                 self.tree(name)
 
     @property

@@ -5,7 +5,6 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.staging import Staging
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
@@ -15,6 +14,7 @@ from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
 from oodscen.errors import LLMError, StudyError
 from oodscen.stages._augment import Augmenter
+from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
 """One line per scenario: the scene as it was run."""
@@ -214,7 +214,8 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
         for result in sweep(job, wanted, workers=run.workers, executor=run.executor):
             name = result.episode.id
             if name in staged:
-                staged[name] = staged[name].after(result)
+                tried = tuple(attempt._asdict() for attempt in result.tried)
+                staged[name] = staged[name].after(result.episode.restaged, result.restaged, tried)
                 made_from[name] = staged[name].ran.digest()
                 run.store.append(STAGED, staged[name])
             result.save(run.store)

@@ -2,7 +2,6 @@
 
 from typing import Any, ClassVar
 
-from oodscen._pipeline.sweep import SweepResult
 from oodscen.data._base import Data
 from oodscen.data._scene import Scene
 
@@ -29,15 +28,15 @@ class Staging(Data):
         """The scene that was run, or will be."""
         return self.run or self.scene
 
-    def after(self, result: SweepResult) -> "Staging":
-        """Return the same with what running the scene came to."""
+    def after(self, how: str, run: Scene | None, tried: tuple[dict[str, str], ...]) -> "Staging":
+        """Return the same with the outcome of running the scene, by the fields of those names."""
         return Staging(
             id=self.id,
             made_from=self.made_from,
             scene=self.scene,
-            how=result.episode.restaged,
-            run=result.restaged,
-            tried=tuple(attempt._asdict() for attempt in result.tried),
+            how=how,
+            run=run,
+            tried=tried,
         )
 
     def restaging(self) -> dict[str, Any] | None:
