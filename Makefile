@@ -17,6 +17,7 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy oodscen adapters/oodscen_pybullet adapters/oodscen_carla
+	$(BIN)/lint-imports --no-cache
 
 bench: $(READY)
 	status=0; for file in benchmarks/[a-z]*.py; do $(BIN)/python $$file --json || status=1; done; exit $$status

@@ -28,11 +28,11 @@ from oodscen._cli import (
     tree,
 )
 from oodscen._cli.output import drop_output, say, shortened
-from oodscen._offline import enforce
 from oodscen._redaction import redact
 from oodscen._text import one_line, plain, whole
 from oodscen._version import __version__
 from oodscen.errors import OodscenError, RunStopped, UsageError
+from oodscen.llm._remote.offline import enforce
 
 # Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")

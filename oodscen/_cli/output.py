@@ -227,8 +227,7 @@ def _is_written_through(out: Path) -> bool:
 
 def _refuse_study(target: Path) -> None:
     """Refuse to replace a file of a study; what compares its catalogues may be added to it."""
-    from oodscen._pipeline.steps.compare import CATALOGUES
-    from oodscen.study._study import is_own
+    from oodscen.study._study import CATALOGUES, is_own
 
     if target.name == CATALOGUES and not target.exists():
         return

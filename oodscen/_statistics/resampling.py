@@ -11,7 +11,6 @@ from pydantic import Field
 
 from oodscen._seeding import stream
 from oodscen.data._base import Data
-from oodscen.metrics._vectors.similarity import Vectors
 
 _CELLS = 4_000_000
 _NORMAL = NormalDist()
@@ -91,7 +90,7 @@ def bootstrap_mean(
 
 
 def bootstrap_pairwise(
-    vectors: Vectors,
+    vectors: NDArray[np.float32],
     clusters: Sequence[str] | None = None,
     *,
     seed: int = 0,

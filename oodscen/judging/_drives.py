@@ -17,11 +17,11 @@ from oodscen._statistics.tests import (
     share_bounds,
 )
 from oodscen.data._base import Data
+from oodscen.data._drive_result import DriveResult
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
 from oodscen.judging._leaderboard.board import Figure
-from oodscen.stages._drive import DriveResult
 
 RULE_BASED = "rule-based"
 """Name of the shipped driver, with which others are compared."""

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple, TypeVar
 
 from oodscen._json import object_lines, parse_object
 from oodscen.data._base import Data
+from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError
 from oodscen.judging._drives import current
-from oodscen.stages._drive import DriveResult
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study import TABLES, TREES, Store, Study

@@ -2,10 +2,10 @@
 
 from markupsafe import Markup
 
-from oodscen._pipeline.steps.compare import CATALOGUES
 from oodscen.report._load import Material, printable
 from oodscen.stages._prune.side_by_side import Comparison, Side, Tally
 from oodscen.study import Study
+from oodscen.study._study import CATALOGUES
 
 _KINDS = {
     "vehicle": "vehicles",

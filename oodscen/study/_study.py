@@ -39,12 +39,15 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
-    from oodscen.stages._drive import DriveResult
+    from oodscen.data._drive_result import DriveResult
 
 Row = TypeVar("Row", bound=Data)
 
 TREES = ("initial", "diverse", "simulatable")
 """The trees of a study, in order of growth."""
+
+CATALOGUES = "catalogues.json"
+"""The comparison with other simulators' catalogues."""
 
 TABLES: Mapping[str, str] = {
     "redteam": "redteam.jsonl",
@@ -111,7 +114,7 @@ _KINDS: Mapping[str, type[Data]] = {
 _OTHERS = (
     "study.json",
     "restore.json",
-    "catalogues.json",
+    CATALOGUES,
     "leaderboard.json",
     "metrics.json",
     "drives.jsonl",
@@ -248,7 +251,7 @@ class Study:
     @property
     def drives(self) -> "list[DriveResult]":
         """What `oodscen drive` found."""
-        from oodscen.stages._drive import DriveResult
+        from oodscen.data._drive_result import DriveResult
 
         return self._rows(DriveResult, "drives.jsonl")
 

@@ -2,15 +2,18 @@
 
 from collections.abc import Container, Iterator, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from oodscen.errors import UsageError
 from oodscen.tree._edit_log import Node, TreeEdit
-from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 
-def replay(tree: ScenarioTree) -> Iterator[tuple[TreeEdit, ScenarioTree]]:
+def replay(tree: "ScenarioTree") -> Iterator[tuple[TreeEdit, "ScenarioTree"]]:
     """Yield every edit with the tree after it, from the first on."""
-    after = ScenarioTree()
+    after = type(tree)()
     for edit in tree.edits:
         after = after.apply(edit)
         yield edit, after
@@ -43,7 +46,7 @@ def moment(
     return _after_round(edits, round or 0)
 
 
-def undo(tree: ScenarioTree, index: int | None = None) -> ScenarioTree:
+def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
     """Take back one edit; see `ScenarioTree.undo`."""
     edits = tree.edits
     if index is None:
@@ -57,7 +60,7 @@ def undo(tree: ScenarioTree, index: int | None = None) -> ScenarioTree:
     return tree.apply(*_inverse(tree, _Now(tree), index))
 
 
-def undo_round(tree: ScenarioTree, round: int, *, origin: str = "") -> ScenarioTree:
+def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "ScenarioTree":
     """Take back what a round did, as far as it still stands; see `ScenarioTree.undo`."""
     edits, undone = tree.edits, undone_edits(tree.edits)
     now = _Now(tree)
@@ -89,7 +92,7 @@ def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
     return undone
 
 
-def _standing(tree: ScenarioTree) -> list[int]:
+def _standing(tree: "ScenarioTree") -> list[int]:
     """Return the positions of the edits that can be taken back and were not."""
     undone = undone_edits(tree.edits)
     return [
@@ -106,7 +109,7 @@ def _is_effective(edit: TreeEdit, nodes: Container[str]) -> bool:
 class _Now:
     """A tree while edits are taken back: each costs what it changes, not the size of the tree."""
 
-    def __init__(self, tree: ScenarioTree) -> None:
+    def __init__(self, tree: "ScenarioTree") -> None:
         self.nodes: dict[str, Node] = dict(tree.by_id)
         self._tree = tree
         self._children: dict[str, dict[str, None]] = {}
@@ -188,7 +191,7 @@ def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
     return len(edits) if end is None else end
 
 
-def _inverse(tree: ScenarioTree, now: _Now, index: int) -> list[TreeEdit]:
+def _inverse(tree: "ScenarioTree", now: _Now, index: int) -> list[TreeEdit]:
     edit, before = tree.edits[index], tree.before(index)
     if not now.is_effective(edit):
         state = "is there again" if edit.op == "remove" else "is gone"

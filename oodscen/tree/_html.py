@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from itertools import accumulate
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from oodscen.tree._edit_log import Node, TreeEdit
 from oodscen.tree._provenance import origin_words
-from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 MAX_SHOWN = 3_000
 """Most nodes that a notebook shows; below that, whole levels are left out."""
@@ -37,7 +39,7 @@ _MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
 
 
 def tree_html(
-    tree: ScenarioTree,
+    tree: "ScenarioTree",
     remarks: Mapping[str, Remark] | None = None,
     *,
     open_depth: int = 2,
@@ -72,12 +74,12 @@ def tree_html(
     return "\n".join([*parts, "</ul>"])
 
 
-def notebook_html(tree: ScenarioTree) -> str:
+def notebook_html(tree: "ScenarioTree") -> str:
     """Return the tree as a notebook shows it: an outline with a style of its own, for any theme."""
     return _dressed(tree, MAX_SHOWN)
 
 
-def to_page(tree: ScenarioTree) -> str:
+def to_page(tree: "ScenarioTree") -> str:
     """Return the whole tree as a page of its own, light or dark as the reader has it."""
     title = escape(tree.nodes[0].label) if len(tree) else "An empty tree"
     return (
@@ -89,7 +91,7 @@ def to_page(tree: ScenarioTree) -> str:
     )
 
 
-def _dressed(tree: ScenarioTree, most: int) -> str:
+def _dressed(tree: "ScenarioTree", most: int) -> str:
     """Return an outline of at most so many nodes with its style and a line of totals."""
     levels: dict[int, int] = {}
     for _, depth in tree.walk():
@@ -175,7 +177,7 @@ def _origin(remark: Remark) -> str:
     return f'<span class="origin"> · <bdi>{escape(remark.origin)}</bdi></span>'
 
 
-def _paths_below(tree: ScenarioTree) -> dict[str, int]:
+def _paths_below(tree: "ScenarioTree") -> dict[str, int]:
     """Count for every node the paths that end at or below it."""
     found: dict[str, int] = {}
     for node, depth in reversed(list(tree.walk())):
@@ -184,7 +186,7 @@ def _paths_below(tree: ScenarioTree) -> dict[str, int]:
     return found
 
 
-def _last_reasons(tree: ScenarioTree) -> dict[str, str]:
+def _last_reasons(tree: "ScenarioTree") -> dict[str, str]:
     """Say by node who last decided about it, and why."""
     last: dict[str, TreeEdit] = {edit.node: edit for edit in tree.edits}
     return {name: _reason(edit) for name, edit in last.items()}

@@ -1,14 +1,16 @@
 """Where a node comes from: who put it there and why, and what was decided about it since."""
 
 from collections.abc import Iterable, Mapping
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from oodscen._text import plain
 from oodscen.data._base import Data
 from oodscen.errors import UnknownComponent
 from oodscen.tree._edit_log import TreeEdit
 from oodscen.tree._history import undone_edits
-from oodscen.tree._scenario_tree import ScenarioTree
+
+if TYPE_CHECKING:
+    from oodscen.tree._scenario_tree import ScenarioTree
 
 _VERBS: Mapping[str, str] = {
     "add": "added",
@@ -103,7 +105,7 @@ class Provenance(Data):
         return "\n".join([where, *(f"  {decision}" for decision in (self.origin, *self.later))])
 
 
-def provenance(tree: ScenarioTree, node_id: str) -> Provenance:
+def provenance(tree: "ScenarioTree", node_id: str) -> Provenance:
     """Return the history of one node; it may have been removed.
 
     Raises:
@@ -115,7 +117,7 @@ def provenance(tree: ScenarioTree, node_id: str) -> Provenance:
     return found[node_id]
 
 
-def provenances(tree: ScenarioTree, node_ids: Iterable[str]) -> dict[str, Provenance]:
+def provenances(tree: "ScenarioTree", node_ids: Iterable[str]) -> dict[str, Provenance]:
     """Return the histories of several nodes, reading the log once."""
     wanted = set(node_ids)
     edits = tree.edits
@@ -143,7 +145,7 @@ def provenances(tree: ScenarioTree, node_ids: Iterable[str]) -> dict[str, Proven
     }
 
 
-def origin_words(tree: ScenarioTree) -> dict[str, str]:
+def origin_words(tree: "ScenarioTree") -> dict[str, str]:
     """Say in a few words which nodes red teaming or a merge added, and which were relabelled."""
     born: dict[str, str] = {}
     first: dict[str, str] = {}

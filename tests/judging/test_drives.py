@@ -3,8 +3,8 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen.data._drive_result import DriveResult
 from oodscen.judging._drives import HARDLY_DRIVES, RULE_BASED, current, drive_board, remarks
-from oodscen.stages._drive import DriveResult
 from oodscen.testing._scenes import example_scene
 
 

@@ -12,12 +12,12 @@ import httpcore
 import httpx
 import pytest
 
-from oodscen._offline import OutsideError, enforce, is_offline
 from oodscen.errors import LateError, LLMError
 from oodscen.llm._ask import ask
 from oodscen.llm._remote.call_bounds import HEAD, Bounds, bounded
 from oodscen.llm._remote.limits import Traffic
 from oodscen.llm._remote.litellm import LiteLLM
+from oodscen.llm._remote.offline import OutsideError, enforce, is_offline
 from oodscen.llm._remote.transport import guard, responds
 from oodscen.llm._replay import Recorder, RecordingLLM
 from oodscen.prompts import ImagineScenario

@@ -2,9 +2,9 @@
 
 from lxml import html
 
+from oodscen.data._drive_result import DriveResult
 from oodscen.report._driving import part
 from oodscen.report._load import Material
-from oodscen.stages._drive import DriveResult
 from oodscen.study import Study
 
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
-from oodscen._offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
 from oodscen.data._messages import Image, Message
@@ -25,6 +24,7 @@ from oodscen.errors import (
 from oodscen.llm._remote.call_bounds import Bounds, bounded
 from oodscen.llm._remote.failures import Failure, Filtered, diagnose
 from oodscen.llm._remote.limits import Price, Spent, Traffic, check_seconds
+from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen.llm._remote.usage import believed, count, estimate_tokens
 from oodscen.protocols import Completion, Request, Usage
 

@@ -16,8 +16,8 @@ from typing import Any
 import httpcore
 import httpx
 
-from oodscen._offline import is_loopback, is_offline
 from oodscen.llm._remote.call_bounds import HEAD, BoundReached, Bounds, active, bounded
+from oodscen.llm._remote.offline import is_loopback, is_offline
 
 CONNECT_S = 10.0
 """Longest time to find and reach a server, in seconds; what it takes to answer is another matter."""

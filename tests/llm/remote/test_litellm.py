@@ -12,7 +12,6 @@ import cv2
 import numpy as np
 import pytest
 
-from oodscen._offline import is_loopback
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
     AnswerError,
@@ -29,6 +28,7 @@ from oodscen.llm._remote.failures import diagnose
 from oodscen.llm._remote.failures import retry_after as seconds_to_wait
 from oodscen.llm._remote.limits import Traffic
 from oodscen.llm._remote.litellm import LiteLLM, load_litellm, provider_seed, wire_message
+from oodscen.llm._remote.offline import is_loopback
 from oodscen.prompts import DescribeFrame, ImagineScenario
 from oodscen.protocols import LLM, Request
 from oodscen.testing import AnsweringServer, FunctionLLM
