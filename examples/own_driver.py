@@ -2,8 +2,8 @@
 
 from oodscen import make_simulator
 from oodscen.driving import Cruise, action_driver
-from oodscen.stages._drive import RuleBasedDriver, drive
-from oodscen.testing._scenes import example_scene
+from oodscen.stages import RuleBasedDriver, drive
+from oodscen.testing import example_scene
 
 
 class Watchful:

@@ -7,6 +7,7 @@
 from oodscen.baselines._baseline import Baseline, load_baseline
 from oodscen.baselines._controls import Control, load_controls
 from oodscen.baselines._duplicates import Duplicate, NearDuplicates, near_duplicates
+from oodscen.baselines._embedded import open_embeddings, write_embeddings
 from oodscen.baselines._handwritten import handwritten_driving
 from oodscen.baselines._off_topic import OffTopic, load_off_topic
 from oodscen.baselines._ordinary import ordinary_driving
@@ -25,6 +26,8 @@ __all__ = [
     "load_controls",
     "load_off_topic",
     "near_duplicates",
+    "open_embeddings",
     "ordinary_driving",
     "read_records",
+    "write_embeddings",
 ]

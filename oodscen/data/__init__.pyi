@@ -1,3 +1,4 @@
+from ._additions import extended as extended
 from ._base import Data as Data
 from ._catalogue import Asset as Asset
 from ._catalogue import Catalogue as Catalogue

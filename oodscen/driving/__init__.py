@@ -8,6 +8,7 @@ from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._motion.world import KinematicWorld, WorldSnapshot
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import Corridor, LaneStrip
+from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import check_scene, staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
@@ -29,5 +30,6 @@ __all__ = [
     "is_available",
     "is_due",
     "load_corridor",
+    "read_network",
     "staging_issues",
 ]

@@ -4,7 +4,7 @@
 its table fits; `docs/metrics.md` sets them side by side.
 """
 
-from oodscen._statistics.resampling import Interval
+from oodscen._statistics.resampling import Interval, wilson
 from oodscen.metrics._detection.calibration import Calibration
 from oodscen.metrics._detection.detectors import DETECTORS
 from oodscen.metrics._detection.guard import OffTopicFlags
@@ -54,4 +54,5 @@ __all__ = [
     "paper_table",
     "score_file",
     "table_of_file",
+    "wilson",
 ]

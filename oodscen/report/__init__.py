@@ -1,5 +1,5 @@
 """The report of a study: one self-contained page that can be mailed, archived and read on a phone."""
 
-from oodscen.report._render import write_report
+import lazy_loader
 
-__all__ = ["write_report"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

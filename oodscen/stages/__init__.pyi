@@ -1,4 +1,7 @@
+from ._annotations import CLASSES as CLASSES
 from ._annotations import annotate as annotate
+from ._annotations import save_annotations as save_annotations
+from ._annotations import semantic_map as semantic_map
 from ._augment import Augmenter as Augmenter
 from ._describe import Describer as Describer
 from ._drive import RuleBasedDriver as RuleBasedDriver
@@ -6,7 +9,12 @@ from ._drive import drive as drive
 from ._evaluate import evaluate as evaluate
 from ._grow import TreeGrower as TreeGrower
 from ._prune.pruner import Pruner as Pruner
+from ._prune.pruner import all_decisions as all_decisions
+from ._prune.pruner import pruned as pruned
+from ._prune.restoration import restoration as restoration
+from ._prune.side_by_side import compare as compare
 from ._redteam.red_teamer import RedTeamer as RedTeamer
+from ._redteam.saturation import saturation as saturation
 from ._simulate import Simulated as Simulated
 from ._simulate import simulate as simulate
 from ._video import birds_eye as birds_eye

@@ -1,3 +1,4 @@
+from ._check import QUICK as QUICK
 from ._check import check_simulator as check_simulator
 from ._encoder import HashEncoder as HashEncoder
 from ._flat import FlatSimulator as FlatSimulator
