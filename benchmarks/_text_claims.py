@@ -26,8 +26,8 @@ from oodscen import (
     make_simulator,
     simulate,
 )
-from oodscen._author.knowledge.loading import load_knowledge
 from oodscen._seeding import stream
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.claims import check_claims, judge_claims
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim

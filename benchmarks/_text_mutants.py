@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from oodscen import Scene
-from oodscen._author.knowledge.base import Condition, Knowledge, Place
+from oodscen.author._knowledge.base import Condition, Knowledge, Place
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor
 from oodscen.driving._sight.placement import staging_issues

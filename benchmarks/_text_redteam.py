@@ -20,9 +20,9 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import RedTeamer, TreeGrower, make_encoder, make_llm
-from oodscen._author import BuiltinAuthor
-from oodscen._author.imagining import Habits, Imagination
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM
+from oodscen.author import BuiltinAuthor
+from oodscen.author._imagining import Habits, Imagination
 from oodscen.encoders import CachedEncoder, encode
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask

@@ -13,8 +13,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from oodscen._author.knowledge.base import Hazard
-from oodscen._author.knowledge.loading import load_knowledge
+from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.judging._aspects.matching import names_aspect
 
 Row = dict[str, Any]

@@ -22,12 +22,11 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import Describer, Scenario, make_llm
-from oodscen._author.knowledge.loading import load_knowledge
-from oodscen._author.reading.recognition import Recogniser
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._registry import DEFAULT_LLM, make_encoder
-from oodscen._statistics.resampling import bootstrap_mean
+from oodscen.author._knowledge.loading import load_knowledge
+from oodscen.author._reading.recognition import Recogniser
 from oodscen.baselines import load_baseline
 from oodscen.encoders import CachedEncoder
 from oodscen.errors import AnswerError
@@ -36,6 +35,7 @@ from oodscen.metrics._vectors.similarity import unit
 from oodscen.prompts import STYLES
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.stages._describe import spread_subset
+from oodscen.statistics._resampling import bootstrap_mean
 from oodscen.study import Study, StudyConfig
 
 OTHERS = {

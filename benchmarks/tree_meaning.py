@@ -20,9 +20,9 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import make_encoder
-from oodscen._author.knowledge.base import Hazard
-from oodscen._author.knowledge.loading import load_knowledge
 from oodscen._registry import DEFAULT_ENCODER
+from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.encoders import CachedEncoder
 from oodscen.protocols import Encoder
 from oodscen.tree import match

@@ -81,8 +81,8 @@ def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
         The counts, then one finding per fault with file, line and hazard; notes are findings that
         are no fault.
     """
-    from oodscen._author.knowledge.inspection import inspect_knowledge
     from oodscen._registry import make_catalogue, names
+    from oodscen.author._knowledge.inspection import inspect_knowledge
 
     catalogues = {}
     for name in sorted(names("catalogue"), key=lambda name: (name != "pybullet", name)):
@@ -191,7 +191,7 @@ def _tried(what: str, check: Callable[[], str]) -> Finding:
 
 
 def _author() -> str:
-    from oodscen._author import load_knowledge, validate_knowledge
+    from oodscen.author import load_knowledge, validate_knowledge
 
     issues = validate_knowledge()
     if issues:

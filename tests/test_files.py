@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from oodscen._author import load_knowledge
 from oodscen._cli import main
 from oodscen._files import read_regular, read_utf8
 from oodscen._registry import make_catalogue
+from oodscen.author import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.driving import find_map

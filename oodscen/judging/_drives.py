@@ -7,7 +7,13 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._statistics.tests import (
+from oodscen.data._base import Data
+from oodscen.data._drive_result import DriveResult
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
+from oodscen.data._twins import scene_of
+from oodscen.judging._leaderboard.board import Figure
+from oodscen.statistics._tests import (
     FEWEST_CLUSTERS,
     Bounds,
     PairedTest,
@@ -16,12 +22,6 @@ from oodscen._statistics.tests import (
     percentiles,
     share_bounds,
 )
-from oodscen.data._base import Data
-from oodscen.data._drive_result import DriveResult
-from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene
-from oodscen.data._twins import scene_of
-from oodscen.judging._leaderboard.board import Figure
 
 RULE_BASED = "rule-based"
 """Name of the shipped driver, with which others are compared."""

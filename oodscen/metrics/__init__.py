@@ -4,7 +4,6 @@
 its table fits; `docs/metrics.md` sets them side by side.
 """
 
-from oodscen._statistics.resampling import Interval, wilson
 from oodscen.metrics._detection.calibration import Calibration
 from oodscen.metrics._detection.detectors import DETECTORS
 from oodscen.metrics._detection.guard import OffTopicFlags
@@ -26,6 +25,7 @@ from oodscen.metrics._report import (
 )
 from oodscen.metrics._score import score_file, table_of_file
 from oodscen.metrics._table import Table, paper_table
+from oodscen.statistics._resampling import Interval
 
 __all__ = [
     "DETECTORS",
@@ -54,5 +54,4 @@ __all__ = [
     "paper_table",
     "score_file",
     "table_of_file",
-    "wilson",
 ]

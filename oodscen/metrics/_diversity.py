@@ -20,9 +20,9 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from oodscen._statistics.resampling import Interval, bootstrap_mean, bootstrap_pairwise
 from oodscen.data._base import Data
 from oodscen.metrics._vectors.similarity import Vectors, nearest_other
+from oodscen.statistics._resampling import Interval, bootstrap_mean, bootstrap_pairwise
 
 
 class Diversity(Data):

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from oodscen._conformance import conforming
 from oodscen._numbers import finite_number, whole_number
 from oodscen._seeding import MAX_SEED, stream
-from oodscen._statistics.resampling import bootstrap_mean, members
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._embedded import EmbeddedBaseline
 from oodscen.baselines._ordinary import ordinary_driving
@@ -39,6 +38,7 @@ from oodscen.metrics._selection import Method, most_diverse
 from oodscen.metrics._vectors.distances import frechet, mmd, remote_clique, vendi
 from oodscen.metrics._vectors.space import Space
 from oodscen.protocols import Encoder
+from oodscen.statistics._resampling import bootstrap_mean, members
 
 Texts = Sequence[str | Scenario]
 

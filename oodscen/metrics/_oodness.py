@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from oodscen._statistics.resampling import Interval
 from oodscen.data._base import Data
 from oodscen.errors import UnknownComponent
 from oodscen.metrics._vectors.similarity import Rows, Vectors, nearest, smallest
+from oodscen.statistics._resampling import Interval
 
 Definition = Literal["tabulated", "printed"]
 """Of the paper's OOD-ness."""

@@ -5,13 +5,13 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from oodscen._statistics.resampling import Interval
 from oodscen.data._base import Data
 from oodscen.metrics._detection.calibration import Calibration
 from oodscen.metrics._detection.guard import OffTopicFlags
 from oodscen.metrics._detection.separation import Auroc
 from oodscen.metrics._diversity import Diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness
+from oodscen.statistics._resampling import Interval
 
 
 class Band(Data):

@@ -3,8 +3,8 @@ from typing import Any
 
 import pytest
 
-from oodscen._author import BuiltinAuthor, Knowledge, load_knowledge
-from oodscen._author.reading.recognition import Recogniser
+from oodscen.author import BuiltinAuthor, Knowledge, load_knowledge
+from oodscen.author._reading.recognition import Recogniser
 from oodscen.prompts import CatalogueDigest, Prompt
 from oodscen.protocols import Request
 from oodscen.testing._flat import FlatSimulator

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._author import BuiltinAuthor, Knowledge
+from oodscen.author import BuiltinAuthor, Knowledge
 from oodscen.errors import LLMError
 from oodscen.prompts import (
     CatalogueDigest,
@@ -106,7 +106,7 @@ def test_it_cannot_see(author: BuiltinAuthor) -> None:
 
 QUESTIONS = """
 import sys
-from oodscen._author import BuiltinAuthor
+from oodscen.author import BuiltinAuthor
 from oodscen.prompts import DescribePath, ImagineScenario
 from oodscen.protocols import Request
 author = BuiltinAuthor(3)

@@ -1,7 +1,7 @@
 import pytest
 
-from oodscen._author import BuiltinAuthor, Knowledge
-from oodscen._author.feasibility import WeatherLimits, realise
+from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._feasibility import WeatherLimits, realise
 from oodscen.prompts import CatalogueDigest, JudgeBranch
 
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from oodscen._author import Knowledge
-from oodscen._author.imagining import Habits, Imagination
-from oodscen._author.knowledge.base import Hazard
-from oodscen._author.reading.recognition import Recogniser
 from oodscen._seeding import stream
+from oodscen.author import Knowledge
+from oodscen.author._imagining import Habits, Imagination
+from oodscen.author._knowledge.base import Hazard
+from oodscen.author._reading.recognition import Recogniser
 from oodscen.prompts import ImagineScenario
 
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._author import BuiltinAuthor
+from oodscen.author import BuiltinAuthor
 from oodscen.errors import LLMError
 from oodscen.prompts import (
     ClassifyExamples,

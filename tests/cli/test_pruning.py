@@ -6,9 +6,9 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen import ScenarioTree, TreeGrower
-from oodscen._author import BuiltinAuthor
 from oodscen._cli import main
 from oodscen._registry import make_catalogue
+from oodscen.author import BuiltinAuthor
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 

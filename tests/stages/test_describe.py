@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Describer, Metrics, Scenario, ScenarioTree
-from oodscen._author import BuiltinAuthor
+from oodscen.author import BuiltinAuthor
 from oodscen.errors import UsageError
 from oodscen.prompts import STYLES, DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import plain

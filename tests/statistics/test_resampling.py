@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from oodscen._seeding import stream
-from oodscen._statistics.resampling import bootstrap_mean, bootstrap_pairwise, wilson
 from oodscen.metrics._vectors.similarity import unit
+from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise, wilson
 
 
 @settings(deadline=None, max_examples=30)

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from oodscen._statistics.resampling import wilson
-from oodscen._statistics.tests import (
+from oodscen.statistics._resampling import wilson
+from oodscen.statistics._tests import (
     Resampler,
     above_chance,
     auroc,

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import ClassVar, Literal
 
-from oodscen._statistics.tests import Bounds, PairedTest
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol
+from oodscen.statistics._tests import Bounds, PairedTest
 
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")

@@ -7,18 +7,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._statistics.tests import (
-    FEWEST_CLUSTERS,
-    Resampler,
-    above_chance,
-    auroc,
-    d_prime,
-    holm,
-    intraclass,
-    paired,
-    percentiles,
-    share_bounds,
-)
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._twins import is_twin
@@ -42,6 +30,18 @@ from oodscen.judging._leaderboard.board import (
     score,
 )
 from oodscen.judging._leaderboard.paper_example import paper_example
+from oodscen.statistics._tests import (
+    FEWEST_CLUSTERS,
+    Resampler,
+    above_chance,
+    auroc,
+    d_prime,
+    holm,
+    intraclass,
+    paired,
+    percentiles,
+    share_bounds,
+)
 
 __all__ = [
     "ActionTally", "Comparison", "Confusion", "Control", "Detection", "Figure", "Group",
@@ -63,7 +63,7 @@ def leaderboard(
 ) -> Leaderboard:
     """Work out what verdicts come to.
 
-    Intervals resample whole paths (`oodscen._statistics.tests.share_bounds`); comparisons are
+    Intervals resample whole paths (`oodscen.statistics._tests.share_bounds`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer is
     counted as missing, never as wrong; what it would come to if all of them were wrong stands beside
     (`Rate.worst`). Open aspects that different judges scored are not compared.

@@ -3,10 +3,10 @@
 from typing import ClassVar, Literal
 
 from oodscen import _paper as paper
-from oodscen._statistics.resampling import wilson
-from oodscen._statistics.tests import d_prime, holm, mcnemar, two_proportions
 from oodscen.data._base import Data
 from oodscen.judging._leaderboard.power import SampleSize, scenes_needed
+from oodscen.statistics._resampling import wilson
+from oodscen.statistics._tests import d_prime, holm, mcnemar, two_proportions
 
 N = paper.PATHS * paper.PER_PATH
 """Scenes of the paper, ten on each of 13 paths."""

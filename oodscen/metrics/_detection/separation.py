@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._seeding import stream
-from oodscen._statistics.resampling import members
 from oodscen.data._base import Data
+from oodscen.statistics._resampling import members
 
 _DRAWS = 10_000
 _CELLS = 4_000_000

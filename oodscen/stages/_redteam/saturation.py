@@ -10,9 +10,9 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import ClassVar
 
-from oodscen._statistics.resampling import wilson
 from oodscen.data._base import Data
 from oodscen.stages._redteam.rounds import NEW, Round
+from oodscen.statistics._resampling import wilson
 
 Z = 1.959964
 """Of a 95 % interval."""

@@ -3,9 +3,9 @@
 import pytest
 from oodscen_carla import load_catalogue
 
-from oodscen._author import load_knowledge
-from oodscen._author.feasibility import realise
 from oodscen._paper import ATTESTED
+from oodscen.author import load_knowledge
+from oodscen.author._feasibility import realise
 from oodscen.data._catalogue import Catalogue
 from oodscen.prompts import CatalogueDigest
 
@@ -61,7 +61,7 @@ def test_it_shows_whatever_the_paper_simulated_in_it(diverse_labels):
 
 @pytest.fixture
 def diverse_labels():
-    from oodscen._author import BuiltinAuthor
+    from oodscen.author import BuiltinAuthor
 
     return [hazard.label for hazard in BuiltinAuthor()._trees.simulated]
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from oodscen._author.knowledge.inspection import inspect_knowledge
 from oodscen._doctor import examine_knowledge
+from oodscen.author._knowledge.inspection import inspect_knowledge
 from oodscen.testing import FlatSimulator
 
 FLAT = {"flat": FlatSimulator().catalogue()}

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from oodscen._author import Knowledge, load_knowledge, validate_knowledge
+from oodscen.author import Knowledge, load_knowledge, validate_knowledge
 from oodscen.errors import DataError
 
 GOOD = """

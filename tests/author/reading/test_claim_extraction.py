@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._author import BuiltinAuthor
-from oodscen._author.reading.claim_extraction import read_claims
-from oodscen._author.writing.compose import Composer
 from oodscen._seeding import stream
+from oodscen.author import BuiltinAuthor
+from oodscen.author._reading.claim_extraction import read_claims
+from oodscen.author._writing.compose import Composer
 from oodscen.llm._ask import ask
 from oodscen.prompts import ExtractClaims
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE

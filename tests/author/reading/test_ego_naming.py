@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen._author.reading.ego_naming import named
+from oodscen.author._reading.ego_naming import named
 
 TEXT = (
     "The ego vehicle is driving on a road. A box lies in the ego's lane ahead of the ego vehicle."

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._author import BuiltinAuthor, Knowledge
-from oodscen._author.reading.alternatives import alternatives, conjuncts, subject
-from oodscen._author.reading.recognition import Recogniser
 from oodscen._registry import make_catalogue
+from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._reading.alternatives import alternatives, conjuncts, subject
+from oodscen.author._reading.recognition import Recogniser
 from oodscen.prompts import CatalogueDigest, JudgeBranch
 
 THINGS = {

@@ -2,10 +2,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._author import Knowledge
-from oodscen._author.reading.recognition import Recogniser, stem, stems
-from oodscen._author.writing.compose import Composer
 from oodscen._seeding import stream
+from oodscen.author import Knowledge
+from oodscen.author._reading.recognition import Recogniser, stem, stems
+from oodscen.author._writing.compose import Composer
 
 
 def test_every_phrasing_is_recognised(knowledge: Knowledge, recogniser: Recogniser) -> None:

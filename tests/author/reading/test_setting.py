@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._author.reading.setting import framed, teller
+from oodscen.author._reading.setting import framed, teller
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 import pytest
 
-from oodscen._author import BuiltinAuthor
+from oodscen.author import BuiltinAuthor
 from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 
 

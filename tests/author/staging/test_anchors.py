@@ -1,8 +1,8 @@
 import pytest
 
-from oodscen._author import Knowledge
-from oodscen._author.knowledge.base import Recipe
-from oodscen._author.staging.anchors import (
+from oodscen.author import Knowledge
+from oodscen.author._knowledge.base import Recipe
+from oodscen.author._staging.anchors import (
     ahead_of_start,
     has_landmarks,
     landmarks_needed,

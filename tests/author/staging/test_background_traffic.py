@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from oodscen._author.knowledge.base import Company
-from oodscen._author.staging.background_traffic import company
+from oodscen.author._knowledge.base import Company
+from oodscen.author._staging.background_traffic import company
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import MapLine
 

@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._author.knowledge.base import Knowledge
-from oodscen._author.staging.decision_timing import approach, braking, room, swerving
+from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._staging.decision_timing import approach, braking, room, swerving
 
 
 @given(speed=st.floats(3.0, 30.0), friction=st.floats(0.2, 1.0))

@@ -2,10 +2,10 @@ import re
 
 import pytest
 
-from oodscen._author import BuiltinAuthor, Knowledge
-from oodscen._author.feasibility import realise
-from oodscen._author.writing.compose import Composer
 from oodscen._seeding import stream
+from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._feasibility import realise
+from oodscen.author._writing.compose import Composer
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import check_scene

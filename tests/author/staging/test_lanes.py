@@ -3,10 +3,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from oodscen._author import BuiltinAuthor, Knowledge
-from oodscen._author.knowledge.base import Counterpart, Recipe
-from oodscen._author.staging.lanes import settled, varied
 from oodscen._seeding import stream
+from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._knowledge.base import Counterpart, Recipe
+from oodscen.author._staging.lanes import settled, varied
 from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 from oodscen.prompts._digest import MapLine
 from oodscen.prompts._scenario.describe_path import plain

@@ -2,10 +2,10 @@ import re
 
 import pytest
 
-from oodscen._author import Knowledge
-from oodscen._author.knowledge.base import Hazard
-from oodscen._author.writing.compose import Composer
 from oodscen._seeding import stream
+from oodscen.author import Knowledge
+from oodscen.author._knowledge.base import Hazard
+from oodscen.author._writing.compose import Composer
 from oodscen.prompts._scenario.describe_path import plain
 
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from oodscen._author import Knowledge
-from oodscen._author.reading.recognition import Recogniser, stems
-from oodscen._author.writing.compose import Composer
-from oodscen._author.writing.headline import headline
 from oodscen._seeding import stream
+from oodscen.author import Knowledge
+from oodscen.author._reading.recognition import Recogniser, stems
+from oodscen.author._writing.compose import Composer
+from oodscen.author._writing.headline import headline
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._author import BuiltinAuthor, Knowledge
-from oodscen._author.reading.recognition import Recogniser
-from oodscen._author.writing.compose import Composer
 from oodscen._seeding import stream
+from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._writing.compose import Composer
 from oodscen.prompts import STYLES, DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import plain
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._author.knowledge.loading import load_knowledge
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.data._base import Data
 from oodscen.judging._aspects.matching import MOST_THINGS, names_aspect
 from oodscen.judging._constant_answerers import ASPECT

@@ -2,9 +2,9 @@
 
 import pytest
 
-from oodscen._author import BuiltinAuthor
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.compare import CATALOGUES, compare_catalogues
+from oodscen.author import BuiltinAuthor
 from oodscen.study import StudyConfig
 from oodscen.testing import FunctionLLM
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit

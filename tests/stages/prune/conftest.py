@@ -3,8 +3,8 @@
 import pytest
 
 from oodscen import Pruner, RedTeamer, ScenarioTree, TreeGrower
-from oodscen._author import BuiltinAuthor
 from oodscen._registry import make_catalogue
+from oodscen.author import BuiltinAuthor
 
 NAMES = ("pybullet", "carla-0.9.16")
 

@@ -1,1 +1,0 @@
-"""Intervals and tests, for texts, verdicts and drives alike."""

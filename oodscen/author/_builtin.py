@@ -1,0 +1,238 @@
+"""The embedded default: a deterministic author over a knowledge base, not a language model."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from oodscen._seeding import stream
+from oodscen.author._feasibility import Judge
+from oodscen.author._imagining import Imagination
+from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.loading import load_knowledge, stamp_of
+from oodscen.author._reading.claim_extraction import read_claims
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._staging.drafting import Stager
+from oodscen.author._taxonomy import TreeAuthor
+from oodscen.author._writing.compose import Composer
+from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
+from oodscen.errors import LLMError
+from oodscen.prompts import (
+    Claims,
+    Classification,
+    ClassifiedExample,
+    ClassifyExamples,
+    DescribeOrdinary,
+    DescribePath,
+    Descriptions,
+    Examples,
+    ExtractClaims,
+    GiveExamples,
+    ImaginedScenario,
+    ImagineScenario,
+    JudgeBranch,
+    OrdinaryText,
+    PlaceScenario,
+    ProposeTree,
+    StageScene,
+)
+from oodscen.prompts._scenario.describe_path import plain
+from oodscen.protocols import Completion, Request
+
+_ACTS = frozenset(
+    """driver drives pedestrian cyclist motorcyclist child dog deer animal crowd police runs walks
+    crosses overtakes swerves brakes reverses cuts merges jumps changes chases""".split()
+)
+
+
+class BuiltinAuthor:
+    """Answers every question about text from a knowledge base of hazards.
+
+    It is not a model: it recognises hazards by their words and composes sentences and scenes from
+    phrases, ranges and a seed. It sees what the prompt's fields say and nothing else, and it cannot
+    see pictures.
+    """
+
+    name = "builtin"
+    argument = "knowledge"
+    """What a text after the colon is given to: `builtin:FILE`."""
+
+    def __init__(self, seed: int = 0, knowledge: str | Path | None = None) -> None:
+        """Open the knowledge base.
+
+        Args:
+            seed: Decides every choice.
+            knowledge: A TOML file, or a folder of them, that extends the shipped knowledge base.
+
+        Raises:
+            DataError: When the knowledge base cannot be read.
+        """
+        self.seed = seed
+        self.knowledge = None if knowledge is None else Path(knowledge)
+        if self.knowledge is not None:
+            self.name = f"builtin:{self.knowledge.name}"
+        self._knowledge = load_knowledge(knowledge)
+        self._recogniser = _recogniser(self.knowledge, stamp_of(self.knowledge))
+        self._composer = Composer(self._knowledge)
+        self._twins = OrdinaryAuthor(self._knowledge, self._recogniser)
+        self._imagination = Imagination(seed, self._knowledge, self._recogniser)
+        self._trees = TreeAuthor(self._knowledge, self._recogniser)
+        self._judge = Judge(self._recogniser)
+        self._stager = Stager(self._knowledge, self._recogniser)
+        self._answers: dict[type, Callable[[Any, Request], BaseModel]] = {
+            GiveExamples: self._give_examples,
+            ClassifyExamples: self._classify,
+            ProposeTree: self._propose,
+            ImagineScenario: self._imagine,
+            PlaceScenario: lambda prompt, request: self._trees.place(prompt),
+            JudgeBranch: lambda prompt, request: self._judge.judge(prompt),
+            DescribePath: self._describe,
+            DescribeOrdinary: self._ordinary,
+            ExtractClaims: lambda prompt, request: Claims(claims=list(read_claims(prompt.text))),
+            StageScene: self._stage,
+        }
+
+    def __reduce__(self) -> tuple[type["BuiltinAuthor"], tuple[int, Path | None]]:
+        return (BuiltinAuthor, (self.seed, self.knowledge))
+
+    def complete(self, request: Request) -> Completion:
+        """Answer one request as JSON text.
+
+        Raises:
+            LLMError: When the question is about pictures, or beyond the knowledge base.
+        """
+        answer = self._answers.get(type(request.prompt))
+        if answer is None:
+            raise LLMError(
+                f"the built-in author writes texts and cannot see: it has no answer to "
+                f"{request.prompt.purpose!r}",
+                model=self.name,
+            )
+        return Completion(text=answer(request.prompt, request).model_dump_json())
+
+    def _stream(self, request: Request, *keys: object) -> np.random.Generator:
+        return stream(self.seed, request.prompt.purpose, *keys, request.sample)
+
+    # -------------------------------------------------------------- growing
+
+    def _give_examples(self, prompt: GiveExamples, request: Request) -> Examples:
+        rng = self._stream(request, prompt.count)
+        shown = {h.id for h in map(self._hazard, prompt.shown) if h is not None}
+        decks = [
+            [h for h in self._knowledge.of_class(name) if h.id not in shown]
+            or list(self._knowledge.of_class(name))
+            for name in ("environmental", "interactional")
+        ]
+        decks = [[deck[i] for i in rng.permutation(len(deck))] for deck in decks if deck]
+        decks = [sorted(deck, key=lambda hazard: not hazard.first) for deck in decks]
+        taken = {plain(text) for text in prompt.shown}
+        texts = []
+        for number in range(prompt.count):
+            deck = decks[number % len(decks)]
+            hazard = deck[(number // len(decks)) % len(deck)]
+            texts.append(next(self._composer.texts(hazard, rng, taken)))
+        return Examples(examples=texts)
+
+    def _classify(self, prompt: ClassifyExamples, request: Request) -> Classification:
+        return Classification(
+            examples=[
+                self._class_of(number, text) for number, text in enumerate(prompt.given, start=1)
+            ]
+        )
+
+    def _class_of(self, number: int, text: str) -> ClassifiedExample:
+        hazard = self._hazard(text)
+        if hazard is not None:
+            name = hazard.class_name
+        else:
+            acts = _ACTS.intersection(plain(text).split())
+            name = "interactional" if acts else "environmental"
+        reason = (
+            "An element of the surroundings deviates from its usual state."
+            if name == "environmental"
+            else "A moving actor does something unusual to which the ego vehicle must react."
+        )
+        return ClassifiedExample(number=number, reasoning=reason, scenario_class=name)
+
+    def _propose(self, prompt: ProposeTree, request: Request) -> BaseModel:
+        return self._trees.propose(prompt, self._stream(request, prompt.nodes))
+
+    # -------------------------------------------------------------- red teaming
+
+    def _imagine(self, prompt: ImagineScenario, request: Request) -> ImaginedScenario:
+        rng = self._stream(request)
+        hazard = self._imagination.hazard(prompt, rng)
+        return ImaginedScenario(
+            reasoning=f"Rarely met in ordinary traffic, where {hazard.ordinary[0]}.",
+            text=self._composer.text(hazard, rng),
+        )
+
+    # -------------------------------------------------------------- describing and staging
+
+    def _describe(self, prompt: DescribePath, request: Request) -> Descriptions:
+        label = prompt.path[-1] if prompt.path else ""
+        hazards = self._told_by(label)
+        if not hazards:
+            raise LLMError(f"the built-in author has no knowledge of {label!r}", model=self.name)
+        rng = self._stream(request, *prompt.path, prompt.style)
+        taken = {plain(text) for text in prompt.avoid}
+        sources = [self._composer.texts(hazard, rng, taken, prompt.style) for hazard in hazards]
+        texts: list[str] = []
+        while len(texts) < prompt.count and sources:
+            source = sources[len(texts) % len(sources)]
+            text = next(source, None)
+            if text is None:
+                sources.remove(source)
+            else:
+                texts.append(text)
+        if len(texts) < prompt.count:
+            raise LLMError(
+                f"the built-in author has no more than {len(texts)} further texts for {label!r}",
+                model=self.name,
+            )
+        return Descriptions(texts=texts)
+
+    def _ordinary(self, prompt: DescribeOrdinary, request: Request) -> OrdinaryText:
+        label = prompt.path[-1] if prompt.path else ""
+        rng = self._stream(request, prompt.text)
+        return OrdinaryText(text=self._twins.twin(prompt.text, label, rng))
+
+    def _told_by(self, label: str) -> tuple[Hazard, ...]:
+        """Return the hazards that texts of a leaf are about.
+
+        A widened leaf stands for its kin as well, unless these need more of a simulator than the
+        hazard that the leaf was made for: what is judged by the one must not be staged as the other.
+        """
+        covered = self._recogniser.covered_by(label)
+        if not covered:
+            return ()
+        head = covered[0]
+        return (head, *(kin for kin in covered[1:] if _is_as_easy(kin, head)))
+
+    def _stage(self, prompt: StageScene, request: Request) -> BaseModel:
+        return self._stager.stage(prompt, self.seed, request.attempt - 1)
+
+    def _hazard(self, text: str) -> Hazard | None:
+        return self._recogniser.recognise(text).hazard
+
+
+@cache
+def _recogniser(path: Path | None, stamp: tuple[tuple[str, int, int], ...]) -> Recogniser:
+    """Index a knowledge base once per process; it holds no state of any author."""
+    del stamp
+    return Recogniser(load_knowledge(path))
+
+
+def _is_as_easy(kin: Hazard, head: Hazard) -> bool:
+    """Tell whether whatever can show `head` can show `kin`."""
+    if head.stage is None:
+        return True
+    if kin.stage is None:
+        return False
+    return all(
+        set(getattr(kin.needs, field)) <= set(getattr(head.needs, field))
+        for field in ("assets", "behaviours", "weather", "traits")
+    ) and set(kin.stage.behaviours) <= set(head.stage.behaviours)

@@ -1,0 +1,401 @@
+"""Judging what a simulator can show: a hazard's needs and recipe against a catalogue's digest."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from oodscen.author._knowledge.base import Counterpart, Hazard, Knowledge, RecipeActor
+from oodscen.author._reading.label_reading import Alternative, Part, Reading
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
+from oodscen.data._additions import Addition, map_with
+from oodscen.prompts import BranchJudgement, CatalogueDigest, JudgeBranch
+from oodscen.prompts._digest import WeatherLimits
+from oodscen.prompts._tree.judge_branch import WEATHER_SCALES, Substitute
+from oodscen.tree._scenario_tree import MAX_LABEL
+
+__all__ = ["Judge", "Realisation", "WeatherLimits", "realise"]
+
+NO_RECIPE = Addition(kind="other", name="a staging recipe for this kind of scenario")
+"""What no catalogue can bring: the author does not know how to stage it."""
+_MOST = 40
+"""Names of one kind that an answer may hold."""
+
+
+@dataclass
+class Realisation:
+    """With what a catalogue shows a hazard, and what it lacks."""
+
+    hazard: Hazard | None
+    """`None` where the author knows none."""
+    assets: list[str] = field(default_factory=list)
+    states: list[str] = field(default_factory=list)
+    behaviours: list[str] = field(default_factory=list)
+    weather: list[str] = field(default_factory=list)
+    traits: list[str] = field(default_factory=list)
+    substitutes: list[Substitute] = field(default_factory=list)
+    missing: list[Addition] = field(default_factory=list)
+    why: str = ""
+    """Why there is no hazard."""
+
+    def lack(self, addition: Addition) -> None:
+        """Note something that is missing, once."""
+        if not any(known.brings(addition) for known in self.missing):
+            self.missing.append(addition)
+
+
+@dataclass
+class Option:
+    """One alternative of a label: all of it is needed."""
+
+    words: str
+    found: list[Realisation]
+
+    @property
+    def missing(self) -> list[Addition]:
+        """What it lacks."""
+        return _together(self.found)
+
+    @property
+    def hazards(self) -> list[Hazard]:
+        """What it shows."""
+        return [one.hazard for one in self.found if one.hazard is not None]
+
+
+class Judge:
+    """Answers `JudgeBranch`."""
+
+    def __init__(self, recogniser: Recogniser) -> None:
+        """Judge what a recogniser recognises."""
+        self.recogniser = recogniser
+        self.knowledge = recogniser.knowledge
+
+    def judge(self, prompt: JudgeBranch) -> BranchJudgement:
+        """Say with what a branch can be shown, or what is missing.
+
+        A label may stand for several things, of which any is enough. Where only some can be shown, it
+        is narrowed to those.
+        """
+        label = prompt.path[-1] if prompt.path else ""
+        reading = self._reading(label)
+        options = [self._option(one, prompt.catalogue) for one in reading.alternatives]
+        shown = [number for number, one in enumerate(options) if not one.missing]
+        hidden = [one for one in options if one.missing]
+        if not shown:
+            return self._dropped(label, reading, options, prompt.catalogue)
+        if reading.is_any:
+            exact = [n for n in shown if not any(one.substitutes for one in options[n].found)]
+            shown = exact or shown
+            hidden = [] if 0 in shown else hidden
+        narrower = ""
+        if hidden:
+            narrower, shown = self._narrowed(reading, options, shown)
+        return self._kept([options[number] for number in shown], hidden, narrower, prompt.catalogue)
+
+    def _reading(self, label: str) -> Reading:
+        """Return the alternatives of a label; a widened one stands for the hazard and its kin."""
+        written = self.recogniser.written(label)
+        if not written:
+            return self.recogniser.reading(label)
+        return Reading(tuple(Alternative(h.label, (Part(h),)) for h in written))
+
+    def _option(self, alternative: Alternative, catalogue: CatalogueDigest) -> Option:
+        found = []
+        for part in alternative.parts:
+            one = Realisation(part.hazard)
+            if part.hazard is not None:
+                one = realise(part.hazard, catalogue, self.knowledge)
+            for name in part.things:
+                _use((name,), (), one, catalogue, self.knowledge)
+            for name in part.weather:
+                if catalogue.limits.offers(name):
+                    one.weather = list(dict.fromkeys((*one.weather, name)))
+                else:
+                    one.lack(Addition(kind="weather", name=name))
+            offered = {asset.category for asset in catalogue.assets}
+            if not part.things and part.category is not None and part.category not in offered:
+                one.lack(Addition(kind="asset", name=part.category, category=part.category))
+            if part.hazard is None:
+                one.lack(NO_RECIPE)
+                one.why = part.why
+            one.substitutes += [
+                Substitute(asset=one.assets[0], stands_for=words)
+                for words in part.approximate
+                if one.assets
+            ]
+            one.assets = list(dict.fromkeys(one.assets))
+            found.append(one)
+        return Option(alternative.words, found)
+
+    def _dropped(
+        self, label: str, reading: Reading, options: Sequence[Option], catalogue: CatalogueDigest
+    ) -> BranchJudgement:
+        """Say what is missing; what is asked for is what the alternative lacks that lacks least."""
+        if not options:
+            return BranchJudgement(
+                reasoning=f"The author has no knowledge of {label!r}.",
+                simulatable=False,
+                missing=[NO_RECIPE],
+            )
+        least = next((one for one in options if NO_RECIPE not in one.missing), options[0])
+        reason = _lacks(least.found, catalogue)
+        if len(options) > 1 and not reading.is_any:
+            told = (
+                f"not {_quoted(one)}: {_lacks(one.found, catalogue, is_short=True)}"
+                for one in options
+            )
+            reason = f"{'; '.join(told)}."
+            reason = f"{reason[0].upper()}{reason[1:]}"
+        return BranchJudgement(reasoning=reason, simulatable=False, missing=least.missing)
+
+    def _narrowed(
+        self, reading: Reading, options: Sequence[Option], shown: Sequence[int]
+    ) -> tuple[str, list[int]]:
+        """Return a label that names what can be shown, and which alternatives have room in it."""
+        if reading.split is not None:
+            text = reading.split.naming(tuple(shown))
+            wanted = {hazard.id for number in shown for hazard in options[number].hazards}
+            if {hazard.id for hazard in self.recogniser.covered_by(text)} == wanted:
+                return text, list(shown)
+        labels = [hazard.label for number in shown for hazard in options[number].hazards[:1]]
+        text, count = _joined(labels)
+        return text, list(shown[:count])
+
+    def _kept(
+        self,
+        shown: Sequence[Option],
+        hidden: Sequence[Option],
+        narrower: str,
+        catalogue: CatalogueDigest,
+    ) -> BranchJudgement:
+        found = [one for option in shown for one in option.found]
+        standing = {s.stands_for: s for one in found for s in one.substitutes}
+        if len(shown) == 1:
+            reason = f"The simulator has what shows {_listed(found)}."
+        else:
+            reason = f"The simulator shows {'; '.join(dict.fromkeys(map(_with_what, shown)))}."
+        for option in hidden:
+            lacks = _lacks(option.found, catalogue, is_short=True)
+            reason += f" Not {_quoted(option)}: {lacks}."
+        if standing:
+            parts = (f"{s.asset} stands for {_words(s.stands_for)}" for s in standing.values())
+            reason += f" Not with the thing itself: {', '.join(parts)}."
+        return BranchJudgement(
+            reasoning=reason,
+            simulatable=True,
+            assets=_united(one.assets for one in found),
+            states=_united(one.states for one in found),
+            behaviours=_united(one.behaviours for one in found),
+            weather=_united(one.weather for one in found),
+            traits=_united(one.traits for one in found),
+            substitutes=list(standing.values()),
+            label=narrower,
+            missing=_together([one for option in hidden for one in option.found])
+            if hidden
+            else _originals(standing.values(), self.knowledge),
+        )
+
+
+def realise(hazard: Hazard, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
+    """Look for everything that a hazard needs in a catalogue.
+
+    Args:
+        hazard: With its needs, and perhaps a recipe.
+        catalogue: What the simulator offers.
+        knowledge: Says which things may stand in for which.
+    """
+    found = Realisation(hazard)
+    recipe = hazard.stage
+    for actor in recipe.actors if recipe else ():
+        _cast(actor, found, catalogue, knowledge)
+    options = {name for one in (recipe.actors if recipe else ()) for name in one.asset}
+    for name in hazard.needs.assets:
+        if name not in options:
+            _use((name,), (), found, catalogue, knowledge)
+    behaviours = {behaviour.id for behaviour in catalogue.behaviours}
+    used = recipe.behaviours if recipe else ()
+    for name in dict.fromkeys((*hazard.needs.behaviours, *used)):
+        if name in behaviours:
+            found.behaviours.append(name)
+        else:
+            found.lack(Addition(kind="behaviour", name=name))
+    limits = catalogue.limits
+    for name in hazard.needs.weather:
+        if not limits.offers(name):
+            found.lack(Addition(kind="weather", name=name))
+        elif name in WEATHER_SCALES:
+            found.weather.append(name)
+    _find_map(hazard, found, catalogue)
+    if recipe is None:
+        found.lack(NO_RECIPE)
+    else:
+        found.behaviours = [name for name in found.behaviours if name in used]
+    found.assets = list(dict.fromkeys(found.assets))
+    return found
+
+
+def _cast(
+    actor: RecipeActor,
+    found: Realisation,
+    catalogue: CatalogueDigest,
+    knowledge: Knowledge,
+) -> None:
+    states = [actor.state] if actor.state else []
+    if isinstance(actor.ordinary, Counterpart) and not actor.ordinary.asset and states:
+        states += [actor.ordinary.state] if actor.ordinary.state else []
+    _use(actor.asset, states, found, catalogue, knowledge)
+    if isinstance(actor.ordinary, Counterpart) and actor.ordinary.asset:
+        twin = Realisation(found.hazard)
+        _use(actor.ordinary.asset, (), twin, catalogue, knowledge)
+        for addition in twin.missing:
+            found.lack(addition)
+
+
+def _use(
+    options: Sequence[str],
+    states: Sequence[str],
+    found: Realisation,
+    catalogue: CatalogueDigest,
+    knowledge: Knowledge,
+) -> None:
+    """Take the first asset that is one of the options, or may stand in for one."""
+    there = [asset for name in options for asset in catalogue.called(name)]
+    able = [asset for asset in there if set(states) <= set(asset.states)]
+    if able:
+        found.assets.append(able[0].id)
+        if states and states[0] != able[0].states[0]:
+            found.states.append(f"{able[0].id}: {states[0]}")
+        return
+    if there:
+        lacking = [f"{options[0]}: {one}" for one in states if one not in there[0].states]
+        if there[0].category == "signal":
+            for name in lacking:
+                found.lack(Addition(kind="state", name=name))
+            return
+        found.assets.append(there[0].id)
+        found.substitutes += [Substitute(asset=there[0].id, stands_for=name) for name in lacking]
+        return
+    for wanted in options:
+        for name in knowledge.substitutes.get(wanted, ()):
+            near = [a for a in catalogue.called(name) if set(states) <= set(a.states)]
+            if near:
+                found.assets.append(near[0].id)
+                found.substitutes.append(Substitute(asset=near[0].id, stands_for=wanted))
+                return
+    found.lack(Addition(kind="asset", name=options[0], category=knowledge.category(options[0])))
+
+
+def _find_map(hazard: Hazard, found: Realisation, catalogue: CatalogueDigest) -> None:
+    traits, recipe = hazard.needs.traits, hazard.stage
+    marks = landmarks_needed(recipe) if recipe else ()
+    fitting = [road for road in catalogue.maps if set(traits) <= set(road.features)]
+    if any(has_landmarks(road, recipe) for road in fitting):
+        found.traits = list(dict.fromkeys((*traits, *marks)))
+    elif fitting or not traits:
+        found.lack(map_with((*traits, *marks)))
+    else:
+        there = {trait for road in catalogue.maps for trait in road.features}
+        lacking = [trait for trait in traits if trait not in there]
+        found.lack(map_with((*traits, *marks) if lacking or len(traits) > 1 else traits))
+
+
+def _originals(standing: Iterable[Substitute], knowledge: Knowledge) -> list[Addition]:
+    """Return what would be shown instead of the substitutes."""
+    return [
+        Addition(kind="state", name=s.stands_for)
+        if ": " in s.stands_for
+        else Addition(kind="asset", name=s.stands_for, category=knowledge.category(s.stands_for))
+        for s in {s.stands_for: s for s in standing}.values()
+    ]
+
+
+def _together(hidden: Iterable[Realisation]) -> list[Addition]:
+    found: list[Addition] = []
+    for one in hidden:
+        found += [addition for addition in one.missing if addition not in found]
+    return found
+
+
+def _lacks(
+    hidden: Sequence[Realisation], catalogue: CatalogueDigest, *, is_short: bool = False
+) -> str:
+    """Say what is missing, and where the catalogue has nothing of that kind at all."""
+    additions = _together(hidden)
+    lacking = [_lacking(kind, additions) for kind in _KINDS]
+    lacking = [part for part in lacking if part]
+    offered = {asset.category for asset in catalogue.assets}
+    empty = [
+        _PLURAL.get(category, f"{category}s")
+        for category in dict.fromkeys(a.category for a in additions if a.kind == "asset")
+        if category is not None and category not in offered
+    ]
+    text = f"the simulator lacks {' and '.join(lacking)}" if lacking else ""
+    if empty:
+        text += f"; it has no {' and no '.join(empty)} at all"
+    whys = list(dict.fromkeys(one.why for one in hidden if one.why))
+    if whys:
+        text += f"{', and ' if lacking else ''}{', and '.join(whys)}"
+    elif NO_RECIPE in additions:
+        joint = ", and" if lacking else "everything it needs is there, but"
+        text += f"{joint} the author does not know how to stage it recognisably"
+    return text if is_short else f"{text[0].upper()}{text[1:]}."
+
+
+_KINDS = {
+    "asset": ("asset", "assets"),
+    "state": ("state", "states"),
+    "behaviour": ("behaviour", "behaviours"),
+    "weather": ("weather", "weather"),
+    "map": ("map", "maps"),
+}
+"""Kinds of additions, in the order in which a reason names them."""
+
+
+def _lacking(kind: str, additions: Sequence[Addition]) -> str:
+    """Name what of one kind is missing: `trench, deep water (assets)`."""
+    named = [one.words.split(": ", 1)[-1] for one in additions if one.kind == kind]
+    if not named:
+        return ""
+    return f"{', '.join(named)} ({_KINDS[kind][len(named) > 1]})"
+
+
+_PLURAL = {"vegetation": "plants or fallen trees", "work_zone": "things of road works"}
+
+
+def _listed(found: Sequence[Realisation]) -> str:
+    labels = dict.fromkeys(_small(one.hazard.label) for one in found if one.hazard is not None)
+    return " and ".join(labels)
+
+
+def _with_what(option: Option) -> str:
+    """Say what shows an alternative: `fallen tree across the road by fallen_tree`."""
+    means = _united((*one.assets, *one.weather) for one in option.found)
+    by = f" by {', '.join(means)}" if means else ""
+    return f"{_listed(option.found)}{by}"
+
+
+def _quoted(option: Option) -> str:
+    """Name an alternative that cannot be shown."""
+    return _small(option.words)
+
+
+def _united(lists: Iterable[Iterable[str]]) -> list[str]:
+    return list(dict.fromkeys(name for names in lists for name in names))[:_MOST]
+
+
+def _small(label: str) -> str:
+    return f"{label[0].lower()}{label[1:]}"
+
+
+def _joined(labels: Sequence[str]) -> tuple[str, int]:
+    """Join labels so that the recogniser can take them apart: as many as fit, and their number."""
+    text = labels[0]
+    for number, label in enumerate(labels[1:], start=1):
+        longer = f"{text}, or {_small(label)}"
+        if len(longer) > MAX_LABEL:
+            return text, number
+        text = longer
+    return text, len(labels)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")

@@ -1,0 +1,268 @@
+"""Inspecting a knowledge base as a whole: what reads well hazard by hazard and goes wrong together.
+
+`validation` finds what is wrong with one entry. Here hazards are compared with each other, with the
+recogniser that has to tell them apart, and with the catalogues that have to show them.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import combinations
+from pathlib import Path
+
+from oodscen.author._feasibility import NO_RECIPE, realise
+from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.loading import gather, own_files
+from oodscen.author._knowledge.validation import validate_knowledge
+from oodscen.author._reading.recognition import Recogniser, stems
+from oodscen.author._staging.drafting import Stager
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scenario import Scenario
+from oodscen.errors import AnswerError, Issue, LLMError
+from oodscen.prompts import CatalogueDigest, StageScene
+from oodscen.protocols import Completion, Request
+from oodscen.stages._augment import Augmenter
+
+_NEAR = 0.7
+"""Share of common words from which two phrasings of one hazard say the same."""
+_TYPO = 0.82
+"""Likeness from which a name that nobody has is taken for a slip of the pen."""
+_DISTANCE = "about 40 metres ahead"
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What an inspection found."""
+
+    faults: tuple[Issue, ...]
+    """What should be mended, each with file, line and hazard."""
+    notes: tuple[Issue, ...]
+    """What may be meant, and is good to know."""
+    hazards: int
+    """Inspected, and readable as a whole: of the file, or all that ship."""
+    families: int
+    recipes: int
+    shown: Mapping[str, int]
+    """Hazards that can be shown and staged, by name of the catalogue."""
+
+
+def inspect_knowledge(
+    path: str | Path | None = None, catalogues: Mapping[str, Catalogue] | None = None
+) -> Inspection:
+    """Find everything that is wrong with a knowledge base.
+
+    Args:
+        path: A user's own file or folder, on top of what ships; only its hazards are inspected.
+            `None` inspects what ships.
+        catalogues: What simulators can show, by name. Recipes are tried on the first that has all
+            that a hazard needs and the files of its maps.
+    """
+    faults = validate_knowledge(path)
+    if _is_unreadable(faults):
+        return Inspection(tuple(faults), (), 0, 0, 0, {})
+    shelf, knowledge = gather(path, salvaged=True)
+    if knowledge is None:
+        return Inspection(tuple(faults), (), 0, 0, 0, {})
+    names = None if path is None else own_files(Path(path))
+    chosen = {
+        hazard.id: where
+        for where, hazard in shelf.hazards
+        if names is None or where.split(":", 1)[0] in names
+    }
+    hazards = [hazard for hazard in knowledge.hazards if hazard.id in chosen]
+    if path is not None:
+        faults = [issue for issue in faults if issue.path.split(":", 1)[0] in (names or ())]
+
+    def at(hazard: Hazard, issues: Iterable[Issue]) -> list[Issue]:
+        where = chosen[hazard.id]
+        found = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
+        return [issue for issue in found if not shelf.is_broken(issue)]
+
+    recogniser = Recogniser(knowledge)
+    shared = _shared_words(knowledge)
+    notes: list[Issue] = []
+    for hazard in hazards:
+        faults += at(hazard, _wording(hazard, recogniser))
+        notes += at(hazard, _blurred(hazard, shared))
+    offered = {name: CatalogueDigest.of(one) for name, one in (catalogues or {}).items()}
+    unmet: dict[str, list[str]] = {}
+    for hazard in hazards:
+        faults += at(hazard, _misspelt(hazard, offered, knowledge, unmet))
+    notes += [
+        Issue(need, f"no catalogue has it; wanted by {', '.join(sorted(wanting))}")
+        for need, wanting in sorted(unmet.items())
+    ]
+    notes += [
+        Issue(name, "has no category: add it to [[things]]")
+        for name in _uncategorised(hazards, knowledge)
+    ]
+    author = _Hand(Stager(knowledge, recogniser))
+    shown = dict.fromkeys(offered, 0)
+    fitted: set[str] = set()
+    tried: set[str] = set()
+    for name, digest in offered.items():
+        stage = Augmenter(author, (catalogues or {})[name], claims=False)
+        has_files = any(road.file for road in stage.catalogue.maps)
+        for hazard in hazards:
+            if hazard.stage is None:
+                continue
+            if has_files and hazard.id not in fitted:
+                fitted.add(hazard.id)
+                faults += at(hazard, _unfit(hazard, stage.catalogue))
+            if realise(hazard, digest, knowledge).missing:
+                continue
+            shown[name] += 1
+            if has_files and hazard.id not in tried:
+                tried.add(hazard.id)
+                faults += at(hazard, _unstaged(hazard, stage, name))
+    whole = [hazard for hazard in hazards if chosen[hazard.id] not in shelf.salvaged]
+    return Inspection(
+        faults=tuple(faults),
+        notes=tuple(notes),
+        hazards=len(whole),
+        families=len({hazard.family for hazard in whole}),
+        recipes=sum(hazard.stage is not None for hazard in whole),
+        shown=shown,
+    )
+
+
+class _Hand:
+    """Stages and does nothing else, for a knowledge base that no author would take."""
+
+    name = "builtin"
+
+    def __init__(self, stager: Stager) -> None:
+        self._stager = stager
+
+    def complete(self, request: Request) -> Completion:
+        prompt = request.prompt
+        if not isinstance(prompt, StageScene):
+            raise LLMError(f"nothing but scenes, no {prompt.purpose!r}", model=self.name)
+        draft = self._stager.stage(prompt, 0, request.attempt - 1)
+        return Completion(text=draft.model_dump_json())
+
+
+def _is_unreadable(faults: Iterable[Issue]) -> bool:
+    """Tell whether a file could not be read at all; then there is nothing to gather."""
+    return any(not issue.path for issue in faults)
+
+
+def _wording(hazard: Hazard, recogniser: Recogniser) -> Iterator[Issue]:
+    """Find phrasings that say the same, or that are taken for another hazard."""
+    bare = [frozenset(stems(event.replace("{where}", ""))) for event in hazard.events]
+    for (i, one), (j, other) in combinations(enumerate(bare), 2):
+        share = len(one & other) / max(1, len(one | other))
+        if share >= _NEAR:
+            message = f"shares {share:.0%} of its words with events[{i}]: say it otherwise"
+            yield Issue(f"events[{j}]", message)
+    for i, event in enumerate(hazard.events):
+        taken = recogniser.recognise(event.replace("{where}", _DISTANCE)).hazard
+        if taken is None:
+            yield Issue(f"events[{i}]", "is not recognised: use the hazard's own words")
+        elif taken.id != hazard.id:
+            yield Issue(f"events[{i}]", f"reads like {taken.id!r} ({taken.label})")
+    seen: set[str] = set()
+    for i, word in enumerate(hazard.words):
+        if word.casefold() in seen:
+            yield Issue(f"words[{i}]", f"{word!r} occurs twice")
+        seen.add(word.casefold())
+    if any(len(clause.split()) < 3 for clause in hazard.ordinary):
+        yield Issue("ordinary", "say in a clause what the ordinary counterpart is")
+
+
+def _shared_words(knowledge: Knowledge) -> dict[str, set[str]]:
+    """Return the hazards that have a distinctive word, by its stem."""
+    owners: dict[str, set[str]] = {}
+    for hazard in knowledge.hazards:
+        for word in hazard.words:
+            owners.setdefault(" ".join(stems(word)), set()).add(hazard.id)
+    return owners
+
+
+def _blurred(hazard: Hazard, owners: Mapping[str, set[str]]) -> Iterator[Issue]:
+    """Note a hazard none of whose distinctive words is its own."""
+    sharing = [owners[" ".join(stems(word))] - {hazard.id} for word in hazard.words]
+    if sharing and all(sharing):
+        others = ", ".join(sorted(set().union(*sharing))[:4])
+        yield Issue("words", f"none is its own; shared with {others}")
+
+
+def _misspelt(
+    hazard: Hazard,
+    offered: Mapping[str, CatalogueDigest],
+    knowledge: Knowledge,
+    unmet: dict[str, list[str]],
+) -> Iterator[Issue]:
+    """Find needs that no catalogue meets: a fault where one is nearly so called."""
+    lacks = [set(realise(hazard, digest, knowledge).missing) for digest in offered.values()]
+    if not lacks:
+        return
+    known = {
+        "asset": {name for d in offered.values() for a in d.assets for name in (a.id, *a.names)},
+        "behaviour": {b.id for d in offered.values() for b in d.behaviours},
+        "map": {trait for d in offered.values() for road in d.maps for trait in road.features},
+    }
+    used = hazard.stage.behaviours if hazard.stage else ()
+    for addition in sorted(set.intersection(*lacks) - {NO_RECIPE}, key=lambda one: one.words):
+        matches = get_close_matches(addition.name, sorted(known.get(addition.kind, ())), 2, _TYPO)
+        own = knowledge.category(addition.name) is not None
+        if matches and not own and addition.kind in ("asset", "behaviour"):
+            yield Issue("needs", f"{addition.words}: did you mean {' or '.join(matches)}?")
+        elif addition.kind == "behaviour" and addition.name in used:
+            yield Issue("stage.actors", f"{addition.words}: no catalogue has it to stage this with")
+        else:
+            unmet.setdefault(addition.words, []).append(hazard.id)
+
+
+def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]:
+    """Return the things that hazards need and nobody put into a category."""
+    named = {name for hazard in hazards for name in hazard.needs.assets}
+    for hazard in hazards:
+        named.update(
+            name for options in (hazard.stage.assets if hazard.stage else ()) for name in options
+        )
+    return sorted(name for name in named if knowledge.category(name) is None)
+
+
+def _unfit(hazard: Hazard, catalogue: Catalogue) -> Iterator[Issue]:
+    """Find states, parameters and behaviours of a recipe that its assets do not have.
+
+    The author leaves such things aside when it stages, so that nothing else would tell of them.
+    """
+    digest = CatalogueDigest.of(catalogue)
+    kinds = {kind.id: kind for kind in catalogue.behaviours}
+    for index, actor in enumerate(hazard.stage.actors if hazard.stage else ()):
+        where = f"stage.actors[{index}]"
+        assets = [asset for name in actor.asset for asset in digest.called(name)]
+        if assets and actor.state and not any(actor.state in asset.states for asset in assets):
+            known = ", ".join(assets[0].states) or "none"
+            yield Issue(f"{where}.state", f"{assets[0].id} has no {actor.state!r}; known: {known}")
+        kind = kinds.get(actor.behaviour)
+        if kind is None:
+            continue
+        if assets and not any(asset.category in kind.categories for asset in assets):
+            able = ", ".join(kind.categories)
+            message = f"{kind.id} is for {able}; {assets[0].id} is {assets[0].category}"
+            yield Issue(f"{where}.behaviour", message)
+        for name, drawn in actor.parameters.items():
+            allowed = kind.parameters.get(name)
+            if allowed is None:
+                known = ", ".join(kind.parameters) or "none"
+                message = f"{kind.id} has no parameter {name!r}; known: {known}"
+                yield Issue(f"{where}.parameters", message)
+            elif drawn != "ego" and not allowed.minimum <= drawn[0] <= drawn[1] <= allowed.maximum:
+                message = f"outside {allowed.minimum:g} to {allowed.maximum:g}"
+                yield Issue(f"{where}.parameters.{name}", message)
+
+
+def _unstaged(hazard: Hazard, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
+    """Stage the hazard from its first phrasing and report why that fails."""
+    text = hazard.events[0].replace("{where}", "").replace("  ", " ").strip() + "."
+    scenario = Scenario(id="check", text=text, path=("x", "y", hazard.family, hazard.label))
+    try:
+        stage.run(scenario)
+    except AnswerError as error:
+        for issue in error.issues:
+            yield Issue(f"stage: on {catalogue}: {issue.path}", issue.message)
+    except LLMError as error:
+        yield Issue(f"stage: on {catalogue}", str(error))

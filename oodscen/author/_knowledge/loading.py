@@ -1,0 +1,269 @@
+"""Reading the knowledge base: the shipped TOML files and a user's own, with all that is wrong in them."""
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from functools import cache, lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from oodscen._files import read_utf8
+from oodscen.author._knowledge.base import (
+    Clash,
+    Company,
+    Condition,
+    Driving,
+    Hazard,
+    Knowledge,
+    Paper,
+    Place,
+    Substitute,
+    Things,
+    Traffic,
+    Wording,
+)
+from oodscen.data._base import Data
+from oodscen.errors import DataError, Issue
+
+_MAX_BYTES = 16 * 1024 * 1024
+
+_TABLES: dict[str, type[Data]] = {
+    "hazard": Hazard,
+    "place": Place,
+    "condition": Condition,
+    "traffic": Traffic,
+    "clash": Clash,
+    "driving": Driving,
+    "company": Company,
+    "things": Things,
+    "substitute": Substitute,
+}
+_SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
+
+
+class Shelf:
+    """What the files read so far contain, and what is wrong with them."""
+
+    def __init__(self) -> None:
+        """Start with nothing."""
+        self.entries: dict[str, list[Any]] = {name: [] for name in _TABLES}
+        self.single: dict[str, Any] = {}
+        self.issues: list[Issue] = []
+        self.salvaged: dict[str, Any] = {}
+        """What could be read of entries with faults, by where they stand; none of it is used to write."""
+        self.broken: dict[str, set[str]] = {}
+        """The paths in these that were left aside."""
+
+    def read(self, name: str, text: str) -> None:
+        """Add the content of a file."""
+        try:
+            content = _content(text)
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
+            self.issues.append(Issue(name, str(error)))
+            return
+        for key, value in content.items():
+            if key in _TABLES and isinstance(value, list):
+                lines = _lines(text, key)
+                for index, item in enumerate(value):
+                    line = lines[index] if len(lines) == len(value) else None
+                    self._add(f"{name}:{line}" if line else name, key, index, item)
+            elif key in _SINGLE:
+                self._parse(f"{name}: {key}", _SINGLE[key], value, key)
+            else:
+                known = ", ".join((*_TABLES, *_SINGLE))
+                self.issues.append(Issue(f"{name}: {key}", f"unknown table; known are {known}"))
+
+    def _add(self, name: str, key: str, index: int, item: Any) -> None:
+        title = item.get("id") or item.get("key") if isinstance(item, Mapping) else None
+        where = f"{name}: {key}[{index}]" + (f" {title}" if title else "")
+        self._parse(where, _TABLES[key], item, key)
+
+    def _parse(self, where: str, kind: type[Data], item: Any, key: str) -> None:
+        try:
+            value = kind.parse(item)
+        except DataError as error:
+            self.issues += [
+                Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues
+            ]
+            if kind is Hazard and isinstance(item, Mapping):
+                self._salvage(where, item, error.issues)
+            return
+        if key in _TABLES:
+            self.entries[key].append((where, value))
+        else:
+            self.single[key] = value
+
+    def _salvage(self, where: str, item: Mapping[str, Any], issues: Iterable[Issue]) -> None:
+        """Keep what can be read of a hazard, so that its other faults are found as well."""
+        broken = {issue.path for issue in issues}
+        found = deepcopy(dict(item))
+        for path in broken:
+            _set_aside(found, path)
+        try:
+            hazard = Hazard.parse({**_STAND_IN, **found})
+        except DataError as error:
+            fields = {_field(path) for path in (*broken, *(i.path for i in error.issues))}
+            broken |= fields
+            left = {name: value for name, value in found.items() if name not in fields}
+            hazard = Hazard.parse({**_STAND_IN, **left})
+        self.salvaged[where] = hazard
+        self.broken[where] = broken
+
+    @property
+    def hazards(self) -> list[tuple[str, Hazard]]:
+        """Every hazard with where it stands, what could be salvaged included."""
+        return [*self.entries["hazard"], *self.salvaged.items()]
+
+    def is_broken(self, issue: Issue) -> bool:
+        """Tell whether an issue is about something that was left aside."""
+        return any(
+            re.match(rf"{re.escape(f'{where}: {path}')}(?![\w-])", issue.path)
+            for where, paths in self.broken.items()
+            for path in paths
+        )
+
+    def knowledge(self, *, salvaged: bool = False) -> Knowledge | None:
+        """Put everything together; a later hazard replaces an earlier one with the same id.
+
+        Args:
+            salvaged: Whether to add what could be read of hazards with faults, to inspect it.
+        """
+        if "wording" not in self.single:
+            self.issues.append(Issue("wording", "no file has this table"))
+            return None
+        chosen = self.hazards if salvaged else self.entries["hazard"]
+        hazards = {hazard.id: hazard for _, hazard in chosen}
+        conditions = {condition.key: condition for _, condition in self.entries["condition"]}
+        return Knowledge(
+            hazards=tuple(hazards.values()),
+            places=tuple(place for _, place in self.entries["place"]),
+            conditions=tuple(conditions.values()),
+            traffic=tuple(traffic for _, traffic in self.entries["traffic"]),
+            clash=tuple(clash for _, clash in self.entries["clash"]),
+            driving=tuple(driving for _, driving in self.entries["driving"]),
+            company=tuple(company for _, company in self.entries["company"]),
+            things=tuple(things for _, things in self.entries["things"]),
+            substitute=tuple(one for _, one in self.entries["substitute"]),
+            wording=self.single["wording"],
+            paper=self.single.get("paper", Paper()),
+        )
+
+
+_STAND_IN: dict[str, Any] = {
+    "id": "unnamed",
+    "class": "environmental",
+    "family": "a family without a name",
+    "label": "a hazard without a name",
+    "places": ["urban"],
+    "events": ["The ego vehicle meets something without a name"],
+    "ordinary": "the lane ahead is clear",
+}
+"""Instead of fields that cannot be read; what is found wrong with them is not reported."""
+
+
+def _field(path: str) -> str:
+    """Return the field of an entry to which a path leads."""
+    return re.split(r"[.\[]", path, maxsplit=1)[0]
+
+
+def _set_aside(entry: dict[str, Any], path: str) -> None:
+    """Take out what a path leads to; in a list of names something else comes in its place."""
+    steps: list[str | int] = [
+        int(step[1:-1]) if step.startswith("[") else step
+        for step in re.findall(r"\[\d+\]|[^.\[\]]+", path)
+    ]
+    inner: Any = entry
+    for step in steps[:-1]:
+        try:
+            inner = inner[step]
+        except (KeyError, IndexError, TypeError):
+            return
+    if steps and isinstance(inner, dict):
+        inner.pop(steps[-1], None)
+    elif steps and isinstance(inner, list) and isinstance(steps[-1], int):
+        inner[steps[-1]] = f"Without a name {steps[-1]}"
+
+
+@lru_cache(maxsize=8)
+def _content(text: str) -> Mapping[str, Any]:
+    """Return what a file says; the shipped ones are read again with every file of somebody's own."""
+    return tomllib.loads(text)
+
+
+def _lines(text: str, key: str) -> list[int]:
+    """Return the numbers of the lines that open an entry of a list of tables."""
+    opens = re.compile(rf"\[\[\s*{key}\s*\]\]")
+    return [n for n, line in enumerate(text.split("\n"), start=1) if opens.match(line.strip())]
+
+
+def _shipped() -> list[tuple[str, str]]:
+    folder = resources.files("oodscen.author._knowledge")
+    files = sorted((f for f in folder.iterdir() if f.name.endswith(".toml")), key=lambda f: f.name)
+    return [(file.name, file.read_text(encoding="utf-8")) for file in files]
+
+
+def own_files(path: Path) -> tuple[str, ...]:
+    """Return the names of the files that a user's path stands for."""
+    return tuple(f.name for f in sorted(path.glob("*.toml"))) if path.is_dir() else (path.name,)
+
+
+def _own(path: Path) -> list[tuple[str, str]]:
+    files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    if not files:
+        raise DataError("knowledge base", [Issue("", "no .toml file in it")], source=str(path))
+    try:
+        return [(file.name, read_utf8(file, "knowledge base", limit=_MAX_BYTES)) for file in files]
+    except DataError as error:
+        issues = [Issue("", f"{error.source}: {issue}") for issue in error.issues]
+        raise DataError("knowledge base", issues, source=str(path)) from None
+
+
+def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, Knowledge | None]:
+    """Read the shipped files and a user's own, keeping note of every fault.
+
+    Args:
+        path: As for `load_knowledge`.
+        salvaged: Whether to add what could be read of hazards with faults, to inspect it.
+
+    Raises:
+        DataError: When a file cannot be read at all.
+    """
+    shelf = Shelf()
+    for name, text in _shipped():
+        shelf.read(name, text)
+    if path is not None:
+        for name, text in _own(Path(path)):
+            shelf.read(name, text)
+    return shelf, shelf.knowledge(salvaged=salvaged)
+
+
+def load_knowledge(path: str | Path | None = None) -> Knowledge:
+    """Read the shipped knowledge base, and on top of it a user's own.
+
+    Args:
+        path: A TOML file, or a folder of them, that adds hazards, places, conditions or traffic;
+            a hazard with the id of a shipped one replaces it.
+
+    Raises:
+        DataError: With every entry that cannot be used, each with its file and path.
+    """
+    return _cached(None if path is None else str(Path(path)), stamp_of(path))
+
+
+def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
+    """Return what changes when a user's files change: path, time and size of each."""
+    if path is None:
+        return ()
+    files = sorted(Path(path).glob("*.toml")) if Path(path).is_dir() else [Path(path)]
+    return tuple((str(f), f.stat().st_mtime_ns, f.stat().st_size) for f in files if f.exists())
+
+
+@cache
+def _cached(path: str | None, stamp: tuple[Any, ...]) -> Knowledge:
+    del stamp
+    shelf, knowledge = gather(path)
+    if shelf.issues or knowledge is None:
+        raise DataError("knowledge base", shelf.issues, source=path or "shipped")
+    return knowledge

@@ -1,0 +1,180 @@
+"""Checking a knowledge base: everything that is wrong with it, each fault with file and path."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from oodscen.author._knowledge.base import Clash, Driving, Hazard, Knowledge, Recipe
+from oodscen.author._knowledge.loading import gather
+from oodscen.author._staging.anchors import LANDMARKS
+from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.data._scene import Weather
+from oodscen.errors import DataError, Issue
+
+
+def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
+    """Find everything that is wrong with the shipped knowledge base and a user's own.
+
+    Besides what keeps an entry from being read these are references to nothing, labels that occur
+    twice, phrasings that break the rules of composition, and recipes that cannot be staged.
+
+    Args:
+        path: As for `load_knowledge`.
+
+    Returns:
+        One issue per fault, with file and path; empty where all is well.
+    """
+    try:
+        shelf, knowledge = gather(path, salvaged=True)
+    except DataError as error:
+        return list(error.issues)
+    issues = list(shelf.issues)
+    if knowledge is None:
+        return issues
+    entries = shelf.hazards
+    found = list(_repetitions(entries))
+    for table in ("clash", "driving"):
+        for where, one in shelf.entries[table]:
+            found += [Issue(f"{where}: {i.path}", i.message) for i in _unknown_keys(one, knowledge)]
+    agreement = Agreement(knowledge)
+    for where, hazard in entries:
+        faults = (*_faults(hazard, knowledge), *_misplaced(hazard, agreement))
+        found += [Issue(f"{where}: {i.path}", i.message) for i in faults]
+    return [*issues, *(issue for issue in found if not shelf.is_broken(issue))]
+
+
+def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:
+    issues = []
+    latest = {hazard.id: hazard for _, hazard in entries}
+    labels = Counter(
+        label.casefold() for h in latest.values() for label in (h.label, h.wider) if label
+    )
+    classes: dict[str, str] = {}
+    for where, hazard in entries:
+        issues += [
+            Issue(f"{where}: {field}", "another hazard has the same")
+            for field in ("label", "wider")
+            if labels[getattr(hazard, field).casefold()] > 1
+        ]
+        if labels[hazard.family.casefold()]:
+            issues.append(Issue(f"{where}: family", "is the label of a hazard as well"))
+        if classes.setdefault(hazard.family, hazard.class_name) != hazard.class_name:
+            issues.append(Issue(f"{where}: family", "belongs to the other class elsewhere"))
+    return issues
+
+
+def _faults(hazard: Hazard, knowledge: Knowledge) -> Iterable[Issue]:
+    """Find what is wrong with one hazard that could be read."""
+    for index, key in enumerate(hazard.places):
+        if key not in knowledge.place_keys:
+            yield Issue(f"places[{index}]", f"there is no place {key!r}")
+    for index, key in enumerate(hazard.conditions):
+        if key not in knowledge.condition_keys:
+            yield Issue(f"conditions[{index}]", f"there is no condition {key!r}")
+    for index, name in enumerate(hazard.kin):
+        other = knowledge.by_id.get(name)
+        if other is None:
+            yield Issue(f"kin[{index}]", f"there is no hazard {name!r}")
+        elif other.class_name != hazard.class_name:
+            yield Issue(f"kin[{index}]", f"{name!r} belongs to the other class")
+    if hazard.kin and not hazard.wider:
+        yield Issue("wider", "kin can be covered only by a wider label")
+    if len(hazard.events) < 5:
+        yield Issue("events", f"{len(hazard.events)} phrasings; at least 5 are wanted")
+    for index, event in enumerate(hazard.events):
+        for message in _phrasing(event):
+            yield Issue(f"events[{index}]", message)
+    if len(set(hazard.events)) < len(hazard.events):
+        yield Issue("events", "a phrasing occurs twice")
+    if hazard.stage is not None:
+        yield from _recipe_faults(hazard.stage)
+
+
+def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]:
+    """Find references to places, conditions or traffic that there are not."""
+    known = {
+        "places": set(knowledge.place_keys),
+        "conditions": set(knowledge.condition_keys),
+        "traffic": {traffic.key for traffic in knowledge.traffic},
+    }
+    for field, keys in known.items():
+        for index, key in enumerate(getattr(one, field, ())):
+            if key not in keys:
+                yield Issue(f"{field}[{index}]", f"there is no {key!r}")
+
+
+def _misplaced(hazard: Hazard, agreement: Agreement) -> Iterable[Issue]:
+    """Find what cannot be told where or when its hazard happens."""
+    settings = [
+        Setting(place=place, conditions=(key,) if key else ())
+        for place in hazard.places
+        for key in hazard.conditions or ("",)
+    ]
+    for index, event in enumerate(hazard.events):
+        if not any(agreement.suits(event, setting) for setting in settings):
+            why = agreement.clashes(event, settings[0])[0]
+            yield Issue(f"events[{index}]", f"suits none of its places and conditions: {why}")
+    for setting in settings:
+        where = " ".join((setting.place, *setting.conditions))
+        for field, clauses in (("events", hazard.events), ("ordinary", hazard.ordinary)):
+            if not agreement.suiting(clauses, setting):
+                why = agreement.clashes(clauses[0], setting)[0]
+                yield Issue(field, f"none suits {where}: {why}")
+
+
+def _phrasing(event: str) -> Iterable[str]:
+    if not event[:1].isupper():
+        yield "start with a capital"
+    if event.rstrip()[-1:] in ".!?":
+        yield "end without a stop"
+    if event.count("{where}") > 1 or "{" in event.replace("{where}", ""):
+        yield "the only placeholder is {where}, at most once"
+    if not 20 <= len(event) <= 260:
+        yield "use 20 to 260 characters"
+
+
+def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
+    names = [name for actor in recipe.actors for name in actor.names]
+    unusual = [a for a in recipe.actors if a.hazard]
+    if len(set(names)) < len(names):
+        yield Issue("stage.actors", "two actors have the same id")
+    if not unusual and not recipe.ordinary_weather:
+        yield Issue("stage", "name a hazard actor, or the ordinary weather")
+    if recipe.decision.actor is not None and recipe.decision.actor not in names:
+        yield Issue("stage.decision.actor", f"there is no actor {recipe.decision.actor!r}")
+    if recipe.decision.kind != "time" and recipe.decision.actor is None and not unusual:
+        yield Issue("stage.decision.actor", "say to which actor it is measured")
+    for index, actor in enumerate(recipe.actors):
+        for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
+            if target is not None and target not in names:
+                yield Issue(f"stage.actors[{index}].{field}", f"there is no actor {target!r}")
+        earlier = {one.id for one in recipe.actors[:index]}
+        if actor.at != "start" and actor.at not in LANDMARKS | earlier:
+            message = f"{actor.at!r} is neither a landmark nor an actor listed before"
+            yield Issue(f"stage.actors[{index}].at", message)
+        if actor.meets is not None and "speed" not in actor.parameters:
+            yield Issue(f"stage.actors[{index}].meets", "needs the parameter 'speed'")
+    known = {actor.id for actor in recipe.actors}
+    for index, variant in enumerate(recipe.variants):
+        for name in sorted(set(variant.actors) - known):
+            yield Issue(f"stage.variants[{index}].actors", f"there is no actor {name!r}")
+    for field in ("weather", "ordinary_weather"):
+        for key in getattr(recipe, field):
+            if key not in Weather.model_fields:
+                yield Issue(f"stage.{field}.{key}", "is no field of the weather")
+    for path, low, high in _ranges(recipe):
+        if low > high:
+            yield Issue(f"stage.{path}", f"{low:g} is more than {high:g}")
+
+
+def _ranges(recipe: Recipe) -> Iterable[tuple[str, float, float]]:
+    yield ("speed", *recipe.speed)
+    yield ("decision.value", *recipe.decision.value)
+    for index, actor in enumerate(recipe.actors):
+        for field in ("ahead", "offset", "heading_deg"):
+            yield (f"actors[{index}].{field}", *getattr(actor, field))
+        yield (f"actors[{index}].trigger.value", *actor.trigger.value)
+        for name, limits in actor.parameters.items():
+            if limits == "ego":
+                continue
+            yield (f"actors[{index}].parameters.{name}", *limits)

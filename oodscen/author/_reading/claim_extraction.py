@@ -1,0 +1,518 @@
+"""Reading: what a text says about a scene, from its words alone."""
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+
+from oodscen.author._reading import phrases
+from oodscen.author._reading.clauses import (
+    Clause,
+    Noun,
+    Subject,
+    clauses_of,
+    count_of,
+    last_end,
+    number_of,
+)
+from oodscen.author._reading.phrases import Pattern
+from oodscen.author._reading.stationarity import usual_motion
+from oodscen.claims._things import Mention, mentions
+from oodscen.data._claim import Claim, Kind
+
+_STRONGER = {
+    "rain": ("heavy_rain", "light_rain"),
+    "snow": ("heavy_snow", "light_snow"),
+    "fog": ("thick_fog",),
+    "mist": ("fog", "thick_fog"),
+    "wet_road": ("rain", "heavy_rain", "light_rain"),
+    "junction": ("t_junction",),
+    "day": ("night", "twilight"),
+    "twilight": ("night",),
+    "moving": ("crossing", "oncoming", "reversing", "slow", "into_lane", "from_left", "from_right"),
+    "ahead": ("behind",),
+    "red": ("all_on",),
+    "green": ("all_on",),
+}
+"""What is not claimed beside something that says more, or contradicts it and is surer."""
+_WILFUL = frozenset(
+    {"oncoming", "moving", "slow", "reversing", "crossing", "from_left", "from_right"}
+)
+_CROSSES = frozenset({"crossing", "into_lane", "from_left", "from_right"})
+_INVERTED = re.compile(
+    r"(?:stands?|lies?|lay|sits?|gapes?|comes|runs|stood|sat) (?:an?|the|some|two|several) (?:[\w-]+ ){0,2}",
+    re.IGNORECASE,
+)
+_DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
+_APPOSED = 24
+"""Characters between a noun and a relative clause about it, at most."""
+
+
+def read_claims(text: str) -> tuple[Claim, ...]:
+    """Return what a text says, settings first, then thing by thing."""
+    return _Reading(" ".join(text.replace("\u2019", "'").split())).claims()
+
+
+class _Reading:
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.found: dict[tuple[Kind, str, str], Claim] = {}
+        self.subjects: list[Subject] = []
+        self.clauses = clauses_of(text)
+        self.nouns = self._nouns()
+        starts = [clause.start for clause in self.clauses]
+        for noun in self.nouns:
+            self.clauses[bisect_right(starts, noun.start) - 1].nouns.append(noun)
+
+    def claims(self) -> tuple[Claim, ...]:
+        self._settings()
+        for subject in self.subjects:
+            if not subject.is_faint:
+                self._present(subject)
+        for pattern in phrases.PREDICATES:
+            for found in pattern.regex.finditer(self.text):
+                self._predicate(pattern, found)
+        for noun in self.nouns:
+            if noun.subject is not None:
+                self._leading(noun, noun.subject)
+        for found in phrases.BLOCKED_BY.finditer(self.text):
+            after = next((n for n in self.nouns if 0 <= n.start - found.end() <= 30), None)
+            if after is not None and after.subject is not None:
+                self._add("place", "in_lane", after.subject.name, *found.span())
+        self._signals()
+        told: dict[str, set[str]] = {}
+        for kind, value, name in self.found:
+            if kind in ("motion", "place"):
+                told.setdefault(name, set()).add(f"{kind} {value}")
+        for subject in self.subjects:
+            motion = usual_motion(self.text, subject, self.nouns, told.get(subject.name, set()))
+            if motion is not None:
+                self._present(subject)
+                mention = subject.mention
+                self._add("motion", motion, subject.name, mention.start, mention.end)
+        return tuple(self._kept())
+
+    def _present(self, subject: Subject) -> None:
+        start, end, thing = subject.mention.start, subject.mention.end, subject.mention.thing
+        self._add("thing", "present", subject.name, start, end)
+        if subject.count > 1 and not (thing.many or thing.map or thing.vague):
+            self._add("count", str(subject.count), subject.name, start, end)
+
+    # -------------------------------------------------------------- things
+
+    def _nouns(self) -> list[Noun]:
+        nouns: list[Noun] = []
+        named = list(mentions(self.text))
+        for mention, after in zip(named, [*named, None][1:], strict=True):
+            if after is not None and self.text[mention.end : after.start] == " ":
+                continue
+            before = self.text[: mention.start]
+            rest = self.text[mention.end :]
+            if mention.thing.name == "driver" and phrases.OF_ITS_VEHICLE.match(rest):
+                continue
+            oblique = phrases.OBLIQUE.search(before[-60:]) is not None
+            oblique = oblique and re.search(r", for (?:an?|the) $", before) is None
+            oblique = oblique and phrases.PART_OF.search(before[-60:]) is None
+            grouped = phrases.QUANTITY.search(before[-60:])
+            if oblique and grouped and grouped.group(3):
+                lead = before[-60:][: grouped.start()]
+                oblique = phrases.OBLIQUE.search(lead) is not None
+            subject = self._subject(mention)
+            is_part = phrases.ITS.search(before) or phrases.CARRIED.search(before[-40:])
+            is_part = is_part or phrases.LACKED.search(before[-40:]) or re.match("'s ", rest)
+            oblique = oblique or (subject is None and is_part is not None)
+            nouns.append(Noun(mention.start, mention.end, subject, oblique))
+        for found in phrases.EGO.finditer(self.text):
+            is_possessive = found.group(0).endswith(("'s", "your"))
+            oblique = phrases.OBLIQUE.search(self.text[: found.start()][-20:]) is not None
+            if not any(n.start < found.end() and found.start() < n.end for n in nouns):
+                nouns.append(Noun(found.start(), found.end(), None, oblique or is_possessive))
+        return sorted(nouns, key=lambda noun: noun.start)
+
+    def _subject(self, mention: Mention) -> Subject | None:
+        before, after = self.text[: mention.start], self.text[mention.end :]
+        sentence = before[last_end(phrases.SENTENCE, before) :]
+        name = mention.thing.name
+        is_all = name == "traffic light" and re.search(r"\b(?:all|every) (?:the )?$", before)
+        if (phrases.NOT_THERE.search(sentence) and not is_all) or phrases.NOT_ITSELF.match(after):
+            return None
+        if name == "traffic light" and re.match(r" (?:the |to |ego)", after):
+            return None
+        if re.search(r"\bas an? $", before) and re.match(r"[.,;]|$", after):
+            return None
+        if name == "object" and re.match(
+            r" [^.;,]{0,80}\b(?:is|turns out to be|proves to be) (?:an?|really) ", after
+        ):
+            return None
+        if name == "barrier" and after.startswith(" of "):
+            return None
+        lead = sentence[last_end(phrases.BREAK, sentence) :]
+        if (mention.word == "drunk" and phrases.BEING.search(before)) or (
+            name == "car door" and before.endswith("'s ")
+        ):
+            return None
+        count = count_of(lead, mention)
+        determiner = phrases.DETERMINER.search(lead)
+        word = determiner.group(1).casefold() if determiner else ""
+        if mention.thing.group == "person" and phrases.RIDES.match(after):
+            return None
+        if name in phrases.PARTS and word in ("the", "its", "their"):
+            return None
+        if mention.thing.group == "object" and self._is_carried(mention):
+            return None
+        if mention.word == "tree" and mention.is_plural and phrases.BACKGROUND.search(lead):
+            return None
+        same = [s for s in self.subjects if s.mention.thing is mention.thing]
+        is_new = word in ("a", "an", "another", "a second", "a third", "a further")
+        is_counted = phrases.QUANTITY.search(lead) is not None
+        is_new = is_new or (is_counted and word not in ("the", "these", "those", "its"))
+        if same and (not is_new or word == "one"):
+            return same[-1]
+        is_generic = name in phrases.GENERIC and mention.word in phrases.GENERIC_WORDS
+        if is_generic and word in ("the", "its", "this", "that"):
+            alike = [
+                s
+                for s in self.subjects
+                if s.mention.thing.group == mention.thing.group
+                and s.mention.thing.name not in phrases.CYCLES
+            ]
+            if alike and not re.match(r" (?:in front|ahead|behind)\b", after):
+                return alike[-1]
+            if count > 1:
+                return None
+        if word == "the" and mention.word == "cab" and not re.match(r" (?:that|ahead|in)\b", after):
+            return None
+        is_left = (
+            re.search(r"\b(?:left|parked|abandoned|leave) its (?:[\w-]+ )?$", lead) is not None
+        )
+        if (word == "its" and not is_left and mention.thing.group in ("vehicle", "object")) or (
+            word == "the" and name == "tree" and mention.is_plural
+        ):
+            return None
+        if mention.thing.vague and word in ("its", "their", "his", "her"):
+            return None
+        if re.match(r" behind\b", after) and re.search(r"\bleft (?:an?|the|its) ", lead[-40:]):
+            return None
+        is_somebody = mention.thing.vague or mention.thing.group == "person"
+        is_agent = is_somebody and phrases.AGENT.match(after) is not None
+        label = name if not same else f"{name} {len(same) + 1}"
+        subject = Subject(label, mention, count, is_agent)
+        self.subjects.append(subject)
+        return subject
+
+    def _is_carried(self, mention: Mention) -> bool:
+        """Tell whether a thing is but a part or the load of the thing named right before it."""
+        if not self.subjects:
+            return False
+        between = self.text[self.subjects[-1].mention.end : mention.start]
+        return phrases.CARRIED.fullmatch(between.lstrip()) is not None
+
+    # -------------------------------------------------------------- predicates
+
+    def _predicate(self, pattern: Pattern, found: re.Match[str]) -> None:
+        start, end = found.span()
+        while start < end and self.text[start] == " ":
+            start += 1
+        is_verb = pattern.kind == "motion"
+        if is_verb and phrases.FORBIDDEN.search(self.text[:start][-40:]):
+            return
+        if is_verb and (self._leads(end) or self._is_within(start)):
+            return
+        lead = self.text[:start][-40:]
+        if pattern.kind == "state" and pattern.value != "off" and phrases.UNSHOWN.search(lead):
+            return
+        if pattern.value != "off" and not is_verb and phrases.NEGATED.search(lead):
+            return
+        if is_verb and pattern.value not in ("stationary", "slow") and phrases.PERFECT.search(lead):
+            return
+        if pattern.value == "clear_of_lane" and phrases.LEFT.search(self.text[:start][-40:]):
+            return
+        if pattern.value in ("from_left", "from_right"):
+            subject = self._comer(start, end)
+        else:
+            subject = self._owner(start, end, is_verb=is_verb)
+        if (
+            subject is not None
+            and subject.is_faint
+            and not (is_verb or self._adjoins(subject, start))
+        ):
+            subject = None
+        if subject is None:
+            self._unowned(pattern, found)
+            return
+        if subject.is_agent and pattern.value == "stationary":
+            return
+        thing = subject.mention.thing
+        if pattern.value == "reversing" and thing.group != "vehicle" and not subject.is_faint:
+            return
+        if pattern.kind == "state" and thing.group not in ("vehicle", "signal"):
+            return
+        names_ego = "ego" in found.group(0).casefold()
+        is_vague = thing.group != "vehicle" or self._is_among_others(start, subject)
+        if pattern.value == "behind" and not names_ego and is_vague:
+            return
+        if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
+            return
+        if thing.name == "car door" and pattern.value == "into_lane":
+            return
+        value = pattern.value or number_of(found.group(1))
+        on_foot = is_verb and phrases.STRIDES.match(self.text, start)
+        if on_foot and thing.group == "vehicle" and thing.name not in phrases.CYCLES:
+            drivers = [one for one in self.subjects if one.mention.thing.name == "driver"]
+            if not drivers:
+                return
+            subject = self._walker(drivers[-1])
+        if subject.is_faint and is_verb and phrases.ON_FOOT.match(self.text, start):
+            subject = self._walker(subject)
+        if subject.is_faint:
+            self._present(subject)
+        self._add(pattern.kind, value, subject.name, start, end)
+
+    def _walker(self, subject: Subject) -> Subject:
+        """Return somebody on foot for whom nothing more is known to be, unless there are people."""
+        if any(one.mention.thing.group == "person" for one in self.subjects):
+            return subject
+        mention = next(mentions("person"))
+        start, end = subject.mention.start, subject.mention.end
+        walker = Subject("person", mention._replace(start=start, end=end))
+        self.subjects.append(walker)
+        self._present(walker)
+        return walker
+
+    def _adjoins(self, subject: Subject, start: int) -> bool:
+        return subject.mention.thing.name == "driver" and 0 <= start - subject.mention.end <= 1
+
+    def _comer(self, start: int, end: int) -> Subject | None:
+        """Find what comes from a side: where the side opens a clause, what follows it."""
+        subject = self._owner(start, end, is_verb=True)
+        clause = self.clauses[bisect_right([one.start for one in self.clauses], start) - 1]
+        if any(noun.end <= start and not noun.is_oblique for noun in clause.nouns):
+            return subject
+        after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
+        return after[0].subject if after else subject
+
+    def _unowned(self, pattern: Pattern, found: re.Match[str]) -> None:
+        """Claim that something is so far ahead where it is unclear what."""
+        sides = ("reversing", "from_left", "from_right")
+        if pattern.kind != "distance" and pattern.value not in ("ahead", "in_lane", *sides):
+            return
+        start, end = found.span()
+        at = bisect_right([clause.start for clause in self.clauses], start) - 1
+        clause = self.clauses[at]
+        words = self.text[clause.start : clause.end]
+        lies = pattern.kind == "place" and phrases.LIES.search(words)
+        if pattern.value in sides and clause.nouns:
+            return
+        is_lane = pattern.value == "in_lane"
+        heads = [noun for noun in clause.nouns if noun.start < start]
+        if not heads and at and self.clauses[at - 1].sentence == clause.sentence:
+            heads = self.clauses[at - 1].nouns
+        if is_lane and any(noun.subject is None and not noun.is_oblique for noun in heads):
+            return
+        named = [
+            noun.subject
+            for one in self.clauses
+            if one.sentence == clause.sentence
+            for noun in one.nouns
+            if noun.subject is not None
+        ]
+        if phrases.ROADWAY.search(words) or not (lies or named):
+            return
+        alone = {one.name: one for one in named if not one.is_faint}
+        value = pattern.value or number_of(found.group(1))
+        if len(alone) == 1:
+            (subject,) = alone.values()
+            if not self._is_elsewhere(subject):
+                self._add(pattern.kind, value, subject.name, start, end)
+                return
+        if pattern.value in sides:
+            return
+        self._add("thing", "present", "something", start, end)
+        self._add(pattern.kind, value, "something", start, end)
+
+    def _is_elsewhere(self, subject: Subject) -> bool:
+        """Tell whether it is said to be somewhere that rules out the ego's lane ahead."""
+        places = ("behind", "oncoming_lane", "left_lane", "right_lane", "clear_of_lane")
+        return any(("place", value, subject.name) in self.found for value in places)
+
+    def _is_within(self, position: int) -> bool:
+        return any(n.subject and n.start <= position < n.end for n in self.nouns)
+
+    def _is_among_others(self, position: int, subject: Subject) -> bool:
+        """Tell whether a sentence has named another thing, for which `it` may stand."""
+        sentence = self.text[:position]
+        begin = last_end(phrases.SENTENCE, sentence)
+        return any(
+            noun.subject not in (None, subject)
+            for noun in self.nouns
+            if begin <= noun.start < position
+        )
+
+    def _leads(self, end: int) -> bool:
+        """Tell whether a word is an adjective of the noun that follows at once."""
+        following = next((noun for noun in self.nouns if noun.start >= end), None)
+        if following is None or following.subject is None or following.subject.is_faint:
+            return False
+        return (
+            re.fullmatch(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", self.text[end : following.start])
+            is not None
+        )
+
+    def _owner(self, start: int, end: int, *, is_verb: bool) -> Subject | None:
+        """Find the thing that a predicate is about; `None` for the ego or where it is unclear."""
+        at = bisect_right([clause.start for clause in self.clauses], start) - 1
+        clause = self.clauses[at]
+        before = [noun for noun in clause.nouns if noun.end <= start]
+        heads = [noun for noun in before if not noun.is_oblique]
+        if heads and clause.is_relative:
+            opening = self.text[clause.start : heads[0].start].split()
+            is_verb_first = len(opening) > 1 and opening[1].casefold() not in _DETERMINERS
+            antecedent = self._last_before(clause)
+            tail = self.text[heads[0].end : start].split()
+            is_past = len(opening) == 1 and self._is_ego(heads[0]) and 0 < len(tail) < 6
+            if (is_verb_first or (is_past and "and" not in tail)) and antecedent is not None:
+                return antecedent
+        if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):
+            return self._meant(before[-1]).subject
+        if heads:
+            head = self._meant(heads[0])
+            if head.subject is None and self._is_ego(head) and not is_verb and len(before) > 1:
+                rest = [noun for noun in before if noun.start > head.start]
+                return rest[-1].subject if rest else None
+            return head.subject
+        if not is_verb:
+            after = [n for n in clause.nouns if n.start >= end and not n.is_oblique]
+            if after and not before:
+                return after[0].subject
+        if not before and clause.is_relative:
+            return self._last_before(clause)
+        if is_verb and not clause.is_relative:
+            follower = next((n for n in clause.nouns if n.start >= end), None)
+            between = self.text[start : follower.start] if follower is not None else ""
+            if follower is not None and follower.subject and _INVERTED.fullmatch(between):
+                return follower.subject
+        earlier = self._subject_before(at)
+        if earlier is not None:
+            return earlier.subject
+        return before[0].subject if before and is_verb else None
+
+    def _meant(self, noun: Noun) -> Noun:
+        """Return what a pronoun stands for: the last thing that its sentence named."""
+        word = self.text[noun.start : noun.end].casefold()
+        if word in ("he", "she"):
+            people = [
+                one
+                for one in self.nouns
+                if one.end <= noun.start
+                and one.subject
+                and one.subject.mention.thing.group == "person"
+            ]
+            return people[-1] if people else noun
+        if word not in ("it", "they"):
+            return noun
+        earlier = [
+            one
+            for one in self.nouns
+            if one.end <= noun.start and (one.subject is not None or not one.is_oblique)
+        ]
+        if not earlier or earlier[-1].subject is None:
+            return noun
+        between = self.text[earlier[-1].end : noun.start]
+        return noun if phrases.SENTENCE.search(between) else earlier[-1]
+
+    def _is_ego(self, noun: Noun) -> bool:
+        words = self.text[noun.start : noun.end].casefold()
+        return words in ("it", "you") or "ego" in words
+
+    def _may_govern(self, noun: Noun) -> bool:
+        """Tell whether what follows a noun phrase at once may be said of it."""
+        is_possessive = self.text[noun.end - 2 : noun.end] == "'s"
+        is_possessive = is_possessive or self.text.startswith("'", noun.end)
+        return not is_possessive and (noun.subject is not None or not noun.is_oblique)
+
+    def _last_before(self, clause: Clause) -> Subject | None:
+        """Return what a relative clause is about: the noun phrase right before it."""
+        earlier = [noun for noun in self.nouns if noun.end <= clause.start]
+        if not earlier or clause.start - earlier[-1].end > _APPOSED:
+            return None
+        between = self.text[earlier[-1].end : clause.start]
+        return None if phrases.SENTENCE.search(between) else earlier[-1].subject
+
+    def _subject_before(self, at: int) -> Noun | None:
+        """Return the subject of the nearest earlier clause of the same sentence."""
+        for clause in reversed(self.clauses[:at]):
+            if clause.sentence != self.clauses[at].sentence:
+                return None
+            heads = [noun for noun in clause.nouns if not noun.is_oblique]
+            heads = heads or [n for n in clause.nouns if n.subject is not None]
+            heads = heads or clause.nouns
+            if all(noun.subject is not None and noun.subject.is_faint for noun in heads):
+                heads = [noun for noun in heads if not noun.is_oblique]
+            if heads:
+                return heads[0]
+        return None
+
+    def _leading(self, noun: Noun, subject: Subject) -> None:
+        """Claim what adjectives right before a noun say."""
+        lead = self.text[max(0, noun.start - 40) : noun.start]
+        words = re.search(r"(?:[\w-]+,?\s+){1,4}$", lead)
+        phrase = f"{words.group(0) if words else ''}{self.text[noun.start : noun.end]}"
+        shift = noun.end - len(phrase)
+        for pattern in phrases.LEADS:
+            for found in pattern.regex.finditer(phrase):
+                if found.end() > noun.start - shift:
+                    continue
+                between = phrase[found.end() : len(phrase) - (noun.end - noun.start)]
+                if re.search(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", between):
+                    continue
+                start, end = found.start() + shift, found.end() + shift
+                self._add(pattern.kind, pattern.value, subject.name, start, end)
+
+    def _signals(self) -> None:
+        signals = [s for s in self.subjects if s.mention.thing.name == "traffic light"]
+        for pattern in phrases.SIGNALS if signals else ():
+            for found in pattern.regex.finditer(self.text):
+                self._add(pattern.kind, pattern.value, signals[0].name, *found.span())
+
+    # -------------------------------------------------------------- settings
+
+    def _settings(self) -> None:
+        for pattern in phrases.SETTINGS:
+            for found in pattern.regex.finditer(self.text):
+                before = self.text[: found.start()]
+                if pattern.kind != "traffic" and phrases.DENIED.search(before[-40:]):
+                    continue
+                is_weather = pattern.kind == "weather"
+                if is_weather and phrases.ENDED.match(self.text[found.end() :]):
+                    continue
+                if is_weather and phrases.PAST.search(before[-40:]):
+                    continue
+                value = pattern.value
+                if not value:
+                    word = found.group(1).casefold()
+                    value = str(phrases.NUMBER_WORDS.get(word) or word)
+                self._add(pattern.kind, value, "", *found.span())
+                if pattern.kind == "own_lanes" and re.search("each|either|per", found.group(0)):
+                    self._add("road", "two_way", "", *found.span())
+
+    # -------------------------------------------------------------- what is kept
+
+    def _add(self, kind: Kind, value: str, subject: str, start: int, end: int) -> None:
+        key = (kind, value, subject)
+        if key not in self.found:
+            quote = self.text[start:end]
+            self.found[key] = Claim(kind=kind, value=value, subject=subject, quote=quote[:200])
+
+    def _kept(self) -> Iterator[Claim]:
+        told = {(claim.subject, claim.value) for claim in self.found.values()}
+        moving = {subject for subject, value in told if value in _CROSSES}
+        for claim in self.found.values():
+            stronger = _STRONGER.get(claim.value, ())
+            if any((claim.subject, value) in told for value in stronger):
+                continue
+            move = self.found.get(("motion", "moving", claim.subject))
+            leaves = move is not None and phrases.LEAVES.match(move.quote) is not None
+            if claim.value == "clear_of_lane" and (claim.subject in moving or leaves):
+                continue
+            if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
+                continue
+            yield claim

@@ -1,0 +1,391 @@
+"""What a label that the author did not write itself names, thing by thing."""
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._reading.alternatives import Share, Split, alternatives, conjuncts, subject
+from oodscen.author._reading.stemming import stem, stems
+from oodscen.data._catalogue import Category
+
+_MOST = 12
+"""Hazards that one word for a whole category stands for, at most."""
+_PRESENT = frozenset({"animal", "pedestrian", "object", "vegetation", "work_zone"})
+"""Categories of which a member on the road is out of the ordinary by being there."""
+_NEGATED = re.compile(
+    r"\b(?:no|not|without|neither|nor|never|free of|absence of|lack of|instead of)\s+"
+    r"(?:(?:a|an|any|the|single)\s+)*(\w+(?:[-\s]\w+)?)",
+    re.IGNORECASE,
+)
+_NEGATION = re.compile(r"\b(?:no|not|without|missing|never|absent|lack)\b", re.IGNORECASE)
+_WEATHER = {
+    "rain": ("rain", "rainfall", "downpour", "rainstorm", "cloudburst"),
+    "snow": ("snow", "snowfall", "snowstorm", "blizzard"),
+    "fog": ("fog", "mist", "foggy"),
+    "ice": ("ice", "icy"),
+}
+_CIRCUMSTANCE = re.compile(
+    r"\b(?:at|in|during|under|by|amid)\s+(?:(?!and\b|or\b)\w+\s+){0,2}?"
+    r"(night(?:time)?|dark(?:ness)?|rain(?:fall)?|snow(?:fall)?|fog|mist)\b",
+    re.IGNORECASE,
+)
+_STRENGTHS = frozenset(
+    map(stem, "heavy dense thick strong intense extreme severe sudden falling pouring".split())
+)
+_NEUTRAL = frozenset(
+    map(
+        stem,
+        """road lane street carriageway highway motorway roadway pavement way ahead front middle
+        cross crossing standing lying present appearing encountered wandering unexpected sudden
+        large big small several group stray loose wild dangerous incident event situation scenario
+        hazard accident encounter presence anywhere somewhere nearby""".split(),
+    )
+)
+_EMPTY_HEADS = frozenset(map(stem, "incident event situation scenario encounter presence".split()))
+
+
+@dataclass(frozen=True)
+class Part:
+    """One thing that must be shown."""
+
+    hazard: Hazard | None = None
+    things: tuple[str, ...] = ()
+    """Names of things that it needs besides."""
+    weather: tuple[str, ...] = ()
+    """In which it happens: `night`."""
+    approximate: tuple[str, ...] = ()
+    """What the hazard only comes near to: `dog costume`."""
+    category: Category | None = None
+    """Of what is named in general, where no hazard is known."""
+    why: str = ""
+    """Why it has no hazard."""
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """One of the things that a label stands for."""
+
+    words: str
+    parts: tuple[Part, ...]
+    """All are needed."""
+
+    @property
+    def hazards(self) -> tuple[Hazard, ...]:
+        """What it shows, as far as the author knows it."""
+        return tuple(part.hazard for part in self.parts if part.hazard is not None)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """All that a label stands for."""
+
+    alternatives: tuple[Alternative, ...]
+    split: Split | None = None
+    """How the label was taken apart, where it was; its shares are the alternatives."""
+    is_any: bool = False
+    """Whether it names a category, so that any member of it will do."""
+
+    @property
+    def hazards(self) -> tuple[Hazard, ...]:
+        """Every hazard, once."""
+        found = (hazard for one in self.alternatives for hazard in one.hazards)
+        return tuple({hazard.id: hazard for hazard in found}.values())
+
+
+class LabelReader:
+    """Takes labels apart and finds the hazards that their parts name.
+
+    Args:
+        knowledge: What there is to be found.
+        recognise: Finds the hazard that some words resemble most.
+        known: The hazard of a label that the author wrote itself.
+    """
+
+    def __init__(
+        self,
+        knowledge: Knowledge,
+        recognise: Callable[[str], Hazard | None],
+        known: Callable[[str], Hazard | None],
+    ) -> None:
+        self.knowledge = knowledge
+        self._recognise = recognise
+        self._known = known
+        self._named: dict[tuple[str, ...], tuple[Category, str]] = {}
+        for group in knowledge.things:
+            for name in (*group.names, *group.others):
+                words = re.sub(r"[_-]", " ", name)
+                self._named.setdefault(tuple(stems(words)), (group.category, _id(name)))
+            for kind in group.kinds:
+                self._named[tuple(stems(kind))] = (group.category, "")
+        self._named.pop((), None)
+        self._compounds: dict[frozenset[str], list[Hazard]] = {}
+        """Hazards by the words of the first thing that they need, where it has several."""
+        for hazard in knowledge.hazards:
+            thing = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
+            if len(thing) > 1:
+                self._compounds.setdefault(thing, []).append(hazard)
+        self.read = lru_cache(maxsize=4096)(self._read)
+        self.hazard = lru_cache(maxsize=8192)(self._hazard)
+        self._words: dict[str, tuple[frozenset[str], frozenset[str]]] = {}
+
+    def _read(self, label: str) -> Reading:
+        text = " ".join(re.sub(r"<[^<>]*>", " ", label).split())
+        split = alternatives(text)
+        if len(split.shares) == 1:
+            return self._single(text)
+        whole = self.hazard(text)
+        found = tuple(self._share(share, whole) for share in split.shares)
+        if all(one.parts[0].why for one in found):
+            return self._single(text)
+        return Reading(found, split)
+
+    def _single(self, text: str) -> Reading:
+        options = self._options(text)
+        if len(options) > 1:
+            named = (Alternative(p.hazard.label, (p,)) for p in options if p.hazard is not None)
+            return Reading(tuple(named), is_any=True)
+        return Reading((Alternative(text, self._together(text)),))
+
+    def _share(self, share: Share, whole: Hazard | None) -> Alternative:
+        first: Alternative | None = None
+        for reading in share.readings:
+            found = Alternative(reading, self._together(reading, share))
+            if not any(part.why for part in found.parts):
+                return found
+            first = first or found
+        if whole is not None and self._has_all(whole, share.own):
+            return Alternative(share.readings[0], (Part(whole),))
+        assert first is not None
+        return first
+
+    def _together(self, text: str, share: Share | None = None) -> tuple[Part, ...]:
+        """Return all that a text without alternatives needs."""
+        split = conjuncts(text)
+        if len(split.shares) > 1 and self._known(text) is None:
+            whole = self.hazard(text)
+            if whole is None or not all(self._has_all(whole, one.own) for one in split.shares):
+                parts = _unequal(self._first(one) for one in split.shares)
+                if whole is None or not all(part.why for part in parts):
+                    return parts
+        part = self._options(text)[0]
+        if share is not None and part.hazard is not None and not share.is_act:
+            own = set(stems(share.own)) - _NEUTRAL
+            if own and not own & self._vocabulary(part.hazard)[0] and not self._is_of(part, own):
+                return (Part(why=f"the author has no knowledge of {text!r}"),)
+        return (part,)
+
+    def _first(self, share: Share) -> Part:
+        """Return what the likeliest reading of one conjunct says that says something."""
+        found = [self._options(reading)[0] for reading in share.readings]
+        return next((part for part in found if not part.why), found[0])
+
+    def _is_of(self, part: Part, own: set[str]) -> bool:
+        """Tell whether a hazard was found through the weather or thing that its words name."""
+        named = [name for words, (_, name) in self._named.items() if own & set(words)]
+        weather = [kind for kind, words in _WEATHER.items() if own & set(map(stem, words))]
+        assert part.hazard is not None
+        needs = part.hazard.needs
+        return bool(set(named) & set(needs.assets) or set(weather) & set(needs.weather))
+
+    def _options(self, text: str) -> tuple[Part, ...]:
+        """Return the parts of which any is what a text names; a single one mostly."""
+        known = self._known(text)
+        if known is not None:
+            return (Part(known),)
+        said = self._affirmed(text)
+        if said != text:
+            found = self._recognise(text)
+            if found is not None and _is_about_absence(found):
+                return (Part(found),)
+            if not set(stems(said)) - _NEUTRAL:
+                return (Part(why=f"{text!r} says what is not there, and nothing that is"),)
+            return self._options(said)
+        weather = self._weather(text)
+        if weather is not None:
+            return (Part(weather),)
+        when = tuple(dict.fromkeys(map(_kind_of_weather, _CIRCUMSTANCE.findall(text))))
+        hazard = self._by_thing(text) or self.hazard(text)
+        if hazard is not None:
+            when = tuple(kind for kind in when if kind not in hazard.needs.weather)
+            return (replace(self._with_things(text, hazard), weather=when),)
+        plainer = _CIRCUMSTANCE.sub("", text) if when else text
+        return tuple(replace(part, weather=when) for part in self._by_category(plainer))
+
+    def _by_thing(self, text: str) -> Hazard | None:
+        """Return the hazard with a thing of several words that are all in a text, in any order."""
+        words = set(stems(text))
+        for name in self._compounds:
+            if words >= name:
+                for hazard in self._compounds[name]:
+                    if words - _NEUTRAL <= self._vocabulary(hazard)[0]:
+                        return hazard
+        return None
+
+    def _hazard(self, text: str) -> Hazard | None:
+        """Return the hazard that a text resembles most, if that is about the same thing."""
+        known = self._known(text)
+        if known is not None:
+            return known
+        found = self._recognise(text)
+        if found is None:
+            return None
+        words = stems(" ".join(subject(text)))
+        while words and words[-1] in _EMPTY_HEADS:
+            words.pop()
+        if not words or self._affirmed(text) != text:
+            return found if self._affirmed(text) == text or _is_about_absence(found) else None
+        every, own = self._vocabulary(found)
+        if words[-1] in every or set(words) & own:
+            return found
+        category, name = self._thing_at_end(words)
+        is_kind = category is not None and not name
+        return found if is_kind and category in self._categories(found) else None
+
+    def _with_things(self, text: str, hazard: Hazard) -> Part:
+        """Add what a text names besides, and what the hazard only comes near to."""
+        tokens = stems(text)
+        every, _ = self._vocabulary(hazard)
+        needed: list[str] = []
+        near: list[str] = []
+        taken: set[int] = set()
+        for words, (category, name) in self._named.items():
+            size = len(words)
+            for start in range(len(tokens) - size + 1):
+                if tuple(tokens[start : start + size]) != words or start in taken:
+                    continue
+                if not name or name in hazard.needs.assets or set(words) <= every:
+                    continue
+                after = tokens[start + size] if start + size < len(tokens) else ""
+                raw = _phrase(text, words, after)
+                if raw and after and after in every and after not in _NEUTRAL:
+                    if category == "animal":
+                        near.append(raw)
+                else:
+                    needed.append(name)
+                taken.update(range(start, start + size))
+        return Part(
+            hazard, things=tuple(dict.fromkeys(needed)), approximate=tuple(dict.fromkeys(near))
+        )
+
+    def _by_category(self, text: str) -> tuple[Part, ...]:
+        words = stems(" ".join(subject(text)))
+        while words and words[-1] in _EMPTY_HEADS:
+            words.pop()
+        category, name = self._thing_at_end(words)
+        unknown = Part(why=f"the author has no knowledge of {text!r}")
+        if category is None:
+            return (unknown,)
+        rest = set(stems(text)) - _NEUTRAL - {w for key in self._named for w in key if w in words}
+        if name:
+            users = [h for h in self.knowledge.hazards if name in h.needs.assets]
+            users.sort(key=lambda hazard: (hazard.needs.assets.index(name), hazard.stage is None))
+            for hazard in users if rest or category in _PRESENT else ():
+                if rest <= self._vocabulary(hazard)[0]:
+                    return (Part(hazard),)
+            why = f"the author knows no scenario with {name.replace('_', ' ')} for {text!r}"
+            return (Part(things=(name,), category=category, why=why),)
+        members = [
+            Part(hazard)
+            for hazard in self.knowledge.hazards
+            if category in _PRESENT
+            and not rest
+            and hazard.stage is not None
+            and not hazard.needs.weather
+            and hazard.needs.assets
+            and not hazard.needs.traits
+            and self._categories(hazard) == {category}
+        ]
+        if members:
+            return tuple(members[:_MOST])
+        why = f"the author knows no scenario for {text!r}"
+        return (Part(category=category, why=why),)
+
+    def _thing_at_end(self, words: list[str]) -> tuple[Category | None, str]:
+        """Return category and name of the thing in which some words end; no name for a category."""
+        for size in range(min(4, len(words)), 0, -1):
+            found = self._named.get(tuple(words[-size:]))
+            if found is not None:
+                return found
+        return None, ""
+
+    def _weather(self, text: str) -> Hazard | None:
+        """Return the hazard that is a weather, where a text names nothing else."""
+        left = set(stems(text)) - _STRENGTHS - _NEUTRAL
+        for kind, words in _WEATHER.items():
+            if left and left <= set(map(stem, words)):
+                return next(
+                    (
+                        hazard
+                        for hazard in self.knowledge.hazards
+                        if hazard.needs.weather == (kind,) and hazard.stage and hazard.stage.weather
+                    ),
+                    None,
+                )
+        return None
+
+    def _affirmed(self, text: str) -> str:
+        """Return a text without the things of which it says that they are not there."""
+
+        def without(found: re.Match[str]) -> str:
+            words = stems(found.group(1))
+            for size in range(len(words), 0, -1):
+                if tuple(words[:size]) in self._named:
+                    return " " if size == len(words) else f" {found.group(1).split()[-1]}"
+            return found.group(0)
+
+        return " ".join(_NEGATED.sub(without, text).split())
+
+    def _categories(self, hazard: Hazard) -> set[Category | None]:
+        return {self.knowledge.category(name) for name in hazard.needs.assets}
+
+    def _vocabulary(self, hazard: Hazard) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the stems of all that is said of a hazard, and of what names it."""
+        if hazard.id not in self._words:
+            self._words[hazard.id] = _vocabulary(hazard)
+        return self._words[hazard.id]
+
+    def _has_all(self, hazard: Hazard, words: str) -> bool:
+        return set(stems(words)) <= self._vocabulary(hazard)[0] | _NEUTRAL
+
+
+def _vocabulary(hazard: Hazard) -> tuple[frozenset[str], frozenset[str]]:
+    own = (hazard.label, *hazard.words, *(name.replace("_", " ") for name in hazard.needs.assets))
+    said = (*own, hazard.wider, *hazard.events, *hazard.details)
+    every, naming = (frozenset(stems(" ".join(texts))) for texts in (said, own))
+    return every, naming
+
+
+def _unequal(parts: Iterable[Part]) -> tuple[Part, ...]:
+    """Leave out parts that are there before."""
+    found: list[Part] = []
+    for part in parts:
+        if part not in found:
+            found.append(part)
+    return tuple(found)
+
+
+def _kind_of_weather(word: str) -> str:
+    """Return how a need for weather is called: `night` for `darkness`."""
+    found = (kind for kind, words in _WEATHER.items() if word.casefold() in words)
+    return next(found, "night")
+
+
+def _is_about_absence(hazard: Hazard) -> bool:
+    return bool(_NEGATION.search(" ".join((hazard.label, hazard.wider, *hazard.words))))
+
+
+def _phrase(text: str, words: Iterable[str], after: str) -> str:
+    """Return the words of a text that name a thing and what it is a part of: `dog costume`."""
+    tokens = re.findall(r"[A-Za-z]+", text)
+    wanted = [*words, after]
+    for start in range(len(tokens) - len(wanted) + 1):
+        found = tokens[start : start + len(wanted)]
+        if [stem(token.casefold()) for token in found] == wanted:
+            return " ".join(found).casefold()
+    return ""
+
+
+def _id(name: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", name.casefold())

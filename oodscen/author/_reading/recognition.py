@@ -1,0 +1,285 @@
+"""Recognising which hazard, place, weather and traffic a text is about, from its words alone."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import TypeVar
+
+from oodscen.author._knowledge.base import Condition, Hazard, Knowledge, Place, Traffic
+from oodscen.author._reading.label_reading import Alternative, LabelReader, Part, Reading
+from oodscen.author._reading.stemming import stem, stems
+from oodscen.prompts._scenario.describe_path import plain
+
+__all__ = ["Recogniser", "Recognition", "stem", "stems"]
+
+Value = TypeVar("Value")
+
+_DRIVING = frozenset(
+    """ego vehicle car road street lane traffic driver driving drive highway junction intersection
+    truck lorry bus pedestrian cyclist motorcycle motorway carriageway""".split()
+)
+_ACCEPTED_SHARE = 0.5
+"""Share of a phrase's weight that a text must contain to be taken for it."""
+_ACCEPTED_WEIGHT = 7.0
+"""Weight of what a text shares with a phrase, or with a hazard's words, to be taken for it."""
+_LABEL_WEIGHT = 4.0
+"""The same for a label, which has fewer words and is known to name a hazard."""
+_NUMBER = re.compile(r"\s*\(\d+\)$")
+"""What tells a label from an equal one."""
+
+
+def _features(tokens: Sequence[str]) -> list[str]:
+    return [*tokens, *(f"{a} {b}" for a, b in pairwise(tokens))]
+
+
+@dataclass(frozen=True)
+class Recognition:
+    """Which hazard a text is about, and how sure that is."""
+
+    hazard: Hazard | None
+    weight: float
+    """Information that text and hazard share, in nats."""
+    share: float
+    """Of the best phrase, how much the text contains."""
+    is_driving: bool
+    """Whether the text is about driving at all."""
+
+
+class Recogniser:
+    """Finds what a text speaks of; indexed once, then quick."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        """Index the phrasings, labels and words of every hazard."""
+        self.knowledge = knowledge
+        phrases = [
+            (h, parts) for h, hazard in enumerate(knowledge.hazards) for parts in _phrases(hazard)
+        ]
+        owners: dict[str, set[int]] = {}
+        for owner, features in phrases:
+            for feature in features:
+                owners.setdefault(feature, set()).add(owner)
+        total = len(knowledge.hazards)
+        self._idf = {f: math.log(1.0 + total / len(o)) for f, o in owners.items()}
+        self._owner: list[int] = []
+        self._weight: list[float] = []
+        self._postings: dict[str, list[tuple[int, float]]] = {}
+        for owner, features in phrases:
+            number = len(self._owner)
+            weights = {feature: self._value(feature) for feature in set(features)}
+            self._owner.append(owner)
+            self._weight.append(sum(weights.values()))
+            for feature, weight in weights.items():
+                if weight > 0.0:
+                    self._postings.setdefault(feature, []).append((number, weight))
+        self._words: dict[str, list[tuple[int, float]]] = {}
+        for owner, hazard in enumerate(knowledge.hazards):
+            for word in hazard.words:
+                tokens = stems(word)
+                value = sum(self._idf.get(token, 2.0) for token in tokens)
+                self._words.setdefault(" ".join(tokens), []).append((owner, value))
+        self._labels = {
+            plain(label): (hazard, label == hazard.wider)
+            for hazard in knowledge.hazards
+            for label in (hazard.wider, hazard.label)
+            if label
+        }
+        self._families = {plain(label): label for label in knowledge.families}
+        self._contexts = _Contexts(knowledge)
+        self._reader = LabelReader(knowledge, self._resembles, self._written)
+        self.recognise = lru_cache(maxsize=8192)(self._recognise)
+        self.label = lru_cache(maxsize=8192)(self._label)
+
+    def _value(self, feature: str) -> float:
+        value = self._idf[feature]
+        if value < 1.3:
+            return 0.0
+        return 0.6 * value if " " in feature else value
+
+    def _scores(self, text: str) -> tuple[dict[int, float], dict[int, float], dict[int, float]]:
+        """Return weight, share of the best phrase, and value of the distinctive words, by hazard."""
+        tokens = stems(text)
+        shared: dict[int, float] = {}
+        for feature in dict.fromkeys(_features(tokens)):
+            for number, weight in self._postings.get(feature, ()):
+                shared[number] = shared.get(number, 0.0) + weight
+        scores: dict[int, float] = {}
+        shares: dict[int, float] = {}
+        for number, weight in shared.items():
+            owner, share = self._owner[number], weight / self._weight[number]
+            if weight * share > scores.get(owner, 0.0):
+                scores[owner], shares[owner] = weight * share, share
+        named: dict[int, float] = {}
+        for gram in sorted(_grams(tokens, 3)):
+            for owner, value in self._words.get(gram, ()):
+                named[owner] = named.get(owner, 0.0) + value
+        for owner, value in named.items():
+            scores[owner] = scores.get(owner, 0.0) + 0.5 * value
+        return scores, shares, named
+
+    def _recognise(self, text: str, least: float = _ACCEPTED_WEIGHT) -> Recognition:
+        scores, shares, named = self._scores(text)
+        is_driving = "ego" in text.casefold() or not _DRIVING_STEMS.isdisjoint(stems(text))
+        if not scores:
+            return Recognition(None, 0.0, 0.0, is_driving)
+        best = max(scores, key=lambda owner: (scores[owner], -owner))
+        share = shares.get(best, 0.0)
+        weight = scores[best]
+        sure = share >= _ACCEPTED_SHARE or named.get(best, 0.0) >= 4.0
+        accepted = sure and (weight >= least or share >= 0.8)
+        hazard = self.knowledge.hazards[best] if accepted else None
+        return Recognition(hazard, weight, share, is_driving)
+
+    def candidates(self, text: str, share: float = 0.2) -> tuple[tuple[Hazard, float], ...]:
+        """Return the hazards that a text may be about, best first.
+
+        Args:
+            text: The text.
+            share: Least part of the best hazard's weight that another one needs.
+
+        Returns:
+            Each with its weight, in nats; none where the text is too far from all.
+        """
+        scores = self._scores(text)[0]
+        best = max(scores.values(), default=0.0)
+        least = max(share * best, 0.5 * _LABEL_WEIGHT)
+        found = [owner for owner, score in scores.items() if score >= least]
+        found.sort(key=lambda owner: (-scores[owner], owner))
+        return tuple((self.knowledge.hazards[owner], scores[owner]) for owner in found)
+
+    def _label(self, label: str) -> tuple[Hazard | None, bool]:
+        exact = self._labels.get(plain(label))
+        if exact is not None:
+            return exact
+        return next(iter(self.reading(label).hazards), None), False
+
+    def reading(self, label: str) -> Reading:
+        """Return what a label that somebody else may have written names, alternative by alternative.
+
+        A label of a family names nothing: its leaves do.
+        """
+        if plain(label) in self._families:
+            return Reading(())
+        parts = label.split(", or ")
+        if len(parts) > 1 and all(plain(part) in self._labels for part in parts):
+            hazards = (self._labels[plain(part)][0] for part in parts)
+            return Reading(tuple(Alternative(h.label, (Part(h),)) for h in hazards))
+        return self._reader.read(_NUMBER.sub("", label))
+
+    def _resembles(self, text: str) -> Hazard | None:
+        return self._recognise(text, _LABEL_WEIGHT).hazard
+
+    def _written(self, text: str) -> Hazard | None:
+        """Return the hazard of a label that the author wrote."""
+        found = self._labels.get(plain(text))
+        return found[0] if found else None
+
+    def covered_by(self, label: str) -> tuple[Hazard, ...]:
+        """Return the hazards that a leaf's label stands for: one, with its kin if widened, or several."""
+        return self.written(label) or self.reading(label).hazards
+
+    def written(self, label: str) -> tuple[Hazard, ...]:
+        """Return what a label that the author wrote stands for: nothing where it did not."""
+        found = self._labels.get(plain(label))
+        if found is None:
+            return ()
+        hazard, widened = found
+        return (hazard, *self.knowledge.kin(hazard)) if widened else (hazard,)
+
+    def family(self, label: str) -> str | None:
+        """Return the family that a label names."""
+        return self._families.get(plain(label))
+
+    def place(self, text: str, allowed: Sequence[str] = ()) -> Place | None:
+        """Return the kind of road that a text names; `allowed` keys are preferred."""
+        return self._contexts.place(text, allowed)
+
+    def conditions(self, text: str, hazard: Hazard | None = None) -> tuple[Condition, ...]:
+        """Return the weather and time of day that a text names, leaving aside a hazard's own words."""
+        return self._contexts.conditions(text, hazard)
+
+    def traffic(self, text: str) -> Traffic | None:
+        """Return the ordinary traffic that a text names."""
+        return self._contexts.traffic(text)
+
+
+_DRIVING_STEMS = frozenset(stem(word) for word in _DRIVING)
+
+
+def _phrases(hazard: Hazard) -> Iterable[list[str]]:
+    for event in (*hazard.events, *hazard.details):
+        features: list[str] = []
+        for part in event.split("{where}"):
+            features += _features(stems(part))
+        yield features
+    for label in (hazard.label, hazard.wider):
+        if label:
+            yield _features(stems(label))
+
+
+def _grams(tokens: Sequence[str], longest: int) -> set[str]:
+    return {
+        " ".join(tokens[start : start + size])
+        for size in range(1, longest + 1)
+        for start in range(len(tokens) - size + 1)
+    }
+
+
+class _Contexts:
+    """Phrases for places, conditions and traffic, longest first."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        self._knowledge = knowledge
+        self._places = _by_length(
+            (form, p) for p in knowledge.places for phrase in p.phrases for form in _forms(phrase)
+        )
+        self._conditions = _by_length(
+            (phrase, c) for c in knowledge.conditions for phrase in (*c.phrases, *c.statements)
+        )
+        self._traffic = _by_length((phrase, t) for t in knowledge.traffic for phrase in t.phrases)
+
+    def place(self, text: str, allowed: Sequence[str]) -> Place | None:
+        words = f" {plain(text)} "
+        for phrase, place in self._places:
+            if phrase in words:
+                return place
+        best: tuple[float, Place] | None = None
+        for place in self._knowledge.places:
+            hits = sum(f" {plain(word)} " in words for word in place.words)
+            hits += sum(f" {plain(trait.replace('_', ' '))} " in words for trait in place.traits)
+            score = hits + (0.5 if place.key in allowed else 0.0)
+            if hits and (best is None or score > best[0]):
+                best = score, place
+        return best[1] if best else None
+
+    def conditions(self, text: str, hazard: Hazard | None) -> tuple[Condition, ...]:
+        words = f" {plain(text)} "
+        for phrase, condition in self._conditions:
+            if phrase in words:
+                return (condition,)
+        own: Counter[str] = Counter()
+        if hazard is not None:
+            for phrase in (*hazard.events, *hazard.details, hazard.label):
+                own.update(set(plain(phrase).split()))
+        return tuple(
+            condition
+            for condition in self._knowledge.conditions
+            if any(f" {word} " in words and not own[word] for word in condition.words)
+        )
+
+    def traffic(self, text: str) -> Traffic | None:
+        words = f" {plain(text)} "
+        return next((traffic for phrase, traffic in self._traffic if phrase in words), None)
+
+
+def _forms(phrase: str) -> tuple[str, ...]:
+    """Return a phrase for a place, and the place alone, as in a heading."""
+    return (phrase, re.sub(r"^(?:on|along|in|over|across) an? ", "", phrase))
+
+
+def _by_length(pairs: Iterable[tuple[str, Value]]) -> list[tuple[str, Value]]:
+    padded = [(f" {plain(phrase)} ", value) for phrase, value in pairs]
+    return sorted(padded, key=lambda pair: -len(pair[0]))

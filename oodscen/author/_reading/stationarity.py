@@ -1,0 +1,61 @@
+"""Whether a thing moves where no verb says so: what lies, blocks the way or was put there stays."""
+
+import re
+from collections.abc import Collection, Sequence
+
+from oodscen.author._reading import phrases
+from oodscen.author._reading.clauses import Noun, Subject, last_end
+
+_STAYS = "stationary"
+
+
+def usual_motion(
+    text: str, subject: Subject, nouns: Sequence[Noun], told: Collection[str]
+) -> str | None:
+    """Return how a thing moves by what it is and what it does to the road.
+
+    Args:
+        text: That names it.
+        subject: The thing.
+        nouns: All noun phrases of the text.
+        told: Kinds and values, such as `place in_lane`, that are claimed of it already; where a
+            motion is among them, nothing is added.
+
+    Returns:
+        A value of claims of kind motion, or `None` where the text leaves it open.
+    """
+    thing, mention = subject.mention.thing, subject.mention
+    if any(claim.startswith("motion ") for claim in told):
+        return None
+    if mention.word in phrases.BY_NATURE:
+        return phrases.BY_NATURE[mention.word]
+    if subject.is_faint:
+        return None
+    if phrases.STILL_BY_NAME.search(mention.word):
+        return _STAYS
+    if thing.group not in ("object", "signal", "vehicle") or thing.name in phrases.LIGHT:
+        return None
+    begin = last_end(phrases.SENTENCE, text[: mention.start])
+    end = phrases.SENTENCE.search(text, mention.end)
+    sentence = text[begin : end.start() if end else len(text)]
+    if phrases.STIRS.search(phrases.MOVED_PAST.sub(" ", sentence)):
+        return None
+    lead, after = text[begin : mention.start], text[mention.end : begin + len(sentence)]
+    if phrases.BLOCKED.search(lead):
+        return _STAYS
+    if thing.group == "vehicle":
+        is_put = phrases.PUT.search(lead) and not re.search(r"\bleft (?!its )", lead)
+        bars = phrases.BARS.search(after)
+        return _STAYS if is_put or (bars and _governs(subject, bars, nouns)) else None
+    if phrases.BORNE.search(lead):
+        return None
+    is_in_lane = "place in_lane" in told
+    lies = is_in_lane or phrases.BLOCKS.search(sentence) or phrases.PUT.search(lead)
+    return _STAYS if lies else None
+
+
+def _governs(subject: Subject, found: re.Match[str], nouns: Sequence[Noun]) -> bool:
+    """Tell whether nothing else is named between a vehicle and what is said to block."""
+    low = subject.mention.end
+    high = low + found.start()
+    return not any(n.start >= low and n.end <= high and not n.is_oblique for n in nouns)

@@ -1,0 +1,190 @@
+"""Ordinary traffic around the ego when it must decide, which no text mentions."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from oodscen.author._knowledge.base import Company, Recipe, Traffic
+from oodscen.author._staging.actors import Stage
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.prompts._digest import MapLine
+
+_MOST_AHEAD = 280.0
+"""m"""
+_OVERHANGS = 1.2
+"""m from its lane's centre beyond which something may reach into the next lane."""
+_BESIDE = 2.5
+"""m from its lane's centre beyond which something stands off the road."""
+_EAGER = 1.25
+"""How much faster than the ego somebody close behind it would like to drive."""
+_BUMPERS = 9.0
+"""m between two centres when a lorry stands close behind a car."""
+_DRIVES = frozenset(
+    """follow_lane wrong_way cut_in hard_brake stall stop_and_go swerve u_turn wobble drift""".split()
+)
+
+
+def company(
+    kinds: Sequence[Company],
+    road: MapLine,
+    ego: tuple[int, float],
+    actors: Sequence[Actor],
+    decision: tuple[Trigger, str | None],
+    rng: np.random.Generator,
+    *,
+    free: int = 0,
+    is_dense: bool = False,
+) -> list[Actor]:
+    """Draw the ordinary traffic beside the ego and in the oncoming lane.
+
+    Args:
+        kinds: What there may be.
+        road: Has the lanes.
+        ego: Lane from the right, and speed in m/s.
+        actors: Of the scene, counterparts included; a lane in which one of them is stays theirs.
+        decision: When it falls, and to which actor it is measured.
+        rng: Draws.
+        free: Side that must stay free: 1 left, -1 right, 0 neither.
+        is_dense: Whether everybody comes who may.
+    """
+    lane, speed = ego
+    found: list[Actor] = []
+    for kind in kinds:
+        if kind.side == "behind":
+            continue
+        draws = rng.random(3)
+        pick = kind.asset[int(rng.integers(len(kind.asset)))]
+        side = -1 if kind.side == "right" else 1
+        has_room = {
+            "left": lane + 1 < road.lanes,
+            "right": lane > 0,
+            "oncoming": (
+                lane + 1 == road.lanes and road.oncoming_lanes > 0 and "divided" not in road.traits
+            ),
+        }[kind.side]
+        if (draws[0] >= kind.share and not is_dense) or not has_room or side == free:
+            continue
+        if any(_takes(actor, side) for actor in actors):
+            continue
+        own = speed if kind.speed == "ego" else _between(kind.speed, draws[1])
+        own = min(own, road.speed_limit)
+        ahead = _between(kind.gap, draws[2])
+        if kind.side == "oncoming":
+            ahead += (speed + own) * _decision_s(decision, actors, speed)
+        if not 0.0 <= ahead <= _MOST_AHEAD:
+            continue
+        found.append(
+            Actor(
+                id=f"{kind.side}-traffic",
+                asset=pick,
+                placement=Placement(ahead_m=round(ahead, 2), lane=side),
+                behaviour=Behaviour(name="follow_lane", parameters={"speed": round(own, 2)}),
+            )
+        )
+    return found
+
+
+def is_followed(
+    kinds: Sequence[Company],
+    recipe: Recipe,
+    told: Traffic | None,
+    rng: np.random.Generator,
+    *,
+    is_dense: bool = False,
+) -> Company | None:
+    """Return who drives close behind the ego, if anybody does.
+
+    Args:
+        kinds: What there may be.
+        recipe: May forbid or demand it.
+        told: Traffic that the text mentions; where it mentions any, that is all there is.
+        rng: Draws once, whatever comes of it.
+        is_dense: Whether everybody comes who may.
+    """
+    draw = float(rng.random())
+    behind = next((kind for kind in kinds if kind.side == "behind"), None)
+    if behind is None or not recipe.company:
+        return None
+    if recipe.company == "follower" or (told is not None and told.key == "follower"):
+        return behind
+    return behind if told is None and (is_dense or draw < behind.share) else None
+
+
+def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor]:
+    """Draw who drives close behind the ego, unless somebody else is there.
+
+    It would like to go faster than the ego, keeps less than the usual distance and cannot brake as
+    hard as a car: it stops in time behind an ego that brakes calmly, not behind one that brakes
+    with all its might.
+
+    Args:
+        kind: Who it may be, and how it drives.
+        scene: Has the ego's speed and lane.
+        actors: Of the scene so far.
+    """
+    if any(_is_behind(actor) for actor in actors):
+        return []
+    asset = scene.choose(kind.asset)
+    parameters = {name: scene.draw(limits) for name, limits in kind.parameters.items()}
+    parameters["speed"] = round(_EAGER * scene.speed, 2)
+    gap = scene.draw(kind.gap) * scene.speed + _BUMPERS
+    return [
+        Actor(
+            id="behind-traffic",
+            asset=asset,
+            placement=Placement(ahead_m=round(-gap, 2)),
+            behaviour=Behaviour(name="follow_lane", parameters=parameters),
+        )
+    ]
+
+
+def _is_behind(actor: Actor) -> bool:
+    place = actor.placement
+    return place.ahead_m < 0.0 and not place.lane and abs(place.offset_m) < _BESIDE
+
+
+def _between(limits: tuple[float, float], share: float) -> float:
+    return limits[0] + (limits[1] - limits[0]) * float(share)
+
+
+def _takes(actor: Actor, side: int) -> bool:
+    """Tell whether an actor needs the lane on one side of the ego's."""
+    place, behaviour = actor.placement, actor.behaviour
+    parameters = behaviour.parameters
+    aside = side * place.offset_m
+    if side * place.lane > 0:
+        return behaviour.name != "stand" or aside < _BESIDE
+    if place.lane:
+        return False
+    return (
+        aside > _OVERHANGS
+        or side * parameters.get("lanes", 0.0) > 0.0
+        or side * parameters.get("lateral", 0.0) > 0.0
+        or behaviour.name == "u_turn"
+    )
+
+
+def _decision_s(
+    decision: tuple[Trigger, str | None], actors: Sequence[Actor], speed: float
+) -> float:
+    """Estimate when the decision falls, s."""
+    trigger, name = decision
+    if trigger.kind == "time":
+        return trigger.value
+    actor = next((a for a in actors if a.id == name), None)
+    if actor is None:
+        return math.inf
+    closing = max(speed - _along(actor), 0.1)
+    left = trigger.value * closing if trigger.kind == "ttc" else trigger.value
+    return max(0.0, (abs(actor.placement.ahead_m) - left) / closing)
+
+
+def _along(actor: Actor) -> float:
+    """Return an actor's speed along the ego's road before it does anything unusual, m/s."""
+    own = actor.behaviour.parameters.get("speed", 0.0)
+    if actor.behaviour.name == "walk_along":
+        return own * math.cos(math.radians(actor.placement.heading_deg))
+    if actor.behaviour.name not in _DRIVES:
+        return 0.0
+    return -own if actor.behaviour.name == "wrong_way" else own

@@ -1,0 +1,96 @@
+"""How fast the ego comes and how far away it must decide, for a recipe on a kind of road."""
+
+from dataclasses import dataclass
+
+from oodscen.author._knowledge.base import Hazard, Place, Recipe, RecipeActor
+from oodscen.author._staging.anchors import ahead_of_start
+
+_COMFORTABLE = 3.5
+"""m/s^2: braking that most cars do without drama."""
+_LANE_CHANGE_S = 2.4
+"""s that a change of lane takes."""
+_HARDEST = 8.0
+"""m/s^2: braking in an emergency, on a dry road."""
+_GRIP = 9.3
+"""m/s^2 that a dry road gives."""
+_EGO_LENGTH, _EGO_WIDTH = 4.5, 1.85
+_LANE_WIDTH = 3.6
+
+
+@dataclass(frozen=True)
+class Approach:
+    """The ego's way towards what it meets."""
+
+    speed: tuple[float, float]
+    """m/s"""
+    ahead: tuple[float, float]
+    """m from the ego's start to the actor that the decision is about."""
+
+
+def room(speed: float, friction: float = 1.0) -> float:
+    """Return the distance in which a car can stop calmly or change lane, m."""
+    return max(speed * speed / (2.0 * _COMFORTABLE * friction), _LANE_CHANGE_S * speed)
+
+
+def spare(recipe: Recipe) -> float:
+    """Return what a recipe's decision distance has beyond `room`, m."""
+    low, high = recipe.speed
+    return max(0.5 * sum(recipe.decision.value) - room(0.5 * (low + high)), 3.0)
+
+
+def braking(speed: float, friction: float = 1.0) -> float:
+    """Return the distance between centres at which emergency braking just avoids a small thing, m."""
+    return speed * speed / (2.0 * min(_HARDEST, _GRIP * friction)) + 0.5 * _EGO_LENGTH + 0.6
+
+
+def calm_braking(speed: float, friction: float = 1.0) -> float:
+    """Return the same for braking without drama."""
+    least = min(_COMFORTABLE, _GRIP * friction)
+    return speed * speed / (2.0 * least) + 0.5 * _EGO_LENGTH + 0.6
+
+
+def swerving(speed: float, width: float, aside: float = 0.0) -> float:
+    """Return the same for a change of lane.
+
+    Args:
+        speed: Of the ego, m/s.
+        width: Of what is in the way, m.
+        aside: How far it is from the lane's centre, away from where the ego goes, m.
+    """
+    share = (0.5 * (_EGO_WIDTH + width) + 0.25 - aside) / _LANE_WIDTH
+    low, high = 0.0, 1.0
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        is_less = middle**3 * (10.0 - 15.0 * middle + 6.0 * middle * middle) < share
+        low, high = (middle, high) if is_less else (low, middle)
+    return 3.0 * high * speed + 0.5 * _EGO_LENGTH + 1.6
+
+
+def scales(recipe: Recipe) -> bool:
+    """Tell whether a recipe may be played at the usual speed of any road: nothing in it moves."""
+    return recipe.is_static and recipe.decision.kind == "distance"
+
+
+def decisive(recipe: Recipe) -> RecipeActor | None:
+    """Return the actor to which the decision is measured, else the first unusual one."""
+    for actor in recipe.actors:
+        if recipe.decision.actor in actor.names:
+            return actor
+    unusual = [actor for actor in recipe.actors if actor.hazard]
+    return next(iter(unusual or recipe.actors), None)
+
+
+def approach(hazard: Hazard, place: Place) -> Approach:
+    """Return speeds and distances that suit a hazard on a kind of road."""
+    recipe = hazard.stage
+    if recipe is not None:
+        actor = decisive(recipe)
+        ahead = None if actor is None else ahead_of_start(recipe, actor)
+        if ahead is not None and not scales(recipe):
+            return Approach(recipe.speed, ahead)
+        if actor is not None:
+            speed = 0.5 * sum(place.speed)
+            decision = room(speed) + spare(recipe)
+            return Approach(place.speed, (decision + 1.6 * speed, decision + 3.0 * speed))
+    speed = 0.5 * sum(place.speed)
+    return Approach(place.speed, (3.5 * speed, 6.0 * speed))

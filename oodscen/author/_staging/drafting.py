@@ -1,0 +1,312 @@
+"""Staging: from a text and a catalogue's digest to the draft of a scene, by recipe."""
+
+import re
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from oodscen._seeding import stream
+from oodscen.author._feasibility import WeatherLimits
+from oodscen.author._knowledge.base import Hazard, Knowledge, Place, Recipe, RecipeActor, Traffic
+from oodscen.author._reading.claim_extraction import read_claims
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._staging import decision_timing as approach
+from oodscen.author._staging.actors import Stage, cast, told_traffic
+from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
+from oodscen.author._staging.background_traffic import company, follower, is_followed
+from oodscen.author._staging.lanes import settled, varied
+from oodscen.author._staging.weather import draw_weather
+from oodscen.claims._roads import is_so
+from oodscen.claims._things import Thing, mentions
+from oodscen.data._claim import Claim
+from oodscen.data._scene import Actor, Ego, Trigger
+from oodscen.data._scene import Hazard as Unusual
+from oodscen.errors import LLMError
+from oodscen.prompts import SceneDraft, StageScene
+from oodscen.prompts._digest import CatalogueDigest, MapLine
+from oodscen.prompts._scenario.describe_path import plain
+
+_DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
+_LEAST_SPEED = 3.0
+"""m/s"""
+_LATE = 0.75
+"""Share of late decisions where there is a distance from which only a change of lane helps."""
+_URGENT = 0.55
+"""Share of the others that come where emergency braking suffices and calm braking hardly does."""
+_HURRIED = 0.35
+"""Share of the scenes in which somebody crosses, or a group blocks the road, where the same is so."""
+_EVADING_S = 2.2
+"""s before a head-on meeting at which there is still time to evade."""
+_STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
+"""Behaviours that do not change how far away along the road somebody is."""
+_CLEAR_PX = 400.0
+"""What covers less of the dash camera's picture, in square pixels, is not made out at a glance."""
+_ASIDE = 0.4
+"""m by which an obstacle that calls for a change of lane lies on the other side of its lane."""
+_INSIDE = 1.2
+"""m from its lane's centre within which something is in the way."""
+
+
+class Stager:
+    """Answers `StageScene`."""
+
+    def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
+        """Stage with the recipes of a knowledge base."""
+        self.knowledge = knowledge
+        self.recogniser = recogniser
+
+    def stage(self, prompt: StageScene, seed: int, attempt: int) -> SceneDraft:
+        """Set up a scene for a text.
+
+        Args:
+            prompt: The text and what the simulator offers.
+            seed: Of the author.
+            attempt: 0 at first; another attempt draws other values.
+
+        Raises:
+            LLMError: When the text shows nothing that the author can stage.
+        """
+        hazard = self._hazard(prompt)
+        assert hazard.stage is not None
+        recipe = varied(hazard.stage, prompt.text)
+        said = read_claims(prompt.text)
+        rng = stream(seed, "stage", prompt.text, attempt)
+        place = self._place(prompt.text, hazard, rng)
+        road = _map_for(place, hazard, prompt.catalogue, said)
+        told = self.recogniser.conditions(prompt.text, hazard)
+        limits = WeatherLimits.of(prompt.catalogue.weather)
+        weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng, said)
+        distance = _distance(prompt.text)
+        recipe, lane = settled(recipe, road, prompt.text, rng)
+        scene = _set(prompt.catalogue, road, recipe, place, lane, rng)
+        traffic = self.recogniser.traffic(prompt.text)
+        scene.named, others = _named(prompt.text, said, traffic)
+        is_dense = any(_is_busy(claim) for claim in said)
+        tailgater = is_followed(self.knowledge.company, recipe, traffic, rng, is_dense=is_dense)
+        scene.is_followed = tailgater is not None
+        shift, decision = _timing(scene, weather.friction, distance)
+        recipe = scene.recipe
+        actors: list[Actor] = []
+        unusual: dict[str, Actor | None] = {}
+        for part in recipe.actors:
+            for actor, counterpart in cast(part, scene, shift):
+                actors.append(actor)
+                if part.hazard:
+                    unusual[actor.id] = counterpart
+        if traffic is not None and traffic.actor is not None:
+            actors += told_traffic(traffic.actor, scene, others)
+        is_told = is_dense or (traffic is not None and traffic.key == "follower")
+        if tailgater is not None and (scene.is_followed or is_told):
+            actors += follower(tailgater, scene, actors)
+        decisive = decision.actor or next(iter(unusual), None)
+        if traffic is None and recipe.company and attempt < 2:
+            actors += company(
+                self.knowledge.company,
+                road,
+                (scene.ego_lane, scene.speed),
+                [*actors, *(twin for twin in unusual.values() if twin is not None)],
+                (decision, decisive),
+                rng,
+                free=scene.escape,
+                is_dense=is_dense,
+            )
+        if ordinary is None and not unusual:
+            raise LLMError(f"the recipe for {hazard.label!r} has no hazard", model="builtin")
+        return SceneDraft(
+            reasoning=(
+                f"The text is about: {hazard.label}. It fits {road.description}; the ego drives "
+                f"at {scene.speed:g} m/s."
+            ),
+            map=road.id,
+            ego=Ego(speed=scene.speed, lane=scene.ego_lane),
+            weather=weather,
+            actors=actors,
+            hazard=Unusual(actors=unusual, weather=ordinary),
+            decision=decision
+            if decision.kind == "time"
+            else decision.model_copy(update={"actor": decisive}),
+            horizon_s=recipe.horizon,
+        )
+
+    def _hazard(self, prompt: StageScene) -> Hazard:
+        """Recognise the hazard from the text, or failing that from its kind."""
+        hazard = self.recogniser.recognise(prompt.text).hazard
+        if hazard is None and prompt.path:
+            hazard, _ = self.recogniser.label(prompt.path[-1])
+        if hazard is None:
+            raise LLMError("the built-in author does not recognise the text", model="builtin")
+        if hazard.stage is None:
+            raise LLMError(
+                f"the built-in author has no recipe to stage {hazard.label!r}", model="builtin"
+            )
+        return hazard
+
+    def _place(self, text: str, hazard: Hazard, rng: np.random.Generator) -> Place:
+        told = self.recogniser.place(text, hazard.places)
+        if told is not None and told.key in hazard.places:
+            return told
+        fitting = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
+        if told is not None:
+            alike = max(len(set(told.traits) & set(p.traits)) for p in fitting)
+            fitting = [p for p in fitting if len(set(told.traits) & set(p.traits)) == alike]
+        return fitting[int(rng.integers(len(fitting)))]
+
+
+def _distance(text: str) -> float | None:
+    found = _DISTANCE.search(text)
+    return float(found.group(1)) if found else None
+
+
+def _named(
+    text: str, said: Sequence[Claim], traffic: Traffic | None
+) -> tuple[tuple[Thing, ...], tuple[Thing, ...]]:
+    """Return the things that a text names, those of its ordinary traffic apart."""
+    words = plain(text)
+    phrase = next((p for p in traffic.phrases if plain(p) in words), "") if traffic else ""
+    of_traffic = {mention.thing for mention in mentions(phrase)}
+    quotes = [claim.quote for claim in said if claim.kind == "thing"]
+    things = list(dict.fromkeys(m.thing for quote in quotes for m in mentions(quote)))
+    told = [thing for thing in things if thing not in of_traffic or _is_twice(thing, quotes)]
+    return tuple(told), tuple(of_traffic)
+
+
+def _is_twice(thing: Thing, quotes: Sequence[str]) -> bool:
+    return sum(mention.thing is thing for quote in quotes for mention in mentions(quote)) > 1
+
+
+def _is_busy(claim: Claim) -> bool:
+    """Tell whether a claim asks for more road users than a recipe has."""
+    if claim.kind == "count":
+        return claim.subject in ("vehicle", "car")
+    return claim.kind == "traffic" and claim.value == "dense"
+
+
+def _map_for(
+    place: Place, hazard: Hazard, digest: CatalogueDigest, said: Sequence[Claim] = ()
+) -> MapLine:
+    """Return the map of which most of what a text says is true, then the one most like the place."""
+    needed = set(hazard.needs.traits)
+    fitting = [
+        road
+        for road in digest.maps
+        if needed <= set(road.features) and has_landmarks(road, hazard.stage)
+    ]
+    if not fitting:
+        raise LLMError("no map of the simulator fits the text", model="builtin")
+    told = [claim for claim in said if claim.kind in ("road", "lanes", "own_lanes")]
+    return max(
+        fitting,
+        key=lambda road: (
+            sum(is_so(claim, road) for claim in told),
+            len(set(place.traits) & set(road.traits)),
+        ),
+    )
+
+
+def _set(
+    digest: CatalogueDigest,
+    road: MapLine,
+    recipe: Recipe,
+    place: Place,
+    lane: int,
+    rng: np.random.Generator,
+) -> Stage:
+    """Choose the ego's speed."""
+    limits = place.speed if approach.scales(recipe) else recipe.speed
+    wanted = round(float(rng.uniform(*limits)), 2)
+    speed = round(min(wanted, road.speed_limit), 2)
+    return Stage(
+        digest=digest,
+        road=road,
+        recipe=recipe,
+        rng=rng,
+        speed=speed,
+        slowed=speed / wanted,
+        ego_lane=lane,
+    )
+
+
+def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[float, Trigger]:
+    """Return by how far all actors move along the road, and the decision's trigger.
+
+    A distance in the text is where the scene starts: the decision comes later.
+    """
+    recipe, decision = scene.recipe, scene.recipe.decision
+    value = scene.draw(decision.value)
+    actor = approach.decisive(recipe)
+    shift = 0.0
+    if actor is not None and root(recipe, actor).at in LANDMARKS:
+        if approach.scales(recipe):
+            value = _room(scene, actor, friction)(scene.speed)
+    elif actor is not None and approach.scales(recipe):
+        away = _room(scene, actor, friction)
+        middle = 0.5 * sum(actor.ahead)
+        value = away(scene.speed)
+        if distance is not None:
+            while scene.speed > _LEAST_SPEED and value + 0.7 * scene.speed > distance:
+                scene.speed = round(0.95 * scene.speed, 2)
+                value = away(scene.speed)
+            value = min(value, max(distance - 2.0, 1.0))
+            shift = distance - middle
+        else:
+            shift = value + scene.speed * float(scene.rng.uniform(1.6, 3.0)) - middle
+    elif actor is not None and distance is not None:
+        low, high = actor.ahead
+        shift = min(max(distance, low), high) - 0.5 * (low + high)
+    if actor is not None and decision.kind == "ttc":
+        value = _hurried(scene, actor, friction, value)
+    return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
+
+
+def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) -> float:
+    """Return the time to collision of the decision: so late that the actor is made out.
+
+    In some of the scenes it comes so late that only hard braking suffices.
+    """
+    draw, share = (float(draw) for draw in scene.rng.random(2))
+    along = scene.along(actor)
+    closing = scene.speed - along
+    if closing < _LEAST_SPEED:
+        return seconds
+    reach = scene.reach(actor)
+    hard = approach.braking(closing, friction) + reach + 1.0
+    calm = max(approach.calm_braking(closing, friction) + reach, hard)
+    least = _EVADING_S * closing if along < -1.0 else hard
+    away = seconds * closing
+    while away > least and scene.pixels(actor, away) < _CLEAR_PX:
+        away *= 0.95
+    if away < calm:
+        scene.is_followed = False
+    if actor.behaviour in _STILL and not scene.is_followed and draw < _HURRIED:
+        away = min(away, hard + 0.6 * share * (calm - hard))
+    return min(seconds, away / closing)
+
+
+def _room(scene: Stage, actor: RecipeActor, friction: float) -> Callable[[float], float]:
+    """Choose how much room the decision leaves, and return it as a function of the speed, m.
+
+    There is room to stop calmly or to change lane; or just to brake hard; or, where the speed is
+    such that this takes longer, just to change lane.
+    """
+    recipe, spare = scene.recipe, approach.spare(scene.recipe)
+    late, urgent, share = (float(draw) for draw in scene.rng.random(3))
+    is_inside = max(map(abs, actor.offset)) < _INSIDE
+    if scene.is_followed:
+        urgent = 1.0
+    if recipe.width and is_inside and late < _LATE and scene.road.lanes > 1:
+        low = approach.swerving(scene.speed, recipe.width, _ASIDE)
+        high = approach.braking(scene.speed, friction)
+        if low + 0.5 <= high - 1.5:
+            scene.escape = 1 if scene.ego_lane + 1 < scene.road.lanes else -1
+            aside = -scene.escape * _ASIDE
+            moved = actor.model_copy(update={"offset": (aside - 0.05, aside + 0.05)})
+            actors = tuple(moved if a is actor else a for a in recipe.actors)
+            scene.recipe = recipe.model_copy(update={"actors": actors})
+            value = low + share * (high - 1.5 - low)
+            return lambda speed: value
+    is_unseen = scene.pixels(actor, approach.room(scene.speed, friction) + spare) < _CLEAR_PX
+    if is_unseen:
+        scene.is_followed = False
+    if urgent < _URGENT or is_unseen:
+        return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
+    return lambda speed: approach.room(speed, friction) + (0.9 + 0.4 * share) * spare

@@ -1,0 +1,163 @@
+"""Which lane the ego drives in, and what that means for everything that a recipe places."""
+
+import re
+from collections.abc import Iterable
+
+import numpy as np
+
+from oodscen.author._knowledge.base import Counterpart, Range, Recipe, RecipeActor
+from oodscen.prompts._digest import MapLine
+from oodscen.prompts._scenario.describe_path import plain
+
+_BESIDE = 2.0
+"""m from a lane's centre beyond which something is beside the lane."""
+_LANE_WIDTH = 3.5
+_OTHER_LANE = 0.75
+"""Share of the scenes in which the ego is not in the rightmost lane, where it need not be."""
+_MIRRORED = 0.5
+_CROSSES = frozenset({"cross_road", "hesitate", "bolt"})
+_SIDED = frozenset({"lanes", "lateral"})
+"""Parameters that count to the left."""
+_NAMES_LANE = re.compile(
+    r"\b(?:left|right|nearside|offside|inside|outside|outer|inner|middle|centre|slow|fast|overtaking|"
+    r"left-hand|right-hand|nearside \w+|kerbside|first|second|third) lane\b|"
+    r"\blane (?:to|on) \w+ (?:left|right)\b",
+    re.IGNORECASE,
+)
+_NAMES_SIDE = re.compile(
+    r"\b(?:left|right|left-hand|right-hand|nearside|offside|shoulder|kerb|median|central)\b",
+    re.IGNORECASE,
+)
+
+
+_OTHER_STATE = {
+    "left": "right",
+    "right": "left",
+    "indicate_left": "indicate_right",
+    "indicate_right": "indicate_left",
+}
+
+
+def varied(recipe: Recipe, text: str) -> Recipe:
+    """Return a recipe with the changes that go with the words of a text."""
+    words = f" {plain(text)} "
+    for variant in recipe.variants:
+        if any(f" {plain(phrase)} " in words for phrase in variant.words):
+            actors = tuple(_changed(a, variant.actors.get(a.id)) for a in recipe.actors)
+            return recipe.model_copy(update={"actors": actors})
+    return recipe
+
+
+def _changed(actor: RecipeActor, change: Counterpart | None) -> RecipeActor:
+    if change is None:
+        return actor
+    fields = {
+        name: getattr(change, name)
+        for name in type(change).model_fields
+        if getattr(change, name) is not None
+    }
+    if "lane" in fields:
+        fields["lane"] = (fields["lane"],)
+    if "parameters" in fields:
+        fields["parameters"] = {**actor.parameters, **fields["parameters"]}
+    return actor.model_copy(update=fields)
+
+
+def settled(
+    recipe: Recipe, road: MapLine, text: str, rng: np.random.Generator
+) -> tuple[Recipe, int]:
+    """Choose the ego's lane.
+
+    Args:
+        recipe: With places that are meant for the rightmost lane.
+        road: Has the lanes.
+        text: Whether it names a lane or a side decides whether there is a choice.
+        rng: Chooses.
+
+    Returns:
+        The recipe with places that are right for the lane, and the lane, counted from the right.
+    """
+    least = max(0, -min((min(a.lane) for a in recipe.actors if len(a.lane) == 1), default=0))
+    lane = min(least, road.lanes - 1)
+    draw, other = float(rng.random()), int(rng.integers(1, max(road.lanes, 2)))
+    if recipe.ego_lane == "right" or road.lanes < 2 or _NAMES_LANE.search(text):
+        return recipe, lane
+    if recipe.ego_lane == "mirror":
+        if draw >= _MIRRORED or _NAMES_SIDE.search(text):
+            return recipe, lane
+        return _mirrored(recipe), road.lanes - 1
+    if draw >= _OTHER_LANE:
+        return recipe, lane
+    actors = tuple(_at_the_kerb(actor, other) for actor in recipe.actors)
+    return recipe.model_copy(update={"actors": actors}), other
+
+
+def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
+    """Leave what is beside the road where it is, although the ego is some lanes further left.
+
+    Who crosses the road from there has further to go, and starts earlier.
+    """
+    update: dict[str, object] = {}
+    if actor.at == "start" and actor.lane == (0,) and max(actor.offset) < -_BESIDE:
+        update["lane"] = (-lanes,)
+        if actor.behaviour in _CROSSES:
+            further = _LANE_WIDTH * lanes
+            low, high = _numbers(actor, "distance", 12.0)
+            update["parameters"] = {
+                **actor.parameters,
+                "distance": (low + further, high + further),
+            }
+            seconds = further / (0.5 * sum(_numbers(actor, "speed", 1.4)))
+            sooner = {"ttc": seconds, "distance": 10.0 * seconds}.get(actor.trigger.kind, 0.0)
+            low, high = actor.trigger.value
+            value = (low + sooner, high + sooner)
+            update["trigger"] = actor.trigger.model_copy(update={"value": value})
+    twin = actor.ordinary
+    if "lane" not in update and isinstance(twin, Counterpart) and _steps_aside(twin):
+        update["ordinary"] = twin.model_copy(update={"lane": -lanes})
+    return actor.model_copy(update=update)
+
+
+def _numbers(actor: RecipeActor, name: str, default: float) -> Range:
+    limits = actor.parameters.get(name, (default, default))
+    return (default, default) if limits == "ego" else limits
+
+
+def _steps_aside(twin: Counterpart) -> bool:
+    return twin.lane is None and twin.offset is not None and max(twin.offset) < -_BESIDE
+
+
+def _mirrored(recipe: Recipe) -> Recipe:
+    """Return a recipe with left and right exchanged."""
+    return recipe.model_copy(update={"actors": tuple(_mirrored_actors(recipe.actors))})
+
+
+def _mirrored_actors(actors: Iterable[RecipeActor]) -> Iterable[RecipeActor]:
+    for actor in actors:
+        update: dict[str, object] = {
+            "lane": tuple(-lane for lane in actor.lane),
+            "offset": _negative(actor.offset),
+            "heading_deg": _negative(actor.heading_deg),
+            "parameters": {
+                key: _negative(limits) if key in _SIDED and limits != "ego" else limits
+                for key, limits in actor.parameters.items()
+            },
+            "spread_offset": -actor.spread_offset,
+            "state": _OTHER_STATE.get(actor.state, actor.state),
+        }
+        twin = actor.ordinary
+        if isinstance(twin, Counterpart):
+            update["ordinary"] = twin.model_copy(
+                update={
+                    "lane": None if twin.lane is None else -twin.lane,
+                    "offset": None if twin.offset is None else _negative(twin.offset),
+                    "heading_deg": (
+                        None if twin.heading_deg is None else _negative(twin.heading_deg)
+                    ),
+                }
+            )
+        yield actor.model_copy(update=update)
+
+
+def _negative(limits: Range) -> Range:
+    return (-limits[1], -limits[0])

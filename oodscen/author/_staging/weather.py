@@ -1,0 +1,120 @@
+"""Drawing a scene's weather: what the text says, what the recipe demands, what can be shown."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from oodscen.author._feasibility import WeatherLimits
+from oodscen.author._knowledge.base import Condition, Knowledge, Range, Recipe
+from oodscen.data._claim import Claim
+from oodscen.data._scene import Weather
+
+_DRY = {"precipitation": "none", "precipitation_mm_h": 0.0}
+
+
+def draw_weather(
+    recipe: Recipe,
+    told: tuple[Condition, ...],
+    knowledge: Knowledge,
+    limits: WeatherLimits,
+    rng: np.random.Generator,
+    said: Sequence[Claim] = (),
+) -> tuple[Weather, Weather | None]:
+    """Return the weather of a scene, and the ordinary weather where the weather is the hazard.
+
+    Args:
+        recipe: Of the hazard; its weather goes before what the text tells.
+        told: Conditions that the text names, clear weather if none.
+        knowledge: Knows what clear weather is.
+        limits: What the simulator can show.
+        rng: Draws from the ranges.
+        said: What the text claims, in more detail than conditions have.
+    """
+    fields: dict[str, Any] = {}
+    clear = knowledge.condition_keys.get("clear")
+    layers = [clear.weather] if clear is not None else []
+    layers += [
+        c.weather for c in sorted(told, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
+    ]
+    for layer in (*layers, recipe.weather):
+        fields.update(_drawn(layer, rng))
+    dark = [c for c in told if _is_dark(c)]
+    if dark and "sun_elevation_deg" not in recipe.weather:
+        fields.update(_drawn({"sun_elevation_deg": dark[0].weather["sun_elevation_deg"]}, rng))
+    _agree(fields, {c.value for c in said if c.kind in ("weather", "time")}, recipe, rng)
+    weather = _shown(fields, limits)
+    if not recipe.ordinary_weather:
+        return weather, None
+    ordinary = {**weather.model_dump(), **recipe.ordinary_weather}
+    return weather, _shown(ordinary, limits)
+
+
+def _agree(
+    fields: dict[str, Any], said: set[str], recipe: Recipe, rng: np.random.Generator
+) -> None:
+    """Change weather so that it agrees with a text, but for what the recipe demands.
+
+    Args:
+        fields: Of the weather; changed.
+        said: Values of claims of kind weather and time.
+        recipe: Of the hazard.
+        rng: Draws; as often for every text.
+    """
+    draw = float(rng.random())
+    for value, field, (least, most), (low, high), more in _AGREED:
+        if value not in said or field in recipe.weather or more.keys() & recipe.weather.keys():
+            continue
+        current = float(fields.get(field, Weather.model_fields[field].default))
+        if not least <= current <= most:
+            fields[field] = round(low + draw * (high - low), 2)
+            fields.update(more)
+
+
+_RAIN, _SNOW = {"precipitation": "rain"}, {"precipitation": "snow"}
+_AGREED: tuple[tuple[str, str, Range, Range, dict[str, str]], ...] = (
+    ("clear", "cloud_cover", (0.0, 0.4), (0.0, 0.3), {}),
+    ("cloudy", "cloud_cover", (0.7, 1.0), (0.85, 1.0), {}),
+    ("light_rain", "precipitation_mm_h", (0.1, 2.5), (0.8, 2.4), _RAIN),
+    ("heavy_rain", "precipitation_mm_h", (8.0, 100.0), (9.0, 16.0), _RAIN),
+    ("light_snow", "precipitation_mm_h", (0.1, 2.0), (0.6, 1.9), _SNOW),
+    ("heavy_snow", "precipitation_mm_h", (4.0, 100.0), (5.0, 9.0), _SNOW),
+    ("wet_road", "friction", (0.1, 0.8), (0.65, 0.75), {}),
+    ("slippery_road", "friction", (0.1, 0.5), (0.25, 0.4), {}),
+    ("fog", "fog_visual_range_m", (0.0, 900.0), (180.0, 400.0), {}),
+    ("thick_fog", "fog_visual_range_m", (0.0, 180.0), (50.0, 110.0), {}),
+    ("day", "sun_elevation_deg", (1.0, 90.0), (25.0, 45.0), {}),
+    ("night", "sun_elevation_deg", (-90.0, -6.0), (-28.0, -18.0), {}),
+    ("twilight", "sun_elevation_deg", (-6.0, 5.0), (-2.5, -0.9), {}),
+    ("low_sun", "sun_elevation_deg", (1.0, 14.0), (4.0, 9.0), {}),
+)
+"""What a claim demands of a field, what is drawn where that is not so, and what goes with it."""
+
+
+def _is_dark(condition: Condition) -> bool:
+    sun = condition.weather.get("sun_elevation_deg")
+    return isinstance(sun, tuple) and sun[1] < 0.0
+
+
+def _drawn(layer: Mapping[str, Any], rng: np.random.Generator) -> dict[str, Any]:
+    drawn: dict[str, Any] = {}
+    for field in sorted(layer):
+        value = layer[field]
+        drawn[field] = value if isinstance(value, str) else round(float(rng.uniform(*value)), 2)
+    return drawn
+
+
+def _shown(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
+    """Bring weather within what can be shown."""
+    kept = dict(fields)
+    kinds = {"rain": limits.rain, "snow": limits.snow, "none": True}
+    if not kinds[str(kept.get("precipitation", "none"))]:
+        kept.update(_DRY)
+    if kept.get("precipitation_mm_h"):
+        kept["precipitation_mm_h"] = min(kept["precipitation_mm_h"], limits.intensity)
+    if "fog_visual_range_m" in kept:
+        kept["fog_visual_range_m"] = max(kept["fog_visual_range_m"], limits.fog_m)
+    kept["friction"] = max(kept.get("friction", 1.0), limits.friction)
+    if not limits.night:
+        kept["sun_elevation_deg"] = max(kept.get("sun_elevation_deg", 45.0), 0.0)
+    return Weather.model_validate(kept)

@@ -1,0 +1,297 @@
+"""Answers about the tree: proposing one, and finding the place of a scenario in it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.errors import LLMError
+from oodscen.prompts import PlacedScenario, PlaceScenario, ProposedNode, ProposedTree, ProposeTree
+from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits
+from oodscen.tree._scenario_tree import CLASSES, ROOT, Node
+
+_ROOT_LABEL = "Out-of-distribution driving scenario"
+
+
+# ------------------------------------------------------------------ proposing a tree
+
+
+@dataclass
+class _Draft:
+    """The hazards chosen so far, by family, and the nodes that they take."""
+
+    room: int
+    """Nodes that are still free."""
+    families: dict[str, list[Hazard]] = field(default_factory=dict)
+    bare: list[Hazard] = field(default_factory=list)
+    """Leaves that hang below their class, where a family would be one node too many."""
+
+    def cost(self, hazard: Hazard) -> int:
+        return 1 if hazard.family in self.families else 2
+
+    def add(self, hazard: Hazard) -> None:
+        self.room -= self.cost(hazard)
+        self.families.setdefault(hazard.family, []).append(hazard)
+
+    @property
+    def chosen(self) -> list[Hazard]:
+        return [*(h for leaves in self.families.values() for h in leaves), *self.bare]
+
+
+class TreeAuthor:
+    """Answers `ProposeTree` and `PlaceScenario`."""
+
+    def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
+        """Work on a knowledge base; the paper's scenarios are looked up in it once."""
+        self.knowledge = knowledge
+        self.recogniser = recogniser
+        self.simulated = self._named(knowledge.paper.simulated)
+        self.mentioned = self._named(knowledge.paper.mentioned)
+
+    def _named(self, descriptions: Sequence[str]) -> tuple[Hazard, ...]:
+        found = [self.recogniser.recognise(text).hazard for text in descriptions]
+        return tuple({hazard.id: hazard for hazard in found if hazard is not None}.values())
+
+    def _numbers(self, descriptions: Sequence[str]) -> dict[str, int]:
+        """Return by hazard the number of the first example that describes it."""
+        found: dict[str, int] = {}
+        for number, text in enumerate(descriptions, start=1):
+            hazard = self.recogniser.recognise(text).hazard
+            if hazard is not None:
+                found.setdefault(hazard.id, number)
+        return found
+
+    def propose(self, prompt: ProposeTree, rng: np.random.Generator) -> ProposedTree:
+        """Arrange the paper's scenarios and a seeded choice of others as a tree of given size."""
+        draft = _Draft(room=prompt.nodes - 1 - len(CLASSES))
+        if draft.room < len(self.simulated):
+            least = 1 + len(CLASSES) + len(self.simulated)
+            raise LLMError(f"the built-in author needs at least {least} nodes", model="builtin")
+        self._found(draft)
+        if draft.room:
+            examples = self._named(prompt.asked.given)
+            for hazard in (*self.mentioned, *examples[:6]):
+                known = {h.id for h in draft.chosen}
+                if hazard.id not in known and draft.cost(hazard) <= draft.room:
+                    draft.add(hazard)
+            self._fill(draft, rng)
+        if draft.room:
+            size = 1 + len(CLASSES) + len(self.knowledge.hazards) + len(self.knowledge.families)
+            raise LLMError(
+                f"the built-in author knows enough for {size} nodes, not {prompt.nodes}",
+                model="builtin",
+            )
+        return self._lay_out(draft, self._numbers(prompt.asked.given))
+
+    def _found(self, draft: _Draft) -> None:
+        """Place the simulated scenarios; where the tree is tiny, some without their family."""
+        members: dict[str, list[Hazard]] = {}
+        for hazard in self.simulated:
+            members.setdefault(hazard.family, []).append(hazard)
+        spare = draft.room - len(self.simulated)
+        for leaves in sorted(members.values(), key=lambda leaves: -len(leaves)):
+            if spare > 0:
+                spare -= 1
+                for hazard in leaves:
+                    draft.add(hazard)
+            else:
+                draft.bare += leaves
+                draft.room -= len(leaves)
+
+    def _fill(self, draft: _Draft, rng: np.random.Generator) -> None:
+        """Use up the room, balanced between the classes, families of several leaves preferred."""
+        order = [self.knowledge.hazards[i] for i in rng.permutation(len(self.knowledge.hazards))]
+        taken = {hazard.id for hazard in draft.chosen}
+        left = [hazard for hazard in order if hazard.id not in taken]
+        while draft.room and left:
+            counts = dict.fromkeys(("environmental", "interactional"), 0)
+            for hazard in draft.chosen:
+                counts[hazard.class_name] += 1
+
+            def rank(hazard: Hazard, counts: dict[str, int] = counts) -> tuple[int, int]:
+                size = len(draft.families.get(hazard.family, ()))
+                lonely = {1: 0, 0: 1, 2: 2}.get(size, size + 1)
+                return lonely if draft.room > 2 or size else 9, counts[hazard.class_name]
+
+            best = min(left, key=lambda h: (rank(h)[1], rank(h)[0]))
+            if draft.cost(best) > draft.room:
+                fitting = [hazard for hazard in left if draft.cost(hazard) <= draft.room]
+                if not fitting:
+                    draft.bare.append(best)
+                    draft.room -= 1
+                    return
+                best = min(fitting, key=lambda h: (rank(h)[1], rank(h)[0]))
+            draft.add(best)
+            left.remove(best)
+
+    def _lay_out(self, draft: _Draft, examples: Mapping[str, int]) -> ProposedTree:
+        nodes = [ProposedNode(number=1, parent=0, label=_ROOT_LABEL)]
+        classes = {}
+        for label in CLASSES:
+            classes[label.casefold()] = len(nodes) + 1
+            nodes.append(ProposedNode(number=len(nodes) + 1, parent=1, label=label))
+        for class_name, top in classes.items():
+            for family, leaves in draft.families.items():
+                if leaves[0].class_name != class_name:
+                    continue
+                parent = len(nodes) + 1
+                nodes.append(ProposedNode(number=parent, parent=top, label=family))
+                for hazard in leaves:
+                    nodes.append(
+                        ProposedNode(
+                            number=len(nodes) + 1,
+                            parent=parent,
+                            label=hazard.label,
+                            example=examples.get(hazard.id),
+                        )
+                    )
+            for hazard in draft.bare:
+                if hazard.class_name == class_name:
+                    nodes.append(
+                        ProposedNode(
+                            number=len(nodes) + 1,
+                            parent=top,
+                            label=hazard.label,
+                            example=examples.get(hazard.id),
+                        )
+                    )
+        return ProposedTree(nodes=nodes)
+
+    # -------------------------------------------------------------- placing a scenario
+
+    def place(self, prompt: PlaceScenario) -> PlacedScenario:
+        """Find the branch for a text, or the change that makes the tree cover it."""
+        found = self.recogniser.recognise(prompt.text)
+        hazard = found.hazard
+        if hazard is None:
+            if found.is_driving:
+                reason = "The text describes driving, but nothing in it is out of the ordinary."
+                return PlacedScenario(reasoning=reason, decision="not-ood")
+            return PlacedScenario(reasoning="The text is not about driving.", decision="off-topic")
+        outline = _Outline(prompt)
+        placed = (
+            self._covered(hazard, outline)
+            or self._broadened(hazard, outline)
+            or self._added(hazard, outline)
+        )
+        if prompt.procedure == "paper":
+            return placed
+        return placed.model_copy(update={"also": self._also(prompt, hazard, placed.node)})
+
+    def _covered(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
+        for leaf in outline.leaves:
+            if any(known.id == hazard.id for known in self.recogniser.covered_by(leaf.label)):
+                return PlacedScenario(
+                    reasoning=f"This is what {leaf.label!r} describes already.",
+                    decision="covered",
+                    node=leaf.id,
+                )
+        return None
+
+    def _also(self, prompt: PlaceScenario, hazard: Hazard, chosen: str | None) -> list[AlsoFits]:
+        """Name the leaves of kin, and of the hazards whose words the text has as well."""
+        kin = [h for h in self.knowledge.hazards if h.id in hazard.kin or hazard.id in h.kin]
+        whys = {h.id: "It is close kin." for h in kin}
+        for other, _ in self.recogniser.candidates(prompt.text):
+            whys.setdefault(other.id, "The text has words of it as well.")
+        whys.pop(hazard.id, None)
+        order = {name: place for place, name in enumerate(whys)}
+        found: dict[str, tuple[int, str]] = {}
+        for leaf in _Outline(prompt).leaves:
+            known, _ = self.recogniser.label(leaf.label)
+            if known is not None and known.id in whys and leaf.id != chosen:
+                found.setdefault(leaf.id, (order[known.id], whys[known.id]))
+        best = sorted(found, key=lambda node: found[node])[:MOST_ALSO]
+        return [AlsoFits(node=node, why=found[node][1]) for node in best]
+
+    def _broadened(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
+        """Widen a leaf that is close kin, once in its life; divide it where it may not be widened."""
+        for leaf in outline.leaves:
+            known, widened = self.recogniser.label(leaf.label)
+            if known is None or widened or hazard.id not in known.kin:
+                continue
+            if not known.wider or known.wider.casefold() in outline.labels:
+                continue
+            if leaf.id in outline.full:
+                if hazard.label.casefold() in (*outline.labels, known.wider.casefold()):
+                    continue
+                return PlacedScenario(
+                    reasoning=f"Close to {leaf.label!r}, which stands for enough already.",
+                    decision="split",
+                    node=leaf.id,
+                    label=hazard.label,
+                    category=known.wider,
+                )
+            return PlacedScenario(
+                reasoning=f"Close to {leaf.label!r}: a slightly wider label covers both.",
+                decision="broaden",
+                node=leaf.id,
+                label=known.wider,
+            )
+        return None
+
+    def _added(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario:
+        label = outline.free(hazard.label, hazard.wider)
+        family = self._family_node(hazard, outline)
+        if family is not None:
+            return PlacedScenario(
+                reasoning=f"No leaf covers it; it belongs to {family.label!r}.",
+                decision="add",
+                node=family.id,
+                label=label,
+            )
+        top = outline.class_node(hazard.class_name)
+        if top is None:
+            reason = f"The tree has no class for {hazard.class_name} scenarios."
+            return PlacedScenario(reasoning=reason, decision="not-ood")
+        return PlacedScenario(
+            reasoning="Neither a leaf nor a family covers it, so a new family is needed.",
+            decision="add",
+            node=top.id,
+            label=label,
+            category=outline.free(hazard.family),
+        )
+
+    def _family_node(self, hazard: Hazard, outline: "_Outline") -> Node | None:
+        """Return the node of the hazard's family: by its label, else by the leaves below it."""
+        for node in outline.families:
+            if self.recogniser.family(node.label) == hazard.family:
+                return node
+        votes: dict[str, int] = {}
+        for leaf in outline.leaves:
+            known, _ = self.recogniser.label(leaf.label)
+            if known is not None and known.family == hazard.family and leaf.parent:
+                votes[leaf.parent] = votes.get(leaf.parent, 0) + 1
+        inner = {node.id: node for node in outline.families}
+        named = [name for name in votes if name in inner]
+        return inner[max(named, key=lambda name: votes[name])] if named else None
+
+
+class _Outline:
+    """The parts of a tree that matter for placing."""
+
+    def __init__(self, prompt: PlaceScenario) -> None:
+        nodes = prompt.nodes
+        parents = {node.parent for node in nodes} | {item.id for item in prompt.hidden}
+        self.full = frozenset(prompt.full)
+        tops = {node.id for node in nodes if node.parent == ROOT}
+        self.labels = {node.label.casefold() for node in nodes}
+        self.classes = [node for node in nodes if node.id in tops]
+        below = [node for node in nodes if node.parent not in (None, ROOT)]
+        self.leaves = [node for node in below if node.id not in parents]
+        self.families = [node for node in below if node.id in parents]
+
+    def class_node(self, name: str) -> Node | None:
+        return next((node for node in self.classes if node.label.casefold() == name), None)
+
+    def free(self, *labels: str) -> str:
+        """Return the first label that the tree does not have, numbered if it has them all."""
+        for label in labels:
+            if label and label.casefold() not in self.labels:
+                return label
+        number = 2
+        while f"{labels[0]} ({number})".casefold() in self.labels:
+            number += 1
+        return f"{labels[0]} ({number})"

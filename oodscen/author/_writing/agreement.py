@@ -1,0 +1,55 @@
+"""What goes together: whether a clause suits the place, the weather and the traffic around it."""
+
+from collections.abc import Iterable
+
+from oodscen.author._knowledge.base import Clash, Knowledge
+from oodscen.data._base import Data
+
+
+class Setting(Data):
+    """Where and when something is told to happen, by keys of the knowledge base."""
+
+    place: str = ""
+    """Empty where it is not known."""
+    conditions: tuple[str, ...] = ()
+    traffic: str = ""
+
+
+class Agreement:
+    """Finds words that do not go with a setting."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        """Know the clashes of a knowledge base."""
+        self._clashes = knowledge.clash
+        self._found: dict[str, tuple[Clash, ...]] = {}
+
+    def clashes(self, clause: str, setting: Setting) -> list[str]:
+        """Return the words of a clause that do not go with a setting, each with the reason."""
+        return [
+            f"{one.pattern.findall(clause)[0]!r}: {one.why}"
+            for one in self._in(clause)
+            if _applies(one, setting)
+        ]
+
+    def suits(self, clause: str, setting: Setting) -> bool:
+        """Tell whether a clause can be told in a setting."""
+        return not any(_applies(one, setting) for one in self._in(clause))
+
+    def suiting(self, clauses: Iterable[str], setting: Setting) -> list[str]:
+        """Return the clauses that can be told in a setting."""
+        return [clause for clause in clauses if self.suits(clause, setting)]
+
+    def _in(self, clause: str) -> tuple[Clash, ...]:
+        found = self._found.get(clause)
+        if found is None:
+            found = tuple(one for one in self._clashes if one.pattern.search(clause))
+            self._found[clause] = found
+        return found
+
+
+def _applies(clash: Clash, setting: Setting) -> bool:
+    return (
+        setting.place in clash.places
+        or setting.traffic in clash.traffic
+        or any(key in clash.conditions for key in setting.conditions)
+    )

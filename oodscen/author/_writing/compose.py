@@ -1,0 +1,275 @@
+"""Writing: one text from opening, place, conditions, traffic and event."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from oodscen.author._knowledge.base import Hazard, Knowledge, Place, Traffic
+from oodscen.author._reading.ego_naming import Name, named
+from oodscen.author._staging.decision_timing import approach
+from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.author._writing.constructions import (
+    CONSTRUCTIONS,
+    FALLBACK,
+    Construction,
+    Plot,
+    nominal,
+)
+from oodscen.author._writing.headline import headline
+from oodscen.prompts._scenario.describe_path import Style, plain
+
+Option = TypeVar("Option")
+
+_IDLE_TRIES = 400
+"""Drafts in a row that repeat earlier texts, after which a hazard counts as exhausted."""
+_MOSTLY_EGO: tuple[Name, ...] = ("ego",) * 6
+_NAMES: dict[Style, tuple[Name, ...]] = {
+    "natural": (*_MOSTLY_EGO, "the ego vehicle", "the ego vehicle", "the ego car"),
+    "paper": ("ego", "the ego vehicle"),
+    "terse": ("ego",),
+    "verbose": ("ego", "the ego vehicle", "the ego vehicle"),
+    "first-person": ("I",),
+}
+_TRAFFIC_SHARE: dict[Style, float] = {
+    "natural": 0.12,
+    "paper": 0.3,
+    "terse": 0.0,
+    "verbose": 0.7,
+    "first-person": 0.1,
+}
+_DETAIL_SHARE: dict[Style, float] = {
+    "natural": 0.2,
+    "paper": 0.5,
+    "terse": 0.0,
+    "verbose": 1.0,
+    "first-person": 0.3,
+}
+_BRIEF_OPENING = "The ego vehicle is"
+"""Where it needs no more than that: `on a country road`."""
+_BRIEF_SHARE: dict[Style, float] = {
+    "natural": 0.75,
+    "paper": 0.0,
+    "terse": 0.0,
+    "verbose": 0.0,
+    "first-person": 0.4,
+}
+_PREPOSED = 0.3
+"""Share of the events that stand by themselves in which the distance comes first."""
+_INVERTED = 0.35
+"""The same for the subject coming last, where that can be."""
+_TERSE_EVENT, _TERSE_EVENTS = 10, 3
+"""Words of an event that a terse text may have, and how many of the shortest it may use if they are longer."""
+_TERSE_WHERE = ("{distance} m ahead", "ahead", "just ahead", "{distance} m ahead")
+"""How far away something is, in a terse text."""
+
+
+class Composer:
+    """Writes texts about hazards."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        """Write with the words of a knowledge base."""
+        self.knowledge = knowledge
+        self._agreement = Agreement(knowledge)
+
+    def text(self, hazard: Hazard, rng: np.random.Generator, style: Style = "natural") -> str:
+        """Write one text."""
+        return next(self.texts(hazard, rng, set(), style))
+
+    def texts(
+        self,
+        hazard: Hazard,
+        rng: np.random.Generator,
+        taken: set[str],
+        style: Style = "natural",
+    ) -> Iterator[str]:
+        """Write texts until nothing new comes.
+
+        Events, roads, conditions and constructions take turns, so that few texts are varied ones.
+
+        Args:
+            hazard: What they are about.
+            rng: Decides everything.
+            taken: Texts to avoid, without case and punctuation; what is written is added.
+            style: Register in which they are written.
+        """
+        turns = _Turns(rng)
+        idle = 0
+        while idle < _IDLE_TRIES:
+            plot = self._plot(hazard, rng, turns, style)
+            suits = [one.suits(plot) for one in CONSTRUCTIONS[style]]
+            built = turns.first("construction", CONSTRUCTIONS[style], suits)
+            construction = built or FALLBACK
+            event = self._located(plot, hazard, construction, rng)
+            text = construction.build(replace(plot, event=event))
+            text = named(text, turns.next("name", _NAMES[style]))
+            key = plain(text)
+            if key in taken or not 20 <= len(text) <= 600:
+                idle += 1
+                continue
+            idle = 0
+            taken.add(key)
+            yield text
+
+    def _plot(
+        self, hazard: Hazard, rng: np.random.Generator, turns: "_Turns", style: Style
+    ) -> Plot:
+        places = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
+        place = turns.next("place", places or list(self.knowledge.places))
+        condition = None
+        if hazard.conditions:
+            key = turns.next("condition", list(hazard.conditions))
+            condition = self.knowledge.condition_keys.get(key)
+        phrases = list(condition.phrases) if condition else []
+        statements = condition.statements if condition else ()
+        setting = Setting(place=place.key, conditions=(condition.key,) if condition else ())
+        wheres = list(place.phrases)
+        events = list(hazard.events)
+        if style == "terse":
+            wheres = _shortest([phrase for phrase in wheres if nominal(phrase)] or wheres)
+            phrases = _shortest(phrases, 0)
+            events = self._short(hazard, setting)
+        fit = [self._agreement.suits(event, setting) for event in events]
+        event = turns.first(f"event {len(events)}", events, fit) or events[0]
+        details = self._agreement.suiting(hazard.details, setting)
+        opening = turns.next("opening", self.knowledge.wording.openings)
+        named_place = f"place {place.key} {len(wheres)}"
+        where = turns.next(named_place, wheres)
+        if where.startswith(("on ", "in ", "inside ")) and rng.random() < _BRIEF_SHARE[style]:
+            opening = _BRIEF_OPENING
+        return Plot(
+            event=event,
+            place=place,
+            where=where,
+            condition=condition,
+            weather=turns.next(f"weather {condition.key}", phrases) if condition else "",
+            statement=turns.next(f"stated {condition.key}", statements)
+            if condition and statements
+            else "",
+            is_act=hazard.class_name == "interactional",
+            traffic=self._traffic(hazard, event, place, rng, _TRAFFIC_SHARE[style]),
+            opening=opening,
+            detail=_pick(rng, details) if details and rng.random() < _DETAIL_SHARE[style] else "",
+            has_pronoun=style != "first-person",
+        )
+
+    def _short(self, hazard: Hazard, setting: Setting) -> list[str]:
+        """Return the events for a terse text: the short ones, and never fewer than some."""
+        suiting = self._agreement.suiting(hazard.events, setting) or list(hazard.events)
+        suiting.sort(key=lambda event: len(headline(event).split()))
+        short = [event for event in suiting if len(headline(event).split()) <= _TERSE_EVENT]
+        return short if len(short) >= _TERSE_EVENTS else suiting[:_TERSE_EVENTS]
+
+    def _traffic(
+        self, hazard: Hazard, event: str, place: Place, rng: np.random.Generator, share: float
+    ) -> str:
+        if not hazard.traffic or rng.random() > share:
+            return ""
+        fitting = [
+            t
+            for t in self.knowledge.traffic
+            if _met_on(t, place) and self._agreement.suits(event, Setting(traffic=t.key))
+        ]
+        return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
+
+    def _located(
+        self, plot: Plot, hazard: Hazard, construction: Construction, rng: np.random.Generator
+    ) -> str:
+        """Fill in where it is; the ego is named once more where nothing else names it."""
+        event = _NAMED_TWICE.sub(r"\1", plot.event)
+        if "{where}" not in event:
+            return event
+        words = self.knowledge.wording
+        is_named = re.search(r"\bego\b", event) is not None or "from {where}" in event
+        is_brief = is_named or (construction.names_ego and rng.random() < 0.8)
+        if construction.is_line:
+            lines = _TERSE_WHERE[:1] if "from {where}" in event else _TERSE_WHERE
+            low, high = approach(hazard, plot.place).ahead
+            distance = 5 * round(rng.uniform(low, high) / 5.0)
+            return event.replace("{where}", _pick(rng, lines).format(distance=distance))
+        if rng.random() < 0.6:
+            low, high = approach(hazard, plot.place).ahead
+            steps = [five * 5 for five in range(1, 61) if low <= five * 5 <= high]
+            distance = _pick(rng, steps) if steps else 5 * round(0.1 * (low + high))
+            phrases = list(words.metres if is_brief else words.metres_ego)
+            if "from {where}" in event:
+                phrases = [phrase for phrase in phrases if phrase.endswith(" ahead")]
+            if " road " in f"{event} ":
+                phrases = [phrase for phrase in phrases if not phrase.endswith(" road")]
+            where = _pick(rng, phrases).format(distance=distance)
+        elif "ego vehicle {where}" in event:
+            where = _pick(rng, [near for near in words.near if " distance " in near] or words.near)
+        else:
+            where = _pick(rng, words.near if is_brief else words.near_ego)
+        return _ordered(event, where, construction, rng)
+
+
+def _ordered(event: str, where: str, construction: Construction, rng: np.random.Generator) -> str:
+    """Fill in where it is, there or at the front."""
+    if construction.is_apart:
+        found = _LYING.fullmatch(event)
+        if found is not None and rng.random() < _INVERTED:
+            subject = found["subject"][0].lower() + found["subject"][1:]
+            start = found["lane"][0].upper() + found["lane"][1:]
+            return f"{start} {where} {found['verb']} {subject}{found['rest']}"
+        fits = _PREPOSABLE.search(event) is not None and not _BOUND.search(event)
+        if fits and rng.random() < _PREPOSED:
+            rest = " ".join(event.replace("{where}", "").split()).replace(" ,", ",")
+            start = f"About {where}" if where[0].isdigit() else where[0].upper() + where[1:]
+            return f"{start}, {rest[0].lower()}{rest[1:]}"
+    return event.replace("{where}", where)
+
+
+_NAMED_TWICE = re.compile(r"((?:in front|ahead) of the ego vehicle) \{where\}", re.IGNORECASE)
+_LYING = re.compile(
+    r"(?P<subject>(?:An?|Several|Two|Some) (?:(?!\b(?<!that )(?:has|have|is|are|and)\b)[^,])+?) (?P<verb>lies|lie|stands?|sits?|stretch(?:es)?|gapes|blazes) "
+    r"(?P<lane>(?:right |upright )?(?:in|across|over) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)) "
+    r"\{where\}(?P<rest>(?:,.*)?)"
+)
+_BOUND = re.compile(r"from \{where\}|, \{where\}(?:,|$)")
+_PREPOSABLE = re.compile(
+    r"^(?:An?|The|Two|Three|Several|Some|Somebody|Someone|[A-Z][a-z]+s)\b.*\{where\}"
+)
+
+
+def _shortest(phrases: Sequence[str], more: int = 1) -> list[str]:
+    """Return the phrases that have hardly more words than the shortest."""
+    least = min((len(phrase.split()) for phrase in phrases), default=0)
+    return [phrase for phrase in phrases if len(phrase.split()) <= least + more]
+
+
+def _met_on(traffic: Traffic, place: Place) -> bool:
+    return set(traffic.traits) <= set(place.traits)
+
+
+class _Turns:
+    """Shuffled decks: every option comes once before one comes again."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._decks: dict[str, list[int]] = {}
+
+    def next(self, deck: str, options: Sequence[Option]) -> Option:
+        """Return the option whose turn it is."""
+        return options[self._deck(deck, len(options)).pop()]
+
+    def first(self, deck: str, options: Sequence[Option], suits: Sequence[bool]) -> Option | None:
+        """Return the next option that suits; those before it keep their turn."""
+        for fresh in (False, True):
+            left = self._deck(deck, len(options), fresh)
+            for place in reversed(range(len(left))):
+                if suits[left[place]]:
+                    return options[left.pop(place)]
+        return None
+
+    def _deck(self, deck: str, size: int, fresh: bool = False) -> list[int]:
+        left = self._decks.setdefault(deck, [])
+        if fresh or not left:
+            left[:] = [int(index) for index in self._rng.permutation(size)]
+        return left
+
+
+def _pick(rng: np.random.Generator, options: Sequence[Option]) -> Option:
+    return options[int(rng.integers(len(options)))]

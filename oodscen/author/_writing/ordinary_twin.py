@@ -1,0 +1,424 @@
+"""Ordinary twins: a text again, with the event replaced by the event's ordinary counterpart.
+
+The text alone is there to work from. What it says of road, weather and traffic is told from the event by the phrases
+of the knowledge base, and where a text has none of these, by its grammar.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._reading.ego_naming import Name, told_by
+from oodscen.author._reading.recognition import Recogniser, stems
+from oodscen.author._reading.setting import Frame, framed, teller
+from oodscen.author._writing.agreement import Agreement, Setting
+from oodscen.author._writing.constructions import KEEPS_ON, nominal, standing
+from oodscen.author._writing.headline import headline
+from oodscen.prompts._scenario.describe_path import plain
+
+_EGO = r"(?:the ego vehicle|the ego car|my car|ego|i|it)"
+_DRIVES = (
+    rf"{_EGO} (?:(?:is |am )?(?:travel|driv|mov|head|proceed|cruis|roll|go)(?:l?ing|ing|es|s|e)?\b"
+    r"|(?:is|am)(?= (?:on|in|inside) ))"
+)
+_MORE_OF_PLACE = re.compile(
+    r"(?:on|along|in|through|across|over|into|down|up|towards) (?:an?|the) [^,.:]+?(?=[,.:]|$| when | while | and )",
+    re.I,
+)
+_ROAD = re.compile(
+    r"\b(?:road|street|lane|highway|motorway|freeway|avenue|boulevard|carriageway|tunnel|bridge|"
+    r"junction|intersection|roundabout|crossing|city|town|village)\b",
+    re.IGNORECASE,
+)
+_LINK = r"(?:\s*[,:;]\s*(?:and |when |while )?|\s+(?:and|when|while) |\s+|(?=\.?$))"
+_NOWHERE = re.compile(rf"(?:(?<=^)|(?<=, )|(?<=\. )){_DRIVES}\s*$", re.IGNORECASE)
+"""Somebody drives, and where is part of the event."""
+_HAPPENS = "It happens "
+_SENTENCES = re.compile(r"(?<=[.!?])\s+(?=[A-Z\d])")
+_SLACK = 3
+"""Words by which a twin may be shorter than its text before something ordinary is added."""
+_NEAREST = 8
+"""Clauses about ordinary driving, of those whose length fits best, among which is drawn."""
+_REPEATED = 1.0
+"""Words of wrong length that one word said before counts for."""
+_ANY_ROAD = (
+    "the lane ahead is clear and traffic moves along as usual",
+    "the lane ahead is clear and nothing moves in it",
+)
+_ANYWHERE = (
+    "traffic moves along as usual",
+    "the lane ahead is clear",
+    "the lane ahead of the ego vehicle is clear",
+    "traffic around the ego vehicle moves along as usual",
+    "the lane ahead is clear and traffic moves along as usual",
+    "all road users keep to their lanes and to the rules",
+    "the lane ahead of the ego vehicle is clear and traffic moves along as usual",
+    "all road users around the ego vehicle keep to their lanes and to the rules",
+)
+"""What is ordinary on any road."""
+_SUBJECT = "the ego vehicle "
+_HOUR = re.compile(r"\b(?:night|winter|sun|rain)\b", re.IGNORECASE)
+_ALONE = re.compile(r"the ego vehicle (?!and )")
+_PEOPLE = frozenset({"I", "we", "you"})
+_LINE = ": "
+"""What parts place and event in one line of a catalogue."""
+_SHORT = 0.1
+"""Share of its words by which the twin of another author's text may be shorter."""
+_SENTENCES_ADDED = 10
+_OVER = 4
+"""Words by which what is added may be longer than what is missing."""
+_CLEAR = re.compile(r"\b(?:clear|open|free|intact|even|clean|nothing)\b")
+_AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|gap|waits?|comes the other way)\b")
+_TURNS = re.compile(
+    r"\b(?:turn(?:s|ing)?|roundabout|u-turn|merg\w+|ramp|curves?|bends?)\b", re.IGNORECASE
+)
+_EMPTY = "quiet"
+"""Key of the traffic that is none."""
+_LITTLE = frozenset(
+    "a an and as at by i in is it its me my of on the to with ego vehicle car up one that".split()
+)
+"""Words that may come twice."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One sentence, told apart."""
+
+    lead: str
+    event: str
+    trail: str
+
+
+class OrdinaryAuthor:
+    """Writes ordinary twins."""
+
+    def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
+        """Know the phrases for road, weather and traffic, and what is ordinary instead of what."""
+        self._recogniser = recogniser
+        self._agreement = Agreement(knowledge)
+        self._driving = knowledge.driving
+        self._details = {plain(detail) for hazard in knowledge.hazards for detail in hazard.details}
+        frame = _alternatives(_frames(knowledge))
+        weather = (p for c in knowledge.conditions for p in (*c.phrases, *c.statements))
+        self._weather = re.compile(_alternatives(weather), re.IGNORECASE)
+        self._lead = re.compile(rf"(?:(?:{frame}|{_DRIVES}){_LINK})+", re.IGNORECASE)
+        places = _alternatives(_places(knowledge))
+        self._known_place = re.compile(rf"\b(?:{places})\b", re.IGNORECASE)
+        self._trail = re.compile(
+            rf"(?:,? while (?:{_DRIVES}|{_EGO})(?: (?:{frame}))*)\.?$", re.IGNORECASE
+        )
+
+    def twin(self, text: str, label: str, rng: np.random.Generator) -> str:
+        """Write the twin of a text.
+
+        Args:
+            text: With the unusual event.
+            label: Of the leaf, for a text that is not recognised itself.
+            rng: Chooses among ordinary things of equal length.
+        """
+        hazard = self._recogniser.recognise(text).hazard
+        if hazard is None and label:
+            hazard = next(iter(self._recogniser.covered_by(label)), None)
+        if self._known_place.search(text) is None:
+            return self._of_another(text, hazard, rng)
+        parts = list(self._told_apart(text))
+        place = next((n for n, part in enumerate(parts) if self._is_event(part)), None)
+        if place is None:
+            place = len(parts) - 1
+            parts[place] = _Part("", _whole(parts[place]), "")
+        length = len(plain(text).split())
+        event = parts[place]
+        kept = [part for n, part in enumerate(parts) if n == place or not part.event]
+        if not event.lead and not event.trail and kept[-1] is not event:
+            event, kept = _placed_first(event, kept)
+        frame = " ".join(part.lead + part.trail for part in kept)
+        room = 0 if event.trail else length - len(plain(frame).split())
+        setting = self._setting(frame, text, hazard)
+        clause = _not_twice(frame, self._counterpart(hazard, setting))
+        name = _name(text)
+        is_line = event.lead.endswith(_LINE)
+        last = _worded(event, told_by(headline(clause) if is_line else clause, name))
+        missing = room - len(clause.split())
+        if missing > _SLACK:
+            told = f"{frame} {clause}"
+            more = told_by(self._more(clause, told, missing, setting, rng), name)
+            more = headline(more) if is_line else more
+            last = _lengthened(
+                last, more, is_joined=_is_joined(event.lead, clause) or " and " in more
+            )
+        return " ".join(last if part is event else _whole(part) for part in kept)
+
+    def _of_another(self, text: str, hazard: Hazard | None, rng: np.random.Generator) -> str:
+        """Write the twin of a text with nothing known in it: place and time where they stand."""
+        is_weather = hazard is not None and not hazard.conditions
+        own = stems(" ".join((hazard.label, *hazard.words))) if hazard and is_weather else ()
+        frame = framed(text, frozenset(w for w in plain(text).split() if set(stems(w)) & set(own)))
+        setting = self._setting(frame.text, frame.text, None)
+        name = teller(text)
+        length = len(plain(text).split())
+        clause = self._clause(frame, hazard, setting, name, length, rng)
+        clause = _not_twice(frame.text, clause)
+        told = _cap(_put(frame, told_by(clause, name or "the ego vehicle")))
+        said: list[str] = []
+        is_it = False
+        while len(said) < _SENTENCES_ADDED:
+            missing = length - len(plain(told).split())
+            if missing <= max(1, _SHORT * length):
+                break
+            more = self._more(clause, told, missing, setting, rng, tuple(said))
+            if not more:
+                break
+            said.append(more)
+            follows = len(said) > 1 and _ALONE.match(said[-2]) is not None and not is_it
+            is_it = follows and name not in _PEOPLE and _ALONE.match(more) is not None
+            subject = "it" if is_it else name or "the ego vehicle"
+            told = f"{told} {_cap(told_by(more, subject))}."
+        return told
+
+    def _clause(
+        self,
+        frame: Frame,
+        hazard: Hazard | None,
+        setting: Setting,
+        name: str,
+        length: int,
+        rng: np.random.Generator,
+    ) -> str:
+        """Return a counterpart that is no longer than there is room for."""
+        room = max(length - len(plain(frame.text).split()), 0.3 * length)
+        known = self._agreement.suiting(hazard.ordinary if hazard else (), setting)
+        known = [
+            clause
+            for clause in known
+            if set(_HOUR.findall(clause)) <= set(_HOUR.findall(frame.text))
+        ]
+        fitting = [clause for clause in known if len(clause.split()) <= room + 0.2 * length]
+        if fitting:
+            return fitting[0] if frame.ride or not name else _to_whom(fitting[0])
+        options = [
+            clause
+            for clause in _ANYWHERE
+            if (_SUBJECT in clause) == (bool(name) and not frame.ride)
+            and self._agreement.suits(clause, setting)
+        ]
+        options = options or list(_ANYWHERE)
+        options.sort(key=lambda clause: abs(len(clause.split()) - room))
+        return options[int(rng.integers(min(2, len(options))))]
+
+    def _is_event(self, part: _Part) -> bool:
+        return bool(part.event) and plain(part.event) not in self._details
+
+    def _told_apart(self, text: str) -> Iterator[_Part]:
+        """Tell the sentences apart; where the ego is, is said once."""
+        is_placed = False
+        for sentence in _SENTENCES.split(text.strip()):
+            part = self._apart(sentence, is_placed)
+            lead = self._weather.sub("", part.lead)
+            is_placed = is_placed or _ROAD.search(lead) is not None
+            yield part
+
+    def _apart(self, sentence: str, is_placed: bool) -> _Part:
+        found = self._lead.match(sentence)
+        if is_placed and (found is None or plain(sentence[found.end() :])):
+            return _Part("", sentence.rstrip("."), "")
+        cut = found.end() if found is not None else 0
+        if cut and not plain(sentence[cut:]):
+            return _Part(sentence, "", "")
+        if cut and re.match(_DRIVES, sentence, re.IGNORECASE):
+            more = _MORE_OF_PLACE.match(sentence, cut)
+            if more is not None:
+                rest = re.compile(_LINK).match(sentence, more.end())
+                cut = rest.end() if rest is not None else more.end()
+        elif not cut:
+            more = _MORE_OF_PLACE.match(sentence)
+            is_ended = more is not None and sentence[more.end() : more.end() + 2] == ", "
+            if more is not None and is_ended and _ROAD.search(more[0]):
+                cut = more.end() + 2
+        if cut and not plain(sentence[cut:]):
+            return _Part(sentence, "", "")
+        trail = self._trail.search(sentence, cut)
+        end = trail.start() if trail is not None else len(sentence.rstrip("."))
+        return _Part(sentence[:cut], sentence[cut:end], sentence[end:].rstrip("."))
+
+    def _setting(self, frame: str, text: str, hazard: Hazard | None) -> Setting:
+        """Return where and when what is kept of a text happens, as far as it says."""
+        known = self._recogniser
+        place = known.place(frame) or known.place(text, hazard.places if hazard else ())
+        traffic = known.traffic(frame)
+        return Setting(
+            place=place.key if place else "",
+            conditions=tuple(one.key for one in known.conditions(frame)),
+            traffic=traffic.key if traffic else "",
+        )
+
+    def _counterpart(self, hazard: Hazard | None, setting: Setting) -> str:
+        """Return the first ordinary counterpart that suits, without others where nobody is there."""
+        options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
+        suiting = self._agreement.suiting(options, setting)
+        return suiting[0] if suiting else _ANY_ROAD[0]
+
+    def _more(
+        self,
+        clause: str,
+        told: str,
+        missing: int,
+        setting: Setting,
+        rng: np.random.Generator,
+        told_before: tuple[str, ...] = (),
+    ) -> str:
+        """Return something ordinary of about so many words that adds to what is told already."""
+        allowed = {"none", "ahead", "around"}
+        if setting.traffic == _EMPTY:
+            allowed = {"none"}
+        elif _CLEAR.search(clause) or _AHEAD.search(clause) or setting.traffic:
+            allowed = {"none", "around"}
+        fitting = [
+            phrase
+            for driving in self._driving
+            if driving.others in allowed
+            and (not driving.places or setting.place in driving.places)
+            and (not driving.conditions or set(setting.conditions) & set(driving.conditions))
+            for phrase in driving.phrases
+            if self._agreement.suits(phrase, setting)
+            and (not told_before or not set(driving.phrases) & set(told_before))
+            and len(phrase.split()) <= missing + _OVER
+        ]
+        if "traffic" in clause:
+            fitting = [phrase for phrase in fitting if "traffic" not in phrase]
+        if any(_AHEAD.search(phrase) for phrase in told_before):
+            fitting = [phrase for phrase in fitting if not _AHEAD.search(phrase)]
+        if _TURNS.search(told):
+            fitting = [phrase for phrase in fitting if "straight" not in phrase]
+        said = set(plain(told).split()) - _LITTLE
+        fitting.sort(key=lambda phrase: _misfit(phrase, missing, said))
+        return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
+
+
+def _not_twice(frame: str, clause: str) -> str:
+    """Return a clause that does not call a lane clear where the weather is."""
+    if re.search(r"\bclear\b", frame, re.IGNORECASE) is None:
+        return clause
+    clause = re.sub(r"\b(air(?: over the road)?) is clear\b", r"\1 is clean", clause)
+    named = r"\b((?:lane|road)(?: ahead)?(?: of the ego vehicle)?) is clear\b"
+    return re.sub(named, r"\1 is free", clause)
+
+
+def _to_whom(clause: str) -> str:
+    """Return a clause that names the ego vehicle, where that is easily done."""
+    if _SUBJECT in f"{clause} ":
+        return clause
+    return re.sub(
+        r"\b(the (?:lane|road) ahead)\b(?! of)", r"\1 of the ego vehicle", clause, count=1
+    )
+
+
+def _put(frame: Frame, clause: str) -> str:
+    """Put a clause where the event of a text was."""
+    last = " ".join((clause, *frame.after))
+    front = _joined(frame.before)
+    if frame.ride:
+        ride = f"{front}, {frame.ride[0].lower()}{frame.ride[1:]}" if front else frame.ride
+        ride = re.sub(r", i\b", ", I", ride)
+        return f"{ride}. {_cap(last)}." if " and " in clause else f"{ride}, and {last}."
+    return f"{front}, {last}." if front else f"{last}."
+
+
+def _joined(phrases: tuple[str, ...]) -> str:
+    clauses = [one for one in phrases if re.match(r"(?:while|as|when|it|night) ", one)]
+    rest = " ".join(one for one in phrases if one not in clauses)
+    return ", ".join(part for part in (*clauses, rest) if part)
+
+
+def _cap(text: str) -> str:
+    return text[0].upper() + text[1:]
+
+
+def _misfit(phrase: str, missing: int, said: set[str]) -> float:
+    words = plain(phrase).split()
+    return abs(len(words) - missing) + _REPEATED * len(said & set(words))
+
+
+def _placed_first(event: "_Part", kept: "list[_Part]") -> "tuple[_Part, list[_Part]]":
+    """Let the event come after what says where the ego is."""
+    rest = [part for part in kept if part is not event]
+    where = rest[-1].lead
+    if where.startswith(_HAPPENS):
+        bare = where.removeprefix(_HAPPENS).rstrip(".")
+        event = _Part(f"{bare[0].upper()}{bare[1:]}, ", event.event, "")
+        rest = rest[:-1]
+    return event, [*rest, event]
+
+
+def _is_joined(lead: str, clause: str) -> bool:
+    """Tell whether so much is joined already that a further clause needs its own sentence."""
+    return (
+        " and " in clause
+        or ", " in clause
+        or re.search(r"\b(?:and|while|when) $", lead) is not None
+    )
+
+
+def _lengthened(text: str, more: str, *, is_joined: bool) -> str:
+    if not more:
+        return text
+    if is_joined:
+        return f"{text} {more[0].upper()}{more[1:]}."
+    return f"{text.rstrip('.')}, and {more}."
+
+
+def _worded(part: _Part, clause: str) -> str:
+    lead = re.sub(r"\bwhen $", "while ", part.lead)
+    lead = _NOWHERE.sub("", lead)
+    if " and " in clause:
+        lead = re.sub(r",? and $", ". ", lead)
+    lead = re.sub(r"^Driving (\w)", lambda m: m[1].upper(), lead)
+    is_start = not lead or lead.endswith((".", ". "))
+    first = clause[0].upper() if is_start else clause[0]
+    return f"{lead}{first}{clause[1:]}{part.trail}."
+
+
+def _whole(part: _Part) -> str:
+    return f"{part.lead}{part.event}{part.trail}".rstrip(".") + "."
+
+
+def _name(text: str) -> Name:
+    """Return what a text calls the ego vehicle."""
+    low = text.casefold()
+    if "ego" not in low:
+        return "I" if re.search(r"\b(?:my|i|me)\b", low) else "the ego vehicle"
+    if "ego car" in low or "the ego lane" in low:
+        return "the ego car"
+    return "the ego vehicle" if "the ego" in low else "ego"
+
+
+def _places(knowledge: Knowledge) -> Iterator[str]:
+    for place in knowledge.places:
+        for phrase in place.phrases:
+            yield phrase
+            yield standing(phrase)
+            noun = nominal(phrase)
+            if noun:
+                yield noun
+                yield re.sub(r"^an? ", "", noun)
+
+
+def _frames(knowledge: Knowledge) -> Iterator[str]:
+    yield from _places(knowledge)
+    for condition in knowledge.conditions:
+        yield from condition.phrases
+        yield from condition.statements
+    for traffic in knowledge.traffic:
+        for phrase in traffic.phrases:
+            yield phrase
+            yield phrase.removeprefix("while ")
+    yield from ("the scene is", "it happens", "driving")
+    for subject in ("it", "ego", "the ego vehicle"):
+        yield f"{subject} {KEEPS_ON}"
+
+
+def _alternatives(phrases: Iterable[str]) -> str:
+    longest = sorted(dict.fromkeys(phrases), key=lambda phrase: (-len(phrase), phrase))
+    return "|".join(re.escape(phrase) for phrase in longest)
