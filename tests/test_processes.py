@@ -103,7 +103,7 @@ def test_an_interruption_ends_what_is_under_way_and_drops_the_rest(begun):
 KILLED = """
 import os, signal
 from pathlib import Path
-from oodscen.processes import Processes
+from oodscen._processes import Processes
 
 with Processes(2) as pool:
     pool.submit(os.getpid).result()

@@ -39,7 +39,7 @@ def test_without_numba_python_runs_them(monkeypatch) -> None:
 
 
 SCRIPT = """
-from oodscen.driving.compiled import Kernel
+from oodscen.numerics._kernels import Kernel
 @Kernel
 def double(x):
     return x + x
@@ -65,7 +65,7 @@ def test_a_note_is_made_once_and_only_while_compiling(tmp_path: Path) -> None:
 PART = "from oodscen.numerics._kernels import part\nSCALE = {scale}\n"
 PART += "@part\ndef grow(x):\n    return x * SCALE + {shift}\n"
 WHOLE = """
-from oodscen.driving.compiled import Kernel
+from oodscen.numerics._kernels import Kernel
 from growth import grow
 @Kernel
 def twice(x):

@@ -158,7 +158,7 @@ def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
 
 UNGUARDED = """
 from oodscen._pipeline.sweep import Job, sweep
-from oodscen.testing.scenes import example_scene
+from oodscen.testing import example_scene
 
 for result in sweep(Job("flat"), [example_scene()], workers=2):
     print(result.episode.status)

@@ -115,7 +115,7 @@ def test_what_is_read_back_runs_the_same(simulator, scene, rng):
 CHILD = """
 import sys
 from oodscen.testing import FlatSimulator
-from tests.test_same_scene import Scene, found
+from tests.stages.test_same_scene import Scene, found
 
 with FlatSimulator() as simulator:
     for line in sys.stdin:

@@ -110,7 +110,7 @@ else:
 warnings.simplefilter("ignore")
 from oodscen_pybullet import PyBulletSimulator
 from oodscen.protocols import Camera
-from oodscen.testing.scenes import example_scene
+from oodscen.testing import example_scene
 with PyBulletSimulator() as one:
     one.reset(example_scene(), 0)
     print(one.renderer, one.render(Camera(64, 48)).rgb.shape)
