@@ -1,4 +1,4 @@
-"""The built-in author: text answers from a knowledge base of hazards, without any model."""
+"""The built-in author: writes answers from a knowledge base of hazards, without a model."""
 
 from oodscen._author.builtin import BuiltinAuthor
 from oodscen._author.knowledge.base import Knowledge

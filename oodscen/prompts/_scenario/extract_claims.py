@@ -39,7 +39,7 @@ class ExtractClaims(Prompt[Claims]):
         }
 
     def check(self, answer: Claims) -> list[Issue]:
-        """Return faults if a claim does not quote the text, occurs twice, or names a thing without a claim that it is there."""
+        """Return faults: quotes that the text lacks, repeated claims, and subjects not claimed to be present."""
         issues = []
         words = f" {plain(self.text)} "
         if len(answer.claims) > _MOST:
