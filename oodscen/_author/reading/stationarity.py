@@ -1,4 +1,7 @@
-"""Implied motion of things without a verb of motion: a thing that lies, blocks the way or was put there is stationary."""
+"""Implied motion of things that no verb sets in motion.
+
+A thing that lies, blocks the way or was put there is stationary.
+"""
 
 import re
 from collections.abc import Collection, Sequence
