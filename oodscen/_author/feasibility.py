@@ -200,8 +200,8 @@ def realise(hazard: Hazard, catalogue: CatalogueDigest, knowledge: Knowledge) ->
 
     Args:
         hazard: The hazard with its needs and, if there is one, its recipe.
-        catalogue: The offers of the simulator.
-        knowledge: The source of acceptable substitutes.
+        catalogue: The digest of the simulator's catalogue.
+        knowledge: The knowledge base, for acceptable substitutes.
     """
     found = Realisation(hazard)
     recipe = hazard.stage

@@ -1,4 +1,4 @@
-"""The built-in author's imagination: which hazard it draws, and how it responds to known labels."""
+"""Imagination of the built-in author: draws hazards and responds to labels that a question names."""
 
 from collections.abc import Collection
 from dataclasses import dataclass

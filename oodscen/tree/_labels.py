@@ -38,13 +38,14 @@ _ADDRESSED = re.compile(
             # "ignore all previous instructions", "disregard the rules above"
             rf"\b{_DROP}\s+{_DETERMINERS}{_EARLIER}\s+(?:\w+\s+)?{_ORDERS}\b",
             rf"\b{_DROP}\s+{_DETERMINERS}{_ORDERS}\s+(?:\w+\s+)?(?:above|before|so far|earlier|previously)\b",
-            # as an order: "Ignore the above and ...", "Disregard your instructions", "forget everything"
+            # an order: "Ignore the above and ...", "Disregard your instructions", "forget
+            # everything"
             rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}{_EARLIER}(?=\s*(?:$|[^\w\s-]|and\b|or\b|then\b))",
             rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}(?:instructions?|prompts?|guidelines?)\b",
             r"\b(?:ignore|disregard|forget)\s+everything\b",
             r"\b(?:do not|don't|stop|never)\s+(?:follow|obey)(?:ing)?\s+(?:\w+\s+){0,3}"
             r"(?:instructions|prompts?|guidelines)\b",
-            # what to answer: "reply with yes", "and answer stop", "say 'covered'", "output {"
+            # a prescribed answer: "reply with yes", "and answer stop", "say 'covered'", "output {"
             rf"{_BEGINS}(?:answer|reply|respond|output|print|say|write|return)(?:\s*:\s*|\s+)"
             r"(?:(?:only|just|always|never|with|as|that|exactly|back)\s+)*[\"'“‘`]?(?:yes|no|true|false|none|null"
             r"|nothing|stop|safe|unsafe|covered|ood|off topic|ordinary|unusual|normal|ok|okay|json|add|broaden"
@@ -54,7 +55,7 @@ _ADDRESSED = re.compile(
             rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
             r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
-            # who the reader is: "you are now ...", "you must ...", "act as an assistant"
+            # a role for the reader: "you are now ...", "you must ...", "act as an assistant"
             r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"
             r"|must|should|shall|have to|need to|will)\b",
             r"\b(?:act as|pretend (?:to be|that)|behave as)\s+(?:if\s+)?(?:an? |the )?"
@@ -62,11 +63,11 @@ _ADDRESSED = re.compile(
             r"\b(?:from now on|as an ai|language model|system prompt|jailbreak|prompt injection)\b",
             r"\b(?:new|updated|real|actual) (?:instructions?|task)\s*:",
             rf"{_BEGINS}(?:reveal|repeat|show|print|leak)\s+(?:\w+\s+){{0,2}}(?:instructions|prompt)\b",
-            # a role: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
+            # a speaker: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
             rf"(?:^|[^\w\s-]\s*){_ROLES}\s*:",
             rf"\b(?-i:{_ROLES.upper()})\s*:",
             rf"\b{_ROLES}\s*:\s*(?:you|answer|respond|reply|output|return|say|always|never)\b",
-            # marks of chat templates
+            # markers of chat templates
             r"<\||\|>|\[/?INST\]|<<\s*/?SYS\s*>>|^\s*#+\s*(?:instruction|system|response)",
         )
     ),

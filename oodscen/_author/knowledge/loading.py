@@ -188,7 +188,7 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
 
 @lru_cache(maxsize=8)
 def _content(text: str) -> Mapping[str, Any]:
-    """Return the parsed content of a file; cached because the shipped files are read again with each user file."""
+    """Return the parsed content of a file. Cached: every load of a user's file re-reads the shipped files."""
     return tomllib.loads(text)
 
 

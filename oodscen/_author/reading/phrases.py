@@ -396,7 +396,7 @@ GENERIC_WORDS = GENERIC | {
     "heavy machine",
     "machine",
 }
-"""Words for these that may refer to a thing named before."""
+"""Words, these names included, that may refer to a thing named before."""
 
 CYCLES = frozenset({"cyclist", "bicycle", "cargo bike", "e-scooter"})
 """Road users that are never called `the vehicle`."""

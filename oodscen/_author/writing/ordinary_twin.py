@@ -353,7 +353,7 @@ def _placed_first(event: "_Part", kept: "list[_Part]") -> "tuple[_Part, list[_Pa
 
 
 def _is_joined(lead: str, clause: str) -> bool:
-    """Return whether the sentence already joins so much that a further clause needs its own sentence."""
+    """Return whether a further clause needs its own sentence because this one already joins several."""
     return (
         " and " in clause
         or ", " in clause
