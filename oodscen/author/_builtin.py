@@ -1,4 +1,4 @@
-"""The embedded default: a deterministic author over a knowledge base, not a language model."""
+"""The default author: deterministic, embedded, built on a knowledge base instead of a language model."""
 
 from collections.abc import Callable
 from functools import cache
@@ -49,26 +49,25 @@ _ACTS = frozenset(
 
 
 class BuiltinAuthor:
-    """Answers every question about text from a knowledge base of hazards.
+    """Answers every text prompt from a knowledge base of hazards.
 
     It is not a model: it recognises hazards by their words and composes sentences and scenes from
-    phrases, ranges and a seed. It sees what the prompt's fields say and nothing else, and it cannot
-    see pictures.
+    phrases, ranges and a seed. It sees only the fields of the prompt, and it cannot see images.
     """
 
     name = "builtin"
     argument = "knowledge"
-    """What a text after the colon is given to: `builtin:FILE`."""
+    """Name of the argument after the colon: `builtin:FILE`."""
 
     def __init__(self, seed: int = 0, knowledge: str | Path | None = None) -> None:
-        """Open the knowledge base.
+        """Load the knowledge base.
 
         Args:
-            seed: Decides every choice.
+            seed: Seed of every random choice.
             knowledge: A TOML file, or a folder of them, that extends the shipped knowledge base.
 
         Raises:
-            DataError: When the knowledge base cannot be read.
+            DataError: If the knowledge base cannot be read.
         """
         self.seed = seed
         self.knowledge = None if knowledge is None else Path(knowledge)
@@ -102,7 +101,7 @@ class BuiltinAuthor:
         """Answer one request as JSON text.
 
         Raises:
-            LLMError: When the question is about pictures, or beyond the knowledge base.
+            LLMError: If the prompt is about images or goes beyond the knowledge base.
         """
         answer = self._answers.get(type(request.prompt))
         if answer is None:
@@ -201,10 +200,11 @@ class BuiltinAuthor:
         return OrdinaryText(text=self._twins.twin(prompt.text, label, rng))
 
     def _told_by(self, label: str) -> tuple[Hazard, ...]:
-        """Return the hazards that texts of a leaf are about.
+        """Return the hazards that the texts of a leaf describe.
 
-        A widened leaf stands for its kin as well, unless these need more of a simulator than the
-        hazard that the leaf was made for: what is judged by the one must not be staged as the other.
+        A widened leaf also stands for the hazard's kin, except for kin that need more from a
+        simulator than the leaf's own hazard: a branch judged by one hazard must not be staged as a
+        harder one.
         """
         covered = self._recogniser.covered_by(label)
         if not covered:
@@ -221,13 +221,13 @@ class BuiltinAuthor:
 
 @cache
 def _recogniser(path: Path | None, stamp: tuple[tuple[str, int, int], ...]) -> Recogniser:
-    """Index a knowledge base once per process; it holds no state of any author."""
+    """Return the index of a knowledge base, built once per process; it holds no state of any author."""
     del stamp
     return Recogniser(load_knowledge(path))
 
 
 def _is_as_easy(kin: Hazard, head: Hazard) -> bool:
-    """Tell whether whatever can show `head` can show `kin`."""
+    """Return whether every simulator that can show `head` can also show `kin`."""
     if head.stage is None:
         return True
     if kin.stage is None:

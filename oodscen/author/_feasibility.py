@@ -1,4 +1,4 @@
-"""Judging what a simulator can show: a hazard's needs and recipe against a catalogue's digest."""
+"""Judgement of what a simulator can show: the needs and recipe of a hazard against a catalogue's digest."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -16,17 +16,17 @@ from oodscen.tree._scenario_tree import MAX_LABEL
 __all__ = ["Judge", "Realisation", "WeatherLimits", "realise"]
 
 NO_RECIPE = Addition(kind="other", name="a staging recipe for this kind of scenario")
-"""What no catalogue can bring: the author does not know how to stage it."""
+"""A missing recipe, which no catalogue can supply: the author does not know how to stage the scenario."""
 _MOST = 40
-"""Names of one kind that an answer may hold."""
+"""Largest number of names of one kind in an answer."""
 
 
 @dataclass
 class Realisation:
-    """With what a catalogue shows a hazard, and what it lacks."""
+    """The means of a catalogue to show a hazard, and the ones it lacks."""
 
     hazard: Hazard | None
-    """`None` where the author knows none."""
+    """`None` if the author knows no such hazard."""
     assets: list[str] = field(default_factory=list)
     states: list[str] = field(default_factory=list)
     behaviours: list[str] = field(default_factory=list)
@@ -35,29 +35,29 @@ class Realisation:
     substitutes: list[Substitute] = field(default_factory=list)
     missing: list[Addition] = field(default_factory=list)
     why: str = ""
-    """Why there is no hazard."""
+    """The reason if there is no hazard."""
 
     def lack(self, addition: Addition) -> None:
-        """Note something that is missing, once."""
+        """Record a missing item, once."""
         if not any(known.brings(addition) for known in self.missing):
             self.missing.append(addition)
 
 
 @dataclass
 class Option:
-    """One alternative of a label: all of it is needed."""
+    """One alternative of a label; all of its parts are needed."""
 
     words: str
     found: list[Realisation]
 
     @property
     def missing(self) -> list[Addition]:
-        """What it lacks."""
+        """Items that the catalogue lacks."""
         return _together(self.found)
 
     @property
     def hazards(self) -> list[Hazard]:
-        """What it shows."""
+        """Hazards that the alternative shows."""
         return [one.hazard for one in self.found if one.hazard is not None]
 
 
@@ -65,15 +65,15 @@ class Judge:
     """Answers `JudgeBranch`."""
 
     def __init__(self, recogniser: Recogniser) -> None:
-        """Judge what a recogniser recognises."""
+        """Judge the hazards that a recogniser finds."""
         self.recogniser = recogniser
         self.knowledge = recogniser.knowledge
 
     def judge(self, prompt: JudgeBranch) -> BranchJudgement:
-        """Say with what a branch can be shown, or what is missing.
+        """Return the means to show a branch, or the items that are missing.
 
-        A label may stand for several things, of which any is enough. Where only some can be shown, it
-        is narrowed to those.
+        A label may name several alternatives, any of which is enough. If only some can be shown,
+        the label is narrowed to those.
         """
         label = prompt.path[-1] if prompt.path else ""
         reading = self._reading(label)
@@ -92,7 +92,7 @@ class Judge:
         return self._kept([options[number] for number in shown], hidden, narrower, prompt.catalogue)
 
     def _reading(self, label: str) -> Reading:
-        """Return the alternatives of a label; a widened one stands for the hazard and its kin."""
+        """Return the alternatives of a label; a widened label stands for the hazard and its kin."""
         written = self.recogniser.written(label)
         if not written:
             return self.recogniser.reading(label)
@@ -129,7 +129,7 @@ class Judge:
     def _dropped(
         self, label: str, reading: Reading, options: Sequence[Option], catalogue: CatalogueDigest
     ) -> BranchJudgement:
-        """Say what is missing; what is asked for is what the alternative lacks that lacks least."""
+        """Explain what is missing, and request the items of the alternative that lacks the fewest."""
         if not options:
             return BranchJudgement(
                 reasoning=f"The author has no knowledge of {label!r}.",
@@ -150,7 +150,7 @@ class Judge:
     def _narrowed(
         self, reading: Reading, options: Sequence[Option], shown: Sequence[int]
     ) -> tuple[str, list[int]]:
-        """Return a label that names what can be shown, and which alternatives have room in it."""
+        """Return a label for the alternatives that can be shown, and the ones that fit into it."""
         if reading.split is not None:
             text = reading.split.naming(tuple(shown))
             wanted = {hazard.id for number in shown for hazard in options[number].hazards}
@@ -196,12 +196,12 @@ class Judge:
 
 
 def realise(hazard: Hazard, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
-    """Look for everything that a hazard needs in a catalogue.
+    """Look up everything that a hazard needs in a catalogue.
 
     Args:
-        hazard: With its needs, and perhaps a recipe.
-        catalogue: What the simulator offers.
-        knowledge: Says which things may stand in for which.
+        hazard: The hazard with its needs and, if there is one, its recipe.
+        catalogue: The digest of the simulator's catalogue.
+        knowledge: The knowledge base, for acceptable substitutes.
     """
     found = Realisation(hazard)
     recipe = hazard.stage
@@ -257,7 +257,7 @@ def _use(
     catalogue: CatalogueDigest,
     knowledge: Knowledge,
 ) -> None:
-    """Take the first asset that is one of the options, or may stand in for one."""
+    """Use the first asset that is one of the options, or an acceptable substitute for one."""
     there = [asset for name in options for asset in catalogue.called(name)]
     able = [asset for asset in there if set(states) <= set(asset.states)]
     if able:
@@ -299,7 +299,7 @@ def _find_map(hazard: Hazard, found: Realisation, catalogue: CatalogueDigest) ->
 
 
 def _originals(standing: Iterable[Substitute], knowledge: Knowledge) -> list[Addition]:
-    """Return what would be shown instead of the substitutes."""
+    """Return the additions that would make the substitutes unnecessary."""
     return [
         Addition(kind="state", name=s.stands_for)
         if ": " in s.stands_for
@@ -318,7 +318,7 @@ def _together(hidden: Iterable[Realisation]) -> list[Addition]:
 def _lacks(
     hidden: Sequence[Realisation], catalogue: CatalogueDigest, *, is_short: bool = False
 ) -> str:
-    """Say what is missing, and where the catalogue has nothing of that kind at all."""
+    """Describe the missing items, and the categories of which the catalogue has no asset at all."""
     additions = _together(hidden)
     lacking = [_lacking(kind, additions) for kind in _KINDS]
     lacking = [part for part in lacking if part]
@@ -351,7 +351,7 @@ _KINDS = {
 
 
 def _lacking(kind: str, additions: Sequence[Addition]) -> str:
-    """Name what of one kind is missing: `trench, deep water (assets)`."""
+    """Name the missing items of one kind: `trench, deep water (assets)`."""
     named = [one.words.split(": ", 1)[-1] for one in additions if one.kind == kind]
     if not named:
         return ""
@@ -367,14 +367,14 @@ def _listed(found: Sequence[Realisation]) -> str:
 
 
 def _with_what(option: Option) -> str:
-    """Say what shows an alternative: `fallen tree across the road by fallen_tree`."""
+    """Name the means to show an alternative: `fallen tree across the road by fallen_tree`."""
     means = _united((*one.assets, *one.weather) for one in option.found)
     by = f" by {', '.join(means)}" if means else ""
     return f"{_listed(option.found)}{by}"
 
 
 def _quoted(option: Option) -> str:
-    """Name an alternative that cannot be shown."""
+    """Quote an alternative that cannot be shown."""
     return _small(option.words)
 
 
@@ -387,7 +387,7 @@ def _small(label: str) -> str:
 
 
 def _joined(labels: Sequence[str]) -> tuple[str, int]:
-    """Join labels so that the recogniser can take them apart: as many as fit, and their number."""
+    """Join as many labels as fit, in a form that the recogniser can split; return the text and their number."""
     text = labels[0]
     for number, label in enumerate(labels[1:], start=1):
         longer = f"{text}, or {_small(label)}"

@@ -1,4 +1,4 @@
-"""What the built-in author imagines: which hazard it draws, and what it makes of being told what is known."""
+"""Imagination of the built-in author: draws hazards and responds to labels that a question names."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -14,20 +14,20 @@ from oodscen.prompts import ImagineScenario
 
 @dataclass(frozen=True)
 class Habits:
-    """How a model draws that is asked the same question again and again.
+    """Drawing habits of a model that is asked the same question repeatedly.
 
-    A language model does not draw evenly from all that it knows: asked the same question, it comes
-    back to a repertoire. Hazards have a seeded order in which they come to mind, and that of rank r is
-    drawn with a weight of 1 / (1 + exp((r - repertoire) / softness)).
+    A language model does not sample uniformly from what it knows: asked the same question, it
+    returns to a repertoire. Hazards have a seeded order of preference, and the hazard of rank r is
+    drawn with weight 1 / (1 + exp((r - repertoire) / softness)).
 
-    `repertoire` is such that a hundred rounds of the open loop add to a tree of 40 nodes about as many
-    as two models did, the paper's (37) and a frontier model that followed the paper by hand (39).
-    What it is told is covered it leaves out in five rounds out of six, and then takes what comes to mind
-    next; in the sixth it draws as if it had not been told. Where groups are named as thin, it chooses
-    among theirs in a third of the rounds in which it listens.
+    `repertoire` is set so that a hundred rounds of the open loop add about as many nodes to a tree
+    of 40 as two models did: the paper's (37) and a frontier model that followed the paper by hand
+    (39). In five rounds out of six, hazards that the question names as covered are excluded and the
+    next in the order are drawn; in the sixth, the list is ignored. If the question names thin
+    groups, a third of the rounds that heed it draw from those groups.
 
-    Hazards that are marked as first are drawn from in half of the rounds until the question names them
-    as covered or refused.
+    Half of the rounds draw from hazards marked as first, until the question names them as covered
+    or refused.
     """
 
     repertoire: float = 46.0
@@ -38,12 +38,12 @@ class Habits:
 
 
 class Imagination:
-    """Draws the hazard of an imagined scenario from what a question says."""
+    """Draws the hazard of an imagined scenario for a question."""
 
     def __init__(
         self, seed: int, knowledge: Knowledge, recogniser: Recogniser, habits: Habits | None = None
     ) -> None:
-        """Draw from a knowledge base; the seed decides what comes to mind first."""
+        """Draw from a knowledge base; the seed sets the order of preference."""
         self.knowledge = knowledge
         self.recogniser = recogniser
         self.habits = habits or Habits()
@@ -52,7 +52,7 @@ class Imagination:
         self._known = lru_cache(maxsize=8)(self._named)
 
     def hazard(self, prompt: ImagineScenario, rng: np.random.Generator) -> Hazard:
-        """Draw a hazard; what is covered, thin or was refused counts only if the question says so."""
+        """Draw a hazard; covered, thin and refused labels count only if the question names them."""
         ranks = self._order
         listens, follows, place = rng.random(), rng.random(), rng.random()
         if self._first and rng.random() < self.habits.favours:
@@ -75,7 +75,8 @@ class Imagination:
         rank = np.empty(len(self._order), np.int64)
         rank[self._order] = np.arange(len(self._order))
         steps = (rank[hazards] - self.habits.repertoire) / self.habits.softness
-        # The first that is left decides the scale: far from the repertoire it is the next to come.
+        # The best remaining rank sets the scale, so that the next one is drawn even far from the
+        # repertoire.
         weights = -np.logaddexp(0.0, steps)
         total = np.cumsum(np.exp(weights - weights.max()))
         return int(hazards[int(np.searchsorted(total, place * total[-1], side="right"))])

@@ -1,4 +1,4 @@
-"""Answers about the tree: proposing one, and finding the place of a scenario in it."""
+"""Answers about the tree: proposing a tree, and finding the place of a scenario in it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,13 +20,13 @@ _ROOT_LABEL = "Out-of-distribution driving scenario"
 
 @dataclass
 class _Draft:
-    """The hazards chosen so far, by family, and the nodes that they take."""
+    """The hazards chosen so far, by family, and the remaining number of nodes."""
 
     room: int
-    """Nodes that are still free."""
+    """Number of nodes still available."""
     families: dict[str, list[Hazard]] = field(default_factory=dict)
     bare: list[Hazard] = field(default_factory=list)
-    """Leaves that hang below their class, where a family would be one node too many."""
+    """Leaves directly below their class, because a family would take one node too many."""
 
     def cost(self, hazard: Hazard) -> int:
         return 1 if hazard.family in self.families else 2
@@ -44,7 +44,7 @@ class TreeAuthor:
     """Answers `ProposeTree` and `PlaceScenario`."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """Work on a knowledge base; the paper's scenarios are looked up in it once."""
+        """Build trees from a knowledge base; the paper's scenarios are looked up in it once."""
         self.knowledge = knowledge
         self.recogniser = recogniser
         self.simulated = self._named(knowledge.paper.simulated)
@@ -55,7 +55,7 @@ class TreeAuthor:
         return tuple({hazard.id: hazard for hazard in found if hazard is not None}.values())
 
     def _numbers(self, descriptions: Sequence[str]) -> dict[str, int]:
-        """Return by hazard the number of the first example that describes it."""
+        """Return the number of the first example that describes each hazard, by hazard id."""
         found: dict[str, int] = {}
         for number, text in enumerate(descriptions, start=1):
             hazard = self.recogniser.recognise(text).hazard
@@ -64,7 +64,7 @@ class TreeAuthor:
         return found
 
     def propose(self, prompt: ProposeTree, rng: np.random.Generator) -> ProposedTree:
-        """Arrange the paper's scenarios and a seeded choice of others as a tree of given size."""
+        """Build a tree of the given size from the paper's scenarios and a seeded choice of others."""
         draft = _Draft(room=prompt.nodes - 1 - len(CLASSES))
         if draft.room < len(self.simulated):
             least = 1 + len(CLASSES) + len(self.simulated)
@@ -86,7 +86,7 @@ class TreeAuthor:
         return self._lay_out(draft, self._numbers(prompt.asked.given))
 
     def _found(self, draft: _Draft) -> None:
-        """Place the simulated scenarios; where the tree is tiny, some without their family."""
+        """Place the simulated scenarios; in a tiny tree, some go without their family."""
         members: dict[str, list[Hazard]] = {}
         for hazard in self.simulated:
             members.setdefault(hazard.family, []).append(hazard)
@@ -101,7 +101,7 @@ class TreeAuthor:
                 draft.room -= len(leaves)
 
     def _fill(self, draft: _Draft, rng: np.random.Generator) -> None:
-        """Use up the room, balanced between the classes, families of several leaves preferred."""
+        """Use up the remaining nodes, balanced between the classes, preferring families with several leaves."""
         order = [self.knowledge.hazards[i] for i in rng.permutation(len(self.knowledge.hazards))]
         taken = {hazard.id for hazard in draft.chosen}
         left = [hazard for hazard in order if hazard.id not in taken]
@@ -162,7 +162,7 @@ class TreeAuthor:
     # -------------------------------------------------------------- placing a scenario
 
     def place(self, prompt: PlaceScenario) -> PlacedScenario:
-        """Find the branch for a text, or the change that makes the tree cover it."""
+        """Return the branch for a text, or the change that makes the tree cover it."""
         found = self.recogniser.recognise(prompt.text)
         hazard = found.hazard
         if hazard is None:
@@ -191,7 +191,7 @@ class TreeAuthor:
         return None
 
     def _also(self, prompt: PlaceScenario, hazard: Hazard, chosen: str | None) -> list[AlsoFits]:
-        """Name the leaves of kin, and of the hazards whose words the text has as well."""
+        """Return the leaves of the hazard's kin, and of other hazards whose words the text contains."""
         kin = [h for h in self.knowledge.hazards if h.id in hazard.kin or hazard.id in h.kin]
         whys = {h.id: "It is close kin." for h in kin}
         for other, _ in self.recogniser.candidates(prompt.text):
@@ -207,7 +207,7 @@ class TreeAuthor:
         return [AlsoFits(node=node, why=found[node][1]) for node in best]
 
     def _broadened(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
-        """Widen a leaf that is close kin, once in its life; divide it where it may not be widened."""
+        """Widen a closely related leaf that has not been widened yet, or split it if it is full."""
         for leaf in outline.leaves:
             known, widened = self.recogniser.label(leaf.label)
             if known is None or widened or hazard.id not in known.kin:
@@ -255,7 +255,7 @@ class TreeAuthor:
         )
 
     def _family_node(self, hazard: Hazard, outline: "_Outline") -> Node | None:
-        """Return the node of the hazard's family: by its label, else by the leaves below it."""
+        """Return the node of the hazard's family, found by its label or else by the leaves below it."""
         for node in outline.families:
             if self.recogniser.family(node.label) == hazard.family:
                 return node
@@ -270,7 +270,7 @@ class TreeAuthor:
 
 
 class _Outline:
-    """The parts of a tree that matter for placing."""
+    """The parts of a tree that matter for placing a scenario."""
 
     def __init__(self, prompt: PlaceScenario) -> None:
         nodes = prompt.nodes
@@ -287,7 +287,7 @@ class _Outline:
         return next((node for node in self.classes if node.label.casefold() == name), None)
 
     def free(self, *labels: str) -> str:
-        """Return the first label that the tree does not have, numbered if it has them all."""
+        """Return the first label that the tree does not have; if it has all, number the first one."""
         for label in labels:
             if label and label.casefold() not in self.labels:
                 return label

@@ -1,4 +1,4 @@
-"""Claims: the content of a text, piece by piece, and whether a scene holds to it."""
+"""Claims: the statements of a text, one by one, and checks of a scene against them."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Whether one actor is, moves and stands as a text says."""
+"""Checks of claims about single actors: their place, distance, motion and state."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,28 +14,28 @@ from oodscen.driving._trace import Course, Trace, places
 
 Floats = NDArray[np.float64]
 Verdict = tuple[bool | None, str]
-"""Whether a claim holds, `None` where nobody can tell, and what is found."""
+"""A verdict on a claim (`None` if it cannot be decided) and what the scene shows."""
 
 _STILL = 0.5
-"""m/s below which something counts as standing: gusts and milling about are above."""
+"""Speed below which an actor counts as standing, m/s; gusts and milling about exceed it."""
 _MOVES = 0.3
-"""m/s from which something counts as moving."""
+"""Speed above which an actor counts as moving, m/s."""
 _ACROSS_M = 0.8
-"""m to the side that make a crossing."""
+"""Lateral movement that counts as crossing, m."""
 _ASIDE_M = 0.5
-"""m from the lane's middle from which something is to one side."""
+"""Lateral distance from the lane's middle beyond which an actor is to the left or right, m."""
 _IN_LANE = 0.3
-"""Share of a lane, or of what is smaller than that, that must be taken."""
+"""Share of the lane, or of the actor if it is narrower, that an actor in the lane must cover."""
 _CLEAR_M = 1.0
-"""Half of what an ego in the middle of its lane needs, m."""
+"""Half the width that an ego in the middle of its lane needs, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """How one actor moves against the ego; arrays are [steps]."""
+    """The motion of one actor relative to the ego; arrays are [steps]."""
 
     actor: int
-    """Index in the scene."""
+    """Index of the actor in the scene."""
     id: str
     asset: Asset
     state: str
@@ -43,32 +43,32 @@ class Seen:
     before: slice
     """Steps up to the decision."""
     ego_speed: float
-    """At the start, m/s."""
+    """Speed of the ego at the start, m/s."""
     own_lanes: int
-    """Lanes to the left of the ego's from which on they are oncoming."""
+    """Number of lanes to the left of the ego's at which the oncoming lanes begin."""
     time: Floats
     ahead: Floats
-    """m along the road from the ego's centre to its own."""
+    """Distance along the road from the ego's centre to the actor's, m."""
     aside: Floats
-    """m from the middle of the ego's lane, to the left."""
+    """Offset from the middle of the ego's lane, positive to the left, m."""
     half_width: Floats
-    """m across the road, of its footprint."""
+    """Half the width of the footprint across the road, m."""
     lane_width: Floats
-    """Of the ego's lane, m."""
+    """Width of the ego's lane, m."""
     lane: Floats
-    """Lanes to the left of the ego's; not-a-number off the lanes."""
+    """Lanes to the left of the ego's; NaN off the lanes."""
     along: Floats
-    """m/s along the road."""
+    """Speed along the road, m/s."""
     speed: Floats
-    """m/s over the ground."""
+    """Speed over the ground, m/s."""
     gear: Floats
-    """m/s along its heading: negative in reverse."""
+    """Speed along the actor's heading, m/s; negative in reverse."""
     gap: Floats
-    """m between its body and the ego's."""
+    """Gap between the actor's body and the ego's, m."""
 
     @classmethod
     def of(cls, scene: Scene, catalogue: Catalogue, trace: Trace) -> list[Self]:
-        """Look at every actor of a scene, in the scene's order."""
+        """Return one record per actor, in the scene's order."""
         course = Course.of(scene, catalogue)
         corridor, strip = course.corridor, course.corridor.strips[course.strip]
         rows = [trace.ids.index(actor.id) for actor in scene.actors]
@@ -110,12 +110,12 @@ class Seen:
 
     @property
     def is_traffic(self) -> bool:
-        """Whether it is an ordinary road user under way."""
+        """Return whether this is an ordinary road user that moves."""
         return not self.is_hazard and float(self.speed.max()) >= _STILL
 
     @property
     def share(self) -> Floats:
-        """Return the share of the ego's lane, or of itself if that is less, that it takes."""
+        """Return the share of the ego's lane that the actor covers, or of the actor if it is narrower."""
         half = 0.5 * self.lane_width
         low = np.maximum(self.aside - self.half_width, -half)
         high = np.minimum(self.aside + self.half_width, half)
@@ -124,12 +124,12 @@ class Seen:
         return taken
 
     def judge(self, claim: Claim, *, moves: bool = False) -> Verdict:
-        """Tell whether a claim of kind place, distance, motion or state holds for this actor.
+        """Judge a claim of kind place, distance, motion or state about this actor.
 
         Args:
-            claim: What the text says.
-            moves: Whether the text also says that the same thing moves, so that it need not stand
-                for longer than at the start.
+            claim: The claim of the text.
+            moves: Whether the text also says that the same actor moves. It then has to be
+                stationary only at the start.
         """
         if claim.kind == "place":
             return self._place(claim.value)

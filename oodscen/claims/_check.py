@@ -1,4 +1,4 @@
-"""Whether a scene is faithful to a text, whoever wrote either."""
+"""Faithfulness of scenes to texts, for scenes and texts of any author."""
 
 from typing import ClassVar
 
@@ -14,23 +14,23 @@ from oodscen.protocols import LLM
 
 
 class Faithfulness(Data):
-    """How a scene compares with its text."""
+    """The comparison of a scene with its text."""
 
     noun: ClassVar[str] = "faithfulness"
 
     id: str
-    """Of the scene."""
+    """Id of the scene."""
     findings: tuple[Finding, ...]
-    """One per claim of the text, in its order."""
+    """One finding per claim of the text, in its order."""
 
     @property
     def mismatches(self) -> tuple[Finding, ...]:
-        """Return what the scene contradicts."""
+        """Findings on the claims that the scene contradicts."""
         return tuple(one for one in self.findings if one.status == "fails")
 
     @property
     def is_faithful(self) -> bool:
-        """Whether the scene contradicts nothing of the text."""
+        """True if the scene contradicts no claim of the text."""
         return not self.mismatches
 
 
@@ -40,22 +40,22 @@ class Unjudged(Data):
     noun: ClassVar[str] = "unjudged scene"
 
     id: str
-    """Of the scene, or file and number of the line where it holds none."""
+    """Id of the scene, or the file and line number if the line holds no scene."""
     faults: tuple[str, ...]
-    """What stands in the way."""
+    """Reasons why the line could not be compared."""
 
 
 def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Claim, ...]:
     """Read the claims of a text from its words alone.
 
     Args:
-        llm: Who reads it.
-        text: Of a scenario.
+        llm: The model that reads the text.
+        text: The text of a scenario.
         attempts: Largest number of calls.
 
     Raises:
-        AnswerError: When no valid answer comes; it lists the faults.
-        LLMError: When the model cannot be reached.
+        AnswerError: If the model gives no valid answer; the error lists the faults.
+        LLMError: If the model cannot be reached.
     """
     return tuple(ask(llm, ExtractClaims(text=text), attempts=attempts).claims)
 
@@ -63,18 +63,18 @@ def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Cl
 def check_faithful(
     llm: LLM, text: str, scene: Scene, catalogue: Catalogue, trace: Trace | None = None
 ) -> Faithfulness:
-    """Compare a scene that anybody wrote with a text.
+    """Compare a scene of any author with a text.
 
     Args:
-        llm: Reads the text; it does not see the scene.
-        text: What the scene shall show.
-        scene: One that `oodscen.driving.check_scene` accepts.
-        catalogue: Of the simulator that it is for.
-        trace: What happens in it; watched if left out.
+        llm: The model that reads the text; it does not see the scene.
+        text: The text that the scene should show.
+        scene: A scene that `oodscen.driving.check_scene` accepts.
+        catalogue: The catalogue of the scene's simulator.
+        trace: The ground truth of the scene; computed by `watch` if left out.
 
     Raises:
-        AnswerError: When the claims cannot be read; it lists the faults.
-        LLMError: When the model cannot be reached.
+        AnswerError: If the claims cannot be read; the error lists the faults.
+        LLMError: If the model cannot be reached.
     """
     claims = extract_claims(llm, text)
     return Faithfulness(id=scene.id, findings=tuple(judge_claims(claims, scene, catalogue, trace)))

@@ -1,4 +1,4 @@
-"""Comparing what a text says with a scene and with what happens in it."""
+"""Comparison of a text's claims with a scene and with its trace."""
 
 from collections.abc import Mapping, Sequence
 from itertools import permutations
@@ -17,28 +17,28 @@ from oodscen.driving._roads.building import find_map
 from oodscen.driving._trace import Trace
 
 _CASTS = 2_000
-"""So many ways to tell who is who are tried at most."""
+"""Largest number of assignments of subjects to actors to try."""
 _DENSE = 2
-"""Road users that make traffic dense, besides the hazard."""
+"""Number of other road users, besides the hazard, that makes traffic dense."""
 _USERS = frozenset({"vehicle", "cyclist"})
 _MOTIONS = frozenset({"stationary"})
 
 _OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
-"""What a map's own signals never show."""
+"""States that a map's own signals never show."""
 
 
 class Finding(Data):
-    """What became of one claim."""
+    """The verdict on one claim."""
 
     noun: ClassVar[str] = "finding"
 
     claim: Claim
     status: Literal["holds", "fails", "open"]
-    """`open` where the scene or the catalogue does not say."""
+    """`open` if neither the scene nor the catalogue decides the claim."""
     found: str
-    """What the scene shows."""
+    """Description of what the scene shows."""
     path: str = ""
-    """Where in the scene."""
+    """Path of the relevant part of the scene."""
 
 
 def check_claims(
@@ -47,11 +47,11 @@ def check_claims(
     """Find the claims of a text that a scene contradicts.
 
     Args:
-        claims: Of one text.
-        scene: One that `oodscen.driving.check_scene` accepts, whoever wrote it.
-        catalogue: Of the simulator that it is for.
-        trace: What happens in it; `watch(scene, catalogue)` if left out. That of
-            `oodscen.simulate` ends at the decision: what follows it is not seen then.
+        claims: The claims of one text.
+        scene: A scene that `oodscen.driving.check_scene` accepts, from any author.
+        catalogue: The catalogue of the scene's simulator.
+        trace: The ground truth of the scene; `watch(scene, catalogue)` if left out. A trace of
+            `oodscen.simulate` ends at the decision, so later events go unseen.
 
     Returns:
         One mismatch per claim that does not hold; empty for a faithful scene.
@@ -68,9 +68,9 @@ def judge_claims(
 ) -> list[Finding]:
     """Compare every claim of a text with a scene, in their order.
 
-    A subject stands for the actor that fits most of what is said about it; things of the same name
-    are different actors. What is said about several (`count`), or about somebody or something that
-    the text does not name, need only be true of one of them.
+    Each subject is assigned the actor that fits most of its claims; subjects with the same name are
+    different actors. Claims about several things (`count`), or about someone or something that the
+    text does not name, only need one actor for which they are true.
 
     Args:
         claims: As for `check_claims`.
@@ -108,13 +108,13 @@ def judge_claims(
 
 
 def _road(scene: Scene, catalogue: Catalogue) -> RoadMap | None:
-    """Return a map that tells its traits."""
+    """Return the scene's map, or `None` if its traits are unknown."""
     road = find_map(scene.map, catalogue)
     return road if road.traits else None
 
 
 def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
-    """Return the subjects, those together that have the same name but for a number."""
+    """Group the subjects whose names differ only in a trailing number."""
     groups: dict[object, list[str]] = {}
     for subject in subjects:
         thing = named(subject)
@@ -127,7 +127,7 @@ def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
 def _settle(
     subjects: Mapping[str, Sequence[Claim]], seen: Sequence[Seen], road: RoadMap | None
 ) -> dict[str, tuple[dict[Claim, Finding], set[str]]]:
-    """Find who is who among subjects of one name, so that most of what is said is true."""
+    """Assign subjects of one name to actors so that the fewest claims fail."""
     thing = named(next(iter(subjects)))
     fitting = [one for one in seen if any(may_be(subject, one.asset) for subject in subjects)]
     scenery = thing is not None and thing.is_scenery(road)
@@ -184,7 +184,7 @@ def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, Finding]:
 def _judge_group(
     claims: Sequence[Claim], fitting: Sequence[Seen], thing: Thing | None, scenery: bool
 ) -> tuple[dict[Claim, Finding], set[str]]:
-    """Judge claims about several things: each must be true of one of them at least."""
+    """Judge claims about several things: each must hold for at least one of them."""
     if not fitting:
         return _unstaged(claims, scenery and _is_scenic(claims), 0), set()
     findings: dict[Claim, Finding] = {}
@@ -201,7 +201,7 @@ def _judge_group(
 
 
 def _unstaged(claims: Sequence[Claim], scenery: bool, others: int) -> dict[Claim, Finding]:
-    """Return the findings about something that no actor is."""
+    """Return the findings about a thing that no actor represents."""
     if scenery:
         return {claim: _of_scenery(claim) for claim in claims}
     rest = " other" if others else ""
@@ -210,7 +210,7 @@ def _unstaged(claims: Sequence[Claim], scenery: bool, others: int) -> dict[Claim
 
 
 def _is_scenic(claims: Sequence[Claim]) -> bool:
-    """Tell whether what is said may be true of something that belongs to the map."""
+    """Return whether all claims could be true of something that belongs to the map."""
     return not any(
         claim.kind == "distance"
         or (claim.kind == "motion" and claim.value != "stationary")
@@ -220,7 +220,7 @@ def _is_scenic(claims: Sequence[Claim]) -> bool:
 
 
 def _of_scenery(claim: Claim) -> Finding:
-    """Judge a claim about something that only the map shows: it stands there, in good order."""
+    """Judge a claim about a thing that only the map shows; it is stationary and in working order."""
     if claim.kind == "state" and claim.value in _OUT_OF_ORDER:
         return _finding(claim, False, "the map's own is in order", "map")
     return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")

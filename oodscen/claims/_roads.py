@@ -1,4 +1,4 @@
-"""Whether a road is as a text says, from what a catalogue says of its map."""
+"""Checks of claims about the road against the catalogue's entry for its map."""
 
 from typing import Protocol
 
@@ -6,26 +6,26 @@ from oodscen.data._claim import Claim
 
 
 class Road(Protocol):
-    """What is known of a map: a `RoadMap`, or a line of a catalogue's digest."""
+    """The known properties of a map: a `RoadMap`, or a line of a catalogue's digest."""
 
     @property
     def lanes(self) -> int:
-        """Driving lanes in the ego's direction."""
+        """Number of driving lanes in the ego's direction."""
         ...
 
     @property
     def oncoming_lanes(self) -> int:
-        """Driving lanes for oncoming traffic."""
+        """Number of driving lanes for oncoming traffic."""
         ...
 
     @property
     def traits(self) -> tuple[str, ...]:
-        """What kind of road it is."""
+        """Kinds of road that the map is."""
         ...
 
 
 def is_so(claim: Claim, road: Road) -> bool:
-    """Tell whether a claim of kind road, lanes or own_lanes holds on a map with traits."""
+    """Return whether a claim of kind road, lanes or own_lanes holds on a map that has traits."""
     if claim.kind == "road":
         return _is(claim.value, road)
     wanted = int(claim.value)
@@ -47,4 +47,4 @@ _ANY_OF = {
     "curve": frozenset({"curve", "winding"}),
     "junction": frozenset({"junction", "t_junction", "roundabout"}),
 }
-"""Traits of which one suffices, where they are not the value itself."""
+"""Traits that satisfy a value, any one of them; other values need the trait of the same name."""

@@ -1,4 +1,4 @@
-"""Whether weather, light, road and the ego's lane are as a text says."""
+"""Checks of claims about weather, light, road and the ego's lane."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -10,32 +10,32 @@ from oodscen.data._scene import Scene, Weather
 from oodscen.driving._trace import Trace
 
 NIGHT_DEG = -3.0
-"""With the sun below this it is dark."""
+"""Sun elevation below which it is dark, degrees."""
 FOG_M, THICK_FOG_M, MIST_M = 1000.0, 200.0, 5000.0
-"""Visual ranges up to which air is called fog, thick fog, mist (WMO: fog is below 1 km)."""
+"""Largest visual ranges of fog, thick fog and mist, m (WMO: fog is below 1 km)."""
 LIGHT_RAIN, HEAVY_RAIN = 2.5, 7.6
-"""mm/h up to which rain is light, and from which it is heavy (American Meteorological Society)."""
+"""Upper limit of light rain and lower limit of heavy rain, mm/h (American Meteorological Society)."""
 LIGHT_SNOW, HEAVY_SNOW = 2.0, 4.0
-"""The same for snow as water; visual range and ground say the rest."""
+"""The same limits for snow, as water equivalent; visual range and road surface are separate claims."""
 _TURN_RAD = math.radians(50.0)
 
 Verdict = tuple[bool | None, str]
-"""Whether a claim holds, `None` where nobody can tell, and what is found."""
+"""A verdict on a claim (`None` if it cannot be decided) and what the scene shows."""
 
 
 def judge_surroundings(
     claim: Claim, scene: Scene, road: RoadMap | None, trace: Trace
 ) -> tuple[bool | None, str, str]:
-    """Compare a claim about anything but a thing with a scene.
+    """Compare a claim that is not about a thing with a scene.
 
     Args:
-        claim: Of kind weather, time, road, lanes, own_lanes or ego.
-        scene: In which it should hold.
-        road: The scene's map; `None` where it is not of the catalogue and has no traits.
-        trace: For the ego's way.
+        claim: A claim of kind weather, time, road, lanes, own_lanes or ego.
+        scene: The scene in which it should hold.
+        road: The scene's map; `None` if the catalogue lacks it and its traits are unknown.
+        trace: The ground truth, for the path of the ego.
 
     Returns:
-        Whether it holds, what is found, and where in the scene.
+        The verdict, what the scene shows, and the path in the scene.
     """
     if claim.kind in ("weather", "time"):
         test = {**_WEATHER, **_TIME}[claim.value]

@@ -1,4 +1,4 @@
-"""What people call things, and which assets of a catalogue may be so called."""
+"""Common names of things, and the assets of a catalogue that each name fits."""
 
 import re
 import tomllib
@@ -34,45 +34,46 @@ class Named(Protocol):
 
     @property
     def id(self) -> str:
-        """In the catalogue."""
+        """Id in the catalogue."""
         ...
 
     @property
     def category(self) -> str:
-        """Of assets."""
+        """Category of assets."""
         ...
 
     @property
     def description(self) -> str:
-        """What a person sees."""
+        """Description of what a person sees."""
         ...
 
 
 @dataclass(frozen=True)
 class Thing:
-    """A kind of thing, under all its names."""
+    """A kind of thing with all its names."""
 
     words: tuple[str, ...]
     terms: tuple[str, ...] = ()
     map: tuple[str, ...] = ()
     group: str = ""
-    """What it is in general: `vehicle`, `person`, `animal`, `object` or `signal`."""
+    """General group: `vehicle`, `person`, `animal`, `object` or `signal`."""
     many: bool = False
-    """One asset of it already shows several."""
+    """True if a single asset already shows several."""
     plural: bool = False
-    """Its singular already means several."""
+    """True if the singular already means several."""
     faint: bool = False
-    """Naming it does not say that it can be seen."""
+    """True if naming the thing does not imply that it is visible."""
     vague: bool = False
-    """It stands for anybody or anything: what is said of it need only be true of one actor each."""
+    """True if it stands for anyone or anything. Each claim about it then needs only one actor for
+    which it holds."""
 
     @property
     def name(self) -> str:
-        """What claims call it."""
+        """The name that claims use."""
         return self.words[0]
 
     def fits(self, asset: "Named") -> bool:
-        """Tell whether an asset may be called so."""
+        """Return whether the name fits an asset."""
         words = _words_of(asset)
         return any(
             all((part[1:] not in words) if part[0] == "!" else part in words for part in parts)
@@ -80,7 +81,7 @@ class Thing:
         )
 
     def is_scenery(self, road: RoadMap | None) -> bool:
-        """Tell whether a map shows it without an actor."""
+        """Return whether a map shows the thing without an actor."""
         if road is None:
             return False
         return any(word in road.traits or word in road.description for word in self.map)
@@ -94,12 +95,12 @@ class Mention(NamedTuple):
     thing: Thing
     is_plural: bool
     word: str
-    """In the singular."""
+    """The word in the singular."""
 
 
 @cache
 def things() -> tuple[Thing, ...]:
-    """Return every kind of thing that has a name here; those without terms name nothing."""
+    """Return all known kinds of things; those without terms are never matched in texts."""
     source = resources.files("oodscen.claims").joinpath("things.toml").read_text(encoding="utf-8")
     rows = tomllib.loads(source)["thing"]
     keys = ("words", "terms", "map")
@@ -117,7 +118,7 @@ def things() -> tuple[Thing, ...]:
 
 
 def mentions(text: str) -> Iterator[Mention]:
-    """Find every thing that a text names, in order; of overlapping names the longest counts."""
+    """Yield the things that a text names, in order; the longest of overlapping names wins."""
     pattern, by_form = _index()
     for found in pattern.finditer(text):
         form = " ".join(re.split(r"[\s-]+", found.group(0).casefold()))
@@ -128,7 +129,7 @@ def mentions(text: str) -> Iterator[Mention]:
 
 @cache
 def named(subject: str) -> Thing | None:
-    """Return what a noun phrase names; of several things the last, which is the head."""
+    """Return the thing that a noun phrase names; of several, the last one, which is its head."""
     head = re.split(r"\b(?:with|of|on|in|from|at|that|which|who)\b", subject, maxsplit=1)[0]
     for part in (subject, head):
         found = list(mentions(part))
@@ -139,9 +140,9 @@ def named(subject: str) -> Thing | None:
 
 
 def may_be(subject: str, asset: Asset) -> bool:
-    """Tell whether an asset may be what a noun phrase names.
+    """Return whether an asset may be what a noun phrase names.
 
-    A name that is not known here is compared with the words of the asset.
+    An unknown name is compared with the words of the asset.
     """
     thing = named(subject)
     if thing is not None:
@@ -159,7 +160,7 @@ def _words_of(asset: Named) -> frozenset[str]:
 def _named_by(
     name: str, category: str, tags: tuple[str, ...] | None, description: str
 ) -> frozenset[str]:
-    """Return what an asset is called: by id, category and tags, or else by its description."""
+    """Return the words for an asset: from its id, category and tags, or its description if it has no tags."""
     told = description.split() if tags is None else tags
     words = {category, name, *told}
     for one in (name, *told):

@@ -1,4 +1,4 @@
-"""What happens in a scene: the approach, the decision, and what follows if nobody reacts."""
+"""Rollouts of a scene without a reacting ego: the approach, the decision and what follows."""
 
 from collections.abc import Mapping
 
@@ -14,24 +14,24 @@ from oodscen.driving._trace import Course, Trace
 from oodscen.protocols import State
 
 DT = 0.1
-"""Seconds per step."""
+"""Time step, s."""
 APPROACH_S = 15.0
-"""The decision is awaited for so long."""
+"""Longest wait for the decision, s."""
 AFTER_S = 6.0
-"""And what follows it is watched for so long, or to the scene's horizon if that is sooner."""
+"""Time to watch after the decision, s; the scene's horizon if that is shorter."""
 
 
 def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float = AFTER_S) -> Trace:
-    """Roll a scene with a lane-keeping ego that is blind to the hazard; nothing is drawn.
+    """Roll out a scene with a lane-keeping ego that ignores the hazard; nothing is rendered.
 
-    Everybody moves as in any simulator that mirrors the kinematic world. The ego drives through
-    whatever it meets, so that also what happens late is seen.
+    All actors move as in any simulator that mirrors the kinematic world. The ego drives through
+    obstacles, so late events are also seen.
 
     Args:
-        scene: One that `oodscen.driving.check_scene` accepts.
-        catalogue: Of the simulator that it is for.
-        seed: Of the episode.
-        after_s: How long is watched after the decision, s.
+        scene: A scene that `oodscen.driving.check_scene` accepts.
+        catalogue: The catalogue of the scene's simulator.
+        seed: Seed of the episode.
+        after_s: Time to watch after the decision, s.
 
     Returns:
         The ground truth of every step.
@@ -50,9 +50,9 @@ def watch(scene: Scene, catalogue: Catalogue, *, seed: int = 0, after_s: float =
 
 
 def decision_s(scene: Scene, trace: Trace) -> float:
-    """Return when the decision falls in a trace, s; its end where that cannot be told.
+    """Return the time of the decision in a trace, s; the end of the trace if the trigger never fires.
 
-    Times to collision are taken from the trace, so they may differ by a step from a simulator's.
+    TTC values are taken from the trace, so the result may differ by one step from a simulator's.
     """
     trigger, time = scene.decision, trace["time"][:, 0]
     if trigger.kind == "time":
@@ -67,10 +67,10 @@ def decision_s(scene: Scene, trace: Trace) -> float:
 
 
 def beside(scene: Scene, catalogue: Catalogue, trace: Trace) -> Mapping[str, NDArray[np.float64]]:
-    """Return where everybody is against the middle of the lane in which the ego started, m.
+    """Return the lateral offset of every actor from the middle of the ego's starting lane, m.
 
     Returns:
-        By id: [steps], to the left.
+        Arrays [steps] by actor id, positive to the left.
     """
     course = Course.of(scene, catalogue)
     strip, corridor = course.corridor.strips[course.strip], course.corridor

@@ -1,4 +1,4 @@
-"""One typed question per file, beside its template; the order is the order of the pipeline."""
+"""Typed questions, one per file beside its template, in the order of the pipeline."""
 
 from typing import Any
 
@@ -47,7 +47,7 @@ QUESTIONS: tuple[type[Prompt[Any]], ...] = (
 
 
 def prompt_versions() -> dict[str, str]:
-    """Return the version of every question by its purpose."""
+    """Return the version of every question, by purpose."""
     return {question.purpose: question.version() for question in QUESTIONS}
 
 

@@ -1,4 +1,4 @@
-"""A catalogue as prompts show it: just the vocabulary that an answer may use."""
+"""Digests of catalogues for prompts: only the vocabulary that an answer may use."""
 
 import re
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class AssetLine(Data):
     description: str
     states: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
-    """What other catalogues call it."""
+    """Names of the asset in other catalogues."""
     length_m: float = 0.0
     width_m: float = 0.0
     height_m: float = 0.0
@@ -32,7 +32,7 @@ class BehaviourLine(Data):
     description: str
     categories: tuple[str, ...]
     parameters: str = ""
-    """E.g. `speed 0..20 (8)`: minimum, maximum, default."""
+    """Parameters such as `speed 0..20 (8)`: minimum, maximum, default."""
 
 
 class MapLine(Data):
@@ -46,34 +46,34 @@ class MapLine(Data):
     traits: tuple[str, ...]
     landmarks: tuple[Landmark, ...] = ()
     somewhere: tuple[str, ...] = ()
-    """Kinds of landmarks that it has, nobody knows where along the ego's road."""
+    """Kinds of landmarks that the map has at unknown positions along the ego's road."""
 
     @property
     def features(self) -> tuple[str, ...]:
-        """Traits, and kinds of landmarks that are no trait."""
+        """Traits, and kinds of landmarks that are not traits."""
         marks = (*(mark.kind for mark in self.landmarks), *self.somewhere)
         return tuple(dict.fromkeys((*self.traits, *marks)))
 
 
 @dataclass(frozen=True)
 class WeatherLimits:
-    """What a digest's line on the weather says."""
+    """The contents of a digest's line on the weather."""
 
     night: bool
     fog_m: float
-    """Least visual range."""
+    """Least visual range, m."""
     rain: bool
     snow: bool
     intensity: float
-    """Most precipitation, mm/h."""
+    """Greatest precipitation intensity, mm/h."""
     friction: float
-    """Least."""
+    """Least friction."""
     others: tuple[str, ...] = ()
-    """What no scene can ask for."""
+    """Kinds of weather that no scene can ask for."""
 
     @classmethod
     def of(cls, line: str) -> "WeatherLimits":
-        """Read `night; fog down to 30 m visual range; rain and snow up to 60 mm/h; ...`."""
+        """Parse a line such as `night; fog down to 30 m visual range; rain and snow up to 60 mm/h; ...`."""
 
         def number(pattern: str, default: float) -> float:
             found = re.search(pattern, line)
@@ -91,7 +91,7 @@ class WeatherLimits:
         )
 
     def offers(self, need: str) -> bool:
-        """Tell whether a kind of weather can be shown: `night`, `fog`, `rain`, `snow`, `ice` ..."""
+        """Return whether a kind of weather can be shown: `night`, `fog`, `rain`, `snow`, `ice` ..."""
         offered = {
             "night": self.night,
             "fog": self.fog_m <= FOG_M,
@@ -109,21 +109,21 @@ class CatalogueDigest(Data):
     behaviours: tuple[BehaviourLine, ...]
     maps: tuple[MapLine, ...]
     weather: str
-    """What weather can be shown, in one line."""
+    """The weather that can be shown, in one line."""
 
     @property
     def limits(self) -> "WeatherLimits":
-        """The weather as numbers."""
+        """The weather line as numbers."""
         return WeatherLimits.of(self.weather)
 
     def called(self, name: str) -> tuple[AssetLine, ...]:
-        """Return the assets that are such a thing: by their id first, then by other names."""
+        """Return the assets with a given name: matches by id first, then by other names."""
         exact = tuple(asset for asset in self.assets if asset.id == name)
         return (*exact, *(asset for asset in self.assets if name in asset.names))
 
     @classmethod
     def of(cls, catalogue: Catalogue) -> Self:
-        """Summarise a catalogue."""
+        """Return the digest of a catalogue."""
         return cls(
             assets=tuple(
                 AssetLine(
@@ -169,7 +169,7 @@ def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
 
 
 def _landmarks(road: RoadMap, catalogue: Catalogue) -> tuple[Landmark, ...]:
-    """Find what a map's file has; nothing where there is no file that can be read."""
+    """Return the landmarks of a map's file; empty if there is no readable file."""
     if not road.file:
         return ()
     from oodscen.driving._roads.building import find_map, load_corridor

@@ -1,4 +1,4 @@
-"""Questions about a catalogue made short enough for models that read little."""
+"""Shortening of catalogue questions for models with a small context window."""
 
 import re
 from typing import Any, TypeVar
@@ -9,23 +9,24 @@ from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
 Question = TypeVar("Question", bound=Prompt[Any])
 
 CHARACTERS = 4
-"""Per token of English text."""
+"""Characters per token of English text."""
 
 ANSWER_TOKENS = 800
-"""Left free for the answer."""
+"""Tokens reserved for the answer."""
 
 _COMMON = frozenset("a an and at by from in into is its of off on onto or that the to with".split())
 
 
 def fitted(question: Question, context: int | None) -> Question:
-    """Return a question that a model can read together with its own answer.
+    """Return a question that fits the context window of a model together with its answer.
 
-    Of the assets and behaviours in its catalogue those that share most words with the question's texts stay as
-    they are; of as many others as necessary only the ids are left.
+    The assets and behaviours of its catalogue that share the most words with the question's texts
+    stay as they are; of the others, as many as necessary are reduced to their ids.
 
     Args:
-        question: With a field `catalogue`.
-        context: Tokens that the model can read and write; `None` leaves the question as it is.
+        question: A question with a field `catalogue`.
+        context: Context window of the model in tokens, for prompt and answer; `None` leaves the
+            question as it is.
     """
     if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
         return question
@@ -47,7 +48,7 @@ def tokens_of(question: Prompt[Any]) -> int:
 
 
 def _with(question: Question, catalogue: CatalogueDigest, kept: list[tuple[str, str]]) -> Question:
-    """Return the question with ids alone for all lines that are not kept."""
+    """Return the question with all lines that are not kept reduced to their ids."""
     whole = set(kept)
     short = catalogue.model_copy(
         update={
@@ -79,7 +80,7 @@ def _about(question: Prompt[Any]) -> set[str]:
 
 
 def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]]:
-    """Return kind and id of all lines, those first that share most words; the catalogue's order breaks ties."""
+    """Return the kind and id of all lines, those with the most shared words first; ties keep catalogue order."""
     lines = [
         *(
             ("behaviour", line.id, f"{line.id} {line.description}", position)
@@ -95,6 +96,6 @@ def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]
 
 
 def _words(text: str) -> set[str]:
-    """Return the words that carry meaning, without the commonest endings."""
+    """Return the content words, without the most common endings."""
     found = re.findall(r"[a-z]+", text.casefold())
     return {re.sub(r"(ing|ed|es|s)$", "", word) for word in found if word not in _COMMON}

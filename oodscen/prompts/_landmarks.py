@@ -1,4 +1,4 @@
-"""What a map has that a scene can be staged at: its junction, tunnel, bridge, crest and lights."""
+"""Landmarks of a map at which a scene can be staged: junction, tunnel, bridge, crest and lights."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
@@ -9,33 +9,34 @@ if TYPE_CHECKING:
     from oodscen.driving._roads.corridor import Corridor
 
 _REACH_M = 300.0
-"""Beyond this from the ego's start nothing is listed."""
+"""Largest distance of a listed landmark from the ego's start, m."""
 _GAP_M = 15.0
-"""Parts of a junction, or of a roundabout, follow each other within this."""
+"""Largest gap between the parts of one junction or roundabout, m."""
 _LEAST_RISE_M = 2.5
-"""A crest is higher than the road before and behind it by so much."""
+"""Least height of a crest above the road before and behind it, m."""
 _FACING = -0.7
-"""Cosine between a light and the ego's heading up to which the light is meant for the ego."""
+"""Cosine between the headings of a light and the ego below which the light applies to the ego."""
 
 
 class Landmark(Data):
-    """Something of a map that a scene can be staged at."""
+    """A landmark of a map at which a scene can be staged."""
 
     kind: Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
     ahead_m: float
-    """From the ego's start along its road: to the middle of a junction or roundabout, to the near
-    end of a tunnel or bridge, to a crest's highest point, to a light that faces the ego."""
+    """Distance from the ego's start along its road, m: to the middle of a junction or roundabout,
+    the near end of a tunnel or bridge, the highest point of a crest, or a light that faces the
+    ego."""
     length_m: float = 0.0
     left_m: float = 0.0
-    """Of a traffic light: to the left of the rightmost lane's centre."""
+    """For a traffic light: offset to the left of the rightmost lane's centre, m."""
 
 
 def landmarks(corridor: "Corridor", traits: tuple[str, ...] = ()) -> tuple[Landmark, ...]:
-    """List a road's landmarks ahead of the ego's start, in order.
+    """Return the landmarks of a road ahead of the ego's start, in order.
 
     Args:
         corridor: The road.
-        traits: Of its map; `roundabout` tells a roundabout from a junction.
+        traits: Traits of its map; `roundabout` distinguishes a roundabout from a junction.
     """
     found = [*_junctions(corridor, traits), *_structures(corridor), *_lights(corridor)]
     found += _crest(corridor)

@@ -1,4 +1,4 @@
-"""The scenario tree as an artefact: its log of edits, labels, comparison, merging, coverage, provenance, export."""
+"""The scenario tree: its edit log, labels, comparison, merging, coverage, provenance and export."""
 
 import lazy_loader
 

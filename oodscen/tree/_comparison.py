@@ -1,4 +1,4 @@
-"""What distinguishes two trees, node by node."""
+"""Differences between two trees, node by node."""
 
 from collections.abc import Container
 from typing import ClassVar, Literal
@@ -18,12 +18,12 @@ class Placed(Data):
     id: str
     parent: str | None
     path: tuple[str, ...]
-    """Labels from the root down; of a deep node the last ones, after `…`."""
+    """Labels from the root down; for a deep node only the last ones, after `…`."""
     is_leaf: bool
 
 
 class Broadened(Data):
-    """A node that has another label in the second tree."""
+    """A node whose label differs in the second tree."""
 
     noun: ClassVar[str] = "relabelled node"
 
@@ -34,12 +34,12 @@ class Broadened(Data):
     label_before: str
     label_after: str
     by: Literal["id", "label", "meaning"]
-    """What made the two one."""
+    """Criterion that paired the two nodes."""
     similarity: float | None = None
 
 
 class Moved(Data):
-    """A node whose parent is another one in the second tree."""
+    """A node whose parent differs in the second tree."""
 
     noun: ClassVar[str] = "moved node"
 
@@ -54,34 +54,34 @@ class Moved(Data):
 
 
 class TreeDiff(Data):
-    """How a second tree differs from a first one."""
+    """The differences between a first and a second tree."""
 
     noun: ClassVar[str] = "tree diff"
 
     schema_version: Literal[1] = 1
     encoder: str = ""
-    """Name of the encoder that compared meanings; empty where none did."""
+    """Name of the encoder that compared meanings; empty if none was used."""
     threshold: float | None = None
     sizes: tuple[int, int] = (0, 0)
-    """Nodes of the first and the second tree."""
+    """Number of nodes in the first and the second tree."""
     matches: tuple[Match, ...] = ()
-    """The pairs of nodes that are taken to be one, in the order of the first tree."""
+    """Paired nodes, in the order of the first tree."""
     added: tuple[Placed, ...] = ()
-    """Nodes of the second tree alone, in its order."""
+    """Nodes that only the second tree has, in its order."""
     removed: tuple[Placed, ...] = ()
-    """Nodes of the first tree alone, in its order."""
+    """Nodes that only the first tree has, in its order."""
     broadened: tuple[Broadened, ...] = ()
     moved: tuple[Moved, ...] = ()
-    """Nodes that hang below another parent; what moved along with its parent is not listed."""
+    """Nodes with a different parent; nodes that moved along with their parent are not listed."""
 
     @property
     def is_empty(self) -> bool:
-        """Whether both trees hold the same nodes with the same labels in the same places."""
+        """True if both trees hold the same nodes with the same labels in the same places."""
         return not (self.added or self.removed or self.broadened or self.moved)
 
     @property
     def unchanged(self) -> int:
-        """Number of pairs that agree in label and place."""
+        """Number of pairs with the same label and place."""
         changed = {item.before for item in self.broadened} | {item.before for item in self.moved}
         return len(self.matches) - len(changed)
 
@@ -100,7 +100,7 @@ class TreeDiff(Data):
         return "\n".join(lines)
 
     def to_mermaid(self) -> str:
-        """Return the changes as a Mermaid flowchart: new green, gone red, relabelled amber."""
+        """Return the changes as a Mermaid flowchart: added green, removed red, relabelled amber."""
         partner = {pair.before: f"b {pair.after}" for pair in self.matches}
         texts: dict[str, str] = {}
         classes: dict[str, str] = {}
@@ -161,17 +161,17 @@ def diff(
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
 ) -> TreeDiff:
-    """Say what a second tree has, lacks, calls otherwise and keeps elsewhere.
+    """Compare two trees: nodes that were added, removed, relabelled or moved.
 
     Args:
         one: The first tree.
         other: The second tree.
-        encoder: Pairs nodes by meaning that neither id nor label pairs; see `match`.
-        threshold: Least cosine of two labels that mean the same.
+        encoder: Pairs nodes by meaning if neither id nor label pairs them; see `match`.
+        threshold: Least cosine of two labels with the same meaning.
 
     Raises:
-        UsageError: When the threshold is no cosine.
-        EncoderError: When the encoder fails.
+        UsageError: If the threshold is not a cosine.
+        EncoderError: If the encoder fails.
     """
     matches = match(one, other, encoder=encoder, threshold=threshold)
     partner = {pair.before: pair.after for pair in matches}
@@ -226,7 +226,7 @@ def _alone(tree: ScenarioTree, paired: Container[str]) -> tuple[Placed, ...]:
 
 
 def _path(tree: ScenarioTree, node_id: str) -> tuple[str, ...]:
-    """Return the labels down to a node, but never more than can be read."""
+    """Return the labels from the root to a node, cut to a readable length."""
     labels: list[str] = []
     cursor: str | None = node_id
     while cursor is not None and len(labels) < _SHOWN_LABELS:
@@ -236,5 +236,5 @@ def _path(tree: ScenarioTree, node_id: str) -> tuple[str, ...]:
 
 
 def _shown(path: tuple[str, ...]) -> str:
-    """Leave out the root, which says nothing."""
+    """Join a path without the root, which carries no information."""
     return " > ".join(path[1:] if len(path) > 1 and path[0] != "…" else path)

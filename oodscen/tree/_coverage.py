@@ -1,4 +1,4 @@
-"""How much of a tree is covered: texts, scenes, episodes and outcomes, node by node."""
+"""Coverage of a tree: texts, scenes, episodes and outcomes, node by node."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ Lack = Literal["", "text", "scene", "episode", "choice"]
 
 
 class Tally(Data):
-    """What there is at and below one node. Twins count apart."""
+    """The counts at and below one node. Twins are counted separately."""
 
     noun: ClassVar[str] = "tally"
 
@@ -29,43 +29,43 @@ class Tally(Data):
     kind: Literal["root", "class", "family", "leaf"]
     depth: int
     leaves: int
-    """Paths that end at or below it."""
+    """Number of leaves at or below the node."""
     texts: int = 0
-    """Texts that differ in more than case and spaces."""
+    """Number of texts that differ in more than case and spaces."""
     scenes: int = 0
     episodes: int = 0
-    """Episodes that ran."""
+    """Number of episodes that ran."""
     failed: int = 0
-    """Episodes that failed."""
+    """Number of episodes that failed."""
     safe: int = 0
-    """Actions that were safe, over all episodes."""
+    """Number of safe actions over all episodes."""
     unsafe: int = 0
-    """Actions that were available and not safe."""
+    """Number of available actions that were not safe."""
     mixed: int = 0
-    """Episodes in which the choice matters: some action is safe and some is not."""
+    """Number of episodes in which the choice matters: some action is safe and some is not."""
     twins: int = 0
-    """Episodes of ordinary twins that ran."""
+    """Number of episodes of ordinary twins that ran."""
     holes: int = 0
-    """Leaves at or below it that lack something."""
+    """Number of leaves at or below the node that lack something."""
     lacks: Lack = ""
-    """Of a leaf, the first thing it lacks: a text, a scene, an episode that ran, or one in which
+    """For a leaf, the first thing it lacks: a text, a scene, an episode that ran, or one in which
     the choice matters."""
 
 
 class Coverage(Data):
-    """What covers a tree, and where it has holes."""
+    """Coverage of a tree, with its holes."""
 
     noun: ClassVar[str] = "coverage report"
 
     schema_version: Literal[1] = 1
     rows: tuple[Tally, ...] = ()
-    """One per node, in tree order; each includes what is below it."""
+    """One row per node, in tree order; each includes the nodes below it."""
     elsewhere: int = 0
-    """Texts, scenes and episodes that belong to no leaf of the tree."""
+    """Number of texts, scenes and episodes that belong to no leaf of the tree."""
 
     @property
     def holes(self) -> tuple[Tally, ...]:
-        """The leaves that lack something, in tree order."""
+        """Leaves that lack something, in tree order."""
         return tuple(row for row in self.rows if row.lacks)
 
     def of(self, kind: Literal["root", "class", "family", "leaf"]) -> tuple[Tally, ...]:
@@ -107,7 +107,7 @@ LACKS: Mapping[Lack, str] = {
     "episode": "with a scene but no episode that ran",
     "choice": "with episodes in which every action, or none, is safe",
 }
-"""What a leaf lacks, in words, by the names that `Tally.lacks` uses."""
+"""Descriptions of what a leaf lacks, by the names that `Tally.lacks` uses."""
 
 
 @dataclass
@@ -150,16 +150,16 @@ def coverage(
     scenes: Iterable[Scene] = (),
     episodes: Iterable[Episode] = (),
 ) -> Coverage:
-    """Count what covers each node of a tree.
+    """Count the texts, scenes and episodes that cover each node of a tree.
 
-    Texts belong to the leaf that they name, scenes to the leaf of their text, episodes to that of
-    their scene. Nothing is counted twice: ids that occur again are skipped.
+    A text belongs to the leaf that it names, a scene to the leaf of its text, and an episode to the
+    leaf of its scene. Repeated ids are skipped.
 
     Args:
         tree: Any tree.
-        texts: The texts, or none where only the tree is of interest.
+        texts: The texts; leave out if only the tree is of interest.
         scenes: The staged scenes.
-        episodes: Their episodes, those of twins among them.
+        episodes: The episodes of the scenes, including those of twins.
     """
     counts = {node.id: _Count() for node in tree.nodes}
     leaf_of_text: dict[str, str] = {}
@@ -197,17 +197,18 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
     """Count what a study holds for each node of one of its trees.
 
     Args:
-        study: Finished or not; what it does not hold counts as missing.
-        tree: `initial`, `diverse` or `simulatable`. The texts of the two larger trees are those
-            of the text sets and of the scenarios.
+        study: A study, finished or not; parts that it does not hold yet count as missing.
+        tree: `initial`, `diverse` or `simulatable`. For the two larger trees, the texts of the text
+            sets count as well as the scenarios.
 
     Raises:
-        UnknownComponent: For another name.
-        StudyError: When a file cannot be read.
+        UnknownComponent: If the tree has another name.
+        StudyError: If a file cannot be read.
     """
     texts = list(study.scenarios)
     if tree != "simulatable":
-        # A text set counts its texts anew, so its ids may be those of other texts.
+        # Each text set numbers its texts from the start, so its ids may collide with those of other
+        # sets.
         for size in study.config.sets:
             texts += [
                 text.model_copy(update={"id": f"{size}.{text.id}"}) for text in study.texts(size)

@@ -1,4 +1,4 @@
-"""The report's picture of what a tree covers."""
+"""The section of the report on tree coverage."""
 
 from typing import TYPE_CHECKING
 
@@ -24,11 +24,11 @@ _HEADS = (
 
 
 def part(study: "Study", found: "Material") -> Markup:
-    """Return counts per class and family of the simulatable tree, and the holes, leaf by leaf.
+    """Return counts per class and family of the simulatable tree, and the holes by leaf.
 
     Args:
-        study: The study that the report is of.
-        found: What was read of it.
+        study: The study of the report.
+        found: The material read from the study.
     """
     tree = found.trees.get("simulatable")
     if tree is None or not found.scenarios:
@@ -39,7 +39,7 @@ def part(study: "Study", found: "Material") -> Markup:
 
 
 def coverage_html(report: Coverage) -> Markup:
-    """Return a coverage report as a table above lists of holes; every label is escaped."""
+    """Return a coverage report as a table, followed by lists of holes; every label is escaped."""
     heads = Markup("").join(
         Markup('<th scope="col" class="n">{}</th>').format(head) for head in _HEADS
     )

@@ -1,4 +1,4 @@
-"""Edits of a scenario tree, and the index that is their fold."""
+"""Edits of a scenario tree, and the index that results from applying them."""
 
 import re
 import threading
@@ -11,49 +11,49 @@ from oodscen.errors import Issue
 from oodscen.tree._labels import label_fault
 
 MAX_DEPTH = 50
-"""Most edges from the root of a tree to a node."""
+"""Largest number of edges from the root of a tree to a node."""
 
 
 class TreeEdit(Data):
-    """One step in the making of a tree."""
+    """One edit of a tree."""
 
     noun: ClassVar[str] = "tree edit"
 
     op: Literal["add", "broaden", "narrow", "keep", "move", "remove"]
-    """`add` a node, `broaden` or `narrow` its label, `keep` it as it is (a recorded decision), `move`
-    it with all below it under another parent, `remove` it."""
+    """`add` a node, `broaden` or `narrow` its label, `keep` it as it is (a recorded decision),
+    `move` it with its subtree to another parent, or `remove` it."""
     node: str
-    """Id of the node concerned; new for `add`."""
+    """Id of the edited node; new for `add`."""
     parent: str | None = None
     """`add` and `move`: id of the (new) parent; `None` for the root."""
     label: str | None = None
-    """`add`, `broaden` and `narrow`: the label the node has from here on."""
+    """`add`, `broaden` and `narrow`: the new label of the node."""
     attested: Literal["paper"] | None = None
-    """`add`, `broaden` and `narrow`: set where the label names a scenario that the paper simulated.
-    A broader label keeps what the node had, a narrower one does not."""
+    """`add`, `broaden` and `narrow`: set if the label names a scenario that the paper simulated. A
+    broader label keeps the node's attestation, a narrower one does not."""
     stage: str = ""
-    """Who made the edit: `grow`, `redteam`, `prune`, or a name of the caller's."""
+    """Stage that made the edit: `grow`, `redteam`, `prune`, or a name chosen by the caller."""
     round: int | None = None
-    """Red-team round, where there was one."""
+    """Red-team round, if there was one."""
     reason: str = ""
-    """Why, in the words of whoever decided."""
+    """Reason, in the words of the model or person that decided."""
     source: str = ""
     """The text that caused the edit."""
     model: str = ""
-    """Name of the model that decided; empty where none was asked."""
+    """Name of the model that decided; empty if no model was asked."""
     prompt: str = ""
-    """The question it was asked: `purpose@version`."""
+    """The prompt that the model answered: `purpose@version`."""
     origin: str = ""
-    """Set by a merge: the name of the tree that the edit was made in; rounds are counted apart."""
+    """Set by a merge: name of the tree in which the edit was made. Its rounds are counted separately."""
     origin_node: str = ""
-    """Set by a merge: id of the node in that tree. A `keep` says with `label` how it is called there."""
+    """Set by a merge: id of the node in that tree. The `label` of a `keep` is the node's label there."""
     undoes: int | None = None
-    """Index of the earlier edit that this one takes back; then `broaden` restores the attestation
-    too, which otherwise only grows."""
+    """Index of the earlier edit that this edit undoes. A `broaden` then restores the attestation as
+    well, which otherwise is never removed."""
 
 
 class Node(Data):
-    """One node as it stands after all edits."""
+    """One node after all edits."""
 
     noun: ClassVar[str] = "tree node"
 
@@ -73,19 +73,19 @@ _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang
 
 
 class Growth:
-    """The index that the trees of one line of edits share.
+    """The index that all trees of one line of edits share.
 
-    The newest tree is the index as it stands; every older one is a number of edits. So one more
-    edit costs nothing that grows with the tree, and only a branch off an older tree is copied.
+    The newest tree is the index as it stands; an older tree is a number of edits. Appending an edit
+    therefore takes constant time, and only a branch off an older tree needs a copy.
     """
 
     def __init__(self) -> None:
         self.log: list[TreeEdit] = []
         self.before: list[Node | None] = []
-        """By edit: the node concerned as it was before; `None` where it did not exist."""
+        """The edited node before each edit; `None` if it did not exist."""
         self.nodes: dict[str, Node] = {}
         self.born: dict[str, int] = {}
-        """By id, removed ones included: the first edit that added it. Decides the order."""
+        """Index of the first edit that added each id, including removed ones. It determines the order."""
         self._children: dict[str, dict[str, None]] = {}
         self._numbers: dict[str, int] = {}
         self._is_ordered = True
@@ -97,11 +97,11 @@ class Growth:
     def extend(
         self, version: int, edits: Iterable[TreeEdit], *, where: str = "edits"
     ) -> tuple["Growth", list[Issue]]:
-        """Play edits on top of the first `version` ones.
+        """Apply edits on top of the first `version` edits.
 
         Returns:
-            The index that holds the result, this one where nothing was added since; and every
-            misfit. With a misfit nothing is played.
+            The index with the result (this one, if nothing was added since), and all misfits. If
+            there is a misfit, no edit is applied.
         """
         with self._lock:
             growth = self if version == len(self.log) else self._fork(version)
@@ -110,7 +110,7 @@ class Growth:
                 if not (message := growth._misfit(edit, version + index)):
                     growth._play(edit)
                     continue
-                # What hangs on a node that was refused has no fault of its own.
+                # A node below a refused node has no fault of its own.
                 on = edit.parent if edit.op == "add" else edit.node
                 if on not in refused or on in growth.nodes:
                     issues.append(Issue(f"{where}[{index}]", message))
@@ -125,12 +125,12 @@ class Growth:
             return self if version == len(self.log) else self._fork(version)
 
     def size(self, version: int) -> int | None:
-        """Return the number of nodes after the first `version` edits, if those are all."""
+        """Return the number of nodes after the first `version` edits, or `None` if there are later edits."""
         with self._lock:
             return len(self.nodes) if version == len(self.log) else None
 
     def ordered(self) -> tuple[Node, ...]:
-        """Return all nodes, parents before children, otherwise in the order they were first added."""
+        """Return all nodes: parents before children, otherwise in the order in which they were first added."""
         with self._lock:
             if not self._is_ordered:
                 born = self.born
@@ -163,7 +163,7 @@ class Growth:
         return copy
 
     def _cut(self, version: int) -> None:
-        """Take back all but the first `version` edits."""
+        """Drop all but the first `version` edits."""
         while len(self.log) > version:
             edit, before = self.log.pop(), self.before.pop()
             self._put(edit.node, before)
@@ -205,14 +205,14 @@ class Growth:
             return
         if node.parent is not None:
             self._children.setdefault(node.parent, {})[node_id] = None
-        # A key that returns stands last, and a moved one may stand before its parent.
+        # A re-inserted key comes last, and a moved one may precede its parent.
         is_newest = old is None and self.born[node_id] == len(self.log) - 1
         if not is_newest and (old is None or old.parent != node.parent):
             self._is_ordered = False
         self.nodes[node_id] = node
 
     def _misfit(self, edit: TreeEdit, index: int) -> str:
-        """Say why an edit cannot be played, or return an empty string."""
+        """Return why an edit cannot be applied, or an empty string."""
         if edit.undoes is not None and not 0 <= edit.undoes < index:
             return f"it undoes edit {edit.undoes}, which does not come before it"
         if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):
@@ -259,7 +259,7 @@ class Growth:
 
 
 def _parents_first(nodes: Sequence[Node]) -> dict[str, Node]:
-    """Let every node that comes before its parent wait for it; siblings keep their order."""
+    """Order the nodes so that parents precede their children; siblings keep their order."""
     found: dict[str, Node] = {}
     waiting: dict[str, list[Node]] = {}
     for node in nodes:

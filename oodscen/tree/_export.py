@@ -1,4 +1,4 @@
-"""Trees for other tools: Mermaid, Graphviz, nested JSON."""
+"""Export of trees for other tools: Mermaid, Graphviz, nested JSON."""
 
 import json
 import re
@@ -10,8 +10,8 @@ from oodscen.tree._scenario_tree import ScenarioTree
 def to_mermaid(tree: ScenarioTree) -> str:
     """Return the tree as a Mermaid flowchart.
 
-    Labels are quoted and escaped; leaves that the paper names have a bold border. Renderers refuse
-    charts above a size of their own choosing (Mermaid's default: 500 edges); Graphviz does not.
+    Labels are quoted and escaped; leaves that the paper names have a bold border. Mermaid renderers
+    refuse charts above a size limit (500 edges by default); Graphviz has no such limit.
     """
     names = _names(tree)
     lines = [f'  {names[node.id]}["{mermaid_text(node.label)}"]' for node in tree.nodes]
@@ -25,7 +25,7 @@ def to_mermaid(tree: ScenarioTree) -> str:
 
 
 def to_dot(tree: ScenarioTree) -> str:
-    """Return the tree in Graphviz's language; node names are the ids."""
+    """Return the tree in Graphviz's DOT language; node names are the ids."""
     lines = [
         f"  {_dot_text(node.id)} [label={_dot_text(node.label)}"
         f"{', penwidth=2' if _is_papers(tree, node) else ''}];"
@@ -45,7 +45,7 @@ def to_dot(tree: ScenarioTree) -> str:
 
 
 def to_nested_json(tree: ScenarioTree) -> str:
-    """Return the tree as JSON objects within each other: `id`, `label`, `attested`, `children`.
+    """Return the tree as nested JSON objects: `id`, `label`, `attested`, `children`.
 
     An empty tree is `null`.
     """
@@ -64,11 +64,11 @@ def to_nested_json(tree: ScenarioTree) -> str:
 
 
 def mermaid_text(text: str) -> str:
-    """Escape a text so that it can stand in quotes in a Mermaid chart, and is only text there."""
+    """Escape a text so that a Mermaid chart treats it as plain text inside quotes."""
     return _SPECIAL.sub(lambda found: "".join(f"#{ord(char)};" for char in found[0]), text)
 
 
-# What a chart could read as its own: all but words and plain punctuation, and what begins a list.
+# Escape what a chart could interpret: all but words and plain punctuation, and list markers.
 _SPECIAL = re.compile(r"[^\w .,;()/+–—’“”„→…-]|^[-+]|(?<=^\d)\.|(?<=^\d\d)\.")
 
 

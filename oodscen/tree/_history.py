@@ -1,4 +1,4 @@
-"""The log of a tree as time: earlier moments, replay, undo."""
+"""The history of a tree: earlier states, replay and undo."""
 
 from collections.abc import Container, Iterator, Sequence
 from functools import cached_property
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def replay(tree: "ScenarioTree") -> Iterator[tuple[TreeEdit, "ScenarioTree"]]:
-    """Yield every edit with the tree after it, from the first on."""
+    """Yield every edit with the tree after it, starting with the first."""
     after = type(tree)()
     for edit in tree.edits:
         after = after.apply(edit)
@@ -26,10 +26,10 @@ def moment(
     round: int | None = None,
     stage: str | None = None,
 ) -> int:
-    """Return how many edits had been made at a moment; see `ScenarioTree.at`.
+    """Return the number of edits made up to a moment; see `ScenarioTree.at`.
 
     Raises:
-        UsageError: When not exactly one is given, or there was no such moment.
+        UsageError: If not exactly one argument is given, or there was no such moment.
     """
     if sum(choice is not None for choice in (edit, round, stage)) != 1:
         raise UsageError("a moment is given by one of edit, round and stage")
@@ -47,7 +47,7 @@ def moment(
 
 
 def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
-    """Take back one edit; see `ScenarioTree.undo`."""
+    """Undo one edit; see `ScenarioTree.undo`."""
     edits = tree.edits
     if index is None:
         standing = _standing(tree)
@@ -61,14 +61,14 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
 
 
 def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "ScenarioTree":
-    """Take back what a round did, as far as it still stands; see `ScenarioTree.undo`."""
+    """Undo the edits of a round that are still in force; see `ScenarioTree.undo`."""
     edits, undone = tree.edits, undone_edits(tree.edits)
     now = _Now(tree)
     inverses: list[TreeEdit] = []
     for index in range(len(edits) - 1, -1, -1):
         edit = edits[index]
         is_meant = edit.round == round and edit.origin == origin and edit.undoes is None
-        # What another edit of the round removed can be taken back once that one was.
+        # A removal by another edit of the round can only be undone after that edit.
         if is_meant and index not in undone and now.is_effective(edit):
             some = _inverse(tree, now, index)
             for step in some:
@@ -83,7 +83,7 @@ def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "Scenar
 
 
 def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
-    """Return the positions of the edits that others take back, unless those are taken back too."""
+    """Return the positions of the edits that are currently undone; an undone undo does not count."""
     undone: set[int] = set()
     for index in range(len(edits) - 1, -1, -1):
         takes_back = edits[index].undoes
@@ -93,7 +93,7 @@ def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
 
 
 def _standing(tree: "ScenarioTree") -> list[int]:
-    """Return the positions of the edits that can be taken back and were not."""
+    """Return the positions of the edits that can be undone and have not been."""
     undone = undone_edits(tree.edits)
     return [
         index
@@ -107,21 +107,21 @@ def _is_effective(edit: TreeEdit, nodes: Container[str]) -> bool:
 
 
 class _Now:
-    """A tree while edits are taken back: each costs what it changes, not the size of the tree."""
+    """The working state while edits are undone: each step costs what it changes, not the tree's size."""
 
     def __init__(self, tree: "ScenarioTree") -> None:
         self.nodes: dict[str, Node] = dict(tree.by_id)
         self._tree = tree
         self._children: dict[str, dict[str, None]] = {}
-        """Of the nodes that were looked at."""
+        """Children of the nodes visited so far."""
         self._gone: dict[str, Node | None] = {}
 
     def is_effective(self, edit: TreeEdit) -> bool:
-        """Tell whether what an edit did can be seen."""
+        """Return whether an edit has a visible effect."""
         return _is_effective(edit, self.nodes)
 
     def at_or_below(self, node_id: str) -> list[str]:
-        """Return a node and all below it, parents first."""
+        """Return a node and its descendants, parents first."""
         found = {node_id: None}
         order = [node_id]
         for current in order:
@@ -132,12 +132,12 @@ class _Now:
         return order
 
     def removed(self, node_id: str) -> Node | None:
-        """Return a node that is gone as it last was."""
+        """Return a removed node in its last state."""
         return self._gone[node_id] if node_id in self._gone else self._removed.get(node_id)
 
     @cached_property
     def _removed(self) -> dict[str, Node | None]:
-        """By id: what the log removed, as it last was."""
+        """Removed nodes by id, each in its last state."""
         return {
             edit.node: self._tree.before(index)
             for index, edit in enumerate(self._tree.edits)
@@ -150,7 +150,7 @@ class _Now:
         return self._children[node_id]
 
     def play(self, edit: TreeEdit) -> None:
-        """Follow an edit that takes another one back; whether it fits is not asked."""
+        """Apply an undoing edit without checking that it fits."""
         old = self.nodes.get(edit.node)
         if edit.op == "remove":
             self._gone[edit.node] = old
@@ -178,7 +178,7 @@ class _Now:
 
 
 def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
-    """Return the end of a round; where rounds start over, another run begins that is not meant."""
+    """Return the end of a round; a later run that restarts the numbering is not included."""
     end = before = None
     for index, item in enumerate(edits, start=1):
         if item.origin:
@@ -230,7 +230,7 @@ def _inverse(tree: "ScenarioTree", now: _Now, index: int) -> list[TreeEdit]:
 
 
 def _missing_parents(now: _Now, node: Node) -> list[Node]:
-    """Return the removed nodes between a node and the tree, as they last were, upwards."""
+    """Return the removed ancestors between a node and the tree in their last state, from the bottom up."""
     found: list[Node] = []
     seen = {node.id}
     while node.parent is not None and node.parent not in now.nodes:

@@ -1,4 +1,4 @@
-"""Trees as outlines that fold, in notebooks and in the report. Every label is escaped."""
+"""Collapsible outlines of trees for notebooks and the report. Every label is escaped."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree
 
 MAX_SHOWN = 3_000
-"""Most nodes that a notebook shows; below that, whole levels are left out."""
+"""Largest number of nodes that a notebook shows; deeper levels are left out as a whole."""
 
 
 Fate = Literal["", "kept", "dropped", "failed"]
@@ -21,18 +21,18 @@ Fate = Literal["", "kept", "dropped", "failed"]
 
 @dataclass(frozen=True)
 class Remark:
-    """What an outline says about a node, beyond its label."""
+    """Remarks on a node in an outline, besides its label."""
 
     fate: Fate = ""
-    """What became of it, where that is known."""
+    """Outcome of the node, if known."""
     origin: str = ""
-    """Where it comes from, in a few words."""
+    """Origin of the node, in a few words."""
     lines: tuple[tuple[str, str], ...] = ()
-    """Heading (or nothing) and text of the lines below a leaf."""
+    """Headings (possibly empty) and texts of the lines below a leaf."""
     link: str = ""
-    """Address that its label leads to."""
+    """Link target of the label."""
     title: str = ""
-    """What a pointer on the label shows."""
+    """Tooltip of the label."""
 
 
 _MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
@@ -45,11 +45,11 @@ def tree_html(
     open_depth: int = 2,
     max_depth: int | None = None,
 ) -> str:
-    """Return the tree as one HTML list whose branches fold, without any style or script.
+    """Return the tree as a collapsible HTML list without style or script.
 
     Args:
         tree: Any tree.
-        remarks: By id of the node.
+        remarks: Remarks by node id.
         open_depth: Branches above this depth are open at first.
         max_depth: Deeper nodes are left out.
     """
@@ -75,12 +75,12 @@ def tree_html(
 
 
 def notebook_html(tree: "ScenarioTree") -> str:
-    """Return the tree as a notebook shows it: an outline with a style of its own, for any theme."""
+    """Return the tree for a notebook: an outline with its own style that suits any theme."""
     return _dressed(tree, MAX_SHOWN)
 
 
 def to_page(tree: "ScenarioTree") -> str:
-    """Return the whole tree as a page of its own, light or dark as the reader has it."""
+    """Return the whole tree as a separate page, light or dark by the reader's preference."""
     title = escape(tree.nodes[0].label) if len(tree) else "An empty tree"
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -92,7 +92,7 @@ def to_page(tree: "ScenarioTree") -> str:
 
 
 def _dressed(tree: "ScenarioTree", most: int) -> str:
-    """Return an outline of at most so many nodes with its style and a line of totals."""
+    """Return an outline of at most `most` nodes, with its style and a line of totals."""
     levels: dict[int, int] = {}
     for _, depth in tree.walk():
         levels[depth] = levels.get(depth, 0) + 1
@@ -117,7 +117,7 @@ def _dressed(tree: "ScenarioTree", most: int) -> str:
 
 _NOTHING = Remark()
 
-# No colour but the text's own, so that it suits every theme of every notebook.
+# Only the text's own colour, so that the outline suits every notebook theme.
 _STYLE = """
 .oodscen-tree { line-height: 1.5; max-width: 60rem; overflow-wrap: anywhere; }
 .oodscen-tree p { margin: 0 0 .3em; opacity: .75; }
@@ -178,7 +178,7 @@ def _origin(remark: Remark) -> str:
 
 
 def _paths_below(tree: "ScenarioTree") -> dict[str, int]:
-    """Count for every node the paths that end at or below it."""
+    """Count the paths that end at or below each node."""
     found: dict[str, int] = {}
     for node, depth in reversed(list(tree.walk())):
         below = tree.children[node.id]
@@ -187,7 +187,7 @@ def _paths_below(tree: "ScenarioTree") -> dict[str, int]:
 
 
 def _last_reasons(tree: "ScenarioTree") -> dict[str, str]:
-    """Say by node who last decided about it, and why."""
+    """Return the latest decision on each node and its reason."""
     last: dict[str, TreeEdit] = {edit.node: edit for edit in tree.edits}
     return {name: _reason(edit) for name, edit in last.items()}
 

@@ -1,9 +1,10 @@
-"""What a text must be to serve as a label, and when two labels are the same.
+"""Rules for labels, and the comparison of labels.
 
 A label comes from a model or a file, is shown in pages, charts and terminals, and goes into later
-prompts. So it has to be plain words: no markup, nothing unseen, no letters that pass for others, nothing that
-speaks to a model. What speaks to a model cannot be listed in full: patterns stop what is common and in
-English. Beyond them, prompts mark labels as data, answers are checked and pages escape what they show.
+prompts. It must therefore be plain words: no markup, no invisible characters, no look-alike
+letters, no instructions to a model. Such instructions cannot be listed in full: patterns stop the
+common ones in English. Beyond them, prompts mark labels as data, answers are checked and pages
+escape what they show.
 """
 
 import html
@@ -13,13 +14,13 @@ import unicodedata
 from oodscen._text import BLANK, is_visible, one_line
 
 MAX_LABEL = 200
-"""Longest label, in characters."""
+"""Length of the longest label, in characters."""
 
 _JOINERS = "\u200c\u200d"
-"""Between letters these shape a word (Persian, Indic scripts)."""
+"""Characters that shape a word between letters (Persian, Indic scripts)."""
 
 _MARKUP = re.compile(r"<[a-z/!?]|javascript\s*:|```|~~~|\{\{|\}\}|\{%|%\}|\$\{", re.IGNORECASE)
-"""A tag as HTML reads it, code fences, braces of templates; `< 10 cm` is none."""
+"""HTML tags, code fences and template braces; `< 10 cm` is not a tag."""
 
 _DETERMINERS = r"(?:(?:all|any|every|everything|of|the|your|my|these|those|this|that|such)\s+)*"
 _ORDERS = (
@@ -30,20 +31,21 @@ _DROP = r"(?:ignore|disregard|forget|override|bypass|discard|neglect)"
 _EARLIER = r"(?:previous|prior|preceding|earlier|above|foregoing|aforementioned)"
 _ROLES = r"(?:system|assistant|developer|user|human)"
 _BEGINS = r"(?:^|[.;:!?,(]\s*|\b(?:and|then|but|instead)\s+)(?:(?:please|just|now|only|always|simply)\s+)*"
-"""Where a clause can begin with an order."""
+"""Positions at which a clause can begin with an order."""
 _ADDRESSED = re.compile(
     "|".join(
         (
             # "ignore all previous instructions", "disregard the rules above"
             rf"\b{_DROP}\s+{_DETERMINERS}{_EARLIER}\s+(?:\w+\s+)?{_ORDERS}\b",
             rf"\b{_DROP}\s+{_DETERMINERS}{_ORDERS}\s+(?:\w+\s+)?(?:above|before|so far|earlier|previously)\b",
-            # as an order: "Ignore the above and ...", "Disregard your instructions", "forget everything"
+            # an order: "Ignore the above and ...", "Disregard your instructions", "forget
+            # everything"
             rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}{_EARLIER}(?=\s*(?:$|[^\w\s-]|and\b|or\b|then\b))",
             rf"{_BEGINS}{_DROP}\s+{_DETERMINERS}(?:instructions?|prompts?|guidelines?)\b",
             r"\b(?:ignore|disregard|forget)\s+everything\b",
             r"\b(?:do not|don't|stop|never)\s+(?:follow|obey)(?:ing)?\s+(?:\w+\s+){0,3}"
             r"(?:instructions|prompts?|guidelines)\b",
-            # what to answer: "reply with yes", "and answer stop", "say 'covered'", "output {"
+            # a prescribed answer: "reply with yes", "and answer stop", "say 'covered'", "output {"
             rf"{_BEGINS}(?:answer|reply|respond|output|print|say|write|return)(?:\s*:\s*|\s+)"
             r"(?:(?:only|just|always|never|with|as|that|exactly|back)\s+)*[\"'“‘`]?(?:yes|no|true|false|none|null"
             r"|nothing|stop|safe|unsafe|covered|ood|off topic|ordinary|unusual|normal|ok|okay|json|add|broaden"
@@ -53,7 +55,7 @@ _ADDRESSED = re.compile(
             rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
             r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
-            # who the reader is: "you are now ...", "you must ...", "act as an assistant"
+            # a role for the reader: "you are now ...", "you must ...", "act as an assistant"
             r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"
             r"|must|should|shall|have to|need to|will)\b",
             r"\b(?:act as|pretend (?:to be|that)|behave as)\s+(?:if\s+)?(?:an? |the )?"
@@ -61,17 +63,17 @@ _ADDRESSED = re.compile(
             r"\b(?:from now on|as an ai|language model|system prompt|jailbreak|prompt injection)\b",
             r"\b(?:new|updated|real|actual) (?:instructions?|task)\s*:",
             rf"{_BEGINS}(?:reveal|repeat|show|print|leak)\s+(?:\w+\s+){{0,2}}(?:instructions|prompt)\b",
-            # a role: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
+            # a speaker: "System: ...", "Fog. Assistant: ...", "Fog SYSTEM: ..."
             rf"(?:^|[^\w\s-]\s*){_ROLES}\s*:",
             rf"\b(?-i:{_ROLES.upper()})\s*:",
             rf"\b{_ROLES}\s*:\s*(?:you|answer|respond|reply|output|return|say|always|never)\b",
-            # marks of chat templates
+            # markers of chat templates
             r"<\||\|>|\[/?INST\]|<<\s*/?SYS\s*>>|^\s*#+\s*(?:instruction|system|response)",
         )
     ),
     re.IGNORECASE,
 )
-"""Words to a model. Labels about driving such as "Driver ignores a red light" do not match."""
+"""Instructions to a model. Labels about driving such as "Driver ignores a red light" do not match."""
 
 _LOOKALIKES = str.maketrans(
     "аеорсухіјѕԁԛԝһӏԍАВЕКМНОРСТУХІЈЅԚԜαιορνυΑΒΕΖΗΙΚΜΝΟΡΤΥΧ",
@@ -79,17 +81,17 @@ _LOOKALIKES = str.maketrans(
 )
 """Cyrillic and Greek letters that look like Latin ones (Unicode's confusables, the plain pairs)."""
 _ALPHABETS = frozenset({"LATIN", "CYRILLIC", "GREEK", "COPTIC", "ARMENIAN", "CHEROKEE"})
-"""Scripts whose letters pass for one another; no language mixes them within a word."""
+"""Scripts with look-alike letters; no language mixes them within a word."""
 _WORD = re.compile(r"[^\W\d_]+")
 
 
 def label_fault(label: str) -> str:
-    """Say why a text cannot be a label, or return an empty string.
+    """Return why a text cannot be a label, or an empty string.
 
-    Refused are: nothing to see, more than `MAX_LABEL` characters, line breaks and control characters,
-    characters that show nothing or turn the direction of writing (joiners between letters may stay),
-    tags, HTML entities, code fences and template braces, words of two alphabets or of letters that
-    pass for another's, and words that speak to a model.
+    The following are refused: nothing visible, more than `MAX_LABEL` characters, line breaks and
+    control characters, characters that are invisible or change the direction of writing (joiners
+    between letters are allowed), tags, HTML entities, code fences and template braces, words that
+    mix two alphabets or use look-alike letters, and instructions to a model.
     """
     if not is_visible(label):
         return "the label is empty"
@@ -114,12 +116,12 @@ def label_fault(label: str) -> str:
 
 
 def same_words(label: str) -> str:
-    """Return what two labels share that differ only in case, width, spaces and what does not show."""
+    """Return a key that is equal for labels that differ only in case, width, spaces and invisible characters."""
     return one_line(_seen(label).casefold())
 
 
 def _is_disguised(text: str) -> bool:
-    """Tell whether a word mixes alphabets, or looks Latin among Latin words and is not."""
+    """Return whether a word mixes alphabets, or is a look-alike of a Latin word among Latin words."""
     foreign, is_latin = [], False
     for word in _WORD.findall(text):
         scripts = {unicodedata.name(char, "").partition(" ")[0] for char in word} & _ALPHABETS
@@ -146,7 +148,7 @@ def _has_unseen(label: str) -> bool:
 
 
 def _seen(label: str) -> str:
-    """Return the letters that show, in their common form."""
+    """Return the visible characters in their canonical form."""
     if label.isascii():
         return label
     return "".join(

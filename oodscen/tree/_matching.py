@@ -1,4 +1,4 @@
-"""Which node of one tree is which of another: by id, then by label, then by meaning."""
+"""Pairing of the nodes of two trees: by id, then by label, then by meaning."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -17,14 +17,15 @@ from oodscen.tree._labels import same_words
 from oodscen.tree._scenario_tree import CLASSES, ScenarioTree
 
 THRESHOLD = 0.75
-"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for MiniLM. Measured
-so that hardly any pair is wrong: what is not paired stays, what is paired wrongly is lost."""
+"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for
+MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
+is lost."""
 
 _BLOCK = 1024
 
 
 class Match(Data):
-    """Two nodes that are taken to be one."""
+    """A pair of nodes that are treated as one."""
 
     noun: ClassVar[str] = "match"
 
@@ -34,7 +35,7 @@ class Match(Data):
     """Id in the second tree."""
     by: Literal["id", "label", "meaning"]
     similarity: float | None = None
-    """Centred cosine of the meanings, where it decided."""
+    """Centred cosine of the meanings, if the pair was made by meaning."""
 
 
 def match(
@@ -44,30 +45,31 @@ def match(
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
 ) -> tuple[Match, ...]:
-    """Pair the nodes of two trees, each at most once; in the order of the first tree.
+    """Pair the nodes of two trees, each at most once, in the order of the first tree.
 
-    Roots are a pair. What a merge has said to be one stays one. Ids pair where both trees gave them
-    for the same label at first, since trees that were grown apart number their ids apart; a tree read
-    from a file without a log is trusted. Labels pair without regard to case, spaces and characters that
-    do not show, below paired parents first. What is left pairs by meaning: leaf with leaf and branch
-    with branch, where each is the other's nearest and the centred cosine is at least the threshold. A
-    leaf means its label; a branch means its label and the leaves below it, half and half.
+    The roots are a pair. Pairs of an earlier merge are kept. Ids pair if both trees first assigned
+    them to the same label, since trees that were grown separately number their ids separately; a
+    tree read from a file without a log is trusted. Labels pair regardless of case, spaces and
+    invisible characters; children of paired parents come first. The remaining nodes pair by
+    meaning: leaf with leaf and branch with branch, if each is the other's nearest and the centred
+    cosine reaches the threshold. The meaning of a leaf is its label; the meaning of a branch is
+    half its label and half the leaves below it.
 
-    A node below Environmental and one below Interactional are never a pair, but where one log
-    begins as the other does, the node was there already, and it was moved since.
+    A node below Environmental never pairs with one below Interactional, except if both logs begin
+    alike, the node existed at that point, and it was moved later.
 
-    All is linear in the nodes, but for the cosines of those left over: every pair is looked at, in
-    blocks of at most 4 MB.
+    The cost is linear in the nodes, except for the cosines of the remaining nodes: every pair is
+    compared, in blocks of at most 4 MB.
 
     Args:
         one: The first tree.
         other: The second tree.
-        encoder: Without one, meaning plays no part.
+        encoder: Compares meanings; without it, nodes never pair by meaning.
         threshold: Between -1 and 1.
 
     Raises:
-        UsageError: When the threshold is no cosine.
-        EncoderError: When the encoder fails.
+        UsageError: If the threshold is not a cosine.
+        EncoderError: If the encoder fails.
     """
     if not -1.0 <= threshold <= 1.0:
         raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
@@ -90,7 +92,7 @@ class _Pairs:
         self.forth: dict[str, Match] = {}
         self.back: dict[str, Match] = {}
         self.one, self.other = one, other
-        """By id: the class that a node lies in."""
+        """Class of each node, by id."""
 
     def add(
         self,
@@ -101,7 +103,7 @@ class _Pairs:
         *,
         is_moved: bool = False,
     ) -> None:
-        """Take two nodes for one, where neither is paired yet and they are of one class."""
+        """Pair two nodes if neither is paired yet and both are of the same class."""
         classes = {self.one[before], self.other[after]} - {""}
         if before in self.forth or after in self.back or (len(classes) > 1 and not is_moved):
             return
@@ -110,7 +112,7 @@ class _Pairs:
 
 
 def _classes(tree: ScenarioTree) -> dict[str, str]:
-    """Return the class of every node, in small letters; empty where it is none of the two."""
+    """Return the class of every node in lower case; empty if it is neither of the two classes."""
     known = {name.casefold() for name in CLASSES}
     found: dict[str, str] = {}
     for node in tree.nodes:
@@ -126,7 +128,7 @@ def _classes(tree: ScenarioTree) -> dict[str, str]:
 
 
 def _merged(tree: ScenarioTree, other: ScenarioTree) -> Iterator[tuple[str, str]]:
-    """Yield ids of nodes, and of those of another tree that an earlier merge took them for."""
+    """Yield pairs of node ids that an earlier merge of the other tree treated as one."""
     for edit in tree.edits:
         if edit.stage == "merge" and edit.origin_node in other.by_id and edit.node in tree.by_id:
             there = other.by_id[edit.origin_node]
@@ -155,7 +157,7 @@ def _first_adds(tree: ScenarioTree) -> Mapping[str, TreeEdit]:
 
 
 def _shared(one: ScenarioTree, other: ScenarioTree) -> set[str]:
-    """Return the ids of the nodes that were there before two trees went apart."""
+    """Return the ids of the nodes that existed before two trees diverged."""
     both = takewhile(lambda pair: pair[0] == pair[1], zip(one.edits, other.edits, strict=False))
     return {edit.node for edit, _ in both if edit.op == "add"}
 
@@ -217,14 +219,14 @@ def _by_meaning(
 
 
 def _meanings(trees: Iterable[ScenarioTree], encoder: Encoder) -> dict[str, Vectors]:
-    """Return what the labels of both trees mean, without what all of them share."""
+    """Return the vectors of the labels of both trees, without their common component."""
     labels = list(dict.fromkeys(node.label for tree in trees for node in tree.nodes))
     rows, centre = label_rows(encoder, labels)
     return dict(zip(labels, unit((rows - centre).astype(np.float32)), strict=True))
 
 
 def _vectors(tree: ScenarioTree, nodes: Sequence[Node], meanings: Mapping[str, Vectors]) -> Vectors:
-    """Return what nodes mean: a leaf its label, a branch half its label and half its leaves."""
+    """Return the vectors of nodes: a leaf has its label's; a branch has half its label's and half its leaves'."""
     own = np.array([meanings[node.label] for node in nodes])
     if not tree.children[nodes[0].id]:
         return own
@@ -240,7 +242,7 @@ def _vectors(tree: ScenarioTree, nodes: Sequence[Node], meanings: Mapping[str, V
 
 
 def _nearest(rows: Vectors, columns: Vectors) -> list[tuple[float, int]]:
-    """Return the nearest column of each row; rounded, so that rounding errors decide nothing."""
+    """Return the nearest column of each row, with similarities rounded so that numerical noise decides nothing."""
     found = []
     for start in range(0, len(rows), _BLOCK):
         block = rows[start : start + _BLOCK]

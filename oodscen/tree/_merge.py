@@ -1,4 +1,4 @@
-"""One tree out of two that were grown apart."""
+"""Merging of two trees that were grown separately."""
 
 from oodscen.protocols import Encoder
 from oodscen.tree._edit_log import Node, TreeEdit
@@ -16,29 +16,30 @@ def merge(
     threshold: float = THRESHOLD,
     name: str | None = None,
 ) -> ScenarioTree:
-    """Return the first tree with what only the second one has added in its place.
+    """Return the first tree, with the nodes that only the second one has added in their places.
 
-    The log of the first tree stays as it is. A node of the second that the first has too (see
-    `match`) leaves a `keep` there that names the second's label, model, prompt and text. Any other
-    is added below the node that stands for its parent, with the decisions that made it what it is:
-    stage, round, model, prompt, reason and text included; then a `keep` of stage `merge` says that
-    it came in by a merge. Siblings whose labels have the same words become one. Each of these edits has
-    the name of the second tree as its `origin`: `undo(round=3, origin=...)` takes back its round 3.
+    The log of the first tree stays as it is. A node of the second tree that the first also has (see
+    `match`) adds a `keep` that records the second tree's label, model, prompt and text. Any other
+    node is added below the counterpart of its parent, together with the decisions that shaped it,
+    including stage, round, model, prompt, reason and text; a `keep` of stage `merge` then records
+    that it came from a merge. Siblings whose labels have the same words become one. Each of these
+    edits has the name of the second tree as its `origin`: `undo(round=3, origin=...)` undoes its
+    round 3.
 
-    Every path of either tree remains one: where a leaf of one is a family of the other, the family gets
-    a leaf of that label. The second tree merged in again changes nothing. Neither order nor time nor
-    anything but the arguments decides.
+    Every path of either tree remains a path: if a leaf of one is a family of the other, the family
+    gets a leaf with that label. Merging the second tree again changes nothing. The result depends
+    on the arguments alone.
 
     Args:
-        one: Its labels and places win.
-        other: The tree that is merged in.
-        encoder: Pairs nodes by meaning that neither id nor label pairs.
-        threshold: Least centred cosine of two labels that mean the same.
-        name: What the second tree is called in the log; `merge-1`, `merge-2` ... if left out.
+        one: Its labels and places take precedence.
+        other: The tree to merge in.
+        encoder: Pairs nodes by meaning if neither id nor label pairs them.
+        threshold: Least centred cosine of two labels with the same meaning.
+        name: Name of the second tree in the log; `merge-1`, `merge-2` ... if left out.
 
     Raises:
-        UsageError: When the threshold is no cosine.
-        EncoderError: When the encoder fails.
+        UsageError: If the threshold is not a cosine.
+        EncoderError: If the encoder fails.
     """
     paired = {pair.after: pair for pair in match(one, other, encoder=encoder, threshold=threshold)}
     decisions = _decisions(other)
@@ -58,21 +59,21 @@ def _free_name(tree: ScenarioTree) -> str:
 
 
 class _Merging:
-    """The merge so far."""
+    """The state of a merge."""
 
     def __init__(self, one: ScenarioTree, name: str) -> None:
         self.tree = one
         self._name = name
         self._ids: dict[str, str] = {}
-        """Ids of the second tree's nodes in the merge."""
+        """Ids in the merge, by id in the second tree."""
         self._nodes = dict(one.by_id)
         self._depths = {node.id: depth for node, depth in one.walk()}
         self._below: dict[str, dict[str, str]] = {}
-        """By parent: its children by their words."""
+        """Children by their words, for each parent."""
         for node in one.nodes:
             self._hang(node)
         self._paths = {leaf.id for leaf in one.leaves}
-        """Nodes that stand for a path, so that a leaf has to remain where they get children."""
+        """Nodes that stand for a path, so a leaf must remain when they get children."""
         self._own = set(one.edits)
         self._told = {(edit.node, edit.origin_node, *_why(edit)) for edit in one.edits}
 
@@ -81,7 +82,7 @@ class _Merging:
         parent = self._ids[node.parent] if node.parent is not None else None
         here = pair.before if pair is not None else self._sibling(parent, node)
         if here is not None and is_path:
-            # A path ends at a leaf: go down families that are called the same.
+            # A path ends at a leaf: descend through families with the same label.
             while here is not None and here not in self._paths and here in self._below:
                 parent, here, pair = here, self._sibling(here, node), None
         if here is None:
@@ -108,7 +109,7 @@ class _Merging:
         return here
 
     def _keep_path(self, family: Node) -> None:
-        """Hang a leaf below what was a leaf itself and now is a family."""
+        """Add a leaf below a former leaf that has become a family."""
         here = self.tree.new_id(family.label)
         edit = TreeEdit(
             op="add",
@@ -141,7 +142,7 @@ class _Merging:
         return self._below.get(parent or "", {}).get(same_words(node.label))
 
     def _is_told(self, here: str, node: Node, last: TreeEdit) -> bool:
-        """Whether the log says already who called a node so, and why."""
+        """Return whether the log already records who gave a node this label, and why."""
         is_own = last.node == here and last in self._own
         return is_own or (here, node.id, *_why(last)) in self._told
 
@@ -151,7 +152,7 @@ def _why(edit: TreeEdit) -> tuple[int | None, str, str, str]:
 
 
 def _decisions(tree: ScenarioTree) -> dict[str, list[TreeEdit]]:
-    """Return by node the edit that added it and those that relabelled or confirmed it and stand."""
+    """Return, per node, the edit that added it and the later edits in force that relabelled or confirmed it."""
     undone = undone_edits(tree.edits)
     found: dict[str, list[TreeEdit]] = {}
     for index, edit in enumerate(tree.edits):
@@ -183,7 +184,7 @@ def _kept(node: Node, here: str, pair: Match | None, last: TreeEdit, name: str) 
 
 
 def _origin(name: str, edit: TreeEdit) -> str:
-    """Name the tree that an edit comes from; of one that was merged itself, both."""
+    """Return the name of the tree that an edit comes from; for an edit of an earlier merge, both names."""
     return f"{name}/{edit.origin}" if edit.origin else name
 
 

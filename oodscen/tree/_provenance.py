@@ -1,4 +1,4 @@
-"""Where a node comes from: who put it there and why, and what was decided about it since."""
+"""Provenance of nodes: who added a node and why, and later decisions about it."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, ClassVar
@@ -23,7 +23,7 @@ _VERBS: Mapping[str, str] = {
 
 
 class Decision(Data):
-    """One edit that concerned a node."""
+    """One edit of a node."""
 
     noun: ClassVar[str] = "decision"
 
@@ -31,9 +31,9 @@ class Decision(Data):
     """Position of the edit in the tree's log."""
     edit: TreeEdit
     label_before: str = ""
-    """Label of the node until then; empty where it was not there."""
+    """Label of the node before the edit; empty if the node did not exist."""
     is_undone: bool = False
-    """A later edit took it back."""
+    """True if a later edit undid this one."""
 
     def __str__(self) -> str:
         edit = self.edit
@@ -59,45 +59,45 @@ class Provenance(Data):
     node: str
     """Id of the node."""
     path: tuple[str, ...]
-    """Labels from the root down; empty for a node that is gone."""
+    """Labels from the root down; empty for a removed node."""
     origin: Decision
-    """The edit that first added it."""
+    """The edit that first added the node."""
     later: tuple[Decision, ...] = ()
-    """Every edit that concerned it since, in order."""
+    """All later edits of the node, in order."""
 
     @property
     def is_present(self) -> bool:
-        """Whether the node is in the tree."""
+        """True if the node is in the tree."""
         return bool(self.path)
 
     @property
     def stage(self) -> str:
-        """The stage that put it there."""
+        """The stage that added the node."""
         return self.origin.edit.stage
 
     @property
     def model(self) -> str:
-        """The model that put it there."""
+        """The model that added the node."""
         return self.origin.edit.model
 
     @property
     def prompt(self) -> str:
-        """The question that the model was asked: `purpose@version`."""
+        """The prompt that the model answered: `purpose@version`."""
         return self.origin.edit.prompt
 
     @property
     def round(self) -> int | None:
-        """The red-team round that put it there."""
+        """The red-team round that added the node."""
         return self.origin.edit.round
 
     @property
     def source(self) -> str:
-        """The text that caused it."""
+        """The text that caused the node to be added."""
         return self.origin.edit.source
 
     @property
     def reason(self) -> str:
-        """Why it was put there."""
+        """The reason for adding the node."""
         return self.origin.edit.reason
 
     def __str__(self) -> str:
@@ -106,10 +106,10 @@ class Provenance(Data):
 
 
 def provenance(tree: "ScenarioTree", node_id: str) -> Provenance:
-    """Return the history of one node; it may have been removed.
+    """Return the history of one node, which may have been removed.
 
     Raises:
-        UnknownComponent: When there never was such a node.
+        UnknownComponent: If there never was such a node.
     """
     found = provenances(tree, [node_id])
     if node_id not in found:
@@ -118,7 +118,7 @@ def provenance(tree: "ScenarioTree", node_id: str) -> Provenance:
 
 
 def provenances(tree: "ScenarioTree", node_ids: Iterable[str]) -> dict[str, Provenance]:
-    """Return the histories of several nodes, reading the log once."""
+    """Return the histories of several nodes in one pass over the log."""
     wanted = set(node_ids)
     edits = tree.edits
     undone = undone_edits(edits)
@@ -146,7 +146,7 @@ def provenances(tree: "ScenarioTree", node_ids: Iterable[str]) -> dict[str, Prov
 
 
 def origin_words(tree: "ScenarioTree") -> dict[str, str]:
-    """Say in a few words which nodes red teaming or a merge added, and which were relabelled."""
+    """Describe briefly which nodes red teaming or a merge added, and which were relabelled."""
     born: dict[str, str] = {}
     first: dict[str, str] = {}
     changed: dict[str, list[str]] = {}

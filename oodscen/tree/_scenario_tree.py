@@ -1,4 +1,4 @@
-"""The scenario tree: an immutable taxonomy, defined as the fold of its log of edits."""
+"""The scenario tree: an immutable taxonomy, defined by its edit log."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -36,9 +36,9 @@ class ScenarioTree(Data):
     """A taxonomy of OOD scenarios: root, classes, families, leaves.
 
     Each root-to-leaf path is one distinct kind of OOD scenario (paper, section III-A). The tree is
-    a value: every operation returns a new tree, and `edits` is the whole history. What takes one
-    edit takes the same time on a tree of any size; `nodes` and `edits` are made when first read.
-    A tree is a collection of its nodes: `len`, iteration and `in` are those of `nodes`.
+    a value: every operation returns a new tree, and `edits` is the whole history. Operations on one
+    edit take the same time on a tree of any size; `nodes` and `edits` are built on first access. A
+    tree is a collection of its nodes: `len`, iteration and `in` are those of `nodes`.
     """
 
     noun: ClassVar[str] = "scenario tree"
@@ -47,7 +47,7 @@ class ScenarioTree(Data):
     nodes: tuple[Node, ...] = ()
     """All nodes, parents before children, otherwise in the order in which they were first added."""
     edits: tuple[TreeEdit, ...] = ()
-    """The log whose fold is `nodes`. A file without it is read as one `add` per node."""
+    """The log that produces `nodes`. A file without a log is read as one `add` per node."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -63,7 +63,7 @@ class ScenarioTree(Data):
 
     @classmethod
     def planted(cls, label: str = "Out-of-distribution driving scenario") -> Self:
-        """Return a tree of one root and the two classes."""
+        """Return a tree with a root and the two classes."""
         edits = [TreeEdit(op="add", node=ROOT, label=label, stage="grow")]
         edits += [
             TreeEdit(op="add", node=slug(name), parent=ROOT, label=name, stage="grow")
@@ -77,8 +77,8 @@ class ScenarioTree(Data):
         """Return the tree after further edits.
 
         Raises:
-            DataError: When an edit does not fit (unknown node, taken id, empty label ...); this
-                tree is unchanged in any case.
+            DataError: If an edit does not fit (unknown node, taken id, empty label ...). This tree
+                never changes.
         """
         growth, version = self._line
         growth, issues = growth.extend(version, edits)
@@ -89,21 +89,21 @@ class ScenarioTree(Data):
     def undo(
         self, index: int | None = None, *, round: int | None = None, origin: str = ""
     ) -> "ScenarioTree":
-        """Return the tree with an earlier edit taken back, by further edits at the end of its log.
+        """Return the tree with an earlier edit undone, by appending edits to its log.
 
-        Undoing an `add` removes what was put below the node since; undoing a `remove` brings back
-        the parents that went later. An undoing edit can be undone like any other.
+        Undoing an `add` also removes the nodes that were later added below it; undoing a `remove`
+        also restores parents that were removed later. An undoing edit can be undone like any other.
 
         Args:
-            index: Position in `edits`, from the end if negative; the last edit that stands if left
+            index: Position in `edits`, from the end if negative; the last edit in force if left
                 out.
             round: Undo every edit of this round instead, the last one first.
-            origin: With `round`: the name of the tree that a merge brought in, whose round is meant;
-                the rounds of this tree's own if empty.
+            origin: With `round`: name of the merged tree to which the round belongs; this tree's
+                own rounds if empty.
 
         Raises:
-            UsageError: When there is no such edit, or it cannot be taken back as the tree stands
-                now (its node is gone, it would make a cycle).
+            UsageError: If there is no such edit, or it cannot be undone in the current tree (its
+                node is gone, or it would create a cycle).
         """
         from oodscen.tree._history import undo, undo_round
 
@@ -122,29 +122,29 @@ class ScenarioTree(Data):
 
         Args:
             edit: After this many edits.
-            round: After this red-team round, and before the first edit of a later one or of a merge;
-                0 is the tree before red teaming.
+            round: After this red-team round, and before the first edit of a later one or of a
+                merge; 0 is the tree before red teaming.
             stage: After the last edit of this stage.
 
         Raises:
-            UsageError: When not exactly one is given, or there was no such moment.
+            UsageError: If not exactly one argument is given, or there was no such moment.
         """
         from oodscen.tree._history import moment
 
         return _standing(self._line[0], moment(self.edits, edit=edit, round=round, stage=stage))
 
     def provenance(self, node_id: str) -> "Provenance":
-        """Say who put a node there and why, and what was decided about it since.
+        """Return who added a node and why, and the later decisions about it.
 
         Raises:
-            UnknownComponent: When there never was such a node.
+            UnknownComponent: If there never was such a node.
         """
         from oodscen.tree._provenance import provenance
 
         return provenance(self, node_id)
 
     def before(self, index: int) -> Node | None:
-        """Return the node that an edit concerns as it was before it; `None` where it was not there.
+        """Return the state of an edit's node before that edit; `None` if the node did not exist.
 
         Args:
             index: Position in `edits`, from 0.
@@ -157,7 +157,7 @@ class ScenarioTree(Data):
         """Return one node.
 
         Raises:
-            UnknownComponent: With close matches.
+            UnknownComponent: If there is no such node; the error lists close matches.
         """
         if node_id not in self.by_id:
             raise UnknownComponent("node", node_id, self.by_id)
@@ -196,7 +196,7 @@ class ScenarioTree(Data):
 
     @property
     def paths(self) -> dict[str, tuple[str, ...]]:
-        """Labels from the root down, by id of the leaf."""
+        """Labels from the root down, by leaf id."""
         found = {}
         labels: list[str] = []
         for node, depth in self.walk():
@@ -238,15 +238,15 @@ class ScenarioTree(Data):
         )
 
     def new_id(self, label: str) -> str:
-        """Return an id for a new node: the label's slug, numbered where it is taken.
+        """Return an id for a new node: the label's slug, with a number if it is taken.
 
-        Ids of removed nodes are taken for good.
+        Ids of removed nodes are never reused.
         """
         growth, version = self._line
         return growth.free_id(slug(label), version)
 
     def _repr_html_(self) -> str:
-        """Show the tree in a notebook as an outline that folds."""
+        """Return the tree as a collapsible outline for notebooks."""
         from oodscen.tree._html import notebook_html
 
         return notebook_html(self)
@@ -255,7 +255,7 @@ class ScenarioTree(Data):
 
     @cached_property
     def _line(self) -> tuple[Growth, int]:
-        """The index that this tree shares, and how many of its edits are this tree's."""
+        """The shared index of this tree, and the number of edits in it that belong to this tree."""
         growth, _ = Growth().extend(0, self.edits)
         return growth, len(growth)
 
@@ -298,7 +298,7 @@ class ScenarioTree(Data):
         return copy
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        return self  # nothing in it can change
+        return self  # the tree is immutable
 
     def __getstate__(self) -> dict[Any, Any]:
         state = super().__getstate__()
@@ -306,7 +306,7 @@ class ScenarioTree(Data):
 
 
 def _standing(growth: Growth, version: int) -> ScenarioTree:
-    """Return the tree of the first edits of an index, without making its fields."""
+    """Return the tree of the first `version` edits of an index without building its fields."""
     tree = ScenarioTree.model_construct(_fields_set={"nodes", "edits"}, schema_version=1)
     del tree.__dict__["nodes"], tree.__dict__["edits"]
     tree.__dict__["_line"] = (growth, version)

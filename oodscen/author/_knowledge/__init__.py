@@ -1,1 +1,1 @@
-"""The knowledge base of hazards: its entries, loading, validation, inspection."""
+"""The knowledge base of hazards: its entries, loading, validation and inspection."""

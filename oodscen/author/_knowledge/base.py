@@ -1,4 +1,4 @@
-"""The knowledge base: what the built-in author knows of hazards. `shelf` reads it from files."""
+"""The entries of the knowledge base, from which the built-in author works. `loading` reads them from files."""
 
 import re
 from functools import cached_property
@@ -20,7 +20,7 @@ def _as_choice(value: Any) -> Any:
 
 
 Range = Annotated[tuple[float, float], BeforeValidator(_as_range)]
-"""Low and high; one number stands for both."""
+"""Lower and upper limit; a single number stands for both."""
 Names = Annotated[tuple[str, ...], BeforeValidator(_as_choice)]
 """One or several names to choose from."""
 Lanes = Annotated[tuple[int, ...], BeforeValidator(_as_choice)]
@@ -30,15 +30,15 @@ ClassName = Literal["environmental", "interactional"]
 
 
 class Needs(Data):
-    """What a simulator must offer for a hazard."""
+    """The capabilities that a hazard needs from a simulator."""
 
     assets: tuple[str, ...] = ()
-    """Ids of assets, or a plain name where no catalogue is known to have one."""
+    """Asset ids, or plain names if no known catalogue has the asset."""
     behaviours: tuple[str, ...] = ()
     weather: tuple[str, ...] = ()
-    """`night`, `fog`, `rain`, `snow`, `ice`; other words name what no weather range expresses."""
+    """`night`, `fog`, `rain`, `snow`, `ice`; other words name weather that no range can express."""
     traits: tuple[str, ...] = ()
-    """Traits of one map."""
+    """Traits that a single map must have."""
 
 
 class RecipeTrigger(Data):
@@ -46,16 +46,16 @@ class RecipeTrigger(Data):
 
     kind: Literal["time", "distance", "ttc"] = "time"
     value: Range = (0.0, 0.0)
-    """s or m."""
+    """Value in s or m."""
     actor: str | None = None
 
 
 LandmarkName = Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"]
-"""What a recipe can measure from along the road, besides the ego's start."""
+"""Landmarks along the road, besides the ego's start, from which a recipe can measure."""
 
 
 class Counterpart(Data):
-    """How the ordinary actor differs from the unusual one."""
+    """Differences between the ordinary actor and the unusual one."""
 
     asset: Names | None = None
     ahead: Range | None = None
@@ -74,92 +74,94 @@ Drawn = Range | Literal["ego"]
 
 
 class RecipeActor(Data):
-    """One actor, or a row of equal actors, with ranges to draw from."""
+    """One actor, or a row of identical actors, with ranges to draw from."""
 
     id: str
     asset: Names
     ahead: Range
-    """m ahead of the ego's start, or of what `at` names."""
+    """Distance ahead of the ego's start, or of the anchor that `at` names, m."""
     at: str = "start"
-    """A landmark: the middle of a junction or roundabout, the near end of a tunnel or bridge, a
-    crest's highest point, or `traffic_light`, where every light that faces the ego becomes such an
-    actor. Or the id of an actor listed before, from which `offset` is measured as well."""
+    """The anchor. Either a landmark: the middle of a junction or roundabout, the near end of a
+    tunnel or bridge, the highest point of a crest, or `traffic_light`, which makes an actor of
+    every light that faces the ego. Or the id of an actor listed before, from which `offset` is
+    also measured."""
     lane: Lanes = (0,)
     offset: Range = (0.0, 0.0)
-    """m to the left of the lane's centre."""
+    """Offset to the left of the lane's centre, m."""
     meets: Range | None = None
-    """For traffic that crosses: s after the ego, going on as it does, by which it reaches the middle
-    of the ego's lane. It stands in for `offset`, and the side follows from `heading_deg`."""
+    """For crossing traffic: time by which the actor reaches the middle of the ego's lane after an
+    ego that continues unchanged, s. It replaces `offset`; the side follows from `heading_deg`."""
     heading_deg: Range = (0.0, 0.0)
     behaviour: str = "stand"
     parameters: dict[str, Drawn] = {}
     trigger: RecipeTrigger = RecipeTrigger()
     other: str | None = None
-    """The actor to which this one belongs: what tows it, carries it, or its car."""
+    """The actor to which this one belongs: the one that tows or carries it, or its car."""
     state: str = ""
     hazard: bool = True
-    """Whether it is part of what is unusual."""
+    """True if the actor is part of the unusual event."""
     ordinary: Literal["remove"] | Counterpart = "remove"
     count: int = Field(default=1, ge=1, le=40)
-    """How many; more than one are called `<id>-1`, `<id>-2` ..."""
+    """Number of actors; if there are several, they are called `<id>-1`, `<id>-2` ..."""
     spread_ahead: float = 0.0
-    """m from one to the next along the road."""
+    """Spacing along the road, m."""
     spread_offset: float = 0.0
-    """m from one to the next to the left."""
+    """Spacing to the left, m."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Ids of the actors that it becomes."""
+        """Ids of the resulting actors."""
         if self.count == 1:
             return (self.id,)
         return tuple(f"{self.id}-{number}" for number in range(1, self.count + 1))
 
 
 class Variant(Data):
-    """What is different where a text says so."""
+    """A variant of a recipe for texts with certain words."""
 
     words: Names
-    """Any of these phrases."""
+    """Phrases, any of which selects the variant."""
     actors: dict[str, Counterpart]
-    """By id of an actor of the recipe: its fields that differ."""
+    """Changed fields, by actor id in the recipe."""
 
 
 class Recipe(Data):
-    """How a hazard is staged."""
+    """A recipe for staging a hazard."""
 
     speed: Range
-    """Of the ego, m/s."""
+    """Speed of the ego, m/s."""
     decision: RecipeTrigger
     horizon: float = 8.0
     ego_lane: Literal["right", "any", "mirror"] = "right"
-    """In which lane the ego may start: in the rightmost, in any, or in the leftmost with everything
-    mirrored. In another lane than the rightmost, what is beside the road stays there."""
+    """Permitted starting lanes of the ego: the rightmost, any, or the leftmost with everything
+    mirrored. If the ego starts in another lane than the rightmost, roadside objects stay at the
+    roadside."""
     company: bool | Literal["follower"] = True
-    """Whether ordinary traffic may drive beside the ego, behind it or come towards it; with
-    `follower` somebody always drives close behind."""
+    """True if ordinary traffic may drive beside the ego, behind it or towards it; with `follower`,
+    a vehicle always drives close behind."""
     width: float = Field(default=0.0, ge=0.0)
-    """m across of what is in the way. Where it is given, and nothing moves, some decisions come so
-    late that braking does not suffice and a change of lane does."""
+    """Width of the obstacle, m. If it is given and nothing moves, some decisions come so late that
+    only a lane change helps, not braking."""
     variants: tuple[Variant, ...] = ()
     weather: dict[str, Range | str] = {}
-    """Fields of `oodscen.data._scene.Weather`, where the weather is the hazard."""
+    """Fields of `oodscen.data._scene.Weather`, if the weather is the hazard."""
     ordinary_weather: dict[str, float | str] = {}
-    """What these fields are in the ordinary twin."""
+    """Values of these fields in the ordinary twin."""
     actors: tuple[RecipeActor, ...] = ()
 
     @property
     def is_static(self) -> bool:
-        """Whether nothing but the ego moves."""
+        """True if only the ego moves."""
         return all(actor.behaviour == "stand" for actor in self.actors)
 
     @property
     def assets(self) -> tuple[tuple[str, ...], ...]:
-        """For each actor the assets that would do."""
+        """Suitable assets for each actor."""
         return tuple(actor.asset for actor in self.actors)
 
     @property
     def behaviours(self) -> tuple[str, ...]:
-        """Every behaviour that it uses, the twin's included."""
+        """All behaviours of the recipe, including the twin's."""
         twins = [a.ordinary for a in self.actors if isinstance(a.ordinary, Counterpart)]
         named = [actor.behaviour for actor in self.actors]
         named += [twin.behaviour for twin in twins if twin.behaviour]
@@ -173,30 +175,30 @@ class Hazard(Data):
     noun: ClassVar[str] = "hazard"
 
     id: str = Field(pattern=r"^[a-z0-9][a-z0-9-]*$")
-    """Internal: it occurs in no prompt and in no answer."""
+    """Internal id; it occurs in no prompt and no answer."""
     class_name: ClassName = Field(alias="class")
     family: str = Field(min_length=3, max_length=MAX_LABEL)
     label: str = Field(min_length=3, max_length=MAX_LABEL)
     wider: str = Field(default="", max_length=MAX_LABEL)
-    """The label once the leaf is broadened to cover its kin."""
+    """The label of the leaf after it is broadened to cover the hazard's kin."""
     kin: tuple[str, ...] = ()
-    """Ids of hazards that the wider label covers as well."""
+    """Ids of the hazards that the wider label also covers."""
     words: tuple[str, ...] = ()
     """Distinctive words."""
     places: tuple[str, ...] = Field(min_length=1)
     conditions: tuple[str, ...] = ()
-    """Conditions that agree with the hazard; none where its events tell the weather themselves."""
+    """Conditions compatible with the hazard; empty if its events describe the weather themselves."""
     events: tuple[str, ...] = Field(min_length=1)
-    """Full clauses that start with a capital and end without a stop; `{where}` is filled in."""
+    """Full clauses that start with a capital letter and end without a full stop; `{where}` is filled in."""
     details: tuple[str, ...] = ()
-    """Sentences about the consequence, added now and then."""
+    """Sentences about the consequence, added to some texts."""
     traffic: bool = False
-    """Whether ordinary traffic may be mentioned beside it."""
+    """True if a text may also mention ordinary traffic."""
     ordinary: Names = Field(min_length=1)
-    """The ordinary counterpart as a clause; of several the first is told that suits where it is."""
+    """Ordinary counterparts as clauses; the first one that suits the setting is used."""
     needs: Needs = Needs()
     first: bool = False
-    """Whether it is imagined before others, as long as a question does not name it as covered."""
+    """True if the hazard is imagined before others, until a question names it as covered."""
     source: str = ""
     stage: Recipe | None = None
 
@@ -206,12 +208,12 @@ class Place(Data):
 
     key: str
     traits: tuple[str, ...]
-    """Of the map that shows it."""
+    """Traits of a map that shows this kind of road."""
     speed: Range = (8.0, 12.0)
     """Usual speed of the ego, m/s."""
     words: tuple[str, ...] = ()
     phrases: tuple[str, ...] = Field(min_length=1)
-    """Adverbials: `on a two-lane residential street`."""
+    """Adverbials, such as `on a two-lane residential street`."""
 
 
 class Condition(Data):
@@ -219,15 +221,15 @@ class Condition(Data):
 
     key: str
     phrases: tuple[str, ...] = Field(min_length=1)
-    """Adverbials: `in light rain`."""
+    """Adverbials, such as `in light rain`."""
     statements: tuple[str, ...] = ()
-    """Clauses: `It is raining`."""
+    """Clauses, such as `It is raining`."""
     words: tuple[str, ...] = ()
     weather: dict[str, Range | str] = {}
 
 
 class TrafficActor(Data):
-    """The ordinary road user that belongs to a traffic phrase."""
+    """The ordinary road user of a traffic phrase."""
 
     id: str
     asset: Names
@@ -239,20 +241,20 @@ class TrafficActor(Data):
 
 
 class Traffic(Data):
-    """What else is on the road."""
+    """Other traffic on the road."""
 
     key: str
     traits: tuple[str, ...] = ()
-    """Of the maps on which it can be met."""
+    """Traits of the maps on which this traffic can occur."""
     phrases: tuple[str, ...] = Field(min_length=1)
     actor: TrafficActor | None = None
 
 
 class Clash(Data):
-    """Words that do not go with some places, weather or traffic."""
+    """Words that are incompatible with some places, weather or traffic."""
 
     words: Names = Field(min_length=1)
-    """Whole words; a star stands for any ending."""
+    """Whole words; an asterisk stands for any ending."""
     places: tuple[str, ...] = ()
     conditions: tuple[str, ...] = ()
     traffic: tuple[str, ...] = ()
@@ -260,61 +262,61 @@ class Clash(Data):
 
     @cached_property
     def pattern(self) -> re.Pattern[str]:
-        """What finds the words in a text."""
+        """Pattern that matches the words in a text."""
         words = "|".join(re.escape(word).replace(r"\*", r"\w*") for word in self.words)
         return re.compile(rf"(?<![\w-])(?:{words})(?![\w-])", re.IGNORECASE)
 
 
 class Driving(Data):
-    """What else is ordinary while the ego of an ordinary twin drives on."""
+    """Ordinary events of an ordinary twin, besides the ego driving on."""
 
     phrases: tuple[str, ...] = Field(min_length=1)
     """Clauses that call the ego `the ego vehicle`."""
     places: tuple[str, ...] = ()
-    """Where it can be said; empty for any road."""
+    """Places for which the clauses are suitable; empty for any road."""
     conditions: tuple[str, ...] = ()
-    """When; empty for any."""
+    """Conditions for which the clauses are suitable; empty for any."""
     others: Literal["none", "ahead", "around"] = "none"
-    """Where it puts other road users: in front of the ego, or elsewhere around it."""
+    """Position of the other road users that the clauses mention: in front of the ego, or elsewhere around it."""
 
 
 class Company(Data):
-    """Ordinary traffic that no text mentions, there when the ego must decide."""
+    """Ordinary traffic that no text mentions, present when the ego must decide."""
 
     side: Literal["left", "right", "oncoming", "behind"]
     share: float = Field(ge=0.0, le=1.0)
-    """Of the scenes in which the road has room for it."""
+    """Share of the scenes with room for this traffic in which it appears."""
     asset: Names
     gap: Range
-    """m ahead of the ego at the decision; for who follows it, s between the two at the start."""
+    """Distance ahead of the ego at the decision, m; for a follower, the time gap at the start, s."""
     speed: Range | Literal["ego"] = "ego"
-    """m/s; `ego` stands for the ego's."""
+    """Speed, m/s; `ego` stands for the ego's."""
     parameters: dict[str, Range] = {}
-    """Further ones of the behaviour, such as how close it follows."""
+    """Further parameters of the behaviour, such as the following distance."""
 
 
 class Things(Data):
-    """Names of things that hazards need, by the category that a catalogue would put them in."""
+    """Names of things that hazards need, grouped by their category in a catalogue."""
 
     category: Category
     names: tuple[str, ...] = Field(min_length=1)
     kinds: tuple[str, ...] = ()
     """Words for the category as a whole: `animal`, `wildlife`."""
     others: tuple[str, ...] = ()
-    """Members of it that no hazard needs, in plain words."""
+    """Members of the category that no hazard needs, in plain words."""
 
 
 class Substitute(Data):
-    """What may be shown where a thing is not to be had, and is still recognised for what is meant."""
+    """Acceptable replacements for an unavailable thing, which viewers still recognise as intended."""
 
     wanted: str
     by: tuple[str, ...] = Field(min_length=1)
-    """The nearest first."""
+    """Replacements, the closest first."""
     why: str = ""
 
 
 class Wording(Data):
-    """Words for who moves and how far away something is."""
+    """Phrases for how a text opens and how far away something is."""
 
     openings: tuple[str, ...] = Field(min_length=1)
     near: tuple[str, ...] = Field(min_length=1)
@@ -331,7 +333,7 @@ class Paper(Data):
 
 
 class Knowledge(Data):
-    """All that the author knows."""
+    """The complete knowledge base."""
 
     noun: ClassVar[str] = "knowledge base"
 
@@ -379,12 +381,12 @@ class Knowledge(Data):
         }
 
     def category(self, name: str) -> Category | None:
-        """Return the category of a thing; `None` where nobody said it."""
+        """Return the category of a thing, or `None` if none is recorded."""
         return self.categories.get(name)
 
     @cached_property
     def substitutes(self) -> dict[str, tuple[str, ...]]:
-        """What may stand in for a thing, by its name."""
+        """Acceptable replacements for a thing, by its name."""
         return {one.wanted: one.by for one in self.substitute}
 
     def of_class(self, class_name: str) -> tuple[Hazard, ...]:
@@ -392,5 +394,5 @@ class Knowledge(Data):
         return tuple(h for h in self.hazards if h.class_name == class_name)
 
     def kin(self, hazard: Hazard) -> tuple[Hazard, ...]:
-        """Return the hazards that the wider label of a hazard covers besides it."""
+        """Return the other hazards that the wider label of a hazard covers."""
         return tuple(self.by_id[name] for name in hazard.kin if name in self.by_id)

@@ -1,7 +1,7 @@
-"""Inspecting a knowledge base as a whole: what reads well hazard by hazard and goes wrong together.
+"""Inspection of a whole knowledge base: faults that appear only when its hazards are combined.
 
-`validation` finds what is wrong with one entry. Here hazards are compared with each other, with the
-recogniser that has to tell them apart, and with the catalogues that have to show them.
+`validation` checks single entries. Inspection compares hazards with each other, with the recogniser
+that must tell them apart, and with the catalogues that must show them.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -24,38 +24,38 @@ from oodscen.protocols import Completion, Request
 from oodscen.stages._augment import Augmenter
 
 _NEAR = 0.7
-"""Share of common words from which two phrasings of one hazard say the same."""
+"""Share of common words from which two phrasings of one hazard count as duplicates."""
 _TYPO = 0.82
-"""Likeness from which a name that nobody has is taken for a slip of the pen."""
+"""Similarity from which an unknown name counts as a misspelling."""
 _DISTANCE = "about 40 metres ahead"
 
 
 @dataclass(frozen=True)
 class Inspection:
-    """What an inspection found."""
+    """The result of an inspection."""
 
     faults: tuple[Issue, ...]
-    """What should be mended, each with file, line and hazard."""
+    """Faults to fix, each with file, line and hazard."""
     notes: tuple[Issue, ...]
-    """What may be meant, and is good to know."""
+    """Possible faults that may be intended."""
     hazards: int
-    """Inspected, and readable as a whole: of the file, or all that ship."""
+    """Number of inspected hazards that could be read in full: those of the file, or all shipped ones."""
     families: int
     recipes: int
     shown: Mapping[str, int]
-    """Hazards that can be shown and staged, by name of the catalogue."""
+    """Number of hazards that can be shown and staged, by catalogue name."""
 
 
 def inspect_knowledge(
     path: str | Path | None = None, catalogues: Mapping[str, Catalogue] | None = None
 ) -> Inspection:
-    """Find everything that is wrong with a knowledge base.
+    """Find all faults of a knowledge base.
 
     Args:
-        path: A user's own file or folder, on top of what ships; only its hazards are inspected.
-            `None` inspects what ships.
-        catalogues: What simulators can show, by name. Recipes are tried on the first that has all
-            that a hazard needs and the files of its maps.
+        path: A user's file or folder, read on top of the shipped knowledge base; only its hazards
+            are inspected. `None` inspects the shipped ones.
+        catalogues: Catalogues of simulators, by name. Each recipe is tried on the first catalogue
+            that has everything the hazard needs and the files of its maps.
     """
     faults = validate_knowledge(path)
     if _is_unreadable(faults):
@@ -127,7 +127,7 @@ def inspect_knowledge(
 
 
 class _Hand:
-    """Stages and does nothing else, for a knowledge base that no author would take."""
+    """A stub model that only stages, for knowledge bases that an author would reject."""
 
     name = "builtin"
 
@@ -143,12 +143,12 @@ class _Hand:
 
 
 def _is_unreadable(faults: Iterable[Issue]) -> bool:
-    """Tell whether a file could not be read at all; then there is nothing to gather."""
+    """Return whether a file could not be read at all, which leaves nothing to gather."""
     return any(not issue.path for issue in faults)
 
 
 def _wording(hazard: Hazard, recogniser: Recogniser) -> Iterator[Issue]:
-    """Find phrasings that say the same, or that are taken for another hazard."""
+    """Yield phrasings that duplicate each other or are recognised as another hazard."""
     bare = [frozenset(stems(event.replace("{where}", ""))) for event in hazard.events]
     for (i, one), (j, other) in combinations(enumerate(bare), 2):
         share = len(one & other) / max(1, len(one | other))
@@ -171,7 +171,7 @@ def _wording(hazard: Hazard, recogniser: Recogniser) -> Iterator[Issue]:
 
 
 def _shared_words(knowledge: Knowledge) -> dict[str, set[str]]:
-    """Return the hazards that have a distinctive word, by its stem."""
+    """Return the ids of the hazards with each distinctive word, by its stem."""
     owners: dict[str, set[str]] = {}
     for hazard in knowledge.hazards:
         for word in hazard.words:
@@ -180,7 +180,7 @@ def _shared_words(knowledge: Knowledge) -> dict[str, set[str]]:
 
 
 def _blurred(hazard: Hazard, owners: Mapping[str, set[str]]) -> Iterator[Issue]:
-    """Note a hazard none of whose distinctive words is its own."""
+    """Yield a note if a hazard shares all of its distinctive words with others."""
     sharing = [owners[" ".join(stems(word))] - {hazard.id} for word in hazard.words]
     if sharing and all(sharing):
         others = ", ".join(sorted(set().union(*sharing))[:4])
@@ -193,7 +193,7 @@ def _misspelt(
     knowledge: Knowledge,
     unmet: dict[str, list[str]],
 ) -> Iterator[Issue]:
-    """Find needs that no catalogue meets: a fault where one is nearly so called."""
+    """Yield needs that no catalogue meets; they are faults if a similar name exists."""
     lacks = [set(realise(hazard, digest, knowledge).missing) for digest in offered.values()]
     if not lacks:
         return
@@ -215,7 +215,7 @@ def _misspelt(
 
 
 def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]:
-    """Return the things that hazards need and nobody put into a category."""
+    """Return the things that hazards need but that have no category."""
     named = {name for hazard in hazards for name in hazard.needs.assets}
     for hazard in hazards:
         named.update(
@@ -225,9 +225,9 @@ def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]
 
 
 def _unfit(hazard: Hazard, catalogue: Catalogue) -> Iterator[Issue]:
-    """Find states, parameters and behaviours of a recipe that its assets do not have.
+    """Yield states, parameters and behaviours of a recipe that its assets do not have.
 
-    The author leaves such things aside when it stages, so that nothing else would tell of them.
+    Staging ignores such entries silently, so this check is the only one to report them.
     """
     digest = CatalogueDigest.of(catalogue)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
@@ -256,7 +256,7 @@ def _unfit(hazard: Hazard, catalogue: Catalogue) -> Iterator[Issue]:
 
 
 def _unstaged(hazard: Hazard, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
-    """Stage the hazard from its first phrasing and report why that fails."""
+    """Stage the hazard from its first phrasing and report any failures."""
     text = hazard.events[0].replace("{where}", "").replace("  ", " ").strip() + "."
     scenario = Scenario(id="check", text=text, path=("x", "y", hazard.family, hazard.label))
     try:

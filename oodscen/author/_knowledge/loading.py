@@ -1,4 +1,4 @@
-"""Reading the knowledge base: the shipped TOML files and a user's own, with all that is wrong in them."""
+"""Loading of the knowledge base: the shipped TOML files and a user's own, with all their faults."""
 
 import re
 import tomllib
@@ -44,17 +44,17 @@ _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
 
 class Shelf:
-    """What the files read so far contain, and what is wrong with them."""
+    """The content of the files read so far, and its faults."""
 
     def __init__(self) -> None:
-        """Start with nothing."""
+        """Start without any content."""
         self.entries: dict[str, list[Any]] = {name: [] for name in _TABLES}
         self.single: dict[str, Any] = {}
         self.issues: list[Issue] = []
         self.salvaged: dict[str, Any] = {}
-        """What could be read of entries with faults, by where they stand; none of it is used to write."""
+        """The readable parts of faulty entries, by location; none of them is used for writing."""
         self.broken: dict[str, set[str]] = {}
-        """The paths in these that were left aside."""
+        """The paths in these entries that were left out."""
 
     def read(self, name: str, text: str) -> None:
         """Add the content of a file."""
@@ -96,7 +96,7 @@ class Shelf:
             self.single[key] = value
 
     def _salvage(self, where: str, item: Mapping[str, Any], issues: Iterable[Issue]) -> None:
-        """Keep what can be read of a hazard, so that its other faults are found as well."""
+        """Keep the readable parts of a hazard, so that its other faults are also found."""
         broken = {issue.path for issue in issues}
         found = deepcopy(dict(item))
         for path in broken:
@@ -113,11 +113,11 @@ class Shelf:
 
     @property
     def hazards(self) -> list[tuple[str, Hazard]]:
-        """Every hazard with where it stands, what could be salvaged included."""
+        """All hazards with their locations, including salvaged ones."""
         return [*self.entries["hazard"], *self.salvaged.items()]
 
     def is_broken(self, issue: Issue) -> bool:
-        """Tell whether an issue is about something that was left aside."""
+        """Return whether an issue concerns a part that was left out."""
         return any(
             re.match(rf"{re.escape(f'{where}: {path}')}(?![\w-])", issue.path)
             for where, paths in self.broken.items()
@@ -125,10 +125,10 @@ class Shelf:
         )
 
     def knowledge(self, *, salvaged: bool = False) -> Knowledge | None:
-        """Put everything together; a later hazard replaces an earlier one with the same id.
+        """Build the knowledge base; a later hazard replaces an earlier one with the same id.
 
         Args:
-            salvaged: Whether to add what could be read of hazards with faults, to inspect it.
+            salvaged: Whether to include the readable parts of faulty hazards, for inspection.
         """
         if "wording" not in self.single:
             self.issues.append(Issue("wording", "no file has this table"))
@@ -160,16 +160,16 @@ _STAND_IN: dict[str, Any] = {
     "events": ["The ego vehicle meets something without a name"],
     "ordinary": "the lane ahead is clear",
 }
-"""Instead of fields that cannot be read; what is found wrong with them is not reported."""
+"""Substitutes for unreadable fields; faults found in them are not reported."""
 
 
 def _field(path: str) -> str:
-    """Return the field of an entry to which a path leads."""
+    """Return the field of an entry that a path points into."""
     return re.split(r"[.\[]", path, maxsplit=1)[0]
 
 
 def _set_aside(entry: dict[str, Any], path: str) -> None:
-    """Take out what a path leads to; in a list of names something else comes in its place."""
+    """Remove the target of a path; in a list of names, a placeholder replaces it."""
     steps: list[str | int] = [
         int(step[1:-1]) if step.startswith("[") else step
         for step in re.findall(r"\[\d+\]|[^.\[\]]+", path)
@@ -188,12 +188,12 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
 
 @lru_cache(maxsize=8)
 def _content(text: str) -> Mapping[str, Any]:
-    """Return what a file says; the shipped ones are read again with every file of somebody's own."""
+    """Return the parsed content of a file. Cached: every load of a user's file re-reads the shipped files."""
     return tomllib.loads(text)
 
 
 def _lines(text: str, key: str) -> list[int]:
-    """Return the numbers of the lines that open an entry of a list of tables."""
+    """Return the numbers of the lines that open the entries of a table array."""
     opens = re.compile(rf"\[\[\s*{key}\s*\]\]")
     return [n for n, line in enumerate(text.split("\n"), start=1) if opens.match(line.strip())]
 
@@ -205,7 +205,7 @@ def _shipped() -> list[tuple[str, str]]:
 
 
 def own_files(path: Path) -> tuple[str, ...]:
-    """Return the names of the files that a user's path stands for."""
+    """Return the names of the files at a user's path."""
     return tuple(f.name for f in sorted(path.glob("*.toml"))) if path.is_dir() else (path.name,)
 
 
@@ -221,14 +221,14 @@ def _own(path: Path) -> list[tuple[str, str]]:
 
 
 def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, Knowledge | None]:
-    """Read the shipped files and a user's own, keeping note of every fault.
+    """Read the shipped files and a user's own, and collect all faults.
 
     Args:
         path: As for `load_knowledge`.
-        salvaged: Whether to add what could be read of hazards with faults, to inspect it.
+        salvaged: Whether to include the readable parts of faulty hazards, for inspection.
 
     Raises:
-        DataError: When a file cannot be read at all.
+        DataError: If a file cannot be read at all.
     """
     shelf = Shelf()
     for name, text in _shipped():
@@ -240,20 +240,20 @@ def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, K
 
 
 def load_knowledge(path: str | Path | None = None) -> Knowledge:
-    """Read the shipped knowledge base, and on top of it a user's own.
+    """Read the shipped knowledge base, extended by a user's own.
 
     Args:
-        path: A TOML file, or a folder of them, that adds hazards, places, conditions or traffic;
-            a hazard with the id of a shipped one replaces it.
+        path: A TOML file, or a folder of them, that adds hazards, places, conditions or traffic; a
+            hazard with the id of a shipped one replaces it.
 
     Raises:
-        DataError: With every entry that cannot be used, each with its file and path.
+        DataError: If entries cannot be used; the error lists each with its file and path.
     """
     return _cached(None if path is None else str(Path(path)), stamp_of(path))
 
 
 def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
-    """Return what changes when a user's files change: path, time and size of each."""
+    """Return a stamp that changes with a user's files: path, modification time and size of each."""
     if path is None:
         return ()
     files = sorted(Path(path).glob("*.toml")) if Path(path).is_dir() else [Path(path)]

@@ -1,4 +1,4 @@
-"""Checking a knowledge base: everything that is wrong with it, each fault with file and path."""
+"""Validation of a knowledge base: all faults of its entries, each with file and path."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -13,16 +13,16 @@ from oodscen.errors import DataError, Issue
 
 
 def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
-    """Find everything that is wrong with the shipped knowledge base and a user's own.
+    """Find all faults of the shipped knowledge base and a user's own.
 
-    Besides what keeps an entry from being read these are references to nothing, labels that occur
-    twice, phrasings that break the rules of composition, and recipes that cannot be staged.
+    Besides unreadable entries, these are dangling references, duplicate labels, phrasings that
+    break the rules of composition, and recipes that cannot be staged.
 
     Args:
         path: As for `load_knowledge`.
 
     Returns:
-        One issue per fault, with file and path; empty where all is well.
+        One issue per fault, with file and path; empty if there are none.
     """
     try:
         shelf, knowledge = gather(path, salvaged=True)
@@ -64,7 +64,7 @@ def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:
 
 
 def _faults(hazard: Hazard, knowledge: Knowledge) -> Iterable[Issue]:
-    """Find what is wrong with one hazard that could be read."""
+    """Yield the faults of one readable hazard."""
     for index, key in enumerate(hazard.places):
         if key not in knowledge.place_keys:
             yield Issue(f"places[{index}]", f"there is no place {key!r}")
@@ -91,7 +91,7 @@ def _faults(hazard: Hazard, knowledge: Knowledge) -> Iterable[Issue]:
 
 
 def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]:
-    """Find references to places, conditions or traffic that there are not."""
+    """Yield references to unknown places, conditions or traffic."""
     known = {
         "places": set(knowledge.place_keys),
         "conditions": set(knowledge.condition_keys),
@@ -104,7 +104,7 @@ def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]
 
 
 def _misplaced(hazard: Hazard, agreement: Agreement) -> Iterable[Issue]:
-    """Find what cannot be told where or when its hazard happens."""
+    """Yield clauses that do not suit the places and conditions of their hazard."""
     settings = [
         Setting(place=place, conditions=(key,) if key else ())
         for place in hazard.places

@@ -1,1 +1,1 @@
-"""Reading English: clauses, labels, settings and claims from words alone."""
+"""Reading of English texts: clauses, labels, settings and claims, from words alone."""

@@ -1,4 +1,4 @@
-"""Taking a label apart: `deer or dog on the road` is a deer on the road, or a dog on the road."""
+"""Splitting of labels: `deer or dog on the road` is a deer on the road, or a dog on the road."""
 
 import re
 from dataclasses import dataclass
@@ -21,23 +21,23 @@ class Share:
     """One of several things that a label names."""
 
     own: str
-    """Its own words, without what it shares with the others."""
+    """Its own words, without the ones it shares with the others."""
     readings: tuple[str, ...]
-    """What it may say in full, the likeliest first: `dog on the road`."""
+    """Possible full readings, the most likely first: `dog on the road`."""
     is_act: bool = False
-    """Whether it tells what somebody named before does: `Dog running or walking in the lane`."""
+    """True for an action of a thing named before: `Dog running or walking in the lane`."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """A label in its parts."""
+    """A label split into its parts."""
 
     shares: tuple[Share, ...]
     tail: str = ""
-    """What they have in common: `on the road`."""
+    """The words that the parts share: `on the road`."""
 
     def naming(self, chosen: tuple[int, ...]) -> str:
-        """Return a label that names only some of the parts."""
+        """Return a label that names only the chosen parts."""
         shares = [self.shares[number] for number in chosen]
         tail = f" {self.tail}" if self.tail else ""
         if all(share.readings[0] == f"{share.own}{tail}" for share in shares):
@@ -49,18 +49,18 @@ class Split:
 
 
 def alternatives(label: str) -> Split:
-    """Split at `or`, at slashes, and at the commas before them."""
+    """Split a label at `or`, at slashes, and at the commas before them."""
     text = re.sub(r"^\s*either\s+", "", label, flags=re.IGNORECASE)
     return _split(text, _OR, "or")
 
 
 def conjuncts(text: str) -> Split:
-    """Split at `and`: all parts are meant together."""
+    """Split a text at `and`; all of its parts apply together."""
     return _split(text, _AND, "and")
 
 
 def subject(text: str) -> list[str]:
-    """Return the words of a label up to where it tells what happens or where."""
+    """Return the words of a label before the part that says what happens, or where."""
     words = _words(text)
     while words and words[0].casefold() in _DETERMINERS:
         words = words[1:]
@@ -92,7 +92,7 @@ def _split(text: str, separator: re.Pattern[str], joint: str) -> Split:
 
 
 def _merged(chunks: list[str], joint: str) -> list[str]:
-    """Put together what only joins places or manners: `on or beside the road`."""
+    """Rejoin pieces that only connect places or manners: `on or beside the road`."""
     found: list[str] = []
     for chunk in filter(None, chunks):
         words = chunk.casefold().split()
@@ -124,7 +124,7 @@ def _readings(number: int, names: list[str], tail: str, is_act: bool) -> tuple[s
 
 
 def _is_placing(text: str) -> bool:
-    """Tell whether words say where: `on the road`."""
+    """Return whether a phrase describes a location: `on the road`."""
     return text.partition(" ")[0].casefold() in _PLACING
 
 
@@ -138,13 +138,13 @@ def _is_act(words: list[str]) -> bool:
 
 
 def _is_followed_as_act(words: list[str], number: int) -> bool:
-    """Tell a verb from a participle before its noun by the word that follows."""
+    """Distinguish a verb from a participle in front of its noun by the word that follows."""
     after = words[number + 1].casefold() if number + 1 < len(words) else ""
     return not after or after in _PLACING | _DETERMINERS or after.endswith(("ly", "wise"))
 
 
 def _tail_at(words: list[str]) -> int:
-    """Return where it is told what happens, or where; the number of words where it is not."""
+    """Return the index of the first word that says what happens, or where; the number of words if none does."""
     for number, word in enumerate(words):
         if number == 0:
             continue
@@ -161,7 +161,7 @@ def _words(text: str) -> list[str]:
 
 
 def _small(text: str) -> str:
-    """Write a first letter small unless the word is an abbreviation."""
+    """Lower-case the first letter unless the word is an abbreviation."""
     return text if text[1:2].isupper() else f"{text[:1].lower()}{text[1:]}"
 
 

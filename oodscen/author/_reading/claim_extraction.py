@@ -1,4 +1,4 @@
-"""Reading: what a text says about a scene, from its words alone."""
+"""Extraction of claims: the statements of a text about a scene, from its words alone."""
 
 import re
 from bisect import bisect_right
@@ -33,7 +33,7 @@ _STRONGER = {
     "red": ("all_on",),
     "green": ("all_on",),
 }
-"""What is not claimed beside something that says more, or contradicts it and is surer."""
+"""Values that are not claimed beside a more specific value, or one that contradicts them and is more certain."""
 _WILFUL = frozenset(
     {"oncoming", "moving", "slow", "reversing", "crossing", "from_left", "from_right"}
 )
@@ -44,11 +44,11 @@ _INVERTED = re.compile(
 )
 _DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
 _APPOSED = 24
-"""Characters between a noun and a relative clause about it, at most."""
+"""Largest distance between a noun and a relative clause about it, in characters."""
 
 
 def read_claims(text: str) -> tuple[Claim, ...]:
-    """Return what a text says, settings first, then thing by thing."""
+    """Return the claims of a text: settings first, then thing by thing."""
     return _Reading(" ".join(text.replace("\u2019", "'").split())).claims()
 
 
@@ -200,7 +200,7 @@ class _Reading:
         return subject
 
     def _is_carried(self, mention: Mention) -> bool:
-        """Tell whether a thing is but a part or the load of the thing named right before it."""
+        """Return whether a thing is merely a part or the load of the thing named right before it."""
         if not self.subjects:
             return False
         between = self.text[self.subjects[-1].mention.end : mention.start]
@@ -268,7 +268,7 @@ class _Reading:
         self._add(pattern.kind, value, subject.name, start, end)
 
     def _walker(self, subject: Subject) -> Subject:
-        """Return somebody on foot for whom nothing more is known to be, unless there are people."""
+        """Return a subject for an unnamed pedestrian, unless the text names people."""
         if any(one.mention.thing.group == "person" for one in self.subjects):
             return subject
         mention = next(mentions("person"))
@@ -282,7 +282,7 @@ class _Reading:
         return subject.mention.thing.name == "driver" and 0 <= start - subject.mention.end <= 1
 
     def _comer(self, start: int, end: int) -> Subject | None:
-        """Find what comes from a side: where the side opens a clause, what follows it."""
+        """Return the thing that comes from a side; if the side opens a clause, the thing after it."""
         subject = self._owner(start, end, is_verb=True)
         clause = self.clauses[bisect_right([one.start for one in self.clauses], start) - 1]
         if any(noun.end <= start and not noun.is_oblique for noun in clause.nouns):
@@ -291,7 +291,7 @@ class _Reading:
         return after[0].subject if after else subject
 
     def _unowned(self, pattern: Pattern, found: re.Match[str]) -> None:
-        """Claim that something is so far ahead where it is unclear what."""
+        """Claim a place or distance for a subject that the text leaves unclear."""
         sides = ("reversing", "from_left", "from_right")
         if pattern.kind != "distance" and pattern.value not in ("ahead", "in_lane", *sides):
             return
@@ -330,7 +330,7 @@ class _Reading:
         self._add(pattern.kind, value, "something", start, end)
 
     def _is_elsewhere(self, subject: Subject) -> bool:
-        """Tell whether it is said to be somewhere that rules out the ego's lane ahead."""
+        """Return whether the text puts the subject somewhere other than the ego's lane ahead."""
         places = ("behind", "oncoming_lane", "left_lane", "right_lane", "clear_of_lane")
         return any(("place", value, subject.name) in self.found for value in places)
 
@@ -338,7 +338,7 @@ class _Reading:
         return any(n.subject and n.start <= position < n.end for n in self.nouns)
 
     def _is_among_others(self, position: int, subject: Subject) -> bool:
-        """Tell whether a sentence has named another thing, for which `it` may stand."""
+        """Return whether the sentence has named another thing to which `it` may refer."""
         sentence = self.text[:position]
         begin = last_end(phrases.SENTENCE, sentence)
         return any(
@@ -348,7 +348,7 @@ class _Reading:
         )
 
     def _leads(self, end: int) -> bool:
-        """Tell whether a word is an adjective of the noun that follows at once."""
+        """Return whether a word is an adjective of the noun that immediately follows."""
         following = next((noun for noun in self.nouns if noun.start >= end), None)
         if following is None or following.subject is None or following.subject.is_faint:
             return False
@@ -358,7 +358,7 @@ class _Reading:
         )
 
     def _owner(self, start: int, end: int, *, is_verb: bool) -> Subject | None:
-        """Find the thing that a predicate is about; `None` for the ego or where it is unclear."""
+        """Return the thing that a predicate describes; `None` for the ego or if it is unclear."""
         at = bisect_right([clause.start for clause in self.clauses], start) - 1
         clause = self.clauses[at]
         before = [noun for noun in clause.nouns if noun.end <= start]
@@ -396,7 +396,7 @@ class _Reading:
         return before[0].subject if before and is_verb else None
 
     def _meant(self, noun: Noun) -> Noun:
-        """Return what a pronoun stands for: the last thing that its sentence named."""
+        """Return the referent of a pronoun: the last thing that its sentence named."""
         word = self.text[noun.start : noun.end].casefold()
         if word in ("he", "she"):
             people = [
@@ -424,13 +424,13 @@ class _Reading:
         return words in ("it", "you") or "ego" in words
 
     def _may_govern(self, noun: Noun) -> bool:
-        """Tell whether what follows a noun phrase at once may be said of it."""
+        """Return whether the words right after a noun phrase can describe it."""
         is_possessive = self.text[noun.end - 2 : noun.end] == "'s"
         is_possessive = is_possessive or self.text.startswith("'", noun.end)
         return not is_possessive and (noun.subject is not None or not noun.is_oblique)
 
     def _last_before(self, clause: Clause) -> Subject | None:
-        """Return what a relative clause is about: the noun phrase right before it."""
+        """Return the referent of a relative clause: the noun phrase right before it."""
         earlier = [noun for noun in self.nouns if noun.end <= clause.start]
         if not earlier or clause.start - earlier[-1].end > _APPOSED:
             return None
@@ -452,7 +452,7 @@ class _Reading:
         return None
 
     def _leading(self, noun: Noun, subject: Subject) -> None:
-        """Claim what adjectives right before a noun say."""
+        """Add the claims of adjectives right before a noun."""
         lead = self.text[max(0, noun.start - 40) : noun.start]
         words = re.search(r"(?:[\w-]+,?\s+){1,4}$", lead)
         phrase = f"{words.group(0) if words else ''}{self.text[noun.start : noun.end]}"

@@ -1,4 +1,4 @@
-"""Clauses and noun phrases of a text, for who reads what it says."""
+"""Clauses and noun phrases of a text, for the extraction of claims."""
 
 import re
 from dataclasses import dataclass, field
@@ -12,35 +12,36 @@ _FEW, _MANY = 2, 3
 
 @dataclass
 class Subject:
-    """A thing that a text speaks of."""
+    """A thing that a text mentions."""
 
     name: str
     mention: Mention
     count: int = 1
     is_agent: bool = False
-    """It only did something, and may be gone: it is there if it moves."""
+    """True if it is named only as the agent of a past action. It may be gone, so it counts as
+    present only if it moves."""
 
     @property
     def is_faint(self) -> bool:
-        """Whether it is claimed to be there only where something else is said of it."""
+        """True if it counts as present only when another claim is made about it."""
         return self.is_agent or self.mention.thing.faint
 
 
 @dataclass(frozen=True)
 class Noun:
-    """A noun phrase: of a thing, of the ego, or a pronoun."""
+    """A noun phrase: a thing, the ego, or a pronoun."""
 
     start: int
     end: int
     subject: Subject | None
     """`None` for the ego and pronouns."""
     is_oblique: bool
-    """It follows a preposition."""
+    """True if it follows a preposition."""
 
 
 @dataclass
 class Clause:
-    """A stretch of a sentence."""
+    """A segment of a sentence."""
 
     start: int
     end: int
@@ -50,7 +51,7 @@ class Clause:
 
 
 def clauses_of(text: str) -> list[Clause]:
-    """Cut a text into clauses, in order."""
+    """Split a text into clauses, in order."""
     clauses, start, sentence = [], 0, 0
     for found in [*phrases.BREAK.finditer(text), None]:
         end = len(text) if found is None else found.end()
@@ -64,7 +65,7 @@ def clauses_of(text: str) -> list[Clause]:
 
 
 def count_of(lead: str, mention: Mention) -> int:
-    """Return how many of a thing a mention means; more than one stands for several."""
+    """Return the number of things that a mention means; a value above one means several."""
     found = phrases.QUANTITY.search(lead)
     if found is None:
         return _FEW if mention.is_plural else 1
@@ -80,10 +81,10 @@ def count_of(lead: str, mention: Mention) -> int:
 
 
 def number_of(words: str) -> str:
-    """Return a number, given as digits or words, in digits."""
+    """Convert a number, given as digits or words, to digits."""
     return str(phrases.NUMBER_WORDS.get(words.casefold(), words))
 
 
 def last_end(pattern: re.Pattern[str], text: str) -> int:
-    """Return where the last match of a pattern ends; 0 where there is none."""
+    """Return the end of the last match of a pattern, or 0 if there is none."""
     return max((found.end() for found in pattern.finditer(text)), default=0)

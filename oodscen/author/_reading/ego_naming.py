@@ -1,6 +1,7 @@
-"""What a text calls the ego vehicle.
+"""Names of the ego vehicle in texts.
 
-Events and openings are written with `the ego vehicle` and `the ego's`; a text says one name throughout.
+Events and openings are written with `the ego vehicle` and `the ego's`; each text uses a single name
+throughout.
 """
 
 import re
@@ -33,7 +34,7 @@ _MY = {
 
 
 def named(text: str, name: Name) -> str:
-    """Return a text in which the ego vehicle is called by a name; `I` makes the driver tell it."""
+    """Return a text with the ego vehicle renamed; `I` makes the driver the narrator."""
     if name == "ego":
         text = _POSSESSIVE.sub(lambda m: _as(m[1], f"ego's{m[2] or ''}"), text)
         return _VEHICLE.sub(lambda m: _as(m[1], "ego"), text)
@@ -50,7 +51,7 @@ def _of_car(lane: str | None) -> str:
 
 
 def _as(first: str, words: str) -> str:
-    """Begin words as what they stand for began."""
+    """Match the capitalisation of the words that are replaced."""
     return words[0].upper() + words[1:] if first.isupper() else words
 
 
@@ -76,10 +77,10 @@ _ITS = re.compile(r"\bits\b")
 
 
 def told_by(clause: str, name: str) -> str:
-    """Return a clause as a text would tell it that calls the ego vehicle so.
+    """Return a clause with the ego vehicle renamed.
 
     Args:
-        clause: That calls it `the ego vehicle`.
+        clause: A clause that uses `the ego vehicle`.
         name: Any noun phrase, or `I`, `we`, `you`.
     """
     if name == "ego":
@@ -98,6 +99,6 @@ def told_by(clause: str, name: str) -> str:
 
 
 def _plural(verb: str, being: str) -> str:
-    """Return a verb as it follows `I`, `we` or `you`."""
+    """Return the form of a verb that follows `I`, `we` or `you`."""
     known = {"has": "have", "is": being}
     return known.get(verb, re.sub(r"(?<=ss|go)es$|s$", "", verb))

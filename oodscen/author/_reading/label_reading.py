@@ -1,4 +1,4 @@
-"""What a label that the author did not write itself names, thing by thing."""
+"""Interpretation, thing by thing, of labels that the author did not write itself."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -11,9 +11,9 @@ from oodscen.author._reading.stemming import stem, stems
 from oodscen.data._catalogue import Category
 
 _MOST = 12
-"""Hazards that one word for a whole category stands for, at most."""
+"""Largest number of hazards for one word that names a whole category."""
 _PRESENT = frozenset({"animal", "pedestrian", "object", "vegetation", "work_zone"})
-"""Categories of which a member on the road is out of the ordinary by being there."""
+"""Categories whose members are unusual by their mere presence on the road."""
 _NEGATED = re.compile(
     r"\b(?:no|not|without|neither|nor|never|free of|absence of|lack of|instead of)\s+"
     r"(?:(?:a|an|any|the|single)\s+)*(\w+(?:[-\s]\w+)?)",
@@ -48,59 +48,59 @@ _EMPTY_HEADS = frozenset(map(stem, "incident event situation scenario encounter 
 
 @dataclass(frozen=True)
 class Part:
-    """One thing that must be shown."""
+    """One thing that a scene must show."""
 
     hazard: Hazard | None = None
     things: tuple[str, ...] = ()
-    """Names of things that it needs besides."""
+    """Names of further things that it needs."""
     weather: tuple[str, ...] = ()
-    """In which it happens: `night`."""
+    """Weather or light in which it happens: `night`."""
     approximate: tuple[str, ...] = ()
-    """What the hazard only comes near to: `dog costume`."""
+    """Words that the hazard only approximates: `dog costume`."""
     category: Category | None = None
-    """Of what is named in general, where no hazard is known."""
+    """Category of the named thing, if no hazard is known."""
     why: str = ""
-    """Why it has no hazard."""
+    """The reason if there is no hazard."""
 
 
 @dataclass(frozen=True)
 class Alternative:
-    """One of the things that a label stands for."""
+    """One of the alternatives of a label."""
 
     words: str
     parts: tuple[Part, ...]
-    """All are needed."""
+    """Parts, all of which are needed."""
 
     @property
     def hazards(self) -> tuple[Hazard, ...]:
-        """What it shows, as far as the author knows it."""
+        """Hazards of the parts, as far as the author knows them."""
         return tuple(part.hazard for part in self.parts if part.hazard is not None)
 
 
 @dataclass(frozen=True)
 class Reading:
-    """All that a label stands for."""
+    """All alternatives of a label."""
 
     alternatives: tuple[Alternative, ...]
     split: Split | None = None
-    """How the label was taken apart, where it was; its shares are the alternatives."""
+    """The split of the label, if it was split; its shares are the alternatives."""
     is_any: bool = False
-    """Whether it names a category, so that any member of it will do."""
+    """True if the label names a category, so that any member will do."""
 
     @property
     def hazards(self) -> tuple[Hazard, ...]:
-        """Every hazard, once."""
+        """All hazards, without duplicates."""
         found = (hazard for one in self.alternatives for hazard in one.hazards)
         return tuple({hazard.id: hazard for hazard in found}.values())
 
 
 class LabelReader:
-    """Takes labels apart and finds the hazards that their parts name.
+    """Splits labels and finds the hazards that their parts name.
 
     Args:
-        knowledge: What there is to be found.
-        recognise: Finds the hazard that some words resemble most.
-        known: The hazard of a label that the author wrote itself.
+        knowledge: The knowledge base to search.
+        recognise: Returns the hazard that a text resembles most.
+        known: Returns the hazard of a label that the author wrote itself.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ class LabelReader:
                 self._named[tuple(stems(kind))] = (group.category, "")
         self._named.pop((), None)
         self._compounds: dict[frozenset[str], list[Hazard]] = {}
-        """Hazards by the words of the first thing that they need, where it has several."""
+        """Hazards by the words of the first thing that they need, if it has several words."""
         for hazard in knowledge.hazards:
             thing = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
             if len(thing) > 1:
@@ -161,7 +161,7 @@ class LabelReader:
         return first
 
     def _together(self, text: str, share: Share | None = None) -> tuple[Part, ...]:
-        """Return all that a text without alternatives needs."""
+        """Return all parts that a text without alternatives needs."""
         split = conjuncts(text)
         if len(split.shares) > 1 and self._known(text) is None:
             whole = self.hazard(text)
@@ -177,12 +177,12 @@ class LabelReader:
         return (part,)
 
     def _first(self, share: Share) -> Part:
-        """Return what the likeliest reading of one conjunct says that says something."""
+        """Return the meaning of one conjunct: its most likely reading with a known meaning."""
         found = [self._options(reading)[0] for reading in share.readings]
         return next((part for part in found if not part.why), found[0])
 
     def _is_of(self, part: Part, own: set[str]) -> bool:
-        """Tell whether a hazard was found through the weather or thing that its words name."""
+        """Return whether a hazard was found through the weather or the thing that its words name."""
         named = [name for words, (_, name) in self._named.items() if own & set(words)]
         weather = [kind for kind, words in _WEATHER.items() if own & set(map(stem, words))]
         assert part.hazard is not None
@@ -190,7 +190,7 @@ class LabelReader:
         return bool(set(named) & set(needs.assets) or set(weather) & set(needs.weather))
 
     def _options(self, text: str) -> tuple[Part, ...]:
-        """Return the parts of which any is what a text names; a single one mostly."""
+        """Return the parts, any of which a text may mean; usually a single one."""
         known = self._known(text)
         if known is not None:
             return (Part(known),)
@@ -214,7 +214,7 @@ class LabelReader:
         return tuple(replace(part, weather=when) for part in self._by_category(plainer))
 
     def _by_thing(self, text: str) -> Hazard | None:
-        """Return the hazard with a thing of several words that are all in a text, in any order."""
+        """Return the hazard that needs a thing whose several words all occur in the text, in any order."""
         words = set(stems(text))
         for name in self._compounds:
             if words >= name:
@@ -224,7 +224,7 @@ class LabelReader:
         return None
 
     def _hazard(self, text: str) -> Hazard | None:
-        """Return the hazard that a text resembles most, if that is about the same thing."""
+        """Return the hazard that a text resembles most, if it concerns the same thing."""
         known = self._known(text)
         if known is not None:
             return known
@@ -244,7 +244,7 @@ class LabelReader:
         return found if is_kind and category in self._categories(found) else None
 
     def _with_things(self, text: str, hazard: Hazard) -> Part:
-        """Add what a text names besides, and what the hazard only comes near to."""
+        """Add the other things that a text names, and the words that the hazard only approximates."""
         tokens = stems(text)
         every, _ = self._vocabulary(hazard)
         needed: list[str] = []
@@ -303,7 +303,7 @@ class LabelReader:
         return (Part(category=category, why=why),)
 
     def _thing_at_end(self, words: list[str]) -> tuple[Category | None, str]:
-        """Return category and name of the thing in which some words end; no name for a category."""
+        """Return the category and name of the thing at the end of some words; no name for a category word."""
         for size in range(min(4, len(words)), 0, -1):
             found = self._named.get(tuple(words[-size:]))
             if found is not None:
@@ -311,7 +311,7 @@ class LabelReader:
         return None, ""
 
     def _weather(self, text: str) -> Hazard | None:
-        """Return the hazard that is a weather, where a text names nothing else."""
+        """Return the hazard that consists of weather alone, if the text names nothing else."""
         left = set(stems(text)) - _STRENGTHS - _NEUTRAL
         for kind, words in _WEATHER.items():
             if left and left <= set(map(stem, words)):
@@ -326,7 +326,7 @@ class LabelReader:
         return None
 
     def _affirmed(self, text: str) -> str:
-        """Return a text without the things of which it says that they are not there."""
+        """Return a text without the things that it says are absent."""
 
         def without(found: re.Match[str]) -> str:
             words = stems(found.group(1))
@@ -341,7 +341,7 @@ class LabelReader:
         return {self.knowledge.category(name) for name in hazard.needs.assets}
 
     def _vocabulary(self, hazard: Hazard) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the stems of all that is said of a hazard, and of what names it."""
+        """Return the stems of all words about a hazard, and of the words that name it."""
         if hazard.id not in self._words:
             self._words[hazard.id] = _vocabulary(hazard)
         return self._words[hazard.id]
@@ -358,7 +358,7 @@ def _vocabulary(hazard: Hazard) -> tuple[frozenset[str], frozenset[str]]:
 
 
 def _unequal(parts: Iterable[Part]) -> tuple[Part, ...]:
-    """Leave out parts that are there before."""
+    """Remove duplicate parts."""
     found: list[Part] = []
     for part in parts:
         if part not in found:
@@ -367,7 +367,7 @@ def _unequal(parts: Iterable[Part]) -> tuple[Part, ...]:
 
 
 def _kind_of_weather(word: str) -> str:
-    """Return how a need for weather is called: `night` for `darkness`."""
+    """Return the name of a weather need: `night` for `darkness`."""
     found = (kind for kind, words in _WEATHER.items() if word.casefold() in words)
     return next(found, "night")
 
@@ -377,7 +377,7 @@ def _is_about_absence(hazard: Hazard) -> bool:
 
 
 def _phrase(text: str, words: Iterable[str], after: str) -> str:
-    """Return the words of a text that name a thing and what it is a part of: `dog costume`."""
+    """Return the words of a text for a thing and the noun that it modifies: `dog costume`."""
     tokens = re.findall(r"[A-Za-z]+", text)
     wanted = [*words, after]
     for start in range(len(tokens) - len(wanted) + 1):

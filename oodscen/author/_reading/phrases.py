@@ -1,4 +1,4 @@
-"""How English says what claims say: patterns for settings, predicates and their contexts."""
+"""English wordings of claims: patterns for settings, predicates and their contexts."""
 
 import re
 from typing import NamedTuple
@@ -7,16 +7,16 @@ from oodscen.data._claim import Kind
 
 
 class Pattern(NamedTuple):
-    """Words that make a claim."""
+    """A pattern whose match makes a claim."""
 
     kind: Kind
     value: str
-    """Empty where a group of the pattern gives the number."""
+    """Empty if a group of the pattern gives the number."""
     regex: re.Pattern[str]
 
 
 def _patterns(rows: str) -> tuple[Pattern, ...]:
-    """Read a table: kind, value and pattern, a line each; `{lane}` and `{ego}` are filled in."""
+    """Parse a table with a kind, value and pattern per line; fill in placeholders such as `{lane}` and `{ego}`."""
     found = []
     for line in filter(None, map(str.strip, rows.splitlines())):
         kind, value, regex = line.split(maxsplit=2)
@@ -70,7 +70,7 @@ EGO = re.compile(
     rf"(?<![\w-]){_EGO}(?:['’]s)?(?![\w-])|\b(?:it|he|she|you|your|they|I|we|my|our|nobody|traffic|(?:its|their) drivers?|driver of an? (?:disabled|failed|broken-down|stranded))\b",
     re.IGNORECASE,
 )
-"""The ego, and pronouns that may stand for it or for anybody."""
+"""The ego, and pronouns that may refer to it or to anyone."""
 
 SETTINGS = _patterns(
     r"""
@@ -124,7 +124,7 @@ SETTINGS = _patterns(
     ego turns_right     {ego} (?:is )?(?:turning|turns|makes|making|performing|performs|attempts|attempting|takes|taking|starts)(?: an?)?(?: [\w-]+)? right(?: turn)?
     """
 )
-"""What is said of weather, light, road, traffic and the ego's lane."""
+"""Statements about weather, light, road, traffic and the ego's lane."""
 
 PREDICATES = _patterns(
     r"""
@@ -157,7 +157,7 @@ PREDICATES = _patterns(
     state beacon        (?:its |with )?(?:siren|blue lights|beacon)s?(?: (?:on|flashing|flickering|flicker|flashes))?
     """
 )
-"""What is said of things, after the thing or right before it."""
+"""Statements about things, after the thing or right before it."""
 
 SIGNALS = _patterns(
     r"""
@@ -168,7 +168,7 @@ SIGNALS = _patterns(
     state flashing      flash(?:es|ing) amber|amber (?:is )?flashing|blink(?:s|ing) amber
     """
 )
-"""What is said of signals and of nothing else."""
+"""Statements that apply only to signals."""
 
 LEADS = _patterns(
     r"""
@@ -189,7 +189,7 @@ FORBIDDEN = re.compile(
     r"|\b(?:an?|the|its|their|his|her|whose|for)\s$|\buntil (?:\w+ ){0,2}$|\b(?:look|star|fac|gaz|point|signal|gestur|wav)\w*(?: \w+)? $",
     re.IGNORECASE,
 )
-"""What, before a verb, says that it does not happen, or not yet."""
+"""Words before a verb that mean that it does not happen, or not yet."""
 
 NOT_THERE = re.compile(
     r"(?:\b(?:no|without|neither|nor|than|like|resembl\w+|instead of|rather than|mistaken for|seems? to be|appears? to be|loose from|not|any|every|all|other|each|fellow|lack of|absence of|size of|shape of|sound of|smell of|as [\w-]+ as|"
@@ -200,28 +200,28 @@ NOT_THERE = re.compile(
     r"|\bso that |\bshoulder is [^.;,]{0,30}|\b(?:said|says|sign|board|warning|warns|warn) (?:of|about) (?:[\w-]+\s+){0,2})$",
     re.IGNORECASE,
 )
-"""What, before a noun, says that the thing itself is not there."""
+"""Words before a noun that mean that the thing is absent."""
 
 RIDES = re.compile(
     r"^ (?:on|astride) (?:an?|his|her) (?:[\w-]+ )?(?:bike|bicycle|e-scooter|scooter|motorcycle|motorbike|moped|horse|tractor)",
     re.IGNORECASE,
 )
-"""What, after a person, says that somebody on wheels is meant."""
+"""Words after a person that mean a rider."""
 
 UNSHOWN = re.compile(
     r"\b(?:without|no|not|nor|neither|instead of)\s(?:[\w-]+ ){0,3}$", re.IGNORECASE
 )
-"""What, before lights, says that they are not shown."""
+"""Words before lights that mean that they are not lit."""
 
 PAST = re.compile(r"\bafter (?:the |an? |heavy |long )?(?:[\w-]+ )?$", re.IGNORECASE)
-"""What, before words about weather, says that it is over."""
+"""Words before weather that mean that it is over."""
 
 ENDED = re.compile(
     r"^ (?:\w+ )?(?:has|have|had) (?:just |finally |already |now )?(?:stopped|ceased|ended|passed|lifted|cleared|gone|let up)"
     r"|^ (?:stopped|ceased|is over|earlier|of the (?:night|day) before|warning|forecast|tyres?|coat|boots)\b",
     re.IGNORECASE,
 )
-"""What, after words about weather, says that it is over or meant otherwise."""
+"""Words after weather that mean that it is over, or not literal."""
 
 NEGATED = re.compile(
     r"\b(?:not(?! far\b)|never|without|no|nor|hardly|barely|scarcely|instead of)\s(?:\w+ )?$",
@@ -233,16 +233,16 @@ NOT_ITSELF = re.compile(
     r"^(?:['’]s? | of (?:drinks|goods|tools|beer|water|fruit)\b|,? (?:that |which )?(?:has|have|had)(?: just)? (?:lost(?! (?:a wheel|control|grip))|dropped(?! (?:out|from|by|onto|into|down))|shed|spilled(?! (?:over|from|out|off))|spilt|carried|pulled down|torn down|brought down|knocked down|dumped|put up|set up|run into)(?! its (?!load|cargo))| (?:is|are|was|were) (?:not|never|nowhere|rarely)\b| of (?:farm|fire|parked|tractors|people|vehicles|light|sound)\b|[ -](?:costume|park|stop|lane|driver|drivers|wash|length|lengths|horn|tracks?|tyres?|load|cargo|parts?|part|sized|like|shaped|owner|show|dealer|race(?! over| across| past| towards| into)|alarm|company|number|traffic|count|behavio\w+|dynamics|collision|fence|market|crossing|crossings|lines?|flow|transport|machinery|track)\b)",
     re.IGNORECASE,
 )
-"""What, after a noun, says that it only modifies another."""
+"""Words after a noun that show that it only modifies another."""
 
 DENIED = re.compile(
     r"\b(?:no|without|not|between|nor|than|any|disused|former|leaves? the|after an?|last|yesterday's|during the|all) (?:[\w-]+ )?$",
     re.IGNORECASE,
 )
-"""What, before words about weather or road, says that it is not so."""
+"""Words before weather or a road that negate it."""
 
 CARRIED = re.compile(r"\bwith (?:an? |its |two |some )?(?:[\w-]+ ){0,2}$", re.IGNORECASE)
-"""What, between two things, says that the second is part or load of the first."""
+"""Words between two things that make the second a part or the load of the first."""
 
 QUANTITY = re.compile(
     r"\b(?:(two|both|three|four|five|six|seven|eight|nine|ten|\d{1,3}(?! ?m(?:et(?:re|er)s)?\b))|(a (?:pair|couple) of)|((?:a |an )?(?:\w+ )?(?:row|line|group|crowd|herd|flock|cluster|string|number|pack|swarm|handful) of|several|a few|some|many|multiple|dozens of|various))\s+(?:[\w'’-]+,?\s+){0,3}$",
@@ -258,14 +258,14 @@ BACKGROUND = re.compile(
     r"\b(?:among|amid|between|behind|beneath|past|through|under|with|lined by|shaded by) (?:the )?(?:(?!fallen|felled|uprooted)[\w-]+ )?$",
     re.IGNORECASE,
 )
-"""What, before trees, says that they stand beside the road."""
+"""Words before trees that place them beside the road."""
 
 OBLIQUE = re.compile(
     r"\b(?:from|behind|between|beneath|under|near|beside|past|round|around|of|over|in front of|on|at|towards?|against|through|into|onto|off|among|amid|next to|to|in|up to|before|for|by|out of|along|across|than|as)"
     r"\s+(?:(?:an?|the|its|his|their|one|two|three|some|several|both|parked)\s+)?(?:(?!(?:an?|the|its|his|their|this|that|two|three|another)\s)[\w'’-]+\s+){0,2}$",
     re.IGNORECASE,
 )
-"""A preposition before a noun phrase, which therefore is no subject."""
+"""Prepositions before a noun phrase, which therefore is not a subject."""
 
 BREAK = re.compile(
     r"[.;:!?]+(?=\s|$)|,\s|\s[-–—]\s|\s(?=(?:and|but|while|whilst|when|as|whose|which|that|who|where|with|although|though|so|until|because|before|after|since|if|yet)\s)"
@@ -277,7 +277,7 @@ BLOCKED_BY = re.compile(
     rf"(?:{_LANE}) (?:is|has been|ends|lies|closed|blocked) (?:[\w-]+ ){{0,2}}?(?:blocked|barred|taken|taken up|closed|occupied|obstructed|filled|cut off|covered)(?: [\w-]+){{0,6}}? (?:by|with) ",
     re.IGNORECASE,
 )
-"""The ego's lane is blocked by what follows."""
+"""Statements that the ego's lane is blocked by the thing that follows."""
 
 LIGHT = frozenset(
     {
@@ -292,10 +292,10 @@ LIGHT = frozenset(
         "object",
     }
 )
-"""Things that nobody expects to stay, and signals, which do not move anyway."""
+"""Things that rarely stay in place, and signals, which do not move anyway."""
 
 PARTS = frozenset({"tyre", "bumper", "car door"})
-"""Things that a definite article makes a part of some vehicle."""
+"""Things that become a vehicle's part after a definite article."""
 
 INERT = frozenset(
     {
@@ -313,36 +313,36 @@ INERT = frozenset(
         "broken glass",
     }
 )
-"""Things of which no motion is claimed but falling, rolling and the like."""
+"""Things whose only claimed motion is falling, rolling and the like."""
 
 LEFT = re.compile(
     r"\b(?:leav(?:es|ing)|left|from|off|out of|was|were|had)\s(?:[\w'-]+\s){0,4}$", re.IGNORECASE
 )
-"""What, before a place, says that something is no longer there."""
+"""Words before a place that mean that the thing is no longer there."""
 
 GENERIC = frozenset({"vehicle", "object", "person", "animal", "heavy vehicle", "heavy equipment"})
-"""Names that may stand for something named before."""
+"""Names that may refer to a thing named before."""
 
 BLOCKED = re.compile(
     r"\b(?:closed|closes|blocked|barred|shut(?: off)?|occupied|obstructed|cut off|littered|strewn|marked)\b[^.;]{0,50}\b(?:by|with) (?:[\w-]+ ){0,5}$"
     r"|\bends\b[^.;]{0,40}\bat (?:the (?:rear|back|tail) of )?(?:[\w-]+ ){0,4}$",
     re.IGNORECASE,
 )
-"""What, before a noun, says that this is in the way."""
+"""Words before a noun that mean that it blocks the way."""
 
 PUT = re.compile(
     r"\b(?:parked|abandoned|positioned|placed|dumped|leave|unloaded|tipped|erected|put up|set up|scattered|left) "
     r"(?:(?:an?|the|their|his|her|its|some|two|three|several|down) )?(?:[\w-]+ ){0,4}$",
     re.IGNORECASE,
 )
-"""What, before a noun, says that somebody put it there."""
+"""Words before a noun that mean that someone put it there."""
 
 BORNE = re.compile(
     r"\b(?:with|holding|pushing|pulling|carrying|wheeling|dragging|balancing|towing|drags?|pushes|pulls|carr(?:y|ies)|wheels?) "
     r"(?:(?:an?|the|their|his|her|its|some|two|three|several) )?(?:[\w-]+ ){0,4}$",
     re.IGNORECASE,
 )
-"""What, before a noun, says that somebody moves it."""
+"""Words before a noun that mean that someone moves it."""
 
 AGENT = re.compile(
     r"^(?: moving house)? (?:has|have|had) (?:just |already |also )?"
@@ -351,21 +351,21 @@ AGENT = re.compile(
     r"(?:up |down |over |out )?(?:fire to |an? |the |two |some |several |their |his |her |its )?[\w-]+",
     re.IGNORECASE,
 )
-"""What, after somebody, says that they did something and may be gone."""
+"""Words after an agent that report a past action; the agent may be gone."""
 
 ROADWAY = re.compile(
     r"\b(?:junction|intersection|crossing|crossroads|crosswalk|curve|bend|turn|exit|ramp|tunnel|bridge|roundabout|"
     r"hill|stop line|merge|interchange|toll|station)\b",
     re.IGNORECASE,
 )
-"""What may be ahead and is no thing."""
+"""Parts of the road that may be ahead but are not things."""
 
 BARS = re.compile(
     r"(?<![\w-])(?:forms an? (?:unmarked |misplaced )?(?:construction|obstacle|barrier|barricade)|block(?:s|ing)?|bar(?:s|ring)|shut(?:s|ting)?|obstruct(?:s|ing)?|occup(?:ies|ying|y)|broadside|in flames|on fire|ablaze|burning|"
     r"(?:has|have) (?:been )?(?:flipped|overturned|toppled|ended up|jackknifed|crashed|tipped over))(?![\w-])",
     re.IGNORECASE,
 )
-"""What says that a vehicle that does nothing else stays where it is."""
+"""Words that keep a vehicle without another motion in place."""
 
 BLOCKS = re.compile(
     r"(?<![\w-])(?:block(?:s|ing)?|bar(?:s|ring)|shut(?:s|ting)?(?: off)?|clos(?:es|ing)|obstruct(?:s|ing)?|occup(?:ies|ying|y)|"
@@ -375,7 +375,7 @@ BLOCKS = re.compile(
     r"left|dumped|blown over|pushed|shifted|moved|tipped over|knocked over|shed|thrown|brought)|sways? (?:gently )?in)(?![\w-])",
     re.IGNORECASE,
 )
-"""What says that a lifeless thing stays where it is."""
+"""Words that keep an inanimate thing in place."""
 
 STIRS = re.compile(
     r"\b(?:roll(?:s|ing)|slid(?:es|ing)|bounc(?:es|ing)|tumbl(?:es|ing)|blow(?:s|ing)|fl(?:ies|ying)|fall(?:s|ing)|drift(?:s|ing)|skid(?:s|ding)|"
@@ -383,7 +383,7 @@ STIRS = re.compile(
     r"drag(?:s|ging)|push(?:es|ing)|pull(?:s|ing)|towed|towing|across in front|com(?:es?|ing) (?:off|down|over|out|from|across|rolling)|goes|sheds|throws|cross(?:es|ing)|mov(?:es|ing)|driven by|held|between them)\b",
     re.IGNORECASE,
 )
-"""What may set a lifeless thing in motion, in the sentence that names it."""
+"""Words that may set an inanimate thing in motion, in the sentence that names it."""
 
 GENERIC_WORDS = GENERIC | {
     "people",
@@ -396,10 +396,10 @@ GENERIC_WORDS = GENERIC | {
     "heavy machine",
     "machine",
 }
-"""Words for these that may stand for something named before."""
+"""Words, these names included, that may refer to a thing named before."""
 
 CYCLES = frozenset({"cyclist", "bicycle", "cargo bike", "e-scooter"})
-"""Road users that nobody calls `the vehicle`."""
+"""Road users that are never called `the vehicle`."""
 
 BY_NATURE = {
     "wrong-way driver": "oncoming",
@@ -412,51 +412,51 @@ BY_NATURE = {
     "jogger": "moving",
     "runner": "moving",
 }
-"""How things move that are called so, where a text says nothing else of it."""
+"""Motion implied by a name, if the text says nothing else about it."""
 
 STILL_BY_NAME = re.compile(
     r"\b(?:fallen|toppled|uprooted|felled|fell|came down|parked|on the ground|burnt-out|burned-out|wrecked|overturned|flipped|upturned)\b"
 )
-"""Names of what does not move."""
+"""Names of things that do not move."""
 
 MOVED_PAST = re.compile(
     rf"\b{_EGO}(?:['’]s)? (?:is |are |am )?\w+|\b(?:dusk|night|darkness|snow|rain|drizzle)\b[^.;,]{{0,12}}\b(?:falling|falls)"
     r"|\bfalling (?:snow|rain)|\bsmoke (?:\w+ ){0,2}?\w+s\b|\b(?:light|heavy) snow falling",
     re.IGNORECASE,
 )
-"""Motion in a sentence that is not of a thing."""
+"""Motions in a sentence that do not belong to a thing."""
 
 PART_OF = re.compile(
     r"(?:^|[.;,] |\b(?:and|when|while|as|but|then) )(?:the|an?|its) "
     r"(?!(?:side|edge|middle|end|front|lane|path|group|row|line|crowd|shape|size|sound|back|sign)\b)[\w-]+ of (?:an?|the) (?:[\w-]+ ){0,2}$",
     re.IGNORECASE,
 )
-"""What, before a noun, says that its part or driver opens a clause: what is said is said of it."""
+"""Words before a noun that open a clause with its part or driver; the clause then describes the noun."""
 
 ON_FOOT = re.compile(
     r"(?:walk|strid|stroll|step|hurr|stagger|stumbl|hobbl|march)\w*", re.IGNORECASE
 )
-"""What somebody does who is on foot."""
+"""Verbs for people on foot."""
 
 ITS = re.compile(r"\b(?:its|their|his|her) (?:[\w-]+ )?$", re.IGNORECASE)
-"""What, before a noun, makes it a part of something."""
+"""Possessives before a noun that make it a part of something."""
 
 STRIDES = re.compile(r"(?:walk|strid|stroll|stagger|hobbl)\w*", re.IGNORECASE)
-"""What no vehicle does."""
+"""Verbs that never apply to vehicles."""
 
 LIES = re.compile(
     r"\b(?:lies?|lying|stands?|sits?|blocks?|come to (?:rest|a stop)|dumped|piled up|left)\b"
 )
-"""What says that there is something, even where its name is not known."""
+"""Words that assert a presence, even if the name of the thing is unknown."""
 
 OF_ITS_VEHICLE = re.compile(r"^ of (?:an?|the|its) ", re.IGNORECASE)
-"""What, after a driver, says that a vehicle is named."""
+"""Words after a driver that introduce the vehicle."""
 
 BEING = re.compile(r"\b(?:is|was|were|are|been|be) $", re.IGNORECASE)
-"""What, right before a noun, says that it is an adjective."""
+"""Forms of `be` right before a noun, which mean that the word is an adjective."""
 
 LEAVES = re.compile(r"(?:merg|pull|cut|mov|steer|swerv|drift)\w*", re.IGNORECASE)
-"""What may take a vehicle from the roadside into the lane."""
+"""Verbs that may take a vehicle from the roadside into the lane."""
 
 LACKED = re.compile(r"\b(?:without|neither|nor|no)\b[^,.]{0,20}$", re.IGNORECASE)
-"""What, before a noun, says that something named earlier has none of it."""
+"""Words before a noun that deny it to something named earlier."""

@@ -1,4 +1,4 @@
-"""Recognising which hazard, place, weather and traffic a text is about, from its words alone."""
+"""Recognition of the hazard, place, weather and traffic of a text, from its words alone."""
 
 import math
 import re
@@ -23,13 +23,13 @@ _DRIVING = frozenset(
     truck lorry bus pedestrian cyclist motorcycle motorway carriageway""".split()
 )
 _ACCEPTED_SHARE = 0.5
-"""Share of a phrase's weight that a text must contain to be taken for it."""
+"""Share of a phrase's weight that a text must contain to match it."""
 _ACCEPTED_WEIGHT = 7.0
-"""Weight of what a text shares with a phrase, or with a hazard's words, to be taken for it."""
+"""Weight that a text must share with a phrase, or with a hazard's words, to match it."""
 _LABEL_WEIGHT = 4.0
-"""The same for a label, which has fewer words and is known to name a hazard."""
+"""The same for a label, which has fewer words and certainly names a hazard."""
 _NUMBER = re.compile(r"\s*\(\d+\)$")
-"""What tells a label from an equal one."""
+"""Suffix that distinguishes equal labels."""
 
 
 def _features(tokens: Sequence[str]) -> list[str]:
@@ -38,19 +38,19 @@ def _features(tokens: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Recognition:
-    """Which hazard a text is about, and how sure that is."""
+    """The recognised hazard of a text, with the strength of the evidence."""
 
     hazard: Hazard | None
     weight: float
     """Information that text and hazard share, in nats."""
     share: float
-    """Of the best phrase, how much the text contains."""
+    """Share of the best phrase that the text contains."""
     is_driving: bool
-    """Whether the text is about driving at all."""
+    """True if the text is about driving at all."""
 
 
 class Recogniser:
-    """Finds what a text speaks of; indexed once, then quick."""
+    """Recognises hazards, places, weather and traffic in texts, with an index built once."""
 
     def __init__(self, knowledge: Knowledge) -> None:
         """Index the phrasings, labels and words of every hazard."""
@@ -100,7 +100,7 @@ class Recogniser:
         return 0.6 * value if " " in feature else value
 
     def _scores(self, text: str) -> tuple[dict[int, float], dict[int, float], dict[int, float]]:
-        """Return weight, share of the best phrase, and value of the distinctive words, by hazard."""
+        """Return the weight, the share of the best phrase, and the value of the distinctive words, by hazard."""
         tokens = stems(text)
         shared: dict[int, float] = {}
         for feature in dict.fromkeys(_features(tokens)):
@@ -138,10 +138,10 @@ class Recogniser:
 
         Args:
             text: The text.
-            share: Least part of the best hazard's weight that another one needs.
+            share: Smallest fraction of the best hazard's weight that another hazard needs.
 
         Returns:
-            Each with its weight, in nats; none where the text is too far from all.
+            Hazards with their weights in nats; empty if the text is too far from all of them.
         """
         scores = self._scores(text)[0]
         best = max(scores.values(), default=0.0)
@@ -157,9 +157,9 @@ class Recogniser:
         return next(iter(self.reading(label).hazards), None), False
 
     def reading(self, label: str) -> Reading:
-        """Return what a label that somebody else may have written names, alternative by alternative.
+        """Return the alternatives that a label of any author names.
 
-        A label of a family names nothing: its leaves do.
+        A family's label names nothing itself; its leaves do.
         """
         if plain(label) in self._families:
             return Reading(())
@@ -178,11 +178,11 @@ class Recogniser:
         return found[0] if found else None
 
     def covered_by(self, label: str) -> tuple[Hazard, ...]:
-        """Return the hazards that a leaf's label stands for: one, with its kin if widened, or several."""
+        """Return the hazards of a leaf's label: one, with its kin if widened, or several."""
         return self.written(label) or self.reading(label).hazards
 
     def written(self, label: str) -> tuple[Hazard, ...]:
-        """Return what a label that the author wrote stands for: nothing where it did not."""
+        """Return the hazards of a label that the author wrote; empty for any other label."""
         found = self._labels.get(plain(label))
         if found is None:
             return ()
@@ -198,7 +198,7 @@ class Recogniser:
         return self._contexts.place(text, allowed)
 
     def conditions(self, text: str, hazard: Hazard | None = None) -> tuple[Condition, ...]:
-        """Return the weather and time of day that a text names, leaving aside a hazard's own words."""
+        """Return the weather and time of day that a text names, ignoring the hazard's own words."""
         return self._contexts.conditions(text, hazard)
 
     def traffic(self, text: str) -> Traffic | None:
@@ -276,7 +276,7 @@ class _Contexts:
 
 
 def _forms(phrase: str) -> tuple[str, ...]:
-    """Return a phrase for a place, and the place alone, as in a heading."""
+    """Return a phrase for a place, and the place alone as in a heading."""
     return (phrase, re.sub(r"^(?:on|along|in|over|across) an? ", "", phrase))
 
 

@@ -1,6 +1,7 @@
-"""The frame of a text that anybody may have written: where and when it happens, and what it calls the ego vehicle.
+"""The frame of a text by any author: its place and time, and its name for the ego vehicle.
 
-Nothing but grammar is there to go by: phrases that begin with a preposition and end in a road or in weather.
+The frame is found by grammar alone: phrases that begin with a preposition and end in a road or in
+weather.
 """
 
 import re
@@ -79,7 +80,7 @@ _STRANGE = re.compile(
     r"oily|unlit|deserted|washed-out|unsignali[sz]ed)[ ,]+(?=\w)",
     re.IGNORECASE,
 )
-"""What is itself the trouble with a road."""
+"""Adjectives that are themselves the trouble with a road."""
 _GIVEN = re.compile("^(?:given|despite) ")
 _VAGUE = frozenset("adverse challenging bad poor severe difficult harsh extreme".split())
 _COMMON = frozenset("road street lane carriageway curve slope grade bend hill".split())
@@ -125,23 +126,23 @@ _SAYS_WHO = (
 
 @dataclass(frozen=True)
 class Frame:
-    """What of a text stays when its event is replaced."""
+    """The parts of a text that stay when its event is replaced."""
 
     before: tuple[str, ...]
-    """Phrases for place and time that come before everything else."""
+    """Phrases for place and time at the beginning."""
     ride: str
-    """Clause that says how the ego moves; empty where there is none."""
+    """Clause about how the ego moves; empty if there is none."""
     after: tuple[str, ...]
     """Phrases for place and time that come later."""
 
     @property
     def text(self) -> str:
-        """All of it, to read off where and when it is."""
+        """The whole frame as one text, for reading its place and time."""
         return " ".join((*self.before, self.ride, *self.after))
 
 
 def teller(text: str) -> str:
-    """Return what a text calls the ego vehicle; empty where it does not mention it."""
+    """Return the name of the ego vehicle in a text; empty if the text does not mention it."""
     first: tuple[int, str] | None = None
     for pattern, name in _SAYS_WHO:
         found = re.search(pattern, text, 0 if name in ("the AV", "I") else re.IGNORECASE)
@@ -151,11 +152,11 @@ def teller(text: str) -> str:
 
 
 def framed(text: str, leave_out: frozenset[str] = frozenset()) -> Frame:
-    """Find where and when a text happens.
+    """Return the phrases for the place and time of a text.
 
     Args:
-        text: Any.
-        leave_out: Words of the event; a phrase for the weather that has one of them is part of it.
+        text: Any text.
+        leave_out: Words of the event; a weather phrase with one of them belongs to the event.
     """
     leave_out = frozenset(word for word in leave_out if not re.fullmatch(_HOURS, word))
     before: list[str] = []
@@ -177,13 +178,13 @@ def framed(text: str, leave_out: frozenset[str] = frozenset()) -> Frame:
 
 
 def _follows(sentence: str, at: int, before: list[str]) -> bool:
-    """Tell whether nothing but what is kept already precedes a phrase."""
+    """Return whether only kept phrases precede a position."""
     left = plain(sentence[:at])
     return bool(left) and left == plain(" ".join(before))
 
 
 def _ride(sentence: str) -> tuple[int, int]:
-    """Return where a sentence says how the ego moves, and no more than that."""
+    """Return the span of a sentence that says how the ego moves, and nothing more."""
     for found in _RIDE.finditer(sentence):
         start, at = found.span()
         while True:
@@ -211,7 +212,7 @@ def _ride(sentence: str) -> tuple[int, int]:
 
 
 def _phrases(sentence: str, leave_out: frozenset[str]) -> Iterator[tuple[int, str]]:
-    """Find the phrases for time and place in a sentence, in its order."""
+    """Yield the phrases for time and place in a sentence, in order."""
     found = [
         (*match.span(), _GIVEN.sub("in ", _uncapped(match[0])))
         for match in (*_WHEN.finditer(sentence), *_IS_SO.finditer(sentence))
@@ -232,7 +233,7 @@ def _phrases(sentence: str, leave_out: frozenset[str]) -> Iterator[tuple[int, st
 
 
 def _placed(preposition: str, thing: str) -> str:
-    """Return a phrase for where something is, of one that may say where it goes."""
+    """Turn a phrase that may describe a direction into one that describes a location."""
     thing = _uncapped(_calm(thing))
     preposition = preposition.casefold()
     if preposition in _STAYS:
@@ -242,7 +243,7 @@ def _placed(preposition: str, thing: str) -> str:
 
 
 def _calm(phrase: str) -> str:
-    """Return a phrase without what is itself the trouble."""
+    """Remove adjectives that are themselves the trouble."""
     bare = _STRANGE.sub("", phrase)
     if bare == phrase:
         return phrase
@@ -255,7 +256,7 @@ def _uncapped(phrase: str) -> str:
 
 
 def _thinned(before: list[str], ride: str, after: list[str]) -> Frame:
-    """Say everything once: of two phrases for one kind of road or time the fuller one stays."""
+    """Remove repetitions: of two phrases for one kind of road or time, the fuller one stays."""
     said: list[str] = [ride] if ride else []
     fuller = sorted((*before, *after), key=lambda phrase: (_is_common(phrase), -len(phrase)))
     kept: list[str] = []

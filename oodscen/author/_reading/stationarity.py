@@ -1,4 +1,7 @@
-"""Whether a thing moves where no verb says so: what lies, blocks the way or was put there stays."""
+"""Implied motion of things that no verb sets in motion.
+
+A thing that lies, blocks the way or was put there is stationary.
+"""
 
 import re
 from collections.abc import Collection, Sequence
@@ -12,17 +15,17 @@ _STAYS = "stationary"
 def usual_motion(
     text: str, subject: Subject, nouns: Sequence[Noun], told: Collection[str]
 ) -> str | None:
-    """Return how a thing moves by what it is and what it does to the road.
+    """Return the motion that a thing's name, or its effect on the road, implies.
 
     Args:
-        text: That names it.
+        text: The text that names it.
         subject: The thing.
         nouns: All noun phrases of the text.
-        told: Kinds and values, such as `place in_lane`, that are claimed of it already; where a
-            motion is among them, nothing is added.
+        told: Existing claims about the thing, as kind and value, such as `place in_lane`. If one of
+            them is a motion, nothing is added.
 
     Returns:
-        A value of claims of kind motion, or `None` where the text leaves it open.
+        A value of claims of kind motion, or `None` if the text leaves it open.
     """
     thing, mention = subject.mention.thing, subject.mention
     if any(claim.startswith("motion ") for claim in told):
@@ -55,7 +58,7 @@ def usual_motion(
 
 
 def _governs(subject: Subject, found: re.Match[str], nouns: Sequence[Noun]) -> bool:
-    """Tell whether nothing else is named between a vehicle and what is said to block."""
+    """Return whether no other thing is named between a vehicle and the verb that says it blocks."""
     low = subject.mention.end
     high = low + found.start()
     return not any(n.start >= low and n.end <= high and not n.is_oblique for n in nouns)

@@ -1,4 +1,4 @@
-"""English words reduced so that their usual inflections coincide."""
+"""Stemming: reduces English words so that their usual inflections coincide."""
 
 import re
 
@@ -31,6 +31,6 @@ def stem(word: str) -> str:
 
 
 def stems(text: str) -> list[str]:
-    """Return the stems of all words that carry meaning, in order."""
+    """Return the stems of all content words, in order."""
     words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("\u2019s", ""))
     return [stem(word) for word in words if word not in _STOP]

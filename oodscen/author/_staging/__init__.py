@@ -1,1 +1,1 @@
-"""Staging by recipe: actors, lanes, weather, background traffic and the moment of decision."""
+"""Staging by recipe: actors, lanes, weather, background traffic and the timing of the decision."""

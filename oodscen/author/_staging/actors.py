@@ -1,4 +1,4 @@
-"""Putting the actors of a recipe on the road, each with its ordinary counterpart."""
+"""Placement of a recipe's actors on the road, each with its ordinary counterpart."""
 
 import math
 import re
@@ -23,56 +23,56 @@ from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import AssetLine, CatalogueDigest, MapLine
 
 _SLOWED = frozenset({"vehicle", "cyclist"})
-"""Categories whose speeds go down with the road's limit."""
+"""Categories whose speeds decrease with the road's speed limit."""
 _WALKS = frozenset({"walk_along", "bolt"})
 _COURSES = {
     **dict.fromkeys(("wrong_way", "reverse"), -1.0),
     **dict.fromkeys(("follow_lane", "wobble", "swerve", "stop_and_go", "towed"), 1.0),
 }
-"""Behaviours that go along the road, and which way; oncoming lanes do not count."""
+"""Behaviours that move along the road, with their direction; oncoming lanes are ignored."""
 _EYE, _FOCAL = 1.4, 554.0
 """Height of the dash camera, m, and its focal length, pixels."""
 _FARTHEST = 150.0
-"""m to the side at which crossing traffic may start."""
+"""Largest lateral starting distance of crossing traffic, m."""
 
 
 @dataclass
 class Stage:
-    """What is known when the actors are placed."""
+    """The state of a scene while its actors are placed."""
 
     digest: CatalogueDigest
     road: MapLine
     recipe: Recipe
     rng: np.random.Generator
     speed: float
-    """Of the ego, m/s."""
+    """Speed of the ego, m/s."""
     slowed: float
-    """Factor on the speed of other vehicles, where the road's limit slows the ego down."""
+    """Factor on the speed of other vehicles if the road's limit slows the ego down."""
     ego_lane: int
     is_followed: bool = False
-    """Whether somebody drives close behind."""
+    """True if a vehicle drives close behind the ego."""
     escape: int = 0
-    """Where only a change of lane helps its direction: 1 left, -1 right; 0 otherwise."""
+    """Direction of the lane change if nothing else helps: 1 left, -1 right; 0 otherwise."""
     named: tuple[Thing, ...] = ()
-    """What the text names: an actor that may be several things is one of these."""
+    """Things that the text names; an actor with several possible assets becomes one of these."""
     placed: dict[str, Actor] = field(default_factory=dict)
-    """The actors so far, by id in the recipe; of a row the first."""
+    """The actors placed so far, by id in the recipe; for a row, its first actor."""
 
     @property
     def ego(self) -> tuple[float, float]:
-        """Its speed as a range."""
+        """Speed of the ego as a range."""
         return (self.speed, self.speed)
 
     def draw(self, limits: Range) -> float:
-        """Draw from a range."""
+        """Draw a value from a range."""
         return round(float(self.rng.uniform(*limits)), 2)
 
     def choose(self, options: tuple[str, ...], named: tuple[Thing, ...] | None = None) -> str:
-        """Choose an asset that the simulator has and the text may mean.
+        """Choose an asset that the simulator offers and the text may mean.
 
         Args:
-            options: Their ids.
-            named: What the text names; that of the scene if left out.
+            options: Ids of the assets.
+            named: Things that the text names; those of the scene if left out.
         """
         offered = {asset.id: asset for asset in self.digest.assets}
         fitting = [option for option in options if option in offered] or list(options)
@@ -80,7 +80,7 @@ class Stage:
         return fitting[int(self.rng.integers(len(fitting)))]
 
     def reach(self, actor: RecipeActor) -> float:
-        """Return the largest half extent along the road of whatever an actor may be, m."""
+        """Return the largest half extent along the road of the assets that an actor may be, m."""
         heading = math.radians(0.5 * sum(actor.heading_deg))
         extents = [
             0.5 * (abs(math.cos(heading)) * one.length_m + abs(math.sin(heading)) * one.width_m)
@@ -98,11 +98,11 @@ class Stage:
         return speed * _COURSES.get(actor.behaviour, 0.0)
 
     def pixels(self, actor: RecipeActor, away: float) -> float:
-        """Return how much of the dash camera's picture an actor covers at least, square pixels.
+        """Return the smallest area that an actor may cover in the dash camera's image, square pixels.
 
         Args:
-            actor: Of the recipe.
-            away: From the camera, m.
+            actor: An actor of the recipe.
+            away: Distance from the camera, m.
         """
         heading = math.radians(0.5 * sum(actor.heading_deg))
         cosine, sine = abs(math.cos(heading)), abs(math.sin(heading))
@@ -119,7 +119,7 @@ class Stage:
 def _meant(
     options: list[str], assets: Mapping[str, AssetLine], named: tuple[Thing, ...]
 ) -> list[str]:
-    """Return those of several assets that a text names, all where it names none or all of them."""
+    """Return the assets that a text names; all of them if it names none or all."""
     if len(options) < 2:
         return options
     chosen = [
@@ -134,10 +134,10 @@ def _meant(
 
 
 class _Spot(NamedTuple):
-    """From where an actor is measured."""
+    """The anchor from which an actor is measured."""
 
     ahead: float
-    """m ahead of the ego's start."""
+    """Distance ahead of the ego's start, m."""
     lane: int
     offset: float
 
@@ -146,9 +146,9 @@ def cast(part: RecipeActor, scene: Stage, shift: float) -> list[tuple[Actor, Act
     """Draw an actor, or a row of them, each with its ordinary counterpart.
 
     Args:
-        part: Of the recipe.
-        scene: What is known; the first actor is noted in `placed`.
-        shift: By which what is measured from the ego's start is moved along the road, m.
+        part: The actor of the recipe.
+        scene: The state of the scene; the first actor is recorded in `placed`.
+        shift: Displacement along the road of actors measured from the ego's start, m.
     """
     first = _ahead(part, scene, shift)
     aside, asset = scene.draw(part.offset), scene.choose(part.asset)
@@ -194,7 +194,7 @@ def _names(part: RecipeActor, count: int) -> tuple[str, ...]:
 
 
 def _ahead(part: RecipeActor, scene: Stage, shift: float) -> float:
-    """Draw how far ahead of its spot an actor is; a shift narrows the range."""
+    """Draw the distance of an actor ahead of its anchor; a shift narrows the range."""
     low, high = part.ahead
     if part.at != "start" or not shift:
         return scene.draw((low, high))
@@ -219,14 +219,14 @@ def _spots(part: RecipeActor, scene: Stage) -> Iterator[_Spot]:
 def _away(
     scene: Stage, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
 ) -> float:
-    """Return how far aside crossing traffic starts, m to the left.
+    """Return the lateral starting position of crossing traffic, m to the left.
 
     Args:
-        scene: Has the ego's speed.
-        ahead: Where it crosses, m ahead of the ego's start.
-        heading_deg: Positive where it comes from the right.
-        behaviour: Has its speed.
-        late: s after the ego by which it is in the middle of the ego's lane.
+        scene: The scene with the ego's speed.
+        ahead: Distance of the crossing point ahead of the ego's start, m.
+        heading_deg: Heading of the actor; positive if it comes from the right.
+        behaviour: The behaviour with the actor's speed.
+        late: Time by which it reaches the middle of the ego's lane after the ego, s.
     """
     seconds = max(ahead / scene.speed + late, 0.5)
     away = min(behaviour.parameters.get("speed", 0.0) * seconds, _FARTHEST)
@@ -234,7 +234,7 @@ def _away(
 
 
 def _lane(options: tuple[int, ...], scene: Stage) -> int:
-    """Choose a lane that the road has."""
+    """Choose one of the lanes that the road has."""
     lanes = scene.road.lanes + scene.road.oncoming_lanes
     fitting = [lane for lane in options if 0 <= scene.ego_lane + lane < lanes] or list(options)
     return fitting[int(scene.rng.integers(len(fitting)))]
@@ -245,7 +245,7 @@ def _trigger(trigger: RecipeTrigger, scene: Stage) -> Trigger:
 
 
 def _ordinary(actor: Actor, change: Counterpart, scene: Stage, part: RecipeActor) -> Actor:
-    """Return what stands in an actor's place in the ordinary twin."""
+    """Return the counterpart of an actor in the ordinary twin."""
     old, behaviour = actor.placement, actor.behaviour
     name = change.behaviour or behaviour.name
     trigger = behaviour.trigger if name == behaviour.name else Trigger()
@@ -282,7 +282,7 @@ def _ordinary(actor: Actor, change: Counterpart, scene: Stage, part: RecipeActor
 
 
 def _there(lane: int, scene: Stage) -> int:
-    """Return a lane that the road has: on the ego's other side, if there is none on this."""
+    """Return a lane that the road has; if there is none on this side of the ego, one on the other."""
     lanes = scene.road.lanes + scene.road.oncoming_lanes
     return lane if 0 <= scene.ego_lane + lane < lanes else -lane
 
@@ -293,13 +293,14 @@ def _parameters(
     scene: Stage,
     asset: str | None = None,
 ) -> dict[str, float]:
-    """Draw the parameters that a behaviour has, within what the catalogue allows.
+    """Draw the parameters that a behaviour has, within the limits of the catalogue.
 
     Args:
-        name: Of the behaviour.
-        limits: Ranges to draw from; what the behaviour does not have is left out.
-        scene: Gives the draws.
-        asset: Whose speed goes down where the road's limit slows the ego down; `None` if it has.
+        name: Name of the behaviour.
+        limits: Ranges to draw from; parameters that the behaviour lacks are ignored.
+        scene: The scene with the random generator.
+        asset: The asset whose speed is scaled down if the road's limit slows the ego down; `None`
+            if the speed is already scaled.
     """
     category = next((line.category for line in scene.digest.assets if line.id == asset), "")
     line = next((b.parameters for b in scene.digest.behaviours if b.id == name), "")
@@ -325,12 +326,12 @@ def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
 
 
 def told_traffic(part: TrafficActor, scene: Stage, named: tuple[Thing, ...]) -> list[Actor]:
-    """Add the ordinary road user that the text mentions, where the road has a lane for it.
+    """Return the ordinary road user that the text mentions, if the road has a lane for it.
 
     Args:
-        part: Who that is.
-        scene: Has the lanes.
-        named: What the text calls it.
+        part: The road user.
+        scene: The scene with the lanes.
+        named: Things of the traffic phrase.
     """
     left = scene.road.lanes - scene.ego_lane
     lane = left if part.side == "oncoming" else 1

@@ -1,4 +1,4 @@
-"""From where a recipe's actors are measured: the ego's start, a landmark of the map, another actor."""
+"""Anchors of a recipe's actors: the ego's start, a landmark of the map, or another actor."""
 
 from typing import get_args
 
@@ -8,7 +8,7 @@ from oodscen.prompts._digest import MapLine
 from oodscen.prompts._landmarks import Landmark
 
 LANDMARKS: frozenset[str] = frozenset(get_args(LandmarkName))
-"""What `RecipeActor.at` may name besides `start` and the ids of actors."""
+"""Permitted values of `RecipeActor.at` besides `start` and the ids of actors."""
 
 
 def landmarks_needed(recipe: Recipe) -> tuple[str, ...]:
@@ -17,16 +17,16 @@ def landmarks_needed(recipe: Recipe) -> tuple[str, ...]:
 
 
 def has_landmarks(road: MapLine, recipe: Recipe | None) -> bool:
-    """Tell whether a map has every landmark of a recipe."""
+    """Return whether a map has every landmark of a recipe."""
     there = {mark.kind for mark in road.landmarks} | set(road.somewhere)
     return recipe is None or there.issuperset(landmarks_needed(recipe))
 
 
 def marks(road: MapLine, actor: RecipeActor) -> tuple[Landmark, ...]:
-    """Return the landmarks at which an actor is placed: all lights, or the first of another kind.
+    """Return the landmarks at which an actor is placed: all traffic lights, or the first landmark of another kind.
 
     Raises:
-        LLMError: When the map has none.
+        LLMError: If the map has none.
     """
     found = tuple(mark for mark in road.landmarks if mark.kind == actor.at)
     if not found:
@@ -35,7 +35,7 @@ def marks(road: MapLine, actor: RecipeActor) -> tuple[Landmark, ...]:
 
 
 def root(recipe: Recipe, actor: RecipeActor) -> RecipeActor:
-    """Return the actor from which a chain of actors is measured; itself where it is the first."""
+    """Return the first actor in the chain of anchors, which is the actor itself if it has no anchor actor."""
     by_id = {one.id: one for one in recipe.actors}
     while actor.at in by_id:
         actor = by_id[actor.at]
@@ -43,7 +43,7 @@ def root(recipe: Recipe, actor: RecipeActor) -> RecipeActor:
 
 
 def ahead_of_start(recipe: Recipe, actor: RecipeActor) -> Range | None:
-    """Return how far ahead of the ego's start an actor is, m; `None` where the map decides."""
+    """Return an actor's distance ahead of the ego's start, m; `None` if it depends on the map."""
     by_id = {one.id: one for one in recipe.actors}
     low, high = actor.ahead
     while actor.at in by_id:

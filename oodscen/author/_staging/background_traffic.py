@@ -1,4 +1,4 @@
-"""Ordinary traffic around the ego when it must decide, which no text mentions."""
+"""Ordinary background traffic around the ego at the decision, which no text mentions."""
 
 import math
 from collections.abc import Sequence
@@ -11,15 +11,15 @@ from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import MapLine
 
 _MOST_AHEAD = 280.0
-"""m"""
+"""Largest distance of background traffic ahead, m."""
 _OVERHANGS = 1.2
-"""m from its lane's centre beyond which something may reach into the next lane."""
+"""Offset from the lane's centre beyond which an actor may reach into the next lane, m."""
 _BESIDE = 2.5
-"""m from its lane's centre beyond which something stands off the road."""
+"""Offset from the lane's centre beyond which an actor stands off the road, m."""
 _EAGER = 1.25
-"""How much faster than the ego somebody close behind it would like to drive."""
+"""Ratio of a follower's desired speed to the ego's."""
 _BUMPERS = 9.0
-"""m between two centres when a lorry stands close behind a car."""
+"""Distance between the centres of a car and a lorry close behind it, m."""
 _DRIVES = frozenset(
     """follow_lane wrong_way cut_in hard_brake stall stop_and_go swerve u_turn wobble drift""".split()
 )
@@ -39,14 +39,15 @@ def company(
     """Draw the ordinary traffic beside the ego and in the oncoming lane.
 
     Args:
-        kinds: What there may be.
-        road: Has the lanes.
-        ego: Lane from the right, and speed in m/s.
-        actors: Of the scene, counterparts included; a lane in which one of them is stays theirs.
-        decision: When it falls, and to which actor it is measured.
-        rng: Draws.
+        kinds: Kinds of background traffic.
+        road: The map with the lanes.
+        ego: The ego's lane, counted from the right, and its speed in m/s.
+        actors: Actors of the scene, including counterparts; a lane that one of them uses is left
+            free.
+        decision: The trigger of the decision, and the actor to which it is measured.
+        rng: Random generator.
         free: Side that must stay free: 1 left, -1 right, 0 neither.
-        is_dense: Whether everybody comes who may.
+        is_dense: Whether every kind that has room appears.
     """
     lane, speed = ego
     found: list[Actor] = []
@@ -93,14 +94,14 @@ def is_followed(
     *,
     is_dense: bool = False,
 ) -> Company | None:
-    """Return who drives close behind the ego, if anybody does.
+    """Return the kind of vehicle close behind the ego, if there is one.
 
     Args:
-        kinds: What there may be.
-        recipe: May forbid or demand it.
-        told: Traffic that the text mentions; where it mentions any, that is all there is.
-        rng: Draws once, whatever comes of it.
-        is_dense: Whether everybody comes who may.
+        kinds: Kinds of background traffic.
+        recipe: The recipe, which may forbid or require a follower.
+        told: Traffic that the text mentions; if there is any, no other is added.
+        rng: Random generator; exactly one number is drawn in every case.
+        is_dense: Whether every kind that has room appears.
     """
     draw = float(rng.random())
     behind = next((kind for kind in kinds if kind.side == "behind"), None)
@@ -112,16 +113,16 @@ def is_followed(
 
 
 def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor]:
-    """Draw who drives close behind the ego, unless somebody else is there.
+    """Draw the vehicle close behind the ego, unless another actor is there.
 
-    It would like to go faster than the ego, keeps less than the usual distance and cannot brake as
-    hard as a car: it stops in time behind an ego that brakes calmly, not behind one that brakes
-    with all its might.
+    It wants to drive faster than the ego, keeps less than the usual distance and brakes less hard
+    than a car. It can stop behind an ego that brakes calmly, but not behind one that brakes with
+    full force.
 
     Args:
-        kind: Who it may be, and how it drives.
-        scene: Has the ego's speed and lane.
-        actors: Of the scene so far.
+        kind: The kind of vehicle and its way of driving.
+        scene: The scene with the ego's speed and lane.
+        actors: Actors placed so far.
     """
     if any(_is_behind(actor) for actor in actors):
         return []
@@ -149,7 +150,7 @@ def _between(limits: tuple[float, float], share: float) -> float:
 
 
 def _takes(actor: Actor, side: int) -> bool:
-    """Tell whether an actor needs the lane on one side of the ego's."""
+    """Return whether an actor needs the lane on one side of the ego's."""
     place, behaviour = actor.placement, actor.behaviour
     parameters = behaviour.parameters
     aside = side * place.offset_m
@@ -168,7 +169,7 @@ def _takes(actor: Actor, side: int) -> bool:
 def _decision_s(
     decision: tuple[Trigger, str | None], actors: Sequence[Actor], speed: float
 ) -> float:
-    """Estimate when the decision falls, s."""
+    """Estimate the time of the decision, s."""
     trigger, name = decision
     if trigger.kind == "time":
         return trigger.value

@@ -1,4 +1,4 @@
-"""How fast the ego comes and how far away it must decide, for a recipe on a kind of road."""
+"""Speed of the ego and distance of the decision, for a recipe on a kind of road."""
 
 from dataclasses import dataclass
 
@@ -6,56 +6,56 @@ from oodscen.author._knowledge.base import Hazard, Place, Recipe, RecipeActor
 from oodscen.author._staging.anchors import ahead_of_start
 
 _COMFORTABLE = 3.5
-"""m/s^2: braking that most cars do without drama."""
+"""Comfortable braking of most cars, m/s^2."""
 _LANE_CHANGE_S = 2.4
-"""s that a change of lane takes."""
+"""Duration of a lane change, s."""
 _HARDEST = 8.0
-"""m/s^2: braking in an emergency, on a dry road."""
+"""Emergency braking on a dry road, m/s^2."""
 _GRIP = 9.3
-"""m/s^2 that a dry road gives."""
+"""Deceleration that the grip of a dry road allows, m/s^2."""
 _EGO_LENGTH, _EGO_WIDTH = 4.5, 1.85
 _LANE_WIDTH = 3.6
 
 
 @dataclass(frozen=True)
 class Approach:
-    """The ego's way towards what it meets."""
+    """The ego's approach to the hazard."""
 
     speed: tuple[float, float]
-    """m/s"""
+    """Range of speeds, m/s."""
     ahead: tuple[float, float]
-    """m from the ego's start to the actor that the decision is about."""
+    """Distance from the ego's start to the actor of the decision, m."""
 
 
 def room(speed: float, friction: float = 1.0) -> float:
-    """Return the distance in which a car can stop calmly or change lane, m."""
+    """Return the distance in which a car can stop comfortably or change lane, m."""
     return max(speed * speed / (2.0 * _COMFORTABLE * friction), _LANE_CHANGE_S * speed)
 
 
 def spare(recipe: Recipe) -> float:
-    """Return what a recipe's decision distance has beyond `room`, m."""
+    """Return the margin of a recipe's decision distance over `room`, m."""
     low, high = recipe.speed
     return max(0.5 * sum(recipe.decision.value) - room(0.5 * (low + high)), 3.0)
 
 
 def braking(speed: float, friction: float = 1.0) -> float:
-    """Return the distance between centres at which emergency braking just avoids a small thing, m."""
+    """Return the centre distance at which emergency braking just avoids a small obstacle, m."""
     return speed * speed / (2.0 * min(_HARDEST, _GRIP * friction)) + 0.5 * _EGO_LENGTH + 0.6
 
 
 def calm_braking(speed: float, friction: float = 1.0) -> float:
-    """Return the same for braking without drama."""
+    """Return the centre distance at which comfortable braking just avoids a small obstacle, m."""
     least = min(_COMFORTABLE, _GRIP * friction)
     return speed * speed / (2.0 * least) + 0.5 * _EGO_LENGTH + 0.6
 
 
 def swerving(speed: float, width: float, aside: float = 0.0) -> float:
-    """Return the same for a change of lane.
+    """Return the centre distance at which a lane change just avoids an obstacle, m.
 
     Args:
-        speed: Of the ego, m/s.
-        width: Of what is in the way, m.
-        aside: How far it is from the lane's centre, away from where the ego goes, m.
+        speed: Speed of the ego, m/s.
+        width: Width of the obstacle, m.
+        aside: Offset of the obstacle from the lane's centre, away from the ego's new lane, m.
     """
     share = (0.5 * (_EGO_WIDTH + width) + 0.25 - aside) / _LANE_WIDTH
     low, high = 0.0, 1.0
@@ -67,12 +67,12 @@ def swerving(speed: float, width: float, aside: float = 0.0) -> float:
 
 
 def scales(recipe: Recipe) -> bool:
-    """Tell whether a recipe may be played at the usual speed of any road: nothing in it moves."""
+    """Return whether a recipe can be played at the usual speed of any road because nothing in it moves."""
     return recipe.is_static and recipe.decision.kind == "distance"
 
 
 def decisive(recipe: Recipe) -> RecipeActor | None:
-    """Return the actor to which the decision is measured, else the first unusual one."""
+    """Return the actor to which the decision is measured, or else the first unusual one."""
     for actor in recipe.actors:
         if recipe.decision.actor in actor.names:
             return actor

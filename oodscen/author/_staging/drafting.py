@@ -1,4 +1,4 @@
-"""Staging: from a text and a catalogue's digest to the draft of a scene, by recipe."""
+"""Staging: drafts a scene by recipe from a text and a catalogue's digest."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -28,23 +28,23 @@ from oodscen.prompts._scenario.describe_path import plain
 
 _DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
 _LEAST_SPEED = 3.0
-"""m/s"""
+"""Least speed of the ego, m/s."""
 _LATE = 0.75
-"""Share of late decisions where there is a distance from which only a change of lane helps."""
+"""Share of late decisions, if at some distance only a lane change helps."""
 _URGENT = 0.55
-"""Share of the others that come where emergency braking suffices and calm braking hardly does."""
+"""Share of the other decisions at which emergency braking suffices but comfortable braking hardly does."""
 _HURRIED = 0.35
-"""Share of the scenes in which somebody crosses, or a group blocks the road, where the same is so."""
+"""The same share for scenes in which someone crosses, or a group blocks the road."""
 _EVADING_S = 2.2
-"""s before a head-on meeting at which there is still time to evade."""
+"""Time before a head-on collision at which evasion is still possible, s."""
 _STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
-"""Behaviours that do not change how far away along the road somebody is."""
+"""Behaviours that do not change the actor's distance along the road."""
 _CLEAR_PX = 400.0
-"""What covers less of the dash camera's picture, in square pixels, is not made out at a glance."""
+"""Area in the dash camera's image below which an actor is not recognised at a glance, square pixels."""
 _ASIDE = 0.4
-"""m by which an obstacle that calls for a change of lane lies on the other side of its lane."""
+"""Offset of an obstacle that requires a lane change, towards the far side of its lane, m."""
 _INSIDE = 1.2
-"""m from its lane's centre within which something is in the way."""
+"""Offset from the lane's centre within which an obstacle is in the way, m."""
 
 
 class Stager:
@@ -56,15 +56,15 @@ class Stager:
         self.recogniser = recogniser
 
     def stage(self, prompt: StageScene, seed: int, attempt: int) -> SceneDraft:
-        """Set up a scene for a text.
+        """Stage a scene for a text.
 
         Args:
-            prompt: The text and what the simulator offers.
-            seed: Of the author.
-            attempt: 0 at first; another attempt draws other values.
+            prompt: The text and the simulator's catalogue.
+            seed: Seed of the author.
+            attempt: Number of the attempt, from 0; each attempt draws other values.
 
         Raises:
-            LLMError: When the text shows nothing that the author can stage.
+            LLMError: If the text shows nothing that the author can stage.
         """
         hazard = self._hazard(prompt)
         assert hazard.stage is not None
@@ -129,7 +129,7 @@ class Stager:
         )
 
     def _hazard(self, prompt: StageScene) -> Hazard:
-        """Recognise the hazard from the text, or failing that from its kind."""
+        """Return the hazard that the text describes, or else the one that its leaf names."""
         hazard = self.recogniser.recognise(prompt.text).hazard
         if hazard is None and prompt.path:
             hazard, _ = self.recogniser.label(prompt.path[-1])
@@ -160,7 +160,7 @@ def _distance(text: str) -> float | None:
 def _named(
     text: str, said: Sequence[Claim], traffic: Traffic | None
 ) -> tuple[tuple[Thing, ...], tuple[Thing, ...]]:
-    """Return the things that a text names, those of its ordinary traffic apart."""
+    """Return the things that a text names, and separately those of its ordinary traffic."""
     words = plain(text)
     phrase = next((p for p in traffic.phrases if plain(p) in words), "") if traffic else ""
     of_traffic = {mention.thing for mention in mentions(phrase)}
@@ -175,7 +175,7 @@ def _is_twice(thing: Thing, quotes: Sequence[str]) -> bool:
 
 
 def _is_busy(claim: Claim) -> bool:
-    """Tell whether a claim asks for more road users than a recipe has."""
+    """Return whether a claim asks for more road users than a recipe has."""
     if claim.kind == "count":
         return claim.subject in ("vehicle", "car")
     return claim.kind == "traffic" and claim.value == "dense"
@@ -184,7 +184,7 @@ def _is_busy(claim: Claim) -> bool:
 def _map_for(
     place: Place, hazard: Hazard, digest: CatalogueDigest, said: Sequence[Claim] = ()
 ) -> MapLine:
-    """Return the map of which most of what a text says is true, then the one most like the place."""
+    """Return the map for which most claims of the text hold; among equals, the one most like the place."""
     needed = set(hazard.needs.traits)
     fitting = [
         road
@@ -211,7 +211,7 @@ def _set(
     lane: int,
     rng: np.random.Generator,
 ) -> Stage:
-    """Choose the ego's speed."""
+    """Choose the ego's speed and set up the scene."""
     limits = place.speed if approach.scales(recipe) else recipe.speed
     wanted = round(float(rng.uniform(*limits)), 2)
     speed = round(min(wanted, road.speed_limit), 2)
@@ -227,9 +227,9 @@ def _set(
 
 
 def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[float, Trigger]:
-    """Return by how far all actors move along the road, and the decision's trigger.
+    """Return the displacement of all actors along the road, m, and the decision's trigger.
 
-    A distance in the text is where the scene starts: the decision comes later.
+    A distance in the text applies at the start of the scene; the decision comes later.
     """
     recipe, decision = scene.recipe, scene.recipe.decision
     value = scene.draw(decision.value)
@@ -259,9 +259,9 @@ def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[floa
 
 
 def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) -> float:
-    """Return the time to collision of the decision: so late that the actor is made out.
+    """Return the TTC of the decision, reduced until the actor is large enough to recognise, s.
 
-    In some of the scenes it comes so late that only hard braking suffices.
+    In some scenes it is so short that only hard braking suffices.
     """
     draw, share = (float(draw) for draw in scene.rng.random(2))
     along = scene.along(actor)
@@ -283,10 +283,10 @@ def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) 
 
 
 def _room(scene: Stage, actor: RecipeActor, friction: float) -> Callable[[float], float]:
-    """Choose how much room the decision leaves, and return it as a function of the speed, m.
+    """Choose the distance that the decision leaves, as a function of the speed, m.
 
-    There is room to stop calmly or to change lane; or just to brake hard; or, where the speed is
-    such that this takes longer, just to change lane.
+    It allows a comfortable stop or a lane change; or only hard braking; or, at speeds at which
+    braking takes longer than that, only a lane change.
     """
     recipe, spare = scene.recipe, approach.spare(scene.recipe)
     late, urgent, share = (float(draw) for draw in scene.rng.random(3))

@@ -1,4 +1,4 @@
-"""Which lane the ego drives in, and what that means for everything that a recipe places."""
+"""The lane of the ego, and its consequences for the actors that a recipe places."""
 
 import re
 from collections.abc import Iterable
@@ -10,14 +10,14 @@ from oodscen.prompts._digest import MapLine
 from oodscen.prompts._scenario.describe_path import plain
 
 _BESIDE = 2.0
-"""m from a lane's centre beyond which something is beside the lane."""
+"""Offset from a lane's centre beyond which an actor is beside the lane, m."""
 _LANE_WIDTH = 3.5
 _OTHER_LANE = 0.75
-"""Share of the scenes in which the ego is not in the rightmost lane, where it need not be."""
+"""Share of the scenes with the ego outside the rightmost lane, if the recipe permits it."""
 _MIRRORED = 0.5
 _CROSSES = frozenset({"cross_road", "hesitate", "bolt"})
 _SIDED = frozenset({"lanes", "lateral"})
-"""Parameters that count to the left."""
+"""Parameters that are positive to the left."""
 _NAMES_LANE = re.compile(
     r"\b(?:left|right|nearside|offside|inside|outside|outer|inner|middle|centre|slow|fast|overtaking|"
     r"left-hand|right-hand|nearside \w+|kerbside|first|second|third) lane\b|"
@@ -39,7 +39,7 @@ _OTHER_STATE = {
 
 
 def varied(recipe: Recipe, text: str) -> Recipe:
-    """Return a recipe with the changes that go with the words of a text."""
+    """Return a recipe with the changes of the first variant whose words occur in a text."""
     words = f" {plain(text)} "
     for variant in recipe.variants:
         if any(f" {plain(phrase)} " in words for phrase in variant.words):
@@ -69,13 +69,13 @@ def settled(
     """Choose the ego's lane.
 
     Args:
-        recipe: With places that are meant for the rightmost lane.
-        road: Has the lanes.
-        text: Whether it names a lane or a side decides whether there is a choice.
-        rng: Chooses.
+        recipe: A recipe with placements for the rightmost lane.
+        road: The map with the lanes.
+        text: The text; if it names a lane or a side, there is no free choice.
+        rng: Random generator.
 
     Returns:
-        The recipe with places that are right for the lane, and the lane, counted from the right.
+        The recipe with placements for the chosen lane, and the lane, counted from the right.
     """
     least = max(0, -min((min(a.lane) for a in recipe.actors if len(a.lane) == 1), default=0))
     lane = min(least, road.lanes - 1)
@@ -93,9 +93,9 @@ def settled(
 
 
 def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
-    """Leave what is beside the road where it is, although the ego is some lanes further left.
+    """Keep roadside objects in place for an ego some lanes further left.
 
-    Who crosses the road from there has further to go, and starts earlier.
+    A pedestrian who crosses from the roadside has further to go, and starts earlier.
     """
     update: dict[str, object] = {}
     if actor.at == "start" and actor.lane == (0,) and max(actor.offset) < -_BESIDE:

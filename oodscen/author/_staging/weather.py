@@ -1,4 +1,4 @@
-"""Drawing a scene's weather: what the text says, what the recipe demands, what can be shown."""
+"""Weather of a scene, drawn from the text, the recipe and the limits of the simulator."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -21,15 +21,15 @@ def draw_weather(
     rng: np.random.Generator,
     said: Sequence[Claim] = (),
 ) -> tuple[Weather, Weather | None]:
-    """Return the weather of a scene, and the ordinary weather where the weather is the hazard.
+    """Return the weather of a scene, and the ordinary weather if the weather is the hazard.
 
     Args:
-        recipe: Of the hazard; its weather goes before what the text tells.
-        told: Conditions that the text names, clear weather if none.
-        knowledge: Knows what clear weather is.
-        limits: What the simulator can show.
-        rng: Draws from the ranges.
-        said: What the text claims, in more detail than conditions have.
+        recipe: The hazard's recipe; its weather takes precedence over the text's.
+        told: Conditions that the text names; clear weather if there are none.
+        knowledge: The knowledge base, for the fields of clear weather.
+        limits: Limits of the simulator.
+        rng: Random generator.
+        said: Claims of the text, which are more detailed than conditions.
     """
     fields: dict[str, Any] = {}
     clear = knowledge.condition_keys.get("clear")
@@ -53,13 +53,13 @@ def draw_weather(
 def _agree(
     fields: dict[str, Any], said: set[str], recipe: Recipe, rng: np.random.Generator
 ) -> None:
-    """Change weather so that it agrees with a text, but for what the recipe demands.
+    """Adjust the weather to the text, except for fields that the recipe sets.
 
     Args:
-        fields: Of the weather; changed.
+        fields: Fields of the weather; changed in place.
         said: Values of claims of kind weather and time.
-        recipe: Of the hazard.
-        rng: Draws; as often for every text.
+        recipe: The hazard's recipe.
+        rng: Random generator; the number of draws is the same for every text.
     """
     draw = float(rng.random())
     for value, field, (least, most), (low, high), more in _AGREED:
@@ -88,7 +88,7 @@ _AGREED: tuple[tuple[str, str, Range, Range, dict[str, str]], ...] = (
     ("twilight", "sun_elevation_deg", (-6.0, 5.0), (-2.5, -0.9), {}),
     ("low_sun", "sun_elevation_deg", (1.0, 14.0), (4.0, 9.0), {}),
 )
-"""What a claim demands of a field, what is drawn where that is not so, and what goes with it."""
+"""For each claim: the field, its permitted range, the range to draw from otherwise, and fields to set with it."""
 
 
 def _is_dark(condition: Condition) -> bool:
@@ -105,7 +105,7 @@ def _drawn(layer: Mapping[str, Any], rng: np.random.Generator) -> dict[str, Any]
 
 
 def _shown(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
-    """Bring weather within what can be shown."""
+    """Limit weather to what the simulator can show."""
     kept = dict(fields)
     kinds = {"rain": limits.rain, "snow": limits.snow, "none": True}
     if not kinds[str(kept.get("precipitation", "none"))]:

@@ -1,1 +1,1 @@
-"""Writing texts and their ordinary twins."""
+"""Writing of texts and their ordinary twins."""

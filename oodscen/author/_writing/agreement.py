@@ -1,4 +1,4 @@
-"""What goes together: whether a clause suits the place, the weather and the traffic around it."""
+"""Agreement of clauses with the place, weather and traffic around them."""
 
 from collections.abc import Iterable
 
@@ -7,24 +7,24 @@ from oodscen.data._base import Data
 
 
 class Setting(Data):
-    """Where and when something is told to happen, by keys of the knowledge base."""
+    """The place and time of an event, as keys of the knowledge base."""
 
     place: str = ""
-    """Empty where it is not known."""
+    """Empty if the place is unknown."""
     conditions: tuple[str, ...] = ()
     traffic: str = ""
 
 
 class Agreement:
-    """Finds words that do not go with a setting."""
+    """Finds words that are incompatible with a setting."""
 
     def __init__(self, knowledge: Knowledge) -> None:
-        """Know the clashes of a knowledge base."""
+        """Use the clashes of a knowledge base."""
         self._clashes = knowledge.clash
         self._found: dict[str, tuple[Clash, ...]] = {}
 
     def clashes(self, clause: str, setting: Setting) -> list[str]:
-        """Return the words of a clause that do not go with a setting, each with the reason."""
+        """Return the words of a clause that are incompatible with a setting, each with the reason."""
         return [
             f"{one.pattern.findall(clause)[0]!r}: {one.why}"
             for one in self._in(clause)
@@ -32,11 +32,11 @@ class Agreement:
         ]
 
     def suits(self, clause: str, setting: Setting) -> bool:
-        """Tell whether a clause can be told in a setting."""
+        """Return whether a clause is compatible with a setting."""
         return not any(_applies(one, setting) for one in self._in(clause))
 
     def suiting(self, clauses: Iterable[str], setting: Setting) -> list[str]:
-        """Return the clauses that can be told in a setting."""
+        """Return the clauses that are compatible with a setting."""
         return [clause for clause in clauses if self.suits(clause, setting)]
 
     def _in(self, clause: str) -> tuple[Clash, ...]:

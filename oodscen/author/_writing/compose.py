@@ -1,4 +1,4 @@
-"""Writing: one text from opening, place, conditions, traffic and event."""
+"""Composition of texts from opening, place, conditions, traffic and event."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -24,7 +24,7 @@ from oodscen.prompts._scenario.describe_path import Style, plain
 Option = TypeVar("Option")
 
 _IDLE_TRIES = 400
-"""Drafts in a row that repeat earlier texts, after which a hazard counts as exhausted."""
+"""Number of consecutive repeated drafts after which a hazard counts as exhausted."""
 _MOSTLY_EGO: tuple[Name, ...] = ("ego",) * 6
 _NAMES: dict[Style, tuple[Name, ...]] = {
     "natural": (*_MOSTLY_EGO, "the ego vehicle", "the ego vehicle", "the ego car"),
@@ -48,7 +48,7 @@ _DETAIL_SHARE: dict[Style, float] = {
     "first-person": 0.3,
 }
 _BRIEF_OPENING = "The ego vehicle is"
-"""Where it needs no more than that: `on a country road`."""
+"""Short opening for places that need no more: `on a country road`."""
 _BRIEF_SHARE: dict[Style, float] = {
     "natural": 0.75,
     "paper": 0.0,
@@ -57,25 +57,25 @@ _BRIEF_SHARE: dict[Style, float] = {
     "first-person": 0.4,
 }
 _PREPOSED = 0.3
-"""Share of the events that stand by themselves in which the distance comes first."""
+"""Share of the separate event sentences that begin with the distance."""
 _INVERTED = 0.35
-"""The same for the subject coming last, where that can be."""
+"""Share of the separate event sentences that end with the subject, if the event permits it."""
 _TERSE_EVENT, _TERSE_EVENTS = 10, 3
-"""Words of an event that a terse text may have, and how many of the shortest it may use if they are longer."""
+"""Largest number of words of an event in a terse text, and the number of shortest events to use if too few fit."""
 _TERSE_WHERE = ("{distance} m ahead", "ahead", "just ahead", "{distance} m ahead")
-"""How far away something is, in a terse text."""
+"""Phrases for distances in a terse text."""
 
 
 class Composer:
     """Writes texts about hazards."""
 
     def __init__(self, knowledge: Knowledge) -> None:
-        """Write with the words of a knowledge base."""
+        """Write with the phrases of a knowledge base."""
         self.knowledge = knowledge
         self._agreement = Agreement(knowledge)
 
     def text(self, hazard: Hazard, rng: np.random.Generator, style: Style = "natural") -> str:
-        """Write one text."""
+        """Return one text."""
         return next(self.texts(hazard, rng, set(), style))
 
     def texts(
@@ -85,15 +85,15 @@ class Composer:
         taken: set[str],
         style: Style = "natural",
     ) -> Iterator[str]:
-        """Write texts until nothing new comes.
+        """Yield texts until no new ones can be found.
 
-        Events, roads, conditions and constructions take turns, so that few texts are varied ones.
+        Events, roads, conditions and constructions take turns, so that even a few texts vary.
 
         Args:
-            hazard: What they are about.
-            rng: Decides everything.
-            taken: Texts to avoid, without case and punctuation; what is written is added.
-            style: Register in which they are written.
+            hazard: The hazard to write about.
+            rng: Random generator for every choice.
+            taken: Texts to avoid, without case and punctuation; new texts are added.
+            style: Register of the texts.
         """
         turns = _Turns(rng)
         idle = 0
@@ -156,7 +156,7 @@ class Composer:
         )
 
     def _short(self, hazard: Hazard, setting: Setting) -> list[str]:
-        """Return the events for a terse text: the short ones, and never fewer than some."""
+        """Return the short events for a terse text, or the shortest few if there are not enough."""
         suiting = self._agreement.suiting(hazard.events, setting) or list(hazard.events)
         suiting.sort(key=lambda event: len(headline(event).split()))
         short = [event for event in suiting if len(headline(event).split()) <= _TERSE_EVENT]
@@ -177,7 +177,7 @@ class Composer:
     def _located(
         self, plot: Plot, hazard: Hazard, construction: Construction, rng: np.random.Generator
     ) -> str:
-        """Fill in where it is; the ego is named once more where nothing else names it."""
+        """Fill in the location; the ego is named there if nothing else in the text names it."""
         event = _NAMED_TWICE.sub(r"\1", plot.event)
         if "{where}" not in event:
             return event
@@ -207,7 +207,7 @@ class Composer:
 
 
 def _ordered(event: str, where: str, construction: Construction, rng: np.random.Generator) -> str:
-    """Fill in where it is, there or at the front."""
+    """Fill in the location, in its place or at the beginning."""
     if construction.is_apart:
         found = _LYING.fullmatch(event)
         if found is not None and rng.random() < _INVERTED:
@@ -235,7 +235,7 @@ _PREPOSABLE = re.compile(
 
 
 def _shortest(phrases: Sequence[str], more: int = 1) -> list[str]:
-    """Return the phrases that have hardly more words than the shortest."""
+    """Return the phrases with at most `more` words more than the shortest."""
     least = min((len(phrase.split()) for phrase in phrases), default=0)
     return [phrase for phrase in phrases if len(phrase.split()) <= least + more]
 
@@ -245,18 +245,18 @@ def _met_on(traffic: Traffic, place: Place) -> bool:
 
 
 class _Turns:
-    """Shuffled decks: every option comes once before one comes again."""
+    """Shuffled decks: every option is used once before any is repeated."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
         self._decks: dict[str, list[int]] = {}
 
     def next(self, deck: str, options: Sequence[Option]) -> Option:
-        """Return the option whose turn it is."""
+        """Return the next option of a deck."""
         return options[self._deck(deck, len(options)).pop()]
 
     def first(self, deck: str, options: Sequence[Option], suits: Sequence[bool]) -> Option | None:
-        """Return the next option that suits; those before it keep their turn."""
+        """Return the next suitable option; skipped options keep their turn."""
         for fresh in (False, True):
             left = self._deck(deck, len(options), fresh)
             for place in reversed(range(len(left))):

@@ -1,4 +1,4 @@
-"""Constructions: how place, weather, traffic and event become one to four sentences, for each style."""
+"""Constructions that turn place, weather, traffic and event into one to four sentences, by style."""
 
 import re
 from collections.abc import Callable
@@ -9,18 +9,18 @@ from oodscen.author._writing.headline import headline
 from oodscen.prompts._scenario.describe_path import Style
 
 _LONG_EVENT = 17
-"""Words from which on an event has a sentence of its own."""
+"""Number of words above which an event becomes a separate sentence."""
 
 KEEPS_ON = "keeps to its lane at the usual speed"
-"""What a full account says of the ego before anything happens."""
+"""The ego's behaviour before anything happens, in a full account."""
 
 
 @dataclass(frozen=True)
 class Plot:
-    """What a text is going to say, before it is worded."""
+    """The content of a text, before it is worded."""
 
     event: str
-    """With its placeholder until the construction is chosen."""
+    """The event, with its placeholder until the construction is chosen."""
     place: Place
     where: str
     """Phrase for the place."""
@@ -30,12 +30,12 @@ class Plot:
     statement: str = ""
     """Clause for the condition."""
     is_act: bool = False
-    """Whether somebody does something unusual."""
+    """True if an actor does something unusual."""
     traffic: str = ""
     opening: str = ""
     detail: str = ""
     has_pronoun: bool = True
-    """Whether `it` may stand for the ego vehicle."""
+    """True if `it` may refer to the ego vehicle."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,11 @@ class Construction:
     build: Callable[[Plot], str]
     suits: Callable[[Plot], bool] = lambda plot: True
     names_ego: bool = True
-    """Whether it has a part of its own about the ego."""
+    """True if it has a separate part about the ego."""
     is_apart: bool = False
-    """Whether the event is a sentence of its own, so that its parts may be put in another order."""
+    """True if the event is a separate sentence, whose parts may be reordered."""
     is_line: bool = False
-    """Whether it is one line of a catalogue."""
+    """True if it is a single line, as in a test catalogue."""
 
 
 _ADVERBIAL = re.compile(
@@ -69,18 +69,18 @@ _NOUN = re.compile(r"(?:on|along|in) (an? .+)")
 
 
 def nominal(where: str) -> str:
-    """Return the place itself: `a rural road` of `along a rural road`; empty where there is no such form."""
+    """Return the noun phrase of a place, such as `a rural road` for `along a rural road`, or an empty string."""
     found = _NOUN.fullmatch(where)
     return found[1] if found else ""
 
 
 def standing(where: str) -> str:
-    """Return the place where something is that does not move: `on a coast road` of `along a coast road`."""
+    """Return the place as a static location, such as `on a coast road` for `along a coast road`."""
     return re.sub(r"^along (?=an? )", "on ", where)
 
 
 def starts_plainly(plot: Plot) -> bool:
-    """Tell whether the event begins with its subject."""
+    """Return whether the event begins with its subject."""
     if _PLAIN.match(plot.event) is not None:
         return True
     return not plot.is_act and _ADVERBIAL.match(plot.event) is None
@@ -95,7 +95,7 @@ def _is_short(plot: Plot) -> bool:
 
 
 def _happens(plot: Plot) -> bool:
-    """Tell whether the event is something that occurs, so that `when` can introduce it."""
+    """Return whether the event is an occurrence, so that `when` can introduce it."""
     if re.search(r"\b(when|while|as|after|before|until|because)\b", plot.event):
         return False
     return plot.is_act and _LASTING.search(" ".join(plot.event.split()[:9])) is None
@@ -106,7 +106,7 @@ def _names_ego(plot: Plot) -> bool:
 
 
 def _leads(plot: Plot) -> bool:
-    """Tell whether the place can come first, with the event as its clause."""
+    """Return whether the place can come first, followed by the event as its clause."""
     return (
         starts_plainly(plot)
         and _names_ego(plot)
@@ -117,14 +117,14 @@ def _leads(plot: Plot) -> bool:
 
 
 def _introduces(plot: Plot) -> bool:
-    """Tell whether the event can be told before the place: it does not take it for known."""
+    """Return whether the event can precede the place, because it does not presuppose it."""
     event = f" {plot.event.casefold()} "
     words = " ".join(plot.place.words).split()
     return not any(f" the {word} " in event for word in words)
 
 
 def _fits_weather(plot: Plot) -> bool:
-    """Tell whether place and weather can follow one another without two equal prepositions."""
+    """Return whether weather can precede the place without repeating its preposition."""
     return bool(plot.weather) and plot.weather.split()[0] != standing(plot.where).split()[0]
 
 
@@ -147,7 +147,7 @@ def _clause(event: str) -> str:
 
 
 def _at(plot: Plot) -> str:
-    """Return the place of something that need not move along it."""
+    """Return the place as the location of something that need not move along it."""
     return standing(plot.where)
 
 
@@ -160,7 +160,7 @@ def _aside(plot: Plot) -> str:
 
 
 def _after(plot: Plot, text: str) -> str:
-    """Add the consequence to a single sentence."""
+    """Append the consequence to a single sentence."""
     return f"{text} {_sentence(plot.detail)}" if plot.detail else text
 
 
@@ -350,10 +350,10 @@ _WITHOUT_EGO = (
     _NOTED_AS_STATED,
     _EVENT_THEN_PLACE,
 )
-"""Place and event, with nothing about the ego but what the event says."""
+"""Constructions of place and event that say nothing about the ego beyond the event."""
 
 FALLBACK = _TWO
-"""Suits every plot."""
+"""The construction that suits every plot."""
 
 CONSTRUCTIONS: dict[Style, tuple[Construction, ...]] = {
     "natural": (
@@ -384,4 +384,5 @@ CONSTRUCTIONS: dict[Style, tuple[Construction, ...]] = {
         _STATED_PLACE,
     ),
 }
-"""What takes turns in each style; one that does not suit a plot leaves its turn to the next that does."""
+"""Constructions that take turns in each style; one that does not suit a plot yields its turn to the
+next that does."""

@@ -1,4 +1,4 @@
-"""Headlines: a clause as a test catalogue words it, without articles and auxiliaries."""
+"""Headlines: clauses worded as in a test catalogue, without articles and auxiliaries."""
 
 import re
 
@@ -7,7 +7,7 @@ _ARTICLE = re.compile(
     re.IGNORECASE,
 )
 _APART = r"(?<!\bthat )(?<!\bwhich )(?<!\bwho )(?<!\bit )(?<!\bthey )(?<!\bthere )"
-"""A clause of its own keeps its verb."""
+"""Lookbehinds that let a subordinate clause keep its verb."""
 _EGO = re.compile(r"\b[Tt]he ego(?: vehicle)?\b")
 _HAS = re.compile(
     _APART + r"\b(?:has|have) (?:just |suddenly |already )?"
@@ -15,14 +15,14 @@ _HAS = re.compile(
 )
 _IS = re.compile(_APART + r"\b(?:is|are) (?=\w{2,}(?:ing|ed)\b)")
 _GOES_ON = re.compile(r"\band (?:\w+ly )?\w+(?<!s)s\b")
-"""A second verb, which would take what is left of the first one for another."""
+"""A second verb, which would make the rest of the first one look like a different verb."""
 _PATH = re.compile(
     r"\b(in|across|into|over|onto|from) the path of (?:the )?(ego(?: vehicle| car)?)\b"
 )
 
 
 def headline(clause: str) -> str:
-    """Return a clause without what a headline leaves out; what it says stays."""
+    """Return a clause without the words that a headline omits; its meaning stays the same."""
     clause = _PATH.sub(r"\1 \2's path", _EGO.sub("ego", clause))
     if _GOES_ON.search(clause) is None:
         clause = _IS.sub("", _HAS.sub("", clause))

@@ -1,7 +1,7 @@
-"""Ordinary twins: a text again, with the event replaced by the event's ordinary counterpart.
+"""Ordinary twins: texts whose event is replaced by its ordinary counterpart.
 
-The text alone is there to work from. What it says of road, weather and traffic is told from the event by the phrases
-of the knowledge base, and where a text has none of these, by its grammar.
+Only the text itself is available. The phrases of the knowledge base separate road, weather and
+traffic from the event; if the text contains none of these phrases, its grammar does.
 """
 
 import re
@@ -35,15 +35,15 @@ _ROAD = re.compile(
 )
 _LINK = r"(?:\s*[,:;]\s*(?:and |when |while )?|\s+(?:and|when|while) |\s+|(?=\.?$))"
 _NOWHERE = re.compile(rf"(?:(?<=^)|(?<=, )|(?<=\. )){_DRIVES}\s*$", re.IGNORECASE)
-"""Somebody drives, and where is part of the event."""
+"""A clause in which the ego drives but whose location belongs to the event."""
 _HAPPENS = "It happens "
 _SENTENCES = re.compile(r"(?<=[.!?])\s+(?=[A-Z\d])")
 _SLACK = 3
-"""Words by which a twin may be shorter than its text before something ordinary is added."""
+"""Number of words by which a twin may be shorter than its text before an ordinary clause is added."""
 _NEAREST = 8
-"""Clauses about ordinary driving, of those whose length fits best, among which is drawn."""
+"""Number of clauses about ordinary driving, of the best-fitting length, from which one is drawn."""
 _REPEATED = 1.0
-"""Words of wrong length that one word said before counts for."""
+"""Penalty for a repeated word, in words of wrong length."""
 _ANY_ROAD = (
     "the lane ahead is clear and traffic moves along as usual",
     "the lane ahead is clear and nothing moves in it",
@@ -58,34 +58,34 @@ _ANYWHERE = (
     "the lane ahead of the ego vehicle is clear and traffic moves along as usual",
     "all road users around the ego vehicle keep to their lanes and to the rules",
 )
-"""What is ordinary on any road."""
+"""Clauses that are ordinary on any road."""
 _SUBJECT = "the ego vehicle "
 _HOUR = re.compile(r"\b(?:night|winter|sun|rain)\b", re.IGNORECASE)
 _ALONE = re.compile(r"the ego vehicle (?!and )")
 _PEOPLE = frozenset({"I", "we", "you"})
 _LINE = ": "
-"""What parts place and event in one line of a catalogue."""
+"""Separator of place and event in a line of a test catalogue."""
 _SHORT = 0.1
 """Share of its words by which the twin of another author's text may be shorter."""
 _SENTENCES_ADDED = 10
 _OVER = 4
-"""Words by which what is added may be longer than what is missing."""
+"""Number of words by which an addition may exceed the missing length."""
 _CLEAR = re.compile(r"\b(?:clear|open|free|intact|even|clean|nothing)\b")
 _AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|gap|waits?|comes the other way)\b")
 _TURNS = re.compile(
     r"\b(?:turn(?:s|ing)?|roundabout|u-turn|merg\w+|ramp|curves?|bends?)\b", re.IGNORECASE
 )
 _EMPTY = "quiet"
-"""Key of the traffic that is none."""
+"""Key of the entry for absent traffic."""
 _LITTLE = frozenset(
     "a an and as at by i in is it its me my of on the to with ego vehicle car up one that".split()
 )
-"""Words that may come twice."""
+"""Words that may be repeated."""
 
 
 @dataclass(frozen=True)
 class _Part:
-    """One sentence, told apart."""
+    """One sentence, split into its parts."""
 
     lead: str
     event: str
@@ -96,7 +96,7 @@ class OrdinaryAuthor:
     """Writes ordinary twins."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """Know the phrases for road, weather and traffic, and what is ordinary instead of what."""
+        """Use the phrases and ordinary counterparts of a knowledge base."""
         self._recogniser = recogniser
         self._agreement = Agreement(knowledge)
         self._driving = knowledge.driving
@@ -112,12 +112,12 @@ class OrdinaryAuthor:
         )
 
     def twin(self, text: str, label: str, rng: np.random.Generator) -> str:
-        """Write the twin of a text.
+        """Return the ordinary twin of a text.
 
         Args:
-            text: With the unusual event.
-            label: Of the leaf, for a text that is not recognised itself.
-            rng: Chooses among ordinary things of equal length.
+            text: A text with an unusual event.
+            label: Label of the leaf, for texts that are not recognised themselves.
+            rng: Random generator for choices among ordinary clauses of similar length.
         """
         hazard = self._recogniser.recognise(text).hazard
         if hazard is None and label:
@@ -152,7 +152,7 @@ class OrdinaryAuthor:
         return " ".join(last if part is event else _whole(part) for part in kept)
 
     def _of_another(self, text: str, hazard: Hazard | None, rng: np.random.Generator) -> str:
-        """Write the twin of a text with nothing known in it: place and time where they stand."""
+        """Return the twin of a text without known phrases; its place and time stay where they are."""
         is_weather = hazard is not None and not hazard.conditions
         own = stems(" ".join((hazard.label, *hazard.words))) if hazard and is_weather else ()
         frame = framed(text, frozenset(w for w in plain(text).split() if set(stems(w)) & set(own)))
@@ -187,7 +187,7 @@ class OrdinaryAuthor:
         length: int,
         rng: np.random.Generator,
     ) -> str:
-        """Return a counterpart that is no longer than there is room for."""
+        """Return a counterpart that fits into the available length."""
         room = max(length - len(plain(frame.text).split()), 0.3 * length)
         known = self._agreement.suiting(hazard.ordinary if hazard else (), setting)
         known = [
@@ -212,7 +212,7 @@ class OrdinaryAuthor:
         return bool(part.event) and plain(part.event) not in self._details
 
     def _told_apart(self, text: str) -> Iterator[_Part]:
-        """Tell the sentences apart; where the ego is, is said once."""
+        """Split the text into sentences and their parts; the ego's location is recognised only once."""
         is_placed = False
         for sentence in _SENTENCES.split(text.strip()):
             part = self._apart(sentence, is_placed)
@@ -244,7 +244,7 @@ class OrdinaryAuthor:
         return _Part(sentence[:cut], sentence[cut:end], sentence[end:].rstrip("."))
 
     def _setting(self, frame: str, text: str, hazard: Hazard | None) -> Setting:
-        """Return where and when what is kept of a text happens, as far as it says."""
+        """Return the place and time of the kept part of a text, as far as it states them."""
         known = self._recogniser
         place = known.place(frame) or known.place(text, hazard.places if hazard else ())
         traffic = known.traffic(frame)
@@ -255,7 +255,7 @@ class OrdinaryAuthor:
         )
 
     def _counterpart(self, hazard: Hazard | None, setting: Setting) -> str:
-        """Return the first ordinary counterpart that suits, without others where nobody is there."""
+        """Return the first suitable ordinary counterpart; it mentions no other road users if there are none."""
         options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
         suiting = self._agreement.suiting(options, setting)
         return suiting[0] if suiting else _ANY_ROAD[0]
@@ -269,7 +269,7 @@ class OrdinaryAuthor:
         rng: np.random.Generator,
         told_before: tuple[str, ...] = (),
     ) -> str:
-        """Return something ordinary of about so many words that adds to what is told already."""
+        """Return an ordinary clause of about the missing length that adds to the existing text."""
         allowed = {"none", "ahead", "around"}
         if setting.traffic == _EMPTY:
             allowed = {"none"}
@@ -298,7 +298,7 @@ class OrdinaryAuthor:
 
 
 def _not_twice(frame: str, clause: str) -> str:
-    """Return a clause that does not call a lane clear where the weather is."""
+    """Return a clause that avoids the word `clear` for a lane if the frame uses it for the weather."""
     if re.search(r"\bclear\b", frame, re.IGNORECASE) is None:
         return clause
     clause = re.sub(r"\b(air(?: over the road)?) is clear\b", r"\1 is clean", clause)
@@ -307,7 +307,7 @@ def _not_twice(frame: str, clause: str) -> str:
 
 
 def _to_whom(clause: str) -> str:
-    """Return a clause that names the ego vehicle, where that is easily done."""
+    """Return a clause that names the ego vehicle, if a simple insertion can do so."""
     if _SUBJECT in f"{clause} ":
         return clause
     return re.sub(
@@ -316,7 +316,7 @@ def _to_whom(clause: str) -> str:
 
 
 def _put(frame: Frame, clause: str) -> str:
-    """Put a clause where the event of a text was."""
+    """Return a frame with a clause in place of the event."""
     last = " ".join((clause, *frame.after))
     front = _joined(frame.before)
     if frame.ride:
@@ -342,7 +342,7 @@ def _misfit(phrase: str, missing: int, said: set[str]) -> float:
 
 
 def _placed_first(event: "_Part", kept: "list[_Part]") -> "tuple[_Part, list[_Part]]":
-    """Let the event come after what says where the ego is."""
+    """Move the event after the part that says where the ego is."""
     rest = [part for part in kept if part is not event]
     where = rest[-1].lead
     if where.startswith(_HAPPENS):
@@ -353,7 +353,7 @@ def _placed_first(event: "_Part", kept: "list[_Part]") -> "tuple[_Part, list[_Pa
 
 
 def _is_joined(lead: str, clause: str) -> bool:
-    """Tell whether so much is joined already that a further clause needs its own sentence."""
+    """Return whether a further clause needs its own sentence because this one already joins several."""
     return (
         " and " in clause
         or ", " in clause
@@ -385,7 +385,7 @@ def _whole(part: _Part) -> str:
 
 
 def _name(text: str) -> Name:
-    """Return what a text calls the ego vehicle."""
+    """Return the name of the ego vehicle in a text."""
     low = text.casefold()
     if "ego" not in low:
         return "I" if re.search(r"\b(?:my|i|me)\b", low) else "the ego vehicle"

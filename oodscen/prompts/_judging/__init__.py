@@ -1,1 +1,1 @@
-"""Questions to judged models and to the judge."""
+"""Prompts for judged models and for the judge."""

@@ -1,4 +1,4 @@
-"""Task two: what should the ego vehicle do?"""
+"""The second task: choose the ego vehicle's action."""
 
 from typing import ClassVar
 
@@ -35,17 +35,17 @@ class ChooseAction(Prompt[ChosenAction]):
 
     frames: tuple[Image, ...]
     descriptions: tuple[str, ...]
-    """What the model said about each frame."""
+    """The model's descriptions of the frames."""
     options: tuple[ActionOption, ...]
     is_whole_trace: bool = False
-    """The frames show the whole drive, as in the paper, instead of what led to the decision."""
+    """True if the frames show the whole drive, as in the paper, instead of the time before the decision."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
         return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: ChosenAction) -> list[Issue]:
-        """The action is one of the options."""
+        """Return a fault if the action is not one of the options."""
         known = [option.id for option in self.options]
         if answer.action not in known:
             return [Issue("action", f"{answer.action!r} is none of {', '.join(known)}")]

@@ -1,4 +1,4 @@
-"""Task one as a closed question: which of these kinds of situation is it?"""
+"""The first task as a multiple-choice question: choose the kind of situation."""
 
 from typing import ClassVar
 
@@ -18,7 +18,7 @@ class ChosenAspect(BaseModel):
 
 
 class ChooseAspect(Prompt[ChosenAspect]):
-    """Choose what three frames showed among the leaves of a tree and "nothing unusual"."""
+    """Choose among the leaves of a tree and "nothing unusual" for a drive of three frames."""
 
     purpose: ClassVar[str] = "choose-aspect"
     template: ClassVar[str] = "choose_aspect.md"
@@ -27,16 +27,16 @@ class ChooseAspect(Prompt[ChosenAspect]):
 
     frames: tuple[Image, ...]
     descriptions: tuple[str, ...]
-    """What the model said about each frame."""
+    """The model's descriptions of the frames."""
     labels: tuple[str, ...]
-    """In the order in which they are shown; shuffle them, so that a place in the list wins nothing."""
+    """Labels in the order in which they are shown. Shuffle them, so that position confers no advantage."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
         return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: ChosenAspect) -> list[Issue]:
-        """The number is that of an option."""
+        """Return a fault if the number is not that of an option."""
         if answer.choice > len(self.labels):
             return [Issue("choice", f"there are {len(self.labels)} options")]
         return []

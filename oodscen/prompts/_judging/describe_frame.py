@@ -1,4 +1,4 @@
-"""The first question to a vision-language model: what does a frame show?"""
+"""The first question to a vision-language model: describe a frame."""
 
 from typing import ClassVar
 
@@ -25,7 +25,7 @@ class DescribeFrame(Prompt[FrameDescription]):
     frames: tuple[Image, ...]
     """The frames so far, in order; the last one is to be described."""
     descriptions: tuple[str, ...] = ()
-    """What was said about the others."""
+    """Descriptions of the earlier frames."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the earlier frames."""
@@ -36,14 +36,14 @@ class DescribeFrame(Prompt[FrameDescription]):
         return self.frames[-1:]
 
     def check(self, answer: FrameDescription) -> list[Issue]:
-        """It holds words, not the dots of the question."""
+        """Return a fault if the answer repeats the dots of the question instead of words."""
         if not any(char.isalnum() for char in answer.description):
             return [Issue("description", "there is none")]
         return []
 
 
 def frame_turns(frames: tuple[Image, ...], descriptions: tuple[str, ...]) -> tuple[Message, ...]:
-    """Render the conversation about frames that have been described."""
+    """Render the conversation about the frames described so far."""
     turns: list[Message] = []
     for index, description in enumerate(descriptions):
         prompt = DescribeFrame(frames=frames[: index + 1], descriptions=descriptions[:index])

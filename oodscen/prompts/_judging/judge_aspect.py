@@ -1,4 +1,4 @@
-"""Whether an open answer names the aspect of a scenario: asked of a judge model."""
+"""The question to a judge model: does an open answer name the aspect of a scenario?"""
 
 from typing import ClassVar
 
@@ -22,6 +22,6 @@ class JudgeAspect(Prompt[AspectJudgement]):
     answer: ClassVar[type[BaseModel]] = AspectJudgement
 
     aspect: str
-    """What a model answered."""
+    """The answer of the judged model."""
     path: tuple[str, ...]
     """Labels below the root, down to the leaf."""

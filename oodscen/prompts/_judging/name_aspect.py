@@ -1,4 +1,4 @@
-"""Task one: what is out of the ordinary?"""
+"""The first task: name what is out of the ordinary."""
 
 from typing import ClassVar
 
@@ -22,7 +22,7 @@ class OodAspect(BaseModel):
 
 
 class NameAspect(Prompt[OodAspect]):
-    """Name the OOD characteristic of what three frames showed (paper, section V-C, first task)."""
+    """Name the OOD characteristic of a drive of three frames (paper, section V-C, first task)."""
 
     purpose: ClassVar[str] = "name-aspect"
     template: ClassVar[str] = "name_aspect.md"
@@ -31,14 +31,14 @@ class NameAspect(Prompt[OodAspect]):
 
     frames: tuple[Image, ...]
     descriptions: tuple[str, ...]
-    """What the model said about each frame."""
+    """The model's descriptions of the frames."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
         return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: OodAspect) -> list[Issue]:
-        """The aspect is not the dots of the question."""
+        """Return a fault if the aspect repeats the dots of the question."""
         if answer.is_ood and answer.aspect and not any(char.isalnum() for char in answer.aspect):
             return [Issue("aspect", "name it, or leave it empty")]
         return []

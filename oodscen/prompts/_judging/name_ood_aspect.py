@@ -1,4 +1,4 @@
-"""Task one as the paper puts it: which aspect is out-of-distribution?"""
+"""The first task as the paper asks it: name the out-of-distribution aspect."""
 
 from typing import ClassVar
 
@@ -20,7 +20,7 @@ class NamedAspect(BaseModel):
 class NameOodAspect(Prompt[NamedAspect]):
     """Name the OOD aspect of a drive that has one (paper, section V-C, first task).
 
-    Nothing is asked about how likely that is, nor how sure the answer is: the paper shows no ordinary drives.
+    The question asks for neither a likelihood nor a confidence: the paper shows no ordinary drives.
     """
 
     purpose: ClassVar[str] = "name-ood-aspect"
@@ -29,16 +29,16 @@ class NameOodAspect(Prompt[NamedAspect]):
     follows = (DescribeFrame,)
 
     frames: tuple[Image, ...]
-    """First, middle and last of the whole trace."""
+    """The first, middle and last frame of the whole trace."""
     descriptions: tuple[str, ...]
-    """What the model said about each frame."""
+    """The model's descriptions of the frames."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
         return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: NamedAspect) -> list[Issue]:
-        """The aspect is not the dots of the question."""
+        """Return a fault if the aspect repeats the dots of the question."""
         if answer.aspect and not any(char.isalnum() for char in answer.aspect):
             return [Issue("aspect", "name it")]
         return []

@@ -1,1 +1,1 @@
-"""Questions that write, read and stage texts."""
+"""Prompts that write, read and stage texts."""

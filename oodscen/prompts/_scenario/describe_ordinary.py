@@ -1,4 +1,4 @@
-"""The question for a text's ordinary twin."""
+"""The prompt for the ordinary twin of a text."""
 
 from typing import ClassVar
 
@@ -16,10 +16,10 @@ class OrdinaryText(BaseModel):
 
 
 class DescribeOrdinary(Prompt[OrdinaryText]):
-    """Write a text again with its unusual event replaced by the event's ordinary counterpart.
+    """Rewrite a text with its unusual event replaced by the event's ordinary counterpart.
 
-    Place, weather that is not the event itself, phrasing and length stay, so that text and twin differ in what happens
-    and in nothing else.
+    Place, phrasing, length and any weather that is not itself the event stay the same, so that text
+    and twin differ only in what happens.
     """
 
     purpose: ClassVar[str] = "describe-ordinary"
@@ -29,10 +29,10 @@ class DescribeOrdinary(Prompt[OrdinaryText]):
     text: str
     """The text with the unusual event."""
     path: tuple[str, ...] = ()
-    """Labels from the root down to the leaf, where it has one."""
+    """Labels from the root down to the leaf, if the text has one."""
 
     def check(self, answer: OrdinaryText) -> list[Issue]:
-        """It is another text, of about the same length."""
+        """Return a fault if the answer is the same text or differs much in length."""
         words, own = len(plain(answer.text).split()), len(plain(self.text).split())
         if plain(answer.text) == plain(self.text):
             return [Issue("text", "is the same text; replace the unusual event")]

@@ -1,4 +1,4 @@
-"""The describing question: texts that realise one path of the tree."""
+"""The describing prompt: texts that realise one path of the tree."""
 
 import re
 from typing import Any, ClassVar, Literal, get_args
@@ -9,8 +9,8 @@ from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 
 Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
-"""Register of a text: varied everyday prose, the paper's two sentences, a test catalogue's line, a full account, or the
-driver's own words."""
+"""Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
+catalogue, a full account, or the driver's own words."""
 STYLES: tuple[Style, ...] = get_args(Style)
 
 
@@ -30,18 +30,18 @@ class DescribePath(Prompt[Descriptions]):
     path: tuple[str, ...]
     """Labels from the root down to the leaf."""
     count: int
-    """How many texts are wanted."""
+    """Number of texts to write."""
     avoid: tuple[str, ...] = ()
-    """Texts that exist already."""
+    """Existing texts that must not be repeated."""
     style: Style = "natural"
-    """Register in which they are written."""
+    """Register of the texts."""
 
     def variables(self) -> dict[str, Any]:
-        """Return the fields, with what the style asks for in words."""
+        """Return the fields, with the style's instructions in words."""
         return {**super().variables(), "register": _REGISTERS[self.style]}
 
     def check(self, answer: Descriptions) -> list[Issue]:
-        """There are enough texts, of reasonable length, no two of them equal."""
+        """Return faults if there are too few texts, or texts of unreasonable length, or duplicates."""
         issues = []
         if len(answer.texts) != self.count:
             issues.append(Issue("texts", f"give {self.count}, not {len(answer.texts)}"))
@@ -71,5 +71,5 @@ _REGISTERS: dict[Style, str] = {
 
 
 def plain(text: str) -> str:
-    """Return a text without case and punctuation, to compare it with others."""
+    """Return a text without case and punctuation, for comparisons."""
     return " ".join(re.findall(r"[^\W_]+", text.casefold()))

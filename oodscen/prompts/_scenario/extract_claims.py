@@ -1,4 +1,4 @@
-"""The reading question: what a text says about a scene."""
+"""The reading prompt: the claims of a text about a scene."""
 
 from typing import Any, ClassVar
 
@@ -21,7 +21,7 @@ class Claims(BaseModel):
 
 
 class ExtractClaims(Prompt[Claims]):
-    """Read a text's claims from its words alone; they are compared with scenes later."""
+    """Read the claims of a text from its words alone, for later comparison with scenes."""
 
     purpose: ClassVar[str] = "extract-claims"
     template: ClassVar[str] = "extract_claims.md"
@@ -39,7 +39,7 @@ class ExtractClaims(Prompt[Claims]):
         }
 
     def check(self, answer: Claims) -> list[Issue]:
-        """Every claim quotes the text, none is there twice, and every thing is said to be there."""
+        """Return faults: quotes that the text lacks, repeated claims, and subjects not claimed to be present."""
         issues = []
         words = f" {plain(self.text)} "
         if len(answer.claims) > _MOST:

@@ -1,4 +1,4 @@
-"""The augmenting question: turn a text into a scene."""
+"""The augmenting prompt: turn a text into a scene."""
 
 from typing import ClassVar
 

@@ -1,1 +1,1 @@
-"""Questions that grow, widen and prune the tree."""
+"""Prompts that grow, widen and prune the tree."""

@@ -1,4 +1,4 @@
-"""Turn two of growing a tree: sort the examples into the two classes."""
+"""The second turn of growing a tree: sort the examples into the two classes."""
 
 from typing import ClassVar, Literal
 
@@ -25,7 +25,7 @@ class Classification(BaseModel):
 
 
 class ClassifyExamples(Prompt[Classification]):
-    """Is each example environmental or interactional (paper, section III-A)?"""
+    """Classify each example as environmental or interactional (paper, section III-A)."""
 
     purpose: ClassVar[str] = "classify-examples"
     template: ClassVar[str] = "classify_examples.md"
@@ -35,7 +35,7 @@ class ClassifyExamples(Prompt[Classification]):
     asked: GiveExamples
     """The first turn."""
     given: tuple[str, ...]
-    """The examples that the model gave in answer to it."""
+    """The examples from the model's answer to the first turn."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the first turn and its answer."""
@@ -45,7 +45,7 @@ class ClassifyExamples(Prompt[Classification]):
         )
 
     def check(self, answer: Classification) -> list[Issue]:
-        """Every example has exactly one class."""
+        """Return a fault unless every example has exactly one class."""
         numbers = sorted(item.number for item in answer.examples)
         wanted = list(range(1, len(self.given) + 1))
         if numbers != wanted:

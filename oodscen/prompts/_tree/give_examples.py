@@ -1,4 +1,4 @@
-"""Turn one of growing a tree: introduce the concept, ask for examples."""
+"""The first turn of growing a tree: introduce the concept and ask for examples."""
 
 from typing import ClassVar
 
@@ -15,19 +15,19 @@ class Examples(BaseModel):
 
 
 class GiveExamples(Prompt[Examples]):
-    """What is an out-of-distribution driving scenario? Give examples (paper, section III-A)."""
+    """Ask for examples of out-of-distribution driving scenarios (paper, section III-A)."""
 
     purpose: ClassVar[str] = "give-examples"
     template: ClassVar[str] = "give_examples.md"
     answer: ClassVar[type[BaseModel]] = Examples
 
     shown: tuple[str, ...]
-    """The few shots."""
+    """The few-shot examples."""
     count: int
-    """How many new examples are wanted."""
+    """Number of new examples to give."""
 
     def check(self, answer: Examples) -> list[Issue]:
-        """Ask for enough examples, none of them empty."""
+        """Return faults if there are too few examples, or empty ones."""
         filled = [text for text in answer.examples if text.strip()]
         if len(filled) < self.count:
             return [Issue("examples", f"give {self.count}, not {len(filled)}")]

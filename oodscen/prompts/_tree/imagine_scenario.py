@@ -1,4 +1,4 @@
-"""The red-LLM's question: imagine an OOD scenario that the tree may lack."""
+"""The red-LLM's prompt: imagine an OOD scenario that the tree may lack."""
 
 from typing import ClassVar
 
@@ -23,18 +23,18 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     answer: ClassVar[type[BaseModel]] = ImaginedScenario
 
     shown: tuple[str, ...]
-    """The few shots."""
+    """The few-shot examples."""
     covered: tuple[str, ...] = ()
-    """Labels of the leaves that exist already; empty in the paper's open loop, like all that follows."""
+    """Labels of the existing leaves; in the paper's open loop this field and all that follow are empty."""
     unlisted: int = 0
-    """How many more leaves there are, where the tree is too large to list them all."""
+    """Number of further leaves, if the tree is too large to list them all."""
     thin: tuple[str, ...] = ()
     """Labels of the groups with the fewest leaves."""
     refused: tuple[str, ...] = ()
-    """What was proposed lately and turned out to be nothing new."""
+    """Recent proposals that were rejected as nothing new."""
 
     def check(self, answer: ImaginedScenario) -> list[Issue]:
-        """The text is one short paragraph."""
+        """Return a fault unless the text is one short paragraph."""
         if not 20 <= len(answer.text.strip()) <= 600:
             return [Issue("text", "write one or two sentences, 20 to 600 characters")]
         return []

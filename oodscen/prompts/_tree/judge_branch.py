@@ -1,4 +1,4 @@
-"""The pruning question: can a simulator show what a branch describes?"""
+"""The pruning prompt: judge whether a simulator can show what a branch describes."""
 
 from typing import ClassVar
 
@@ -68,7 +68,7 @@ class JudgeBranch(Prompt[BranchJudgement]):
     catalogue: CatalogueDigest
 
     def check(self, answer: BranchJudgement) -> list[Issue]:
-        """What is named exists, what is missing does not, and a narrower label is one."""
+        """Return faults: named entries that do not exist, missing ones that do, or an invalid narrower label."""
         known = self._vocabulary()
         issues = []
         for field in ("assets", "states", "behaviours", "weather", "traits"):
@@ -106,7 +106,7 @@ class JudgeBranch(Prompt[BranchJudgement]):
         }
 
     def _has(self, addition: Addition) -> bool:
-        """Tell whether the catalogue has what an answer calls missing."""
+        """Return whether the catalogue has what an answer calls missing."""
         catalogue = self.catalogue
         if addition.kind == "asset":
             return bool(catalogue.called(addition.name))

@@ -1,4 +1,4 @@
-"""The tree-LLM's question: where does a scenario belong in the tree?"""
+"""The tree-LLM's prompt: find the place of a scenario in the tree."""
 
 from collections.abc import Iterable
 from typing import Any, ClassVar, Literal
@@ -13,7 +13,7 @@ from oodscen.tree._labels import label_fault, same_words
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree
 
 MOST_ALSO = 3
-"""So many runners-up are kept."""
+"""Largest number of runners-up to keep."""
 
 
 class AlsoFits(BaseModel):
@@ -49,13 +49,13 @@ class PlacedScenario(BaseModel):
 
 
 class Hidden(Data):
-    """A node of which not all that lies below it is shown."""
+    """A node whose subtree is only partly shown."""
 
     noun: ClassVar[str] = "hidden branch"
 
     id: str
     leaves: int
-    """How many leaves below it are not shown."""
+    """Number of leaves below it that are not shown."""
 
 
 class PlaceScenario(Prompt[PlacedScenario]):
@@ -67,17 +67,17 @@ class PlaceScenario(Prompt[PlacedScenario]):
 
     text: str
     nodes: tuple[Node, ...]
-    """The tree as it stands, or the part of a large one that is shown."""
+    """The tree, or the part of a large tree that is shown."""
     hidden: tuple[Hidden, ...] = ()
     """Nodes below which leaves are left out."""
     full: tuple[str, ...] = ()
-    """Ids of leaves that are not to be broadened any more."""
+    """Ids of leaves that must not be broadened further."""
     procedure: Literal["paper", "closed"] = "paper"
-    """`paper`: nodes are added or broadened. `closed`: leaves may be split and moved as well, and
-    runners-up are asked for."""
+    """`paper`: nodes are added or broadened. `closed`: leaves may also be split and moved, and the
+    answer names runners-up."""
 
     def variables(self) -> dict[str, Any]:
-        """Show the tree as an outline."""
+        """Return the fields, with the tree as an outline."""
         tree = ScenarioTree.model_validate({"nodes": self.nodes})
         left_out = {item.id: item.leaves for item in self.hidden}
         lines = (
@@ -88,7 +88,7 @@ class PlaceScenario(Prompt[PlacedScenario]):
         return {**super().variables(), "outline": "\n".join(lines)}
 
     def check(self, answer: PlacedScenario) -> list[Issue]:
-        """The decision names an existing node and carries the labels that it needs."""
+        """Return faults: a decision that names no existing node or lacks the labels it needs."""
         if answer.decision in ("not-ood", "off-topic"):
             return []
         by_id = {node.id: node for node in self.nodes}
@@ -122,7 +122,7 @@ class PlaceScenario(Prompt[PlacedScenario]):
 
 
 def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
-    """Find what is wrong with the labels of an answer: malformed, or taken by one of the nodes."""
+    """Return the faults of an answer's labels: malformed, or already taken by one of the nodes."""
     if answer.decision not in ("broaden", "add", "split"):
         return []
     wanted = [("label", answer.label)]

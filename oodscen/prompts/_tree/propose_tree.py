@@ -1,4 +1,4 @@
-"""Turn three of growing a tree: ask for the tree."""
+"""The third turn of growing a tree: ask for the tree."""
 
 from collections import Counter
 from typing import ClassVar
@@ -18,7 +18,7 @@ from oodscen.tree._labels import label_fault, same_words
 from oodscen.tree._scenario_tree import CLASSES
 
 MAX_DEPTH = 12
-"""Most edges from the root of a proposed tree to a leaf."""
+"""Largest number of edges from the root of a proposed tree to a leaf."""
 
 
 class ProposedNode(BaseModel):
@@ -47,11 +47,11 @@ class ProposeTree(Prompt[ProposedTree]):
     follows = (ClassifyExamples,)
 
     asked: ClassifyExamples
-    """The second turn, which holds the first."""
+    """The second turn, which contains the first."""
     classes: tuple[str, ...]
-    """The class that the model gave to each example, in order."""
+    """The model's class for each example, in order."""
     nodes: int
-    """How many nodes the tree must have, the root and the two classes included."""
+    """Number of nodes of the tree, including the root and the two classes."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the first two turns and their answers."""
@@ -70,7 +70,7 @@ class ProposeTree(Prompt[ProposedTree]):
         )
 
     def check(self, answer: ProposedTree) -> list[Issue]:
-        """The list is a tree of the right size below the two classes."""
+        """Return faults unless the list is a tree of the right size below the two classes."""
         issues = []
         known: dict[int, ProposedNode] = {}
         depths: dict[int, int] = {}
