@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 STEP, FAST_STEP = 3.0, 6.0
 """Length of a piece of road and of a fast road, m; also the length of a dash of a broken mark."""
 FAST = 19.0
-"""Speed limit at and above which a road counts as fast, m/s."""
+"""Speed limit above which a road counts as fast, m/s."""
 BEHIND = 60.0
 """Length of road drawn behind the ego's start, m."""
 SEEN_M, DRIVEN_S = 400.0, 30.0

@@ -16,7 +16,7 @@ Float = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 
 HEADLAMP = 3.5
-"""Power above which a directional lamp casts a cone of light."""
+"""Least power with which a directional lamp casts a cone of light."""
 _FAR = GRID_AHEAD * GRID_CELL
 
 

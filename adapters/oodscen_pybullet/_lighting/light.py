@@ -88,8 +88,9 @@ class Light:
     def darkness(self) -> NDArray[np.float32]:
         """Return the darkening of a shadow relative to the sunlit surface, 0 to 1, [256].
 
-        The index is the cosine between sun and surface normal, scaled to 0 to 255. The darkening is the
-        sun's fraction of the light; where an overcast sky makes that small, it is `shadow` near the base of objects.
+        The index is the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular). The darkening
+        is the sun's fraction of the light; where an overcast sky makes that small, it is `shadow` near
+        the base of objects.
         """
         slant = np.arange(256, dtype=np.float32) / np.float32(255.0)
         share = self.diffuse * slant / (self.ambient + self.diffuse * slant)
