@@ -79,12 +79,12 @@ def cast(
     and cannot darken these by mistake.
 
     Args:
-        corners: As in `raster.scatter`.
-        planes: As in `raster.scatter`.
-        spans: As in `raster.scatter`.
-        places: As in `raster.scatter`.
-        spheres: As in `raster.scatter`.
-        kinds: As in `raster.scatter`.
+        corners: As in `depth_kernel.scatter`.
+        planes: As in `depth_kernel.scatter`.
+        spans: As in `depth_kernel.scatter`.
+        places: As in `depth_kernel.scatter`.
+        spheres: As in `depth_kernel.scatter`.
+        kinds: As in `depth_kernel.scatter`.
         sun: [3] direction towards the sun.
         frame: [7] x and y of the map's corner, z of the ground, shift along x and y per metre of
             height, cells per metre, and the margin in cells by which all objects are widened.

@@ -142,7 +142,7 @@ def asset_mesh(
         state: A state of the asset.
         paint: A look of the asset; empty selects the first.
         running: Whether head and tail lamps are on.
-        frame: Animation frame, see `cast.Look.frame`.
+        frame: Animation frame, see `appearance.Look.frame`.
 
     Raises:
         UnknownComponent: If there is no such asset.

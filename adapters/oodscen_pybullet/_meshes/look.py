@@ -35,7 +35,7 @@ class Shown:
     running: bool = False
     """True if head and tail lamps are on."""
     frame: int = 0
-    """Animation frame, as in `cast.Look`."""
+    """Animation frame, as in `appearance.Look`."""
 
     @cached_property
     def lights(self) -> Lights:

@@ -1,4 +1,4 @@
-"""The numba kernels that colour the pixels from the surfaces that `raster` found in front.
+"""The numba kernels that colour the pixels from the surfaces that `depth_kernel` found in front.
 
 Each pixel is shaded once, at its centre, with a texture of matching resolution; where its corners
 show another surface, the colours are mixed.

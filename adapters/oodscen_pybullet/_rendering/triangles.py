@@ -75,7 +75,7 @@ class Triangles:
             mesh: The mesh.
             atlas: The texture atlas with its colours.
             is_chunked: Whether to cut it into chunks, for scenery; otherwise it is one chunk around
-                the mesh's origin, which `placed` can move.
+                the mesh's origin, which a new row in `places` moves.
         """
         order = mesh.triangles
         points = np.round(mesh.vertices[order] * _GRID) / _GRID
