@@ -209,7 +209,7 @@ def others() -> list[Row]:
                     one.dress(stage)
                     found.append(turn_about(lambda: one.shoot(stage, light), drawing.draw))  # noqa: B023
                 drawing.close()
-        except Exception as reason:  # whatever an OpenGL library throws where there is no OpenGL
+        except Exception as reason:  # libraries raise anything if OpenGL is missing
             rows.append(row(f"{name} (not run: {reason})", None, "", None))
             continue
         how = f"{name} ({drawing.name}), colours alone"

@@ -4,9 +4,9 @@ Usage: python benchmarks/text.py [--json] [--llm NAME] [--seed N] [--style STYLE
 
 Without `--study`, the built-in author or the model named by `--llm` first grows the trees and writes the texts.
 Parts: sets, twins, redteam, pruning, claims. CityFlow-NL is found through the environment variable
-OODSCEN_CORPORA; without it its rows are `not run`. Each figure comes with its interval over paths and, if they exist, the paper's
-figure (nuScenes text as baseline: not comparable in absolute terms) and that of a frontier model that followed the
-paper by hand.
+OODSCEN_CORPORA; without it its rows are `not run`. Each figure comes with its interval over paths and, if they
+exist, the paper's figure (nuScenes text as baseline: not comparable in absolute terms) and that of a frontier
+model that followed the paper by hand.
 """
 
 import argparse

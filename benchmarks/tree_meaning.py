@@ -6,8 +6,8 @@ Labelled pairs come from the knowledge base: the label of a hazard and the words
 hazard match, those of two hazards do not. In every pair of trees a fifth of the leaves are the same hazards: one
 tree has their labels, the other has their wider labels (short, and wide enough to cover related hazards: hard)
 or one of their events (long, and specific: easy). The other leaves of both trees are different hazards, closely
-related ones among them. Half of the hazards, by id, choose the threshold (tune); the other half evaluates it (test). The counts
-are of the pairs that `match` makes by meaning.
+related ones among them. Half of the hazards, by id, choose the threshold (tune); the other half evaluates it
+(test). The counts are of the pairs that `match` makes by meaning.
 """
 
 import argparse

@@ -18,7 +18,7 @@ def load_pybullet() -> ModuleType:
         loaded: ModuleType = sys.modules["pybullet"]
         return loaded
     try:
-        import cv2  # noqa: F401  # the frames need it; say so before a scene is half loaded
+        import cv2  # noqa: F401  # frames need it; fail before a scene is half loaded
     except ImportError:
         raise MissingExtra("the PyBullet simulator", "pybullet", "cv2") from None
     try:

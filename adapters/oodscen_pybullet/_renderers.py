@@ -23,7 +23,7 @@ if p.loadPlugin(sys.argv[1], "_eglRendererPlugin", physicsClientId=client) < 0:
 p.getCameraImage(8, 8, renderer=p.ER_BULLET_HARDWARE_OPENGL, physicsClientId=client)
 print("works", file=sys.stderr)
 """
-"""Loads the plugin in a separate process, which dies where there is no OpenGL."""
+"""Loads the plugin in a separate process, because it ends the process if OpenGL is missing."""
 
 
 def has_numba() -> bool:

@@ -250,7 +250,7 @@ def _spanned(way: Way, kinds: Sequence[str]) -> Mask:
 
 
 def _pieces(samples: Mask) -> Mask:
-    """Return the pieces whose both ends satisfy a condition."""
+    """Return the pieces that satisfy a condition at both ends."""
     return np.asarray(samples[1:] & samples[:-1])
 
 

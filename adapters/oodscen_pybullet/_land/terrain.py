@@ -267,7 +267,7 @@ class Terrain:
         return corners
 
     def _is_corner(self, points: Array) -> NDArray[np.bool_]:
-        """Return which points are so close to a junction that everything is paved."""
+        """Return which points are close enough to a junction to be paved all over."""
         square = (points[:, :1] - self._meeting[None, :, 0]) ** 2
         square += (points[:, 1:] - self._meeting[None, :, 1]) ** 2
         return np.asarray(square.min(axis=1) < 9.0 * 9.0)
