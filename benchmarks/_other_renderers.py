@@ -1,8 +1,8 @@
-"""Other renderers that draw the same triangles from the same place, for `render.py`.
+"""Other renderers that draw the same triangles from the same camera, for `render.py`.
 
-Each takes triangles with normals and places in a texture, and hands back colours, [height, width, 3]
-uint8, in main memory; one sample per pixel, one light, no shadows. A class raises whatever its library
-raises where there is no way to draw without a display.
+Each takes triangles with normals and texture coordinates, and returns colours, [height, width, 3] uint8,
+in main memory; one sample per pixel, one light, no shadows. A class raises its library's own exception
+where it cannot draw without a display.
 """
 
 import os
@@ -26,27 +26,27 @@ Pose = tuple[float, float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Soup:
-    """Triangles without any order."""
+    """Triangles in no particular order."""
 
     points: F32
-    """[3 n, 3] m, three corners after each other."""
+    """[3 n, 3] m, the corners of each triangle in sequence."""
     normals: F32
     """[3 n, 3]"""
     uvs: F32
-    """[3 n, 2] from the lower left of the texture."""
+    """[3 n, 2] texture coordinates from the lower left."""
     atlas: U8
-    """[m, m, 3], from the upper row down."""
+    """[m, m, 3] texture, top row first."""
 
 
 class Drawing(Protocol):
-    """A renderer that has taken triangles."""
+    """A renderer that holds a set of triangles."""
 
     def draw(self) -> U8:
-        """Draw them."""
+        """Return the picture."""
         ...
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release all resources."""
 
 
 def soup_of(meshes: Sequence[Mesh], looks: Sequence[Look], poses: Sequence[Pose]) -> Soup:
@@ -66,7 +66,7 @@ def soup_of(meshes: Sequence[Mesh], looks: Sequence[Look], poses: Sequence[Pose]
 
 
 class ModernGL:
-    """moderngl on a standalone EGL context, which is llvmpipe where there is no graphics card."""
+    """moderngl on a standalone EGL context, which is llvmpipe on machines without a GPU."""
 
     _VERTEX = """
     #version 330
@@ -114,7 +114,7 @@ class ModernGL:
         self._shape = (view.height, view.width, 3)
 
     def draw(self) -> U8:
-        """Draw them."""
+        """Return the picture."""
         self._target.use()
         self._target.clear(0.6, 0.7, 0.9, 1.0)
         self._mesh.render()
@@ -122,12 +122,12 @@ class ModernGL:
         return pixels.reshape(self._shape)[::-1]
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release all resources."""
         self._context.release()
 
 
 class MuJoCo:
-    """MuJoCo's offscreen renderer, by EGL."""
+    """MuJoCo's offscreen renderer, on EGL."""
 
     name = "EGL"
 
@@ -181,17 +181,17 @@ class MuJoCo:
         self._renderer.update_scene(data, camera="dash")
 
     def draw(self) -> U8:
-        """Draw them."""
+        """Return the picture."""
         pixels: U8 = self._renderer.render()
         return pixels
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release all resources."""
         self._renderer.close()
 
 
 def _quaternion(mujoco: Any, view: View) -> NDArray[np.float64]:
-    """Return the turn of a camera that looks along its negative z."""
+    """Return the rotation of a camera that looks along its negative z."""
     turn = np.array([view.right, view.up, [-part for part in view.forward]]).T
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(turn).ravel())
@@ -199,7 +199,7 @@ def _quaternion(mujoco: Any, view: View) -> NDArray[np.float64]:
 
 
 class Panda3D:
-    """Panda3D, offscreen: OpenGL without a display where it has that, else its own software."""
+    """Panda3D, offscreen: OpenGL where it works without a display, otherwise Panda3D's software renderer."""
 
     def __init__(self, soup: Soup, view: View) -> None:
         from panda3d import core
@@ -259,18 +259,18 @@ class Panda3D:
         self._root, self._shape = root, (view.height, view.width, 4)
 
     def draw(self) -> U8:
-        """Draw them."""
+        """Return the picture."""
         self._engine.render_frame()
         pixels = np.frombuffer(self._picture.get_ram_image_as("RGBA"), np.uint8)
         return pixels.reshape(self._shape)[::-1, :, :3]
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release all resources."""
         self._engine.remove_all_windows()
 
 
 def _pipe(core: Any) -> tuple[Any, str]:
-    """Return a way of drawing without a display, and its name."""
+    """Return a graphics pipe that needs no display, and its name."""
     pipes = core.GraphicsPipeSelection.get_global_ptr()
     for module in ("p3headlessgl", "p3tinydisplay"):
         pipe = pipes.make_module_pipe(module)
@@ -284,4 +284,4 @@ RENDERERS: dict[str, tuple[str, type[Drawing]]] = {
     "mujoco": ("MuJoCo", MuJoCo),
     "panda3d": ("Panda3D", Panda3D),
 }
-"""Modules that must be installed, names, and what draws with them."""
+"""Required module, display name, and the class that draws with it."""

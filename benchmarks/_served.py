@@ -1,4 +1,4 @@
-"""Two processes that `llm.py` starts: a server that is slow in a known way, and a study through a bad one.
+"""Two processes that `llm.py` starts: a server of known latency, and a study through a faulty one.
 
 python benchmarks/_served.py slow SECONDS
 python benchmarks/_served.py study OUT LOG FAULTS KILL_AFTER
@@ -23,7 +23,7 @@ FAULTS = (
 
 
 def slow(seconds: float) -> None:
-    """Answer every chat request after the same time; print the port first."""
+    """Answer every chat request after a fixed delay; print the port first."""
     text = json.dumps({"text": "A grand piano lies across the ego vehicle's lane."})
     document = json.dumps(
         {
@@ -55,7 +55,7 @@ def slow(seconds: float) -> None:
             self.wfile.write(document)
 
         def log_message(self, *args: object) -> None:
-            """Stay silent."""
+            """Suppress the log."""
 
     class Server(ThreadingHTTPServer):
         request_queue_size = 128
@@ -69,10 +69,10 @@ def study(out: Path, log: Path, faults: float, kill_after: int) -> None:
     """Run the text pipeline through a server in this process.
 
     Args:
-        out: The study's folder.
-        log: Gets a line per request that arrives.
-        faults: Share of the requests that go wrong.
-        kill_after: After so many requests this process kills itself, at a random moment; 0 is never.
+        out: Folder of the study.
+        log: File that gets a line per request that arrives.
+        faults: Fraction of the requests that fail.
+        kill_after: Number of requests after which this process kills itself, at a random moment; 0 is never.
     """
     from oodscen import make_llm
     from oodscen._pipeline import run_study

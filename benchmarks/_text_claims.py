@@ -1,4 +1,4 @@
-"""Rows on claims: do scenes hold to their texts, and are scenes that do not found out?
+"""Measures claims: whether scenes satisfy their texts, and whether scenes that do not are detected.
 
 Alone: python benchmarks/_text_claims.py [--json] [--llm MODEL]
 """
@@ -39,7 +39,7 @@ TEXTS = 200
 MUTANTS = 500
 CAUGHT = 0.98
 PLAYED = 40
-"""Scenes that are played in the simulator itself, and compared again with what happened there."""
+"""Number of scenes that are run in the simulator itself and checked again against its traces."""
 
 Row = dict[str, object]
 
@@ -50,18 +50,18 @@ def row(name: str, value: object, unit: str, target: str, holds: bool | None) ->
 
 @dataclass(frozen=True)
 class Staged:
-    """A text with its claims and a scene that holds to them."""
+    """A text with its claims and a scene that satisfies them."""
 
     scene: Scene
     claims: tuple[Claim, ...]
 
 
 def rows(llm: str = "builtin", seed: int = 0) -> Iterator[Row]:
-    """Stage texts, play some of the scenes, and falsify the scenes.
+    """Stage texts, simulate some of the scenes, and mutate the scenes.
 
     Args:
         llm: The model that writes, reads and stages.
-        seed: Of the model.
+        seed: Seed of the model.
     """
     model, simulator = make_llm(llm, seed=seed), make_simulator("pybullet")
     catalogue = simulator.catalogue()
@@ -129,9 +129,9 @@ def _staged(
 
 
 def _played(scene: Scene, simulator: Any) -> Iterator[Trace]:
-    """Yield the approach and what follows as a simulator reports it, if the ego goes on and if it brakes.
+    """Yield the simulator's trace of approach and outcome, once if the ego goes on and once if it brakes.
 
-    What somebody does may hang on the ego: a deer that bolts before a car stays where it is if the car stops.
+    An actor may depend on the ego: a deer that bolts before a car stays put if the car stops.
     """
     result = simulate(
         scene, simulator, render=False, traces=True, actions=("keep_speed", "emergency_brake")
@@ -150,7 +150,7 @@ def _played(scene: Scene, simulator: Any) -> Iterator[Trace]:
 def _falsified(
     staged: Sequence[Staged], texts: Mapping[str, str], catalogue: Catalogue, seed: int
 ) -> Iterator[Row]:
-    """Change scenes in ways that have nothing to do with what was read, and see which are found out."""
+    """Mutate scenes independently of the extracted claims, and count the mutants that are detected."""
     knowledge = load_knowledge()
     pools: dict[str, list[tuple[Staged, Scene]]] = {name: [] for name in MUTATIONS}
     left_out: Counter[tuple[str, str]] = Counter()
@@ -186,7 +186,7 @@ def _falsified(
 def _drawn(
     pools: Mapping[str, list[tuple[Staged, Scene]]], seed: int
 ) -> Iterator[tuple[str, Staged, Scene]]:
-    """Take the mutations in turn, each from its pool in random order, until there are enough."""
+    """Take the mutations in turn, each from its pool in random order, up to the required number."""
     queues = {}
     for name, pool in pools.items():
         order = stream(seed, "falsify", name).permutation(len(pool))

@@ -1,7 +1,7 @@
-"""Scenes that a text forbids, made without asking what anybody has read in it.
+"""Scenes that contradict their texts, made independently of the claims read from the texts.
 
-What is changed follows from the scene itself (who the hazard is and how it moves), from the knowledge base's
-phrases for weather, time and road that the text contains, and from a few plain words. What a text does not say is
+Each change follows from the scene itself (its hazard and how it moves), from the knowledge base's phrases
+for weather, time and road that the text contains, and from a few plain words. Anything a text leaves open is
 left out, with the reason.
 """
 
@@ -58,7 +58,7 @@ OPEN_STANDING: tuple[tuple[str, str], ...] = (
     (r"\bround in small steps\b", "it is said to move"),
     (r"\bhas turned a car round\b", "whether the car still slides is not told"),
 )
-"""Words of texts that do not say that what stands in their scene stands, and why."""
+"""Patterns of texts in which a standing actor need not stand, and the reasons."""
 OPEN_MOTION: tuple[tuple[str, str], ...] = (
     (r"\b(?:vehicle|car) ahead in (?:the same|(?:the )?ego)\b", "a vehicle ahead may stand"),
     (r"\bgather in\b", "people who gather may stand"),
@@ -67,12 +67,12 @@ OPEN_MOTION: tuple[tuple[str, str], ...] = (
     (r"\bappears beside\b", "somebody appears: how is not told"),
     (r"\btaken .* into fast traffic\b", "the machine may stand by now"),
 )
-"""Words of texts that do not say that what moves in their scene moves, and why."""
+"""Patterns of texts in which a moving actor need not move, and the reasons."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A text and a scene that shows what it says."""
+    """A text and a scene that satisfies it."""
 
     text: str
     scene: Scene
@@ -90,7 +90,7 @@ class Case:
 
     @cached_property
     def conditions(self) -> list[tuple[Condition, str]]:
-        """Conditions of which the text contains a phrase, with the longest such phrase."""
+        """Conditions mentioned in the text, each with the longest of its phrases there."""
         plain = self.text.casefold()
         found = []
         for condition in self.knowledge.conditions:
@@ -105,7 +105,7 @@ class Case:
 
     @cached_property
     def places(self) -> list[Place]:
-        """Kinds of road of which the text contains a phrase."""
+        """Kinds of road mentioned in the text."""
         plain = self.text.casefold()
         return [
             place
@@ -114,18 +114,18 @@ class Case:
         ]
 
     def category(self, actor: Actor) -> str:
-        """Return what kind of asset an actor is."""
+        """Return the category of an actor's asset."""
         return self.catalogue.asset(actor.asset).category
 
     def weather(self, change: Fields) -> Fields:
-        """Return the scene's fields with another weather."""
+        """Return the scene's fields with a changed weather."""
         fields = self.scene.model_dump()
         fields["weather"] |= change
         return fields
 
 
 class LeftOutError(Exception):
-    """A text does not say what a mutation would contradict."""
+    """Raised when a text does not state what a mutation would contradict."""
 
 
 def _missing(case: Case) -> Fields:
@@ -291,10 +291,10 @@ MUTATIONS: dict[str, Callable[[Case], Fields]] = {
 
 
 def mutants(case: Case) -> Iterator[tuple[str, Scene | str]]:
-    """Make every mutant of a scene.
+    """Yield every mutant of a scene.
 
     Yields:
-        The mutation's name with the mutant, or with why there is none.
+        The mutation's name with the mutant, or with the reason why there is none.
     """
     for name, mutate in MUTATIONS.items():
         try:

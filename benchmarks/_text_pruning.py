@@ -1,4 +1,4 @@
-"""Rows on pruning: is every decision explained, and does an addition restore what it promised?"""
+"""Measures pruning: whether every decision is explained, and whether additions restore what they promise."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,9 +13,9 @@ from oodscen.stages._prune.side_by_side import compare
 
 CATALOGUES = ("pybullet", "carla-0.9.16")
 TRIED = 5
-"""Additions of every ranking that are made and looked at."""
+"""Number of top-ranked additions that are made and checked."""
 WITHOUT = {"snow": ("snow",), "animal": ("deer", "dog", "moose", "horse", "cow")}
-"""What CARLA lacks, and words of labels that need it."""
+"""Capabilities that CARLA lacks, and the words of labels that need them."""
 
 Row = dict[str, object]
 
@@ -25,11 +25,11 @@ def row(name: str, value: object, unit: str, target: str, holds: bool | None) ->
 
 
 def rows(llm: str = "builtin", seed: int = 0) -> Iterator[Row]:
-    """Prune one diverse tree for two simulators and judge the decisions.
+    """Prune one diverse tree for two simulators and evaluate the decisions.
 
     Args:
         llm: The model that grows, red-teams and judges.
-        seed: Of the model.
+        seed: Seed of the model.
     """
     model = make_llm(llm, seed=seed)
     tree = RedTeamer(model).run(TreeGrower(model).run())
@@ -79,7 +79,7 @@ def _promised(
     llm: str,
     seed: int,
 ) -> Iterator[Row]:
-    """Make the highest ranked additions, judge again and compare with what was promised."""
+    """Make the top-ranked additions, judge again and compare the result with the promise."""
     found = restoration(judged)
     before = {one.id for one in judged if one.keep}
     tried: list[Unlocked] = [one for one in found.single if one.paths][:TRIED]

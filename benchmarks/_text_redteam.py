@@ -1,12 +1,12 @@
-"""Closed against open loop at equal model calls; a part of benchmarks/text.py.
+"""Compares the closed with the open loop at equal model calls; a part of benchmarks/text.py.
 
 Alone: python benchmarks/_text_redteam.py [--json] [--llm replay:FILE] [--encoder NAME] [--quick]
 
-The built-in author plays both models. In the open loop it draws from a repertoire that is fitted to how many
-leaves two real models added in a hundred rounds (37 by the paper, 36 rounds by a frontier model that followed it by
-hand, whose tree went from 40 to 79 nodes and was dry from round 68 on). That a model leaves out five times out of six
-what it is shown as covered is an assumption; what becomes of the figure for a model that listens every second time, or
-never, and for one that repeats itself less, is printed below it.
+The built-in author plays both models. In the open loop it draws from a repertoire fitted to the number of
+leaves that two real models added in a hundred rounds (37 by the paper; 36 rounds by a frontier model that
+followed it by hand, whose tree grew from 40 to 79 nodes and was dry from round 68 on). It is an assumption
+that a model omits, five times out of six, what it is shown as covered. The figures for a model that listens
+every second time, or never, and for one that repeats itself less, are printed below it.
 """
 
 import argparse
@@ -37,7 +37,7 @@ LEAST = 1.3
 PATIENCE = 20
 ROUNDS = 600
 ALIKE = 0.8
-"""Cosine of two labels from which on they count as one kind."""
+"""Cosine similarity at and above which two labels count as one kind."""
 HABITS = {
     "listens every second time": Habits(listens=0.5),
     "never listens": Habits(listens=0.0),
@@ -48,7 +48,7 @@ Row = dict[str, object]
 
 
 class Played(NamedTuple):
-    """One red team."""
+    """The result of one red team."""
 
     before: ScenarioTree
     after: ScenarioTree
@@ -67,11 +67,11 @@ def rows(
     """Return the rows of the comparison.
 
     Args:
-        llm: The built-in author decides in any case; another model, or `replay:FILE`, is played in addition.
-        seed: Of the first red team.
+        llm: Model or `replay:FILE` to run in addition; the built-in author always decides.
+        seed: Seed of the first red team.
         encoder: Compares proposals and labels.
-        count: So many seeds are played.
-        quick: Leave out the authors with other habits, and the rounds until nothing new comes.
+        count: Number of seeds.
+        quick: Skip the authors with other habits, and the rounds until nothing new appears.
     """
     meaning = CachedEncoder(make_encoder(encoder))
     seeds = range(seed, seed + count)
@@ -93,7 +93,7 @@ def rows(
 
 
 def author(seed: int, habits: Habits | None = None) -> LLM:
-    """Return the built-in author, with other habits if wanted."""
+    """Return the built-in author, optionally with other habits."""
     made = make_llm("builtin", seed=seed)
     if habits is not None:
         assert isinstance(made, BuiltinAuthor)
@@ -130,7 +130,7 @@ def compared(
 
 
 def described(one: Played, name: str) -> list[Row]:
-    """Say what became of the rounds, and when they were dry."""
+    """Return the counts of decisions, and the round from which the red team was dry."""
     found = one.found
     counts = Counter(str(item.decision) for item in one.rounds)
     decisions = ", ".join(f"{number} {kind}" for kind, number in counts.most_common())
@@ -159,13 +159,13 @@ def described(one: Played, name: str) -> list[Row]:
 
 
 def half(rounds: Sequence[Round]) -> int:
-    """Return the round by which half of the new kinds were there."""
+    """Return the round by which half of the new kinds had been found."""
     new = [item.round for item in rounds if item.decision in ("add", "split")]
     return new[(len(new) - 1) // 2] if new else 0
 
 
 def distinct(tree: ScenarioTree, encoder: Encoder) -> int:
-    """Return the number of leaves, of which those with like labels count once."""
+    """Return the number of leaves, counting those with similar labels once."""
     vectors = encode(encoder, [leaf.label for leaf in tree.leaves]).astype(np.float64)
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
     kept: list[int] = []
@@ -176,7 +176,7 @@ def distinct(tree: ScenarioTree, encoder: Encoder) -> int:
 
 
 def saturated(llm: LLM, encoder: Encoder, *, closed: bool) -> Row:
-    """Play on until the red team is dry, and say when that was."""
+    """Red-team until the tree is dry, and report the round."""
     name = f"{'closed' if closed else 'open'} loop: dry ({PATIENCE} rounds without a new kind) from round"
     before = TreeGrower(llm).run()
     teamer = RedTeamer(
@@ -188,7 +188,7 @@ def saturated(llm: LLM, encoder: Encoder, *, closed: bool) -> Row:
 
 
 def refusals(played: Sequence[tuple[LLM, Played]]) -> list[Row]:
-    """Ask the tree-LLM about every proposal that was refused without asking it."""
+    """Ask the tree-LLM about every proposal that was rejected without asking it."""
     right = wrong = missed = 0
     for llm, one in played:
         tree = one.before
@@ -204,7 +204,7 @@ def refusals(played: Sequence[tuple[LLM, Played]]) -> list[Row]:
 
 
 def modelled(llm: str, seed: int, encoder: Encoder) -> list[Row]:
-    """Play both loops with a model or a recording of one, as far as that goes."""
+    """Run both loops with a model or a recording of one, as far as it answers."""
     if llm == DEFAULT_LLM:
         return [
             row("closed over open loop, recorded model", "no recording given (--llm replay:FILE)")

@@ -1,9 +1,10 @@
-"""How often the matcher of open answers is right: on answers written down, labels and clauses.
+"""Measures the accuracy of the open-answer matcher on recorded answers, labels and clauses.
 
 Usage: python benchmarks/aspects.py [--json]
 
-The answers are those of tests/judging/aspects/aspects.jsonl, written in rounds. What the table of concepts lacked
-for the rounds of `HELD_OUT` has not been added to it, so that they say what to expect of new answers.
+The answers are those of tests/judging/aspects/aspects.jsonl, written in rounds. Concepts missing from the
+table for the rounds of `HELD_OUT` have not been added to it, so these rounds predict the accuracy on new
+answers.
 """
 
 import argparse
@@ -21,22 +22,22 @@ Row = dict[str, Any]
 ANSWERS = Path(__file__).parents[1] / "tests" / "judging" / "aspects" / "aspects.jsonl"
 HELD_OUT = (4, 5)
 STEP = 5
-"""Of so many clauses, one is compared with the labels of all other hazards."""
+"""One in this many clauses is compared with the labels of all other hazards."""
 
 
 def row(name: str, value: float, target: str, holds: bool) -> Row:
-    """Return one line of the result."""
+    """Return one row of the result."""
     return {"name": name, "value": round(value, 4), "unit": "", "target": target, "holds": holds}
 
 
 def share(pairs: Iterable[tuple[str, str]]) -> float:
-    """Return the share of pairs of an answer and a label that count as the same."""
+    """Return the fraction of answer-label pairs that count as the same."""
     found = [names_aspect(said, ("OOD", label)) for said, label in pairs]
     return sum(found) / len(found)
 
 
 def written() -> list[Row]:
-    """Figures of answers that a person wrote down."""
+    """Measure the answers written by a person."""
     lines = [json.loads(line) for line in ANSWERS.read_text(encoding="utf-8").splitlines()]
     rows = []
     for name, is_held_out, least, most in (("", False, 0.9, 0.03), (", held out", True, 0.8, 0.05)):
@@ -52,7 +53,7 @@ def written() -> list[Row]:
 
 
 def known() -> list[Row]:
-    """Figures of the clauses and wider labels in the knowledge of the built-in author."""
+    """Measure the clauses and wider labels in the built-in author's knowledge."""
     hazards: tuple[Hazard, ...] = load_knowledge().hazards
     told = [
         (clause.replace("{where}", ""), hazard) for hazard in hazards for clause in hazard.events
@@ -73,7 +74,7 @@ def known() -> list[Row]:
 
 
 def main() -> None:
-    """Print the figures."""
+    """Print the rows."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--json", action="store_true", help="print rows as JSON in the last line")
     arguments = parser.parse_args()

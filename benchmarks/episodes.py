@@ -1,4 +1,4 @@
-"""How quickly episodes run, what they leave behind, and whether they repeat to the last bit.
+"""Measures the speed, memory use and bitwise repeatability of episodes.
 
 Usage: python benchmarks/episodes.py [--json] [--only PART ...] [--simulator NAME]
 
@@ -90,7 +90,7 @@ CASTS: tuple[tuple[str, Weather, tuple[tuple[str, str, float, int, float], ...]]
 
 
 def sample_scenes() -> list[Scene]:
-    """Return the scenes that are timed: every one with six actors."""
+    """Return the scenes to time, each with six actors."""
     scenes = []
     for number, (road, weather, cast) in enumerate(CASTS):
         actors = tuple(
@@ -127,7 +127,7 @@ def sample_scenes() -> list[Scene]:
 
 
 def run_episode(simulator: Simulator, scene: Scene, seed: int) -> Trace:
-    """Run one episode of eight seconds without pictures, with all its ground truth."""
+    """Run one episode of eight seconds without pictures but with all its ground truth."""
     driver = action_driver("keep_speed")
     states = [simulator.reset(scene, seed)]
     states += [
@@ -161,7 +161,7 @@ _OPENED: dict[str, Simulator] = {}
 
 
 def run_batch(name: str, count: int) -> int:
-    """Run some episodes in a process that keeps its simulator."""
+    """Run some episodes in a process that keeps its simulator, and return the process's id."""
     if name not in _OPENED:
         _OPENED[name] = make_simulator(name)
     scenes = sample_scenes()
@@ -171,7 +171,7 @@ def run_batch(name: str, count: int) -> int:
 
 
 def processes(name: str) -> list[Row]:
-    """Compare the throughput of two processes with that of one, turn about."""
+    """Compare the throughput of two processes with that of one, alternating."""
     context = multiprocessing.get_context("spawn")
     with (
         ProcessPoolExecutor(1, mp_context=context) as one,
@@ -197,7 +197,7 @@ def processes(name: str) -> list[Row]:
 def study_scenes(name: str, count: int = STUDY_SCENES) -> list[Scene]:
     """Stage scenes of the default study, spread evenly over its paths.
 
-    A text that cannot be staged is named on standard error and left out.
+    A text that cannot be staged is reported on standard error and skipped.
     """
     llm, catalogue = make_llm("builtin", seed=0), make_simulator(name).catalogue()
     tree = Pruner(llm, catalogue).run(RedTeamer(llm).run(TreeGrower(llm).run()))
@@ -242,7 +242,7 @@ def study(name: str) -> list[Row]:
 
 
 def watch_memory(name: str) -> dict[str, float]:
-    """Load scenes again and again; return what has grown since the first fifth, MiB and files."""
+    """Load scenes repeatedly; return the growth since the first fifth, in MiB and open files."""
     scenes = sample_scenes()
     used: list[int] = []
     files: list[int] = []
@@ -262,7 +262,7 @@ def watch_memory(name: str) -> dict[str, float]:
 
 
 def memory(name: str) -> list[Row]:
-    """Watch a fresh process."""
+    """Measure the memory of a fresh process."""
     grown = json.loads(child("memory", name, {}))
     what = f"memory of a process over {RESETS} resets, after the first fifth"
     return [
@@ -296,7 +296,7 @@ def digests(name: str, *, is_reversed: bool = False) -> dict[str, str]:
 
 
 def environments() -> dict[str, dict[str, str]]:
-    """Return the settings that change which instructions libraries choose."""
+    """Return the settings that change which instructions libraries select."""
     chosen = importlib.import_module("numpy._core._multiarray_umath")
     here = [name for name in chosen.__cpu_dispatch__ if chosen.__cpu_features__.get(name)]
     return {
@@ -311,7 +311,7 @@ def environments() -> dict[str, dict[str, str]]:
 
 
 def hashes(name: str) -> list[Row]:
-    """Run the same scenes in fresh processes under other settings and count what differs."""
+    """Run the same scenes in fresh processes under other settings and count the differences."""
     plain = json.loads(child("hashes", name, {}))
     rows = []
     for what, settings in tqdm(environments().items(), desc="hashes", disable=None):
@@ -328,7 +328,7 @@ def hashes(name: str) -> list[Row]:
 
 
 def child(part: str, name: str, settings: Mapping[str, str]) -> str:
-    """Run one part in a fresh process and return its last line."""
+    """Run one part in a fresh process and return its last line of output."""
     command = [sys.executable, str(Path(__file__).resolve()), "--child", part, "--simulator", name]
     if settings.get("ORDER") == "reversed":
         command.append("--reversed")
@@ -340,7 +340,7 @@ def child(part: str, name: str, settings: Mapping[str, str]) -> str:
 
 
 def row(name: str, value: float, unit: str, target: float, *, is_most: bool = False) -> Row:
-    """Return one row of the report; the value must reach the target, or stay within it."""
+    """Return one row of the report; the value must be at least, or at most, the target."""
     return {
         "name": name,
         "value": round(value, 3),
@@ -351,7 +351,7 @@ def row(name: str, value: float, unit: str, target: float, *, is_most: bool = Fa
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the benchmark; 0 when every target holds."""
+    """Run the benchmark; return 0 if every target holds."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON, last line")
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS)

@@ -1,4 +1,4 @@
-"""Judging on the default study: safe sets, references, and a served model on scenes and twins.
+"""Evaluates judging on the default study: safe sets, references, and a served model on scenes and twins.
 
 `--study FOLDER` takes a finished study; without it, one is made (minutes). The served model is asked
 about `--paths` times ten scenes and their twins through HTTP, stopped half way and resumed.
@@ -35,12 +35,12 @@ Row = dict[str, Any]
 
 
 def row(name: str, value: float, unit: str, target: str, holds: bool) -> Row:
-    """Return one line of the result."""
+    """Return one row of the result."""
     return {"name": name, "value": value, "unit": unit, "target": target, "holds": holds}
 
 
 def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
-    """Figures of the scenes' safe sets."""
+    """Measure the scenes' safe sets."""
     figures = safety_figures([episode for episode in episodes if not episode.is_twin])
     constant = max(figures.actions.values(), key=lambda action: action.safe).safe
     everywhere = sum(a.safe > 0 and a.unsafe > 0 for a in figures.actions.values())
@@ -60,7 +60,7 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
 
 
 def references(study: Study) -> list[Row]:
-    """What the shipped answerers score, against what they must."""
+    """Compare the scores of the shipped answerers with their expected scores."""
     episodes = {episode.id: episode for episode in study.episodes if episode.status == "ok"}
     rows: dict[str, list[Verdict]] = {}
     for verdict in study.verdicts:
@@ -110,7 +110,7 @@ def _safe_in_scenes(verdicts: Sequence[Verdict]) -> float:
 
 
 def _needless(verdicts: Sequence[Verdict], episodes: Mapping[str, Episode]) -> float:
-    """Return how often it stops in twins in which keeping the speed is safe, with whatever margin."""
+    """Return the rate of stops in twins in which keeping the speed is safe, by any margin."""
     found = [
         v.action in CAUTIOUS
         for v in verdicts
@@ -163,7 +163,7 @@ def _is_picture(data: bytes) -> bool:
 
 
 def closed_loop(study: Study, count: int) -> list[Row]:
-    """The shipped rule-based driver over scenes and twins."""
+    """Run the shipped rule-based driver over scenes and twins."""
     scenes = study.scenes[:: max(1, len(study.scenes) // count)]
     with make_simulator(study.config.simulator) as simulator:
         results = drive(scenes, RuleBasedDriver, simulator)
@@ -181,7 +181,7 @@ def closed_loop(study: Study, count: int) -> list[Row]:
 
 
 def main() -> int:
-    """Run and print."""
+    """Run the benchmark and print the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--study", type=Path, help="folder of a finished default study")
     parser.add_argument("--paths", type=int, default=13, help="paths that the served model sees")

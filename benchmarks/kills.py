@@ -1,12 +1,13 @@
-"""Studies that are killed at random moments and continued: what is left of them, and whether they end the same.
+"""Kills studies at random moments and continues them: what survives, and do they end the same?
 
 Usage: python benchmarks/kills.py [--json] [--count N] [--seed N]
 
-Quick studies with two workers, every eighth on PyBullet, are ended by SIGTERM, SIGINT or SIGKILL, sent to the command
-alone or to its whole process group, some of them twice; the same command then continues them, up to six times
-killed again. No process may be left 5 s after a signal, SIGTERM and SIGINT may not leave the status `running`, and a
-finished study must have the bytes of an undisturbed run in all files. Left aside are `calls.jsonl`, where a question that
-was under way stands twice, what `study.json` and the report say of calls and times, and the lock file.
+Quick studies with two workers, every eighth on PyBullet, are ended by SIGTERM, SIGINT or SIGKILL, sent to the
+command alone or to its whole process group, sometimes twice. The same command then continues them and is killed
+up to six times in all. No process may be left 5 s after a signal, SIGTERM and SIGINT may not leave the status
+`running`, and all files of a finished study must have the bytes of an undisturbed run. Exempt are
+`calls.jsonl`, where a question in flight appears twice, the calls and times in `study.json` and the report,
+and the lock file.
 """
 
 import argparse
@@ -32,11 +33,11 @@ ROOT = Path(__file__).parent.parent
 ORDINARY = ROOT / "tests" / "pipeline" / "ordinary.txt"
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)
 LEFT_S = 5.0
-"""After so long nobody may be left."""
+"""Time after a signal by which every process must be gone, s."""
 MOST_KILLS = 6
-"""Of one study."""
+"""Largest number of kills of one study."""
 TWICE = 0.2
-"""Share of the signals after which a second one follows."""
+"""Fraction of the signals that are followed by a second one."""
 PYBULLET_EVERY = 8
 TIMES = (
     r"The run took [^,]+,",
@@ -44,16 +45,16 @@ TIMES = (
     r'(?<="row">)seconds\.\w+</th>.*',
     r'(?s)<h3 id="calls">.*?</table>',
 )
-"""Where the report shows times and calls."""
+"""Patterns of times and calls in the report."""
 MARK = "OODSCEN_KILLS"
-"""Environment variable by which the processes of a command are known, wherever they went."""
+"""Environment variable that identifies the processes of a command, wherever they went."""
 
 Row = dict[str, object]
 
 
 @dataclass
 class Tally:
-    """What was found."""
+    """The counts of all outcomes."""
 
     sent: Counter[str] = field(default_factory=Counter)
     studies: int = 0
@@ -66,12 +67,12 @@ class Tally:
 
     @property
     def kills(self) -> int:
-        """How many signals were sent to commands that were still running."""
+        """Number of signals sent to commands that were still running."""
         return self.sent.total()
 
 
 class Command:
-    """`oodscen run`, in a session of its own."""
+    """`oodscen run` in its own process session."""
 
     def __init__(self, out: Path, simulator: str) -> None:
         self.mark = uuid.uuid4().hex
@@ -97,7 +98,7 @@ class Command:
             )
 
     def is_over(self, seconds: float) -> bool:
-        """Wait so long at most, and tell whether the command has ended."""
+        """Wait up to `seconds` and return whether the command has ended."""
         try:
             self.process.wait(seconds)
         except subprocess.TimeoutExpired:
@@ -110,7 +111,7 @@ class Command:
             (os.killpg if to_all else os.kill)(self.process.pid, number)
 
     def alive(self) -> list[str]:
-        """Return the processes that the command started and that are still there, itself included."""
+        """Return the surviving processes that the command started, including itself."""
         self.process.poll()
         found = []
         for folder in Path("/proc").glob("[0-9]*"):
@@ -124,7 +125,7 @@ class Command:
 
 
 def killed(out: Path, simulator: str, span_s: float, draw: random.Random, tally: Tally) -> bool:
-    """Run the command, and end it at a random moment; tell whether it had ended before."""
+    """Run the command and end it at a random moment; return whether it had ended before."""
     number, to_all = draw.choice(SIGNALS), draw.random() < 0.5
     moment, again = draw.uniform(0.0, span_s), draw.random() < TWICE
     what = (
@@ -149,11 +150,11 @@ def killed(out: Path, simulator: str, span_s: float, draw: random.Random, tally:
             os.kill(int(one.split()[0]), signal.SIGKILL)
     code = command.process.wait()
     tally.sent[number.name] += 1
-    # A signal before the command listens, or the second one, ends it as if it were SIGKILL.
+    # A signal before the command listens, or a second one, ends it like SIGKILL.
     if code == 128 + number and before != "running" and status(out) == "running":
         tally.running.append(what)
     shown = command.log.read_text(errors="replace")
-    # While Python still imports the command, its own words for Ctrl-C are a traceback.
+    # While Python is still importing the command, Ctrl-C prints a traceback.
     if "Traceback" in shown and "import main" not in shown:
         tally.tracebacks.append(f"{what}: {tail(command.log)}")
     return code == 0
@@ -169,7 +170,7 @@ def tail(log: Path) -> str:
 
 
 def contents(out: Path) -> dict[str, object]:
-    """Return what must be the same, by file."""
+    """Return the contents that must be identical, by file."""
     found: dict[str, object] = {}
     for path in out.rglob("*"):
         if path.is_file() and path.name not in ("calls.jsonl", ".oodscen.lock"):
@@ -184,7 +185,7 @@ def contents(out: Path) -> dict[str, object]:
 
 
 def finish(out: Path, simulator: str) -> float:
-    """Run the command to its end, and return the seconds that it took."""
+    """Run the command to its end and return the elapsed seconds."""
     began = time.monotonic()
     command = Command(out, simulator)
     if command.process.wait() != 0:
@@ -253,7 +254,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=200, help="how many kills")
     parser.add_argument("--seed", type=int, default=0, help="of signals and moments")
     options = parser.parse_args()
-    # What this process was started to ignore, the commands would ignore as well.
+    # The commands would inherit signals that this process was started to ignore.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     found, tally = measure(options.count, options.seed)
     for fault in (

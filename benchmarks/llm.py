@@ -1,4 +1,4 @@
-"""What a run through other people's models costs and survives, through the real litellm client.
+"""Measures the throughput, limits and fault tolerance of runs through the real litellm client.
 
 Usage: python benchmarks/llm.py [--json] [--only PART ...]
 
@@ -40,7 +40,7 @@ THREADS, TEXTS, DELAY_S = 32, 1_000, 0.3
 KILLS = 25
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
 CHANGING = ("study.json", "calls.jsonl", "answers.jsonl", "report.html")
-"""Files that hold times, or the order in which answers came."""
+"""Files that hold times, or the order in which answers arrived."""
 
 Row = dict[str, object]
 
@@ -68,7 +68,7 @@ def resident_mb() -> float:
 
 
 def throughput() -> list[Row]:
-    """Ask for texts from a server that takes 0.3 s, beside bare calls of litellm in as many threads."""
+    """Ask for texts from a server with 0.3 s latency, and compare with bare litellm calls in as many threads."""
     sdk = load_litellm()
     messages = [wire_message(message) for message in PROMPT.messages()]
     with slow_server() as address:
@@ -130,7 +130,7 @@ def caps() -> list[Row]:
 
 
 def dead() -> list[Row]:
-    """Measure how long a run goes on asking a server that is no more."""
+    """Measure how long a run keeps asking a dead server."""
 
     def until_stopped(address: str) -> float:
         llm = LiteLLM("m", api_base=address, traffic=Traffic(concurrency=4))
@@ -155,7 +155,7 @@ def dead() -> list[Row]:
 
 
 def child(out: Path, log: Path, *, faults: float = 0.0, kill_after: int = 0) -> str:
-    """Run a study in another process; return what it printed."""
+    """Run a study in another process and return its output."""
     command = [sys.executable, str(SERVED), "study", out, log, str(faults), str(kill_after)]
     done = subprocess.run(
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
@@ -171,7 +171,7 @@ def contents(out: Path) -> dict[str, bytes]:
 
 
 def faults() -> list[Row]:
-    """Run the text pipeline while 30 % of the requests go wrong, beside one that is left alone."""
+    """Run the text pipeline while 30 % of the requests fail, and compare with an undisturbed run."""
     with tempfile.TemporaryDirectory() as folder:
         quiet, hurt = Path(folder, "quiet"), Path(folder, "hurt")
         child(quiet, Path(folder, "quiet.log"))
@@ -210,7 +210,7 @@ def faults() -> list[Row]:
 
 
 def runs(line: dict[str, object]) -> bool:
-    """Whether a scene passes every check that the augmenter makes."""
+    """Return whether a scene passes every check of the augmenter."""
     scene, catalogue = Scene.parse(line), make_simulator("flat").catalogue()
     return not catalogue.check(scene) and not check_scene(scene, catalogue)
 
@@ -234,7 +234,7 @@ def kills() -> list[Row]:
         again = killed = 0
         for number in tqdm(range(KILLS + 1), desc="kills", disable=None):
             log = Path(folder, f"{number}.log")
-            # On average the run gets a little further with every kill, and is not done before the last.
+            # On average each kill leaves the run a little further, and not finished before the last one.
             after = draw.randint(1, 2 * total // (KILLS + 5)) if number < KILLS else 0
             child(hurt, log, kill_after=after)
             killed += not Path(hurt, "report.html").exists()

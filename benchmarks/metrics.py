@@ -1,10 +1,10 @@
-"""How exact, fast and large the metrics are, and what they tell apart.
+"""Measures the accuracy, speed, memory use and discrimination of the metrics.
 
 Usage: python benchmarks/metrics.py [--json] [--only PART ...]
 
 Parts: exactness, speed, memory, encoding, selection, controls, guard. The texts of `guard` are found through the
-environment variable OODSCEN_CORPORA; faiss-cpu, diversity and onnxruntime are asked for by the parts that compare
-with them. Times are ratios within one run: what is compared takes turns.
+environment variable OODSCEN_CORPORA; the parts that compare with faiss-cpu, diversity and onnxruntime require
+them. Times are ratios within one run, in which the compared tasks alternate.
 """
 
 import argparse
@@ -50,7 +50,7 @@ def vectors(seed: int, n: int, d: int = WIDTH) -> np.ndarray:
 
 
 def turns(tasks: dict[str, Callable[[], object]], rounds: int = ROUNDS) -> dict[str, float]:
-    """Return the best CPU time of each task, which take turns."""
+    """Return the best CPU time of each task; the tasks alternate."""
     times: dict[str, list[float]] = {name: [] for name in tasks}
     for _ in tqdm(range(rounds), desc=" / ".join(tasks), disable=None):
         for name, task in tasks.items():
@@ -98,7 +98,7 @@ def _chamfer() -> Row:
     found = importlib.util.find_spec("diversity")
     if found is None or found.origin is None:
         return row(name, "not run", "", target, False)
-    # The module alone: the package's own import asks for spaCy, which this figure does not need.
+    # Import the module alone: the package itself needs spaCy, which this figure does not use.
     file = Path(found.origin).parent / "embedding.py"
     origin = importlib.util.spec_from_file_location("chamfer", file)
     assert origin is not None
@@ -123,7 +123,7 @@ def _has(name: str) -> bool:
 
 
 def speed() -> list[Row]:
-    """Compare with the bare product in the same blocks, and with faiss."""
+    """Compare with the bare matrix product in the same blocks, and with faiss."""
     queries, references, own = vectors(0, QUERIES), vectors(1, REFERENCES), vectors(2, SET)
 
     def bare() -> None:
@@ -159,7 +159,7 @@ def speed() -> list[Row]:
 
 
 def memory() -> list[Row]:
-    """Measure what is allocated besides the vectors, and stream a million rows from disk."""
+    """Measure the memory allocated beyond the vectors, and stream a million rows from disk."""
     queries, references = vectors(0, QUERIES), vectors(1, REFERENCES)
     peak = max(
         _peak(lambda: nearest(queries, references)), _peak(lambda: nearest_other(references))
@@ -199,7 +199,7 @@ def _peak(task: Callable[[], object]) -> int:
 
 
 def encoding() -> list[Row]:
-    """Compare ONNX Runtime with sentence-transformers as it comes, on the same threads."""
+    """Compare ONNX Runtime with stock sentence-transformers, on the same number of threads."""
     names = (
         ("encoding: sentence-transformers over ours", ">= 1.8"),
         ("smallest cosine", ">= 0.9999"),
@@ -242,7 +242,7 @@ def encoding() -> list[Row]:
 
 
 def selection() -> list[Row]:
-    """Choose 200 of 100,000."""
+    """Measure the selection of 200 of 100,000."""
     rows = vectors(4, 100_000)
     found = []
     for method in ("max-min", "determinantal"):
@@ -255,7 +255,7 @@ def selection() -> list[Row]:
 
 
 def controls() -> list[Row]:
-    """Tell ordinary from OOD on the frozen pairs."""
+    """Separate ordinary from OOD texts on the frozen pairs."""
     texts = [control.text for control in load_controls("frozen")]
     metrics = Metrics(OnnxMiniLM() if _has("onnxruntime") else MiniLM())
     found = {}
@@ -286,7 +286,7 @@ def controls() -> list[Row]:
 
 
 def guard() -> list[Row]:
-    """Flag the off-topic texts that took no part, and none of the OOD sets."""
+    """Check that held-out off-topic texts are flagged, and none of the OOD sets."""
     metrics = Metrics()
     texts = (*load_off_topic("frozen"), *load_off_topic("blind"))
     flagged = set(metrics.off_topic([text.text for text in texts]).flagged)

@@ -1,12 +1,12 @@
-"""What becomes of studies with a broken file: every command and every reader must say so in one line.
+"""Breaks files of studies: every command and every reader must report the fault in one line.
 
 Usage: python benchmarks/mutations.py [--json] [--count N] [--seed N] [--most N]
 
-A small study is made, with judged models, drives and recordings. N times (1,000 unless told) one of its files is
-broken at random: a value replaced, a key doubled, a line torn, bytes that are no text, a folder in its place ... Each
-broken study is then read by every reader and command, and written by one of the commands that write. An error other
-than the library's own is a traceback; a file that differs, or is new, after a command that only reads or that was
-refused is a changed input.
+The benchmark makes a small study with judged models, drives and recordings. N times (default 1,000) it breaks
+one of its files at random: a value replaced, a key duplicated, a line truncated, bytes that are not text, a
+folder in its place, ... Every reader and command then reads each broken study, and one of the writing commands
+writes to it. An error other than the library's own counts as a traceback; a file that differs, or is new, after
+a command that only reads or was refused counts as a changed input.
 """
 
 import argparse
@@ -38,7 +38,7 @@ Files = dict[str, tuple[bytes, int]]
 
 
 class Answerer(FunctionLLM):
-    """Always stops; recorded as a model of somebody else is."""
+    """A model that always stops, recorded like a third-party model."""
 
     def __init__(self) -> None:
         super().__init__(lambda asked: ConstantAnswerer("stop").complete(asked).text)
@@ -46,17 +46,17 @@ class Answerer(FunctionLLM):
 
 
 class Outcome(NamedTuple):
-    """What a broken study did to one command or reader."""
+    """The effect of a broken study on one command or reader."""
 
     file: str
     mutation: str
     reader: str
     fault: str
-    """Empty where all is well."""
+    """The fault; empty if there is none."""
 
 
 def make_study(folder: Path) -> Path:
-    """Make the study that is broken; it has every kind of file."""
+    """Make the study to break, with every kind of file."""
     (folder / "ordinary.txt").write_text(ORDINARY)
     out = folder / "study"
     config = StudyConfig.quick(
@@ -79,7 +79,7 @@ def call(*order: object) -> Any:
 
 
 def api(out: Path) -> None:
-    """Use every reader of a study; an error of one does not keep the others from being used."""
+    """Use every reader of a study; an error in one does not stop the others."""
     errors = []
     study = Study(out)
     readers: list[Callable[[], object]] = [
@@ -144,7 +144,7 @@ ODD: tuple[object, ...] = (
     *("../../etc/passwd", "/etc/passwd", "nan", "\u2028", [], {}, [[]], [None], {"a": {}}, {"": 1}),
     *("@NaN@", "@Infinity@", "@-Infinity@", "@1e999@", "@deep@", "@lone@"),
 )
-"""Values that take others' places; those in @ are written as no JSON writer would."""
+"""Replacement values; those in @ are written as no JSON writer would."""
 
 RAW = {
     "NaN": "NaN",
@@ -157,13 +157,13 @@ RAW = {
 
 
 def broken(content: bytes, draw: random.Random) -> tuple[str, bytes | None]:
-    """Return what is done to a file, and what it then holds; `None` is a folder in its place."""
+    """Return the name of the fault, and the file's new content; `None` is a folder in its place."""
     name = draw.choice([*BYTES, *("value",) * len(BYTES)])
     return (name, BYTES[name](content, draw)) if name in BYTES else changed(content, draw)
 
 
 def changed(content: bytes, draw: random.Random) -> tuple[str, bytes]:
-    """Change something in one JSON document of a file, a line or the whole."""
+    """Change something in one JSON document of a file: one line or the whole file."""
     lines = content.split(b"\n")
     numbers = [number for number, line in enumerate(lines) if line.startswith(b"{")]
     if not numbers:
@@ -192,7 +192,7 @@ def changed(content: bytes, draw: random.Random) -> tuple[str, bytes]:
 
 
 def places(value: Any) -> Iterator[tuple[Any, Any]]:
-    """Yield every place in nested data: what holds it, and its key or index."""
+    """Yield every position in nested data: its container, and its key or index."""
     items = value.items() if isinstance(value, dict) else enumerate(value)
     for key, item in list(items):
         yield value, key
@@ -258,7 +258,7 @@ def order_of(words: tuple[str, ...], out: Path) -> list[str]:
 
 
 def attempt(name: str, out: Path) -> str:
-    """Let one command or reader at a study; return what is wrong with how it took it."""
+    """Run one command or reader on a study; return the fault in its reaction."""
     before = files_of(out)
     may_write = name in WRITERS
     if name == "Study":
@@ -282,7 +282,7 @@ def attempt(name: str, out: Path) -> str:
 
 
 def trials(study: Path, count: int, seed: int, *, most: int | None = None) -> Iterator[Outcome]:
-    """Break a study so often; let all readers and a writer at it, or at most so many of them."""
+    """Break a study `count` times; let all readers and a writer at it, or at most `most` of them."""
     names = sorted(path.name for path in study.iterdir() if path.suffix in (".json", ".jsonl"))
     pictures = sorted(str(path.relative_to(study)) for path in study.rglob("*.jpg"))
     for number in range(count):

@@ -1,10 +1,10 @@
-"""How quickly and how truly the rasteriser draws, against PyBullet's own software camera.
+"""Measures the speed and accuracy of the rasteriser against PyBullet's own software camera.
 
 Usage: python benchmarks/render.py [--json] [--scenes N]
 
-Every ratio says how many times as much CPU time the other one takes, of all threads, on the same
-bodies from the same place, turn about, in one run. moderngl, MuJoCo and Panda3D are measured where
-they are installed: `pip install moderngl mujoco panda3d`.
+Every ratio is the other renderer's CPU time over all threads divided by the rasteriser's, on the same bodies from
+the same camera, alternating, in one run. moderngl, MuJoCo and Panda3D are measured if they are installed:
+`pip install moderngl mujoco panda3d`.
 """
 
 import argparse
@@ -38,13 +38,13 @@ SMALLEST_INSTANCE = 25
 ROUNDS = 5
 ACTORS = 8
 OTHERS_MAPS = (0, 4, 8)
-"""Maps with which other renderers are measured."""
+"""Indices of the maps on which other renderers are measured."""
 
 Row = dict[str, object]
 
 
 class Set:
-    """One map's scenery with random actors."""
+    """The scenery of one map with random actors."""
 
     def __init__(self, index: int, seed: int) -> None:
         road = SHIPPED_MAPS[index % len(SHIPPED_MAPS)]
@@ -56,7 +56,7 @@ class Set:
         self.shuffle()
 
     def shuffle(self) -> None:
-        """Put other actors elsewhere."""
+        """Place new random actors."""
         start = self.corridor.start + float(self.rng.uniform(0, 60))
         self.looks = [Look("ego_car")]
         self.poses = [self.corridor.point(start, 0.0)]
@@ -71,7 +71,7 @@ class Set:
             self.poses.append((x, y, z, heading + yaw))
 
     def dress(self, stage: Stage) -> None:
-        """Put everything on a stage."""
+        """Put the scenery and the actors on a stage."""
         stage.show_scenery(self.scenery.meshes, is_snowy=False)
         self.cast(stage)
 
@@ -82,7 +82,7 @@ class Set:
 
     @property
     def triangles(self) -> int:
-        """How many triangles there are in all."""
+        """The total number of triangles."""
         scenery = sum(len(mesh.triangles) for mesh in self.scenery.meshes)
         return scenery + sum(len(asset_mesh(look[0]).triangles) for look in self.looks)
 
@@ -98,7 +98,7 @@ class Set:
         )
 
     def develop(self, stage: Stage, weather: Weather, light: Light) -> None:
-        """Take the picture with everything on."""
+        """Take the fully developed picture."""
         glows = [
             Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True)
             for head in self.scenery.lamps
@@ -117,7 +117,7 @@ class Set:
 
 
 def turn_about(ours: Callable[[], object], theirs: Callable[[], object]) -> float:
-    """Return how many times as much CPU time theirs takes: median over rounds."""
+    """Return the ratio of CPU times, theirs to ours: the median over rounds."""
     ours(), theirs()
     ratios = []
     for _ in range(ROUNDS):
@@ -130,7 +130,7 @@ def turn_about(ours: Callable[[], object], theirs: Callable[[], object]) -> floa
 
 
 def speeds() -> list[Row]:
-    """Measure both cameras on every map."""
+    """Compare both cameras on every map."""
     engine = load_pybullet()
     plain, whole, ready = [], [], []
     weather = Weather()
@@ -167,7 +167,7 @@ def speeds() -> list[Row]:
 
 
 def weathers() -> list[Row]:
-    """Measure a frame with everything on, in several kinds of weather, on the first map."""
+    """Measure a fully developed frame in several kinds of weather, on the first map."""
     one, stage = Set(0, 1), Canvas()
     one.dress(stage)
     kinds = {
@@ -191,7 +191,7 @@ def weathers() -> list[Row]:
 
 
 def others() -> list[Row]:
-    """Measure other renderers with the same triangles, where they are installed."""
+    """Measure other renderers with the same triangles, if they are installed."""
     rows = []
     sets = [Set(index, 1) for index in OTHERS_MAPS]
     for module, (name, kind) in RENDERERS.items():
@@ -209,7 +209,7 @@ def others() -> list[Row]:
                     one.dress(stage)
                     found.append(turn_about(lambda: one.shoot(stage, light), drawing.draw))  # noqa: B023
                 drawing.close()
-        except Exception as reason:  # whatever an OpenGL library throws where there is no OpenGL
+        except Exception as reason:  # libraries raise anything if OpenGL is missing
             rows.append(row(f"{name} (not run: {reason})", None, "", None))
             continue
         how = f"{name} ({drawing.name}), colours alone"
@@ -249,7 +249,7 @@ def agreement(scenes: int) -> list[Row]:
 
 
 def row(name: str, value: float | None, unit: str, target: float | None) -> Row:
-    """Return one row of the report; without a target it is for information."""
+    """Return one row of the report; a row without a target is for information."""
     return {
         "name": name,
         "value": None if value is None else round(value, 4),
@@ -260,7 +260,7 @@ def row(name: str, value: float | None, unit: str, target: float | None) -> Row:
 
 
 def main() -> int:
-    """Run the benchmark; 0 when every target holds."""
+    """Run the benchmark; return 0 if every target holds."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON, last line")
     parser.add_argument("--scenes", type=int, default=50, help="random scenes that are compared")

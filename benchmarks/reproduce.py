@@ -1,8 +1,8 @@
-"""Whether the scenes of a finished study, read from its folder, give its episodes again.
+"""Reruns the scenes of a finished study from its folder and compares the episodes.
 
 Usage: python benchmarks/reproduce.py STUDY [--json] [--workers N]
 
-Every line of scenes.jsonl is read in this fresh process, its keys in random order, and run again with its twin.
+This fresh process reads every line of scenes.jsonl, with its keys in random order, and reruns it with its twin.
 """
 
 import argparse
@@ -32,7 +32,7 @@ def shuffled(value: Any, rng: random.Random) -> Any:
 
 
 def differences(study: Study, result: SweepResult, recorded: Episode | None) -> list[str]:
-    """Name what is other than the study says."""
+    """Return the fields and files that differ from the study's record."""
     if recorded is None:
         return ["no episode"]
     found = [n for n in COMPARED if getattr(result.episode, n) != getattr(recorded, n)]
@@ -44,7 +44,7 @@ def differences(study: Study, result: SweepResult, recorded: Episode | None) -> 
 
 
 def reproduce(study: Study, workers: int) -> list[dict[str, Any]]:
-    """Run all scenes and twins of a study again and count those that are as recorded."""
+    """Rerun all scenes and twins of a study and count those that match the record."""
     rng = random.Random(0)
     scenes = [
         Scene.parse(shuffled(line, rng))
@@ -77,7 +77,7 @@ def row(name: str, value: int, unit: str, target: int) -> dict[str, Any]:
 
 
 def main() -> int:
-    """Run and print; 0 when every target holds."""
+    """Run the benchmark; return 0 if every target holds."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("study", type=Path, help="folder of a finished study")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)

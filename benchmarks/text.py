@@ -1,11 +1,11 @@
-"""What the texts are worth: how far from ordinary, how diverse, how distinct, and how far from their ordinary twins.
+"""Measures the texts: OOD-ness, diversity, distinctness, and distance from their ordinary twins.
 
 Usage: python benchmarks/text.py [--json] [--llm NAME] [--seed N] [--style STYLE] [--study FOLDER] [--only PART ...]
 
-Without `--study` the trees are grown and the texts written first, by the built-in author or the model that `--llm`
-names. Parts: sets, twins, redteam, pruning, claims. CityFlow-NL is found through the environment variable
-OODSCEN_CORPORA; without it its rows are `not run`. Beside each figure stand its interval, over paths, and where there
-are such, the paper's figure (nuScenes text as baseline: not comparable in absolute terms) and that of a frontier
+Without `--study`, the built-in author or the model named by `--llm` first grows the trees and writes the texts.
+Parts: sets, twins, redteam, pruning, claims. CityFlow-NL is found through the environment variable
+OODSCEN_CORPORA; without it its rows are `not run`. Each figure comes with its interval over paths and, if they
+exist, the paper's figure (nuScenes text as baseline: not comparable in absolute terms) and that of a frontier
 model that followed the paper by hand.
 """
 
@@ -85,7 +85,7 @@ def row(
 
 
 class Measured:
-    """The sets of one study, and what they are measured by."""
+    """The sets of one study, and the encoders and baselines that measure them."""
 
     def __init__(self, sets: dict[str, list[Scenario]], seed: int) -> None:
         self.sets = sets
@@ -110,7 +110,7 @@ def _encoder() -> str:
 
 
 def sets(measured: Measured) -> list[Row]:
-    """Measure every set, and what holds for all of its texts."""
+    """Measure every set, and properties of all its texts."""
     rows = []
     for name, chosen in measured.sets.items():
         if name == "simulatable, all":
@@ -183,7 +183,7 @@ def _set(name: str, chosen: list[Scenario], measured: Measured) -> list[Row]:
 
 
 def _within(scenarios: list[Scenario], measured: Measured) -> np.ndarray:
-    """Return, for each text with others on its path, the cosine to the nearest of them."""
+    """Return, for each text that shares its path, its largest cosine similarity to another text there."""
     vectors = measured.vectors([scenario.text for scenario in scenarios])
     places: dict[str, list[int]] = {}
     for place, scenario in enumerate(scenarios):
@@ -198,7 +198,7 @@ def _within(scenarios: list[Scenario], measured: Measured) -> np.ndarray:
 
 
 def _told_otherwise(scenarios: list[Scenario]) -> int:
-    """Count the texts that the knowledge base takes for a kind that their path does not name."""
+    """Count the texts that the knowledge base assigns to a kind other than their path's."""
     recogniser = Recogniser(load_knowledge())
     wrong = 0
     for scenario in scenarios:
@@ -254,7 +254,7 @@ def twins(measured: Measured, llm: str, seed: int) -> list[Row]:
 
 
 def texts_of(arguments: argparse.Namespace, folder: str) -> dict[str, list[Scenario]]:
-    """Return the sets of a study, written first where none is given."""
+    """Return the sets of a study, writing them first if no study is given."""
     if arguments.study is not None:
         study = Study.open(arguments.study)
         drawn = {
@@ -282,7 +282,7 @@ def texts_of(arguments: argparse.Namespace, folder: str) -> dict[str, list[Scena
 
 
 def others(name: str, llm: str, seed: int) -> list[Row]:
-    """Return the rows of a part that has a file of its own."""
+    """Return the rows of a part that has its own file."""
     try:
         module = importlib.import_module(OTHERS[name])
     except ModuleNotFoundError as error:

@@ -1,9 +1,9 @@
-"""How the time of every operation on trees grows with their size.
+"""Measures how the time of every tree operation grows with the size of the tree.
 
 Usage: python benchmarks/tree.py [--json] [--nodes N]
 
-Each operation is timed on trees of N / 4 and of N nodes (10,000 unless told), in turns; its best CPU time of five counts,
-without the collector of cycles. Linear is a ratio of 4; the caches of the processor may put it somewhat above.
+Each operation is timed on trees of N / 4 and of N nodes (default 10,000), alternating; the best CPU time of five
+counts, without the cyclic garbage collector. A ratio of 4 is linear; processor caches may push it somewhat above.
 """
 
 import argparse
@@ -28,7 +28,7 @@ Operation = Callable[[ScenarioTree], object]
 
 
 def broad(size: int) -> ScenarioTree:
-    """Grow families of a hundred leaves, one edit at a time, each with an id of its own."""
+    """Grow families of a hundred leaves, one edit at a time, each with its own id."""
     tree = ScenarioTree.planted()
     family = ""
     for number in range(size - 3):
@@ -42,7 +42,7 @@ def broad(size: int) -> ScenarioTree:
 
 
 def fresh(tree: ScenarioTree) -> ScenarioTree:
-    """Return an equal tree that has worked out nothing yet."""
+    """Return an equal tree with empty caches."""
     return tree.at(edit=len(tree.edits))
 
 

@@ -1,13 +1,13 @@
-"""How often two trees that call the same hazards otherwise are paired rightly by meaning.
+"""Measures how well two trees with different words for the same hazards are paired by meaning.
 
 Usage: python benchmarks/tree_meaning.py [--json] [--encoder NAME] [--trees N]
 
 Labelled pairs come from the knowledge base: the label of a hazard and the words of another text about the same
-hazard are the same, those of two hazards are not. Of every pair of trees a fifth of the leaves are the same hazards:
-one tree has their labels, the other has their wider labels (short, and wide enough to cover their kin: hard) or one of
-their events (long, and about nothing else: easy). The other leaves of both trees are different hazards, near kin among them.
-Half of the hazards, by id, choose the threshold (tune), the other half judges it (test). What is counted is what
-`match` pairs by meaning.
+hazard match, those of two hazards do not. In every pair of trees a fifth of the leaves are the same hazards: one
+tree has their labels, the other has their wider labels (short, and wide enough to cover related hazards: hard)
+or one of their events (long, and specific: easy). The other leaves of both trees are different hazards, closely
+related ones among them. Half of the hazards, by id, choose the threshold (tune); the other half evaluates it
+(test). The counts are of the pairs that `match` makes by meaning.
 """
 
 import argparse
@@ -31,14 +31,14 @@ from oodscen.tree._matching import THRESHOLD
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LEAST = 0.95
-"""Least precision: what is paired wrongly is lost."""
+"""Least precision: a wrong pair cannot be recovered."""
 THRESHOLDS = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8)
 
 Row = dict[str, object]
 
 
 def planted(leaves: Sequence[tuple[Hazard, str]]) -> ScenarioTree:
-    """Hang texts below the class and family of their hazards; ids say nothing."""
+    """Plant texts below the class and family of their hazards, with uninformative ids."""
     tree = ScenarioTree.planted()
     families: dict[tuple[str, str], str] = {}
     for hazard, label in leaves:
@@ -55,7 +55,7 @@ def planted(leaves: Sequence[tuple[Hazard, str]]) -> ScenarioTree:
 
 
 def other_words(hazard: Hazard, kind: str, number: int) -> str:
-    """Return other words for a hazard, or an empty string."""
+    """Return another wording of a hazard, or an empty string."""
     if kind == "wider":
         found = hazard.wider
     else:
@@ -67,7 +67,7 @@ def other_words(hazard: Hazard, kind: str, number: int) -> str:
 def counted(
     hazards: Sequence[Hazard], kind: str, encoder: Encoder, threshold: float, trees: int
 ) -> tuple[int, int, int]:
-    """Return the pairs by meaning that are right, all of them, and those that there were to find."""
+    """Return the numbers of correct pairs by meaning, of all pairs by meaning, and of pairs to find."""
     right = made = wanted = 0
     for number in range(trees):
         order = np.random.default_rng([number, len(hazards)]).permutation(len(hazards))

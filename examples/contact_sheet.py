@@ -1,7 +1,7 @@
-"""One frame of every path of a study on one picture: the fastest way to see what it holds.
+"""Draws one frame of every path of a study on one picture: the fastest way to see its content.
 
-Run it with `python examples/contact_sheet.py [STUDY [PICTURE [MOMENT]]]`; it needs OpenCV. The
-frame is that of the path's first scene, by default where the ego must choose.
+Run it with `python examples/contact_sheet.py [STUDY [PICTURE [MOMENT]]]`; it needs OpenCV. Each
+frame shows the path's first scene, by default at the ego's decision.
 """
 
 import sys
@@ -27,7 +27,7 @@ def tile(file: Path, label: str) -> np.ndarray:
 
 
 def main(folder: str = "out", picture: str = "contact_sheet.jpg", moment: str = "last") -> None:
-    """Draw the sheet."""
+    """Draw the contact sheet."""
     study = Study.open(folder)
     paths = {scenario.id: scenario.path for scenario in study.scenarios}
     seen, tiles = set(), []

@@ -1,4 +1,4 @@
-"""A driver of your own in closed loop, beside the shipped one, in a scene and its ordinary twin."""
+"""Runs a custom driver in closed loop beside the shipped one, in a scene and its ordinary twin."""
 
 from oodscen import make_simulator
 from oodscen.driving import Cruise, action_driver
@@ -7,18 +7,18 @@ from oodscen.testing import example_scene
 
 
 class Watchful:
-    """Wraps a stack: `look` is what it perceives, `act` what it does."""
+    """A driving stack: `look` is its perception, `act` its control."""
 
     def __init__(self) -> None:
         self.driver = Cruise()
 
     def look(self, state):
-        """Brake for good when a gap in front becomes small."""
+        """Brake for good when the gap ahead becomes small."""
         if isinstance(self.driver, Cruise) and state.gaps[1:].min(initial=float("inf")) < 15.0:
             self.driver = action_driver("emergency_brake")
 
     def act(self, observation):
-        """Choose the control for the next step."""
+        """Return the control for the next step."""
         return self.driver.act(observation)
 
 

@@ -1,11 +1,11 @@
-"""A language model of your own: one class with a name and one method."""
+"""Uses a custom language model: one class with a name and one method."""
 
 from oodscen import RedTeamer, TreeGrower, make_llm
 from oodscen.protocols import Completion, Request
 
 
 class Timid:
-    """Lets the built-in author answer, but never imagines anything with fog."""
+    """A model that lets the built-in author answer, but never imagines anything with fog."""
 
     name = "timid"
 
@@ -13,7 +13,7 @@ class Timid:
         self.author = make_llm("builtin", seed=0)
 
     def complete(self, request: Request) -> Completion:
-        """Answer one request; a client for a server would send `request.messages` here."""
+        """Answer one request; a client of a server would send `request.messages` here."""
         for sample in range(request.sample, request.sample + 1000, 100):
             answer = self.author.complete(
                 Request(request.prompt, request.messages, request.schema, sample)

@@ -1,6 +1,6 @@
-"""The whole way in one page: a tree, one of its texts, a scene, an episode, a picture.
+"""Shows the complete workflow on one page: a tree, one of its texts, a scene, an episode, a picture.
 
-Run it with `python examples/quickstart.py [SIMULATOR]`; it writes `quickstart.png` where OpenCV is
+Run it with `python examples/quickstart.py [SIMULATOR]`; it writes `quickstart.png` if OpenCV is
 installed.
 """
 
@@ -19,7 +19,7 @@ from oodscen import (
 
 
 def main(simulator_name: str = "flat") -> None:
-    """Walk through the stages and print what each gives."""
+    """Walk through the stages and print the result of each."""
     llm = make_llm("builtin", seed=0)
     tree = TreeGrower(llm, nodes=40).run()
     diverse = RedTeamer(llm, iterations=20).run(tree)

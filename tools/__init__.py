@@ -1,1 +1,1 @@
-"""Makers of shipped data: nothing here runs with the product."""
+"""Scripts that generate the shipped data; nothing here runs with the product."""

@@ -1,11 +1,11 @@
-"""Make `catalogue.json` from a list of CARLA's blueprints.
+"""Makes `catalogue.json` from a list of CARLA's blueprints.
 
 Usage: python -m tools.carla_catalogue ASSETS.json [-o catalogue.json]
 
-The list names blueprints with sizes and versions, weather parameters and towns (README.md says where it
-comes from). What is added here: descriptions in plain words, the names by which other catalogues know
-the same things, two vehicles that are shown turned over, the state of the towns' traffic lights, and
-figures for what CARLA gives in percent.
+The list names blueprints with sizes and versions, weather parameters and towns (README.md states its
+source). This script adds plain-language descriptions, the names of the same things in other catalogues,
+two overturned vehicles, the state of the towns' traffic lights, and physical values for what CARLA gives
+in percent.
 """
 
 import argparse
@@ -19,9 +19,9 @@ EGO = "vehicle.lincoln.mkz_2020"
 LIGHTS = ["off", "brake", "hazard", "indicate_left", "indicate_right"]
 
 CATEGORIES = {"walker": "pedestrian", "vehicle": "vehicle", "prop": "object"}
-"""By kind of blueprint, where the tables below say nothing else."""
+"""Category by kind of blueprint, unless the tables below override it."""
 WORK_ZONE = {"cone", "barrier", "trafficwarning"}
-"""CARLA's own categories of props that belong to road works."""
+"""CARLA's categories of props that belong to road works."""
 KNOWN_AS = {
     "car": ["car"],
     "van": ["van"],
@@ -39,7 +39,7 @@ KNOWN_AS = {
     "trash": ["bin"],
     "container": ["waste_container"],
 }
-"""Names elsewhere, by CARLA's category."""
+"""Names in other catalogues, by CARLA's category."""
 SAME_AS = {
     "static.prop.chainbarrier": [],
     "static.prop.chainbarrierend": [],
@@ -59,14 +59,14 @@ SAME_AS = {
     "vehicle.nissan.patrol_2021": ["suv", "car"],
     "vehicle.tesla.cybertruck": ["pickup"],
 }
-"""Names elsewhere, by blueprint."""
+"""Names in other catalogues, by blueprint."""
 SPECIAL = {
     "police": "police_car",
     "ambulance": "ambulance",
     "firetruck": "fire_truck",
     "taxi": "taxi",
 }
-"""Names elsewhere, by CARLA's attribute `special_type`."""
+"""Names in other catalogues, by CARLA's attribute `special_type`."""
 LOOKS = {
     "advertisement": "an advertising panel on the pavement",
     "aporosatree": "a standing broad-leaved tree",
@@ -137,7 +137,7 @@ LOOKS = {
     "warningconstruction": "a warning sign for road works",
     "wateringcan": "a watering can",
 }
-"""By the last part of a prop's id, without its number."""
+"""Description by the last part of a prop's id, without its number."""
 VEHICLES = {
     "bicycle": "a person riding a bicycle",
     "motorcycle": "a motorcycle with its rider",
@@ -156,7 +156,7 @@ POSES: tuple[tuple[str, str, str, str], ...] = (
     ("vehicle.nissan.patrol", "roof", "overturned_car", "an off-road car lying on its roof"),
     ("vehicle.carlamotors.european_hgv", "side", "overturned_truck", "a lorry lying on its side"),
 )
-"""Blueprint, what it lies on, name elsewhere, look: any blueprint can be spawned turned about its axis."""
+"""Blueprint, resting side, name in other catalogues, description: any blueprint can be spawned rolled over."""
 
 Town = tuple[str, str, str, int, int, float, tuple[str, ...]]
 TOWNS: tuple[Town, ...] = (
@@ -183,7 +183,7 @@ TOWNS: tuple[Town, ...] = (
     ("Town12-rural", "Town12", "country roads of a very large map", 1, 1, 16.7,
      ("rural", "two_lane", "oncoming")),
 )  # fmt: skip
-"""Id, CARLA's name, look, lanes in the ego's direction and against it, speed (m/s), traits."""
+"""Id, CARLA's name, description, lanes in the ego's direction and against it, speed (m/s), traits."""
 MARKS = {
     "junction": "junction",
     "roundabout": "roundabout",
@@ -191,7 +191,7 @@ MARKS = {
     "bridge": "bridge",
     "signalised": "traffic_light",
 }
-"""Landmarks that follow from traits."""
+"""Landmarks implied by traits."""
 WEATHER = {
     "min_sun_elevation_deg": -90.0,
     "min_fog_visual_range_m": 20.0,
@@ -200,16 +200,16 @@ WEATHER = {
     "min_friction": 0.1,
     "others": ["dust", "wind"],
 }
-"""Fog and rain are percentages in CARLA: thickest fog is taken for 20 m, full rain for 50 mm/h.
-Friction is set by `static.trigger.friction`. No parameter makes snow."""
+"""Weather limits. Fog and rain are percentages in CARLA: full fog counts as 20 m visual range, full
+rain as 50 mm/h. `static.trigger.friction` sets friction. No parameter makes snow."""
 
 
 def catalogue(listed: dict[str, Any]) -> dict[str, Any]:
-    """Return the catalogue without behaviours, which all adapters share.
+    """Return the catalogue without the behaviours, which all adapters share.
 
     Raises:
-        KeyError: When the list lacks a part, or names no blueprint of the version.
-        ValueError: When a town or a weather parameter that is relied on is not in the list.
+        KeyError: If the list lacks a part, or has no blueprint of the version.
+        ValueError: If a required town or weather parameter is not in the list.
     """
     rows = {row["id"]: row for row in listed["assets"] if VERSION in row["versions"]}
     parameters = {row["name"] for row in listed["weather_parameters"]}
@@ -302,7 +302,7 @@ def _look(row: dict[str, Any]) -> str:
 
 
 def _turned(row: dict[str, Any], rests_on: str, name: str, look: str) -> dict[str, Any]:
-    """Return a vehicle that lies on its roof, or on its side."""
+    """Return a vehicle lying on its roof or on its side."""
     asset = _asset(row)
     if rests_on == "side":
         asset = {**asset, "width": asset["height"], "height": asset["width"]}
@@ -339,7 +339,7 @@ def _map(
 
 
 def main() -> None:
-    """Read the list, write the catalogue."""
+    """Read the list and write the catalogue."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

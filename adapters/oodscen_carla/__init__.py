@@ -1,4 +1,4 @@
-"""What CARLA 0.9.16 can show, as a catalogue: data to prune with, no simulator."""
+"""The catalogue of CARLA 0.9.16: data to prune trees with, without a simulator."""
 
 from oodscen_carla._catalogue import load_catalogue
 

@@ -1,4 +1,4 @@
-"""The asset sheet: pictures and a table of everything in the catalogue.
+"""Draws the asset sheet: pictures and a table of everything in the catalogue.
 
 Usage: python -m oodscen_pybullet._asset_sheet docs
 """
@@ -28,7 +28,7 @@ from oodscen_pybullet._rendering.view import View
 Image = NDArray[np.uint8]
 
 CELL = (208, 156)
-"""Width and height of one picture, pixels."""
+"""Width and height of one picture, in pixels."""
 COLUMNS = 5
 SHEETS: dict[str, tuple[Category, ...]] = {
     "vehicles": ("vehicle",),
@@ -36,9 +36,9 @@ SHEETS: dict[str, tuple[Category, ...]] = {
     "objects": ("object",),
     "work_zones_signals_vegetation": ("work_zone", "signal", "vegetation"),
 }
-"""File name and what it shows."""
+"""File name of each sheet and the categories it shows."""
 _FACES_BACK = ("work_zone", "signal", "object")
-"""Categories whose faces look against x, towards whoever drives up."""
+"""Categories whose printed faces look along -x, towards an approaching driver."""
 _CAPTION = 36
 _DAY, _NIGHT = Weather(), Weather(sun_elevation_deg=-12.0)
 _PAGE = """\
@@ -66,12 +66,12 @@ the first by default. The vehicle under test is {ego}.
 def photograph(
     look: Look, *, turn_deg: float = 35.0, rise_deg: float = 13.0, is_night: bool = False
 ) -> Image:
-    """Take an asset's picture on a plain ground: [height, width, 3].
+    """Render an asset on plain ground: [height, width, 3].
 
     Args:
-        look: The asset and how it is shown.
-        turn_deg: Where the camera stands, counter-clockwise from the asset's front.
-        rise_deg: How far it looks down.
+        look: The asset and its appearance.
+        turn_deg: Position of the camera, counter-clockwise from the asset's front.
+        rise_deg: Angle by which the camera looks down.
         is_night: Whether the sun has set.
     """
     mesh = mesh_of(look)
@@ -105,7 +105,7 @@ def photograph(
 
 
 def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> View:
-    """Return the nearest view that holds a mesh and its smoke."""
+    """Return the closest view that contains a mesh and its smoke."""
     low, high = mesh.bounds
     for puff in mesh.puffs:
         middle = np.array(puff.position)
@@ -138,7 +138,7 @@ def _ground() -> Mesh:
 
 
 def captioned(picture: Image, *lines: str) -> Image:
-    """Return a picture with words under it."""
+    """Return a picture with a caption below it."""
     import cv2
 
     foot = np.full((_CAPTION, picture.shape[1], 3), 255, np.uint8)
@@ -150,7 +150,7 @@ def captioned(picture: Image, *lines: str) -> Image:
 
 
 def tiled(cells: Sequence[Image], columns: int = COLUMNS) -> Image:
-    """Put pictures of one size side by side, row by row."""
+    """Arrange pictures of equal size in rows."""
     blank = np.full_like(cells[0], 255)
     rows = []
     for start in range(0, len(cells), columns):
@@ -160,17 +160,17 @@ def tiled(cells: Sequence[Image], columns: int = COLUMNS) -> Image:
 
 
 def rest_look(asset: Asset) -> Look:
-    """Return how an asset is shown in the sheet: its first state and paint."""
+    """Return the asset's look in the sheet: its first state and first paint."""
     return Look(asset.id, asset.states[0] if asset.states else "", paints_of(asset.id)[0])
 
 
 def best_side(asset: Asset) -> float:
-    """Return from where an asset shows its face, degrees counter-clockwise from its front."""
+    """Return the best viewing direction of an asset, in degrees counter-clockwise from its front."""
     return 205.0 if asset.category in _FACES_BACK else 35.0
 
 
 def sheet(assets: Sequence[Asset]) -> Image:
-    """Return the pictures of some assets with names and sizes under them."""
+    """Return the pictures of the assets, captioned with names and sizes."""
     cells = []
     for asset in assets:
         picture = photograph(rest_look(asset), turn_deg=best_side(asset))
@@ -180,7 +180,7 @@ def sheet(assets: Sequence[Asset]) -> Image:
 
 
 def gaits() -> Image:
-    """Return a walk, a run and a gallop, step by step."""
+    """Return a walk, a run and a gallop, frame by frame."""
     rows = (("adult", 1), ("adult", 9), ("deer", 9), ("cyclist", 1))
     cells = [
         photograph(Look(name, "", paints_of(name)[0], frame=start + step), turn_deg=70.0)
@@ -191,7 +191,7 @@ def gaits() -> Image:
 
 
 def lights() -> Image:
-    """Return lamps by day, and by night."""
+    """Return the lamps by day and by night."""
     shown = (
         ("car", "brake", False, 0),
         ("car", "indicate_left", False, 0),
@@ -214,7 +214,7 @@ def lights() -> Image:
 
 
 def page() -> str:
-    """Return the page that lists every asset, as Markdown."""
+    """Return the Markdown page that lists every asset."""
     catalogue = load_catalogue()
     painted = [asset.id for asset in catalogue.assets if len(paints_of(asset.id)) > 1]
     text = _PAGE.format(
@@ -242,7 +242,7 @@ def _members(categories: Sequence[Category]) -> list[Asset]:
 
 
 def pictures() -> Iterator[tuple[str, Image]]:
-    """Return every picture of the page with its file name."""
+    """Yield every picture of the page with its file name."""
     for name, categories in SHEETS.items():
         yield f"{name}.jpg", sheet(_members(categories))
     yield "gaits.jpg", gaits()
@@ -250,7 +250,7 @@ def pictures() -> Iterator[tuple[str, Image]]:
 
 
 def main(folder: Path) -> None:
-    """Write `assets.md` and its pictures into a folder."""
+    """Write `assets.md` and its pictures to a folder."""
     import cv2
 
     into = folder / "pictures" / "assets"

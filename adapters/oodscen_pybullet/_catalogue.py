@@ -1,4 +1,4 @@
-"""What the adapter can show, read without starting PyBullet."""
+"""Loads the adapter's catalogue without starting PyBullet."""
 
 import json
 from functools import lru_cache
@@ -10,7 +10,7 @@ from oodscen.driving import BEHAVIOURS, SHIPPED_MAPS
 
 @lru_cache(maxsize=1)
 def load_catalogue() -> Catalogue:
-    """Join the adapter's assets and weather with the shared behaviours and maps."""
+    """Return the adapter's assets and weather with the shared behaviours and maps."""
     text = files("oodscen_pybullet").joinpath("catalogue.json").read_text(encoding="utf-8")
     shared = {
         "behaviours": [kind.model_dump(mode="json") for kind in BEHAVIOURS],

@@ -1,4 +1,4 @@
-"""How far apart bodies are: a PyBullet world of collision shapes only."""
+"""Distances between bodies, from a PyBullet world of collision shapes only."""
 
 import math
 from types import ModuleType
@@ -7,9 +7,9 @@ Pose = tuple[float, float, float, float]
 
 
 class Bodies:
-    """Boxes that are moved by hand and asked for their distances.
+    """A set of boxes that are moved explicitly and queried for their distances.
 
-    Massless bodies never report contacts in PyBullet, so distances are queried pair by pair.
+    PyBullet never reports contacts of massless bodies, so distances are queried pair by pair.
     """
 
     def __init__(self, engine: ModuleType) -> None:
@@ -19,7 +19,7 @@ class Bodies:
         self._moved: list[Pose | None] = []
 
     def close(self) -> None:
-        """Disconnect; may be called twice."""
+        """Disconnect; calling it twice is allowed."""
         if self._client >= 0:
             self._engine.disconnect(self._client)
             self._client = -1
@@ -31,10 +31,10 @@ class Bodies:
         self._moved.clear()
 
     def add(self, length: float, width: float, height: float) -> bool:
-        """Add a box that stands on its footprint; its row is the number of bodies before it.
+        """Add a box that stands on its footprint; its row is the number of bodies added before it.
 
         Returns:
-            Whether the engine took it.
+            True if the engine accepted the box.
         """
         engine = self._engine
         shape = engine.createCollisionShape(
@@ -50,7 +50,7 @@ class Bodies:
         return bool(body >= 0)
 
     def move(self, row: int, pose: Pose) -> None:
-        """Put one body at x, y, z, yaw."""
+        """Move one body to x, y, z, yaw."""
         if self._moved[row] == pose:
             return
         x, y, z, yaw = pose

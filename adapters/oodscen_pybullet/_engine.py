@@ -1,4 +1,4 @@
-"""The PyBullet engine, imported late and kept quiet."""
+"""Imports the PyBullet engine on demand and silences its output."""
 
 import ctypes
 import os
@@ -9,16 +9,16 @@ from oodscen.errors import MissingExtra
 
 
 def load_pybullet() -> ModuleType:
-    """Import PyBullet without the line that it prints on the way.
+    """Import PyBullet without the line that it prints on import.
 
     Raises:
-        MissingExtra: When it is not installed.
+        MissingExtra: If it is not installed.
     """
     if "pybullet" in sys.modules:
         loaded: ModuleType = sys.modules["pybullet"]
         return loaded
     try:
-        import cv2  # noqa: F401  # the frames need it; say so before a scene is half loaded
+        import cv2  # noqa: F401  # frames need it; fail before a scene is half loaded
     except ImportError:
         raise MissingExtra("the PyBullet simulator", "pybullet", "cv2") from None
     try:
@@ -31,7 +31,7 @@ def load_pybullet() -> ModuleType:
 
 
 class QuietDescriptors:
-    """Sends what C code prints to nowhere."""
+    """Redirects the output of C code to the null device."""
 
     def __enter__(self) -> None:
         self._saved: list[tuple[int, int]] = []

@@ -1,4 +1,4 @@
-"""Which camera takes the pictures."""
+"""The choice of the camera that takes the pictures."""
 
 import importlib.util
 import subprocess
@@ -23,23 +23,23 @@ if p.loadPlugin(sys.argv[1], "_eglRendererPlugin", physicsClientId=client) < 0:
 p.getCameraImage(8, 8, renderer=p.ER_BULLET_HARDWARE_OPENGL, physicsClientId=client)
 print("works", file=sys.stderr)
 """
-"""What loads the plugin where it may fail: it ends its process where there is no OpenGL."""
+"""Loads the plugin in a separate process, because it ends the process if OpenGL is missing."""
 
 
 def has_numba() -> bool:
-    """Tell whether numba is installed, without importing it; it may be broken all the same."""
+    """Return whether numba is installed, without importing it; it may still be broken."""
     return importlib.util.find_spec("numba") is not None
 
 
 def choose_renderer(wanted: Renderer, *, is_tried: bool = False) -> Renderer:
-    """Return the renderer to use: the wanted one, or PyBullet's camera with a warning.
+    """Return the renderer to use: the requested one, or PyBullet's camera with a warning.
 
     Args:
-        wanted: The wanted one.
-        is_tried: Whether numba is imported to see that it works.
+        wanted: The requested renderer.
+        is_tried: Whether to import numba to check that it works.
 
     Raises:
-        UnknownComponent: When there is no such renderer.
+        UnknownComponent: If there is no such renderer.
     """
     if wanted not in get_args(Renderer):
         raise UnknownComponent("renderer", wanted, get_args(Renderer))
@@ -58,7 +58,7 @@ def open_stage(renderer: Renderer, engine: ModuleType) -> Stage:
     """Return an empty stage for a renderer.
 
     Raises:
-        SimulatorError: When OpenGL was asked for and is not to be had here.
+        SimulatorError: If OpenGL was requested but is not available.
     """
     if renderer == "raster":
         from oodscen_pybullet._rendering.rasteriser import Canvas
@@ -71,10 +71,10 @@ def open_stage(renderer: Renderer, engine: ModuleType) -> Stage:
 
 @cache
 def find_opengl() -> str:
-    """Return the file of PyBullet's OpenGL camera, having tried it in a process of its own.
+    """Return the file of PyBullet's OpenGL camera after testing it in a separate process.
 
     Raises:
-        SimulatorError: When it is missing, or there is no OpenGL.
+        SimulatorError: If it is missing, or there is no OpenGL.
     """
     spec = importlib.util.find_spec("eglRenderer")
     if spec is None or spec.origin is None:

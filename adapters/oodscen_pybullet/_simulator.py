@@ -31,41 +31,40 @@ from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
 
 REACH = 20.0
-"""Gaps are measured up to this distance, m."""
+"""Upper limit of measured gaps, m."""
 STAGES = 16
-"""Roads whose scenery stays loaded."""
+"""Number of roads whose scenery stays loaded."""
 DARK = 0.2
-"""Daylight up to which nothing throws a shadow."""
+"""Daylight at and below which nothing casts a shadow."""
 LIT_DEG = 1.0
-"""Elevation of the sun below which windows are lit."""
+"""Sun elevation below which windows are lit, degrees."""
 LYING_SNOW_MM_H = 1.0
-"""Snowfall from which on the ground is white."""
+"""Snowfall rate at and above which the ground is white, mm/h."""
 
 
 class PyBulletSimulator(MirrorSimulator):
     """Shows scenes with PyBullet; needs no display.
 
     PyBullet measures the distances between the catalogue's boxes; pictures come from a software
-    rasteriser with light and weather added from depth. Nothing is started before the first scene,
-    and the camera's world is not built before the first picture. The very first picture after
-    installation waits for some seconds while the rasteriser is compiled; numba keeps the result on
-    disk.
+    rasteriser, which adds light and weather from depth. The engine starts with the first scene and the
+    camera's world is built for the first picture. The very first picture after installation takes
+    some seconds while the rasteriser is compiled; numba caches the result on disk.
     """
 
     name = "pybullet"
 
     renderer: Renderer
-    """Which camera is in use: the rasteriser, or PyBullet's own."""
+    """The camera in use: the rasteriser, or PyBullet's own."""
 
     def __init__(self, renderer: Renderer = "raster") -> None:
         """Choose a camera.
 
         Args:
-            renderer: "raster" draws with numba, quickly; "pybullet" is PyBullet's own software
-                camera, which also stands in, with a `RuntimeWarning`, where numba is missing.
+            renderer: "raster" draws quickly, with numba; "pybullet" is PyBullet's own software
+                camera, which is also used, with a `RuntimeWarning`, if numba is missing.
 
         Raises:
-            UnknownComponent: When there is no such camera.
+            UnknownComponent: If there is no such camera.
         """
         super().__init__()
         self.renderer = choose_renderer(renderer)
@@ -81,14 +80,14 @@ class PyBulletSimulator(MirrorSimulator):
     # ------------------------------------------------------------------ MirrorSimulator
 
     def catalogue(self) -> Catalogue:
-        """Return the assets, behaviours, maps and weather on offer."""
+        """Return the available assets, behaviours, maps and weather."""
         return load_catalogue()
 
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
-        """Clear the world; the scenery waits for the first picture.
+        """Clear the world; the scenery is built for the first picture.
 
         Raises:
-            MissingExtra: When PyBullet or OpenCV is not installed.
+            MissingExtra: If PyBullet or OpenCV is not installed.
         """
         if self._bodies is None:
             self._engine = load_pybullet()
@@ -104,7 +103,7 @@ class PyBulletSimulator(MirrorSimulator):
         """Add one body.
 
         Raises:
-            SpawnError: When there is no such mesh, the pose is no place, or the engine refuses.
+            SpawnError: If there is no such mesh, the pose is invalid, or the engine refuses the body.
         """
         assert self._bodies is not None
         if not all(map(math.isfinite, pose)):
@@ -116,12 +115,12 @@ class PyBulletSimulator(MirrorSimulator):
         self._cast.add(actor_id, asset, state)
 
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
-        """Remember where everything is; bodies move when a gap or a picture asks for them."""
+        """Store the poses and speeds; bodies move when a gap or a picture needs them."""
         self._poses = [(x, y, z, yaw) for x, y, z, yaw in poses.tolist()]
         self._speeds = speeds.tolist()
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
-        """Measure the distance from the ego's box to others', m."""
+        """Return the distances from the ego's box to others, m."""
         bodies = self._bodies
         assert bodies is not None
         bodies.move(0, self._poses[0])
@@ -132,7 +131,7 @@ class PyBulletSimulator(MirrorSimulator):
         return distances
 
     def draw(self, camera: Camera) -> Frame:
-        """Take the dash camera's picture of the current state."""
+        """Return the dash camera's picture of the current state."""
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
         stage, scenery = self._set(corridor, scene, seed)
@@ -197,7 +196,7 @@ class PyBulletSimulator(MirrorSimulator):
     # ------------------------------------------------------------------ the picture's parts
 
     def _set(self, corridor: Corridor, scene: Scene, seed: int) -> tuple[Stage, Scenery]:
-        """Return the stage with this road's scenery, built if it is new."""
+        """Return the stage with this road's scenery, building it if necessary."""
         road = find_map(scene.map, self.catalogue())
         is_night = scene.weather.sun_elevation_deg < LIT_DEG
         own = zip(self._cast.assets, self._poses, strict=True)
@@ -218,7 +217,7 @@ class PyBulletSimulator(MirrorSimulator):
         return self._stages[key]
 
     def _stand(self, scenery: Scenery) -> list[Pose]:
-        """Return the poses with everything beside the asphalt lifted onto the ground there."""
+        """Return the poses, with everything beside the asphalt lifted onto the ground."""
         places = np.array(self._poses, np.float64)
         lifts = scenery.terrain.lifts(places[1:, 0], places[1:, 1]).tolist()
         lifted = [
@@ -229,7 +228,7 @@ class PyBulletSimulator(MirrorSimulator):
 
 
 def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
-    """Return how many pixels each body would fill if nothing stood before it."""
+    """Return the number of pixels that each body would fill without occlusion."""
     pixels = stage.unhidden(view)
     if pixels is not None:
         for row in sorted({ball.row for ball in balls}):
@@ -238,7 +237,7 @@ def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int
 
 
 def _lamps_of(scenery: Scenery) -> list[Glow]:
-    """Return the street lamps and what shines at traffic lights."""
+    """Return the street lamps and the lit lamps of traffic lights."""
     heads = [
         Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True) for head in scenery.lamps
     ]

@@ -1,4 +1,4 @@
-"""Designs of the maps in which roads meet."""
+"""Designs of the maps with junctions."""
 
 import math
 from collections.abc import Sequence
@@ -23,36 +23,36 @@ from tools.maps.design import (
 from tools.maps.streets import AVENUE, RESIDENTIAL
 
 _AHEAD = 200.0 + 110.0
-"""From the first road's beginning to the centre of what it leads to, m."""
+"""Distance from the start of the first road to the centre of the junction it leads to, m."""
 
 
 @dataclass(frozen=True)
 class Arm:
-    """A road where it meets a junction."""
+    """The end of a road at a junction."""
 
     road: str
     ends: bool
-    """Whether the road's reference line ends at the junction; otherwise it begins there."""
+    """True if the road's reference line ends at the junction, False if it begins there."""
     entry: Pose
-    """The end of the reference line, heading into the junction."""
+    """The end of the reference line, with the heading into the junction."""
     widths: tuple[float, ...]
-    """Of the lanes on each side there, from the inside out; the last is the pavement."""
+    """Widths of the lanes on each side, from the inside out; the last is the pavement, m."""
 
     @property
     def contact(self) -> Literal["start", "end"]:
-        """Which end of the road is at the junction."""
+        """The end of the road that is at the junction."""
         return "end" if self.ends else "start"
 
     def into(self, lane: int) -> int:
-        """Return the id of the lane into the junction that is the n-th from the inside."""
+        """Return the id of the n-th lane into the junction, counted from the inside."""
         return -lane if self.ends else lane
 
     def out_of(self, lane: int) -> int:
-        """Return the id of the lane out of the junction that is the n-th from the inside."""
+        """Return the id of the n-th lane out of the junction, counted from the inside."""
         return lane if self.ends else -lane
 
     def pose(self, lane: int, *, entering: bool) -> Pose:
-        """Return the left edge of a lane as its driver sees it."""
+        """Return the left edge of a lane as seen by its driver."""
         x, y, heading = self.entry
         if not entering:
             heading += math.pi
@@ -61,7 +61,7 @@ class Arm:
 
 
 def _bend(start: Pose, end: Pose) -> tuple[Piece, ...]:
-    """Return the pieces of a path with one arc between two poses."""
+    """Return the pieces of a path between two poses, with a single arc."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     turn = math.remainder(end[2] - start[2], math.tau)
     if abs(turn) < 1e-9:
@@ -92,7 +92,7 @@ def _way(
     *,
     has_pavement: bool = False,
 ) -> tuple[RoadDesign, ConnectionDesign]:
-    """Lead lanes of one arm, counted from the n-th of it, to lanes of another."""
+    """Connect lanes of one arm, from the n-th on, to lanes of another."""
     (source, first), (target, second) = entry, leaving
     designs = [
         LaneDesign(
@@ -124,7 +124,7 @@ def _way(
 
 
 def _arms(setbacks: Sequence[float | None], widths: tuple[float, ...]) -> list[Arm | None]:
-    """Return arms in the south, east, north and west of a centre; the first road ends there."""
+    """Return the arms south, east, north and west of a centre, where the first road ends."""
     arms: list[Arm | None] = []
     for index, setback in enumerate(setbacks):
         heading = 0.5 * math.pi * (index + 1)
@@ -146,7 +146,7 @@ def _approach(
     junction: str,
     kind: str = "townLocal",
 ) -> RoadDesign:
-    """Return the road of an arm, with the link to its junction."""
+    """Return the road of an arm, linked to its junction."""
     x, y, heading = arm.entry
     link = LinkDesign("junction", junction)
     if arm.ends:
@@ -177,9 +177,9 @@ def _equipped(
     stop_line: float | None = None,
     signals: Sequence[SignalDesign] = (),
 ) -> RoadDesign:
-    """Put a crosswalk, a stop line and signals on an arm; distances are from its junction.
+    """Add a crosswalk, a stop line and signals to an arm, at distances from its junction.
 
-    Signals come with `s` and `t` as distance before the junction and to the driver's right.
+    Signals specify `s` and `t` as the distance before the junction and to the driver's right.
     """
 
     def along(distance: float) -> float:
@@ -250,7 +250,7 @@ def _four_way() -> MapDesign:
 
 
 def _without_parking(length: float, *, ends: bool) -> tuple[SectionDesign, ...]:
-    """Return the cross-section of a residential road whose kerb comes forward at its junction."""
+    """Return the cross-section of a residential road whose kerb replaces the parking near its junction."""
     driving, parking, pavement = RESIDENTIAL
     rows = smooth(length - 18.0, 5.0, 2.2, 0.0) if ends else smooth(13.0, 5.0, 0.0, 2.2)
     lanes = driving, replace(parking, width=rows), pavement
@@ -289,16 +289,16 @@ def _t_junction() -> MapDesign:
 
 
 _RADIUS = 13.5
-"""Of the roundabout's island."""
+"""Radius of the roundabout's island, m."""
 _RING_WIDTH = 5.0
 _SPREAD = 0.62
-"""Radians between an arm's direction and where its traffic joins or leaves the ring."""
+"""Angle between an arm's direction and the point where its traffic joins or leaves the ring, rad."""
 _SPLITTER = 2.0
-"""Half the width of the islands between entry and exit."""
+"""Half the width of the splitter islands between entry and exit, m."""
 
 
 def _ring_lanes(*, has_pavement: bool, before: bool, after: bool) -> SectionDesign:
-    """Return the cross-section of the ring; its left side is the island."""
+    """Return the cross-section of the ring; the island is on its left."""
 
     def linked(lane: LaneDesign, number: int) -> LaneDesign:
         inner = abs(number) == 1
@@ -372,7 +372,7 @@ def _roundabout() -> MapDesign:
 def _splayed(
     arm: Arm, name: str, length: float, plain: tuple[LaneDesign, ...], junction: str
 ) -> RoadDesign:
-    """Return an arm whose directions part around an island before the ring."""
+    """Return an arm whose two directions separate around an island before the ring."""
     splay = 30.0
     rows = smooth(0.0, 20.0, 0.0, _SPLITTER) if arm.ends else smooth(10.0, 20.0, _SPLITTER, 0.0)
     sections: list[SectionDesign] = []

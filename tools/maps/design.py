@@ -1,4 +1,4 @@
-"""What the design of a map is made of."""
+"""Building blocks of map designs."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,9 +6,9 @@ from typing import Literal
 from oodscen.driving._roads.geometry import Arc, Curve, Line, Spiral
 
 Row = tuple[float, float, float, float, float]
-"""Where a cubic starts, and its coefficients a, b, c, d."""
+"""Start of a cubic, and its coefficients a, b, c, d."""
 Piece = tuple[str, float, float, float]
-"""Kind, length, start and end curvature of one geometry."""
+"""Kind, length, start and end curvature of a geometry."""
 Pose = tuple[float, float, float]
 """x, y, heading."""
 
@@ -26,10 +26,10 @@ class LaneDesign:
 
 @dataclass(frozen=True)
 class SectionDesign:
-    """A cross-section from `s` on."""
+    """A cross-section that starts at `s`."""
 
     right: tuple[LaneDesign, ...]
-    """From the reference line outwards."""
+    """Lanes from the reference line outwards."""
     left: tuple[LaneDesign, ...]
     centre_mark: str
     s: float = 0.0
@@ -37,7 +37,7 @@ class SectionDesign:
 
 @dataclass(frozen=True)
 class LinkDesign:
-    """What a road leads to at one end."""
+    """The successor or predecessor of a road."""
 
     kind: Literal["road", "junction"]
     id: str
@@ -71,17 +71,17 @@ class PatchDesign:
     id: str
     kind: Literal["crosswalk", "stop_line"]
     s: float
-    """Of its middle."""
+    """Position of its centre along the road, m."""
     t: float
     length: float
-    """Along the road, m."""
+    """Size along the road, m."""
     width: float
-    """Across it, m."""
+    """Size across the road, m."""
 
 
 @dataclass(frozen=True)
 class StretchDesign:
-    """A tunnel or a bridge."""
+    """A tunnel or a bridge on a road."""
 
     kind: Literal["tunnel", "bridge"]
     id: str
@@ -111,13 +111,13 @@ class RoadDesign:
 
     @property
     def length(self) -> float:
-        """Of the reference line, m."""
+        """Length of the reference line, m."""
         return sum(piece[1] for piece in self.pieces)
 
 
 @dataclass(frozen=True)
 class ConnectionDesign:
-    """One way into a junction."""
+    """One connection through a junction."""
 
     incoming: str
     connecting: str
@@ -126,7 +126,7 @@ class ConnectionDesign:
 
 @dataclass(frozen=True)
 class JunctionDesign:
-    """Where roads meet."""
+    """A junction of roads."""
 
     id: str
     name: str
@@ -135,7 +135,7 @@ class JunctionDesign:
 
 @dataclass(frozen=True)
 class MapDesign:
-    """One map: one file."""
+    """One map, written to one file."""
 
     id: str
     name: str
@@ -163,11 +163,11 @@ def curves_of(road: RoadDesign) -> list[Curve]:
 
 
 def smooth(start: float, length: float, low: float, high: float) -> tuple[Row, ...]:
-    """Return rows that go from one value to another with level ends.
+    """Return rows that change smoothly from one value to another, with zero slope at both ends.
 
     Args:
-        start: Where the change begins.
-        length: How long it takes.
+        start: Start of the change.
+        length: Length of the change.
         low: Value before.
         high: Value after.
     """

@@ -1,7 +1,7 @@
 """Writes the shipped OpenDRIVE maps.
 
-Run `python -m tools.maps.generate [FOLDER]` after changing a design; without a folder the
-shipped files are replaced. The same design gives the same bytes.
+Run `python -m tools.maps.generate [FOLDER]` after changing a design; without a folder it replaces
+the shipped files. The same design always gives the same bytes.
 """
 
 import sys
@@ -28,7 +28,7 @@ from tools.maps.streets import STREETS
 SHIPPED = Path(__file__).parents[2] / "oodscen" / "driving" / "maps"
 
 DESIGNS: tuple[MapDesign, ...] = (*STREETS, *CROSSINGS)
-"""The ego starts 200 m after the beginning of the first road of every one of them."""
+"""All shipped maps; in each, the ego starts 200 m after the beginning of the first road."""
 
 
 def write(design: MapDesign) -> bytes:
@@ -210,7 +210,7 @@ def _text(value: float) -> str:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Write all maps into a folder."""
+    """Write all maps to a folder."""
     folder = Path(arguments[0]) if arguments else SHIPPED
     for design in DESIGNS:
         (folder / f"{design.id}.xodr").write_bytes(write(design))

@@ -1,7 +1,7 @@
 """Draws maps from above, for the documentation.
 
-Run `python -m tools.maps.picture [FOLDER]` to write one PNG per shipped map; without a
-folder they go to `docs/pictures/maps` of the working directory.
+Run `python -m tools.maps.picture [FOLDER]` to write one PNG per shipped map; without a folder they go
+to `docs/pictures/maps` in the working directory.
 """
 
 import importlib
@@ -20,7 +20,7 @@ from oodscen.errors import MissingExtra
 
 _PIXELS_PER_M = 3.2
 _BEHIND, _AHEAD, _ASIDE = 40.0, 220.0, 48.0
-"""What is shown around the ego's start, m."""
+"""Area drawn around the ego's start, m."""
 _GROUND = (196, 212, 186)
 _COLOURS = {
     "driving": (96, 96, 100),
@@ -32,22 +32,22 @@ _COLOURS = {
     "none": (150, 150, 150),
 }
 _BENEATH = ("none", "border", "median", "sidewalk", "parking", "shoulder", "driving")
-"""Order in which kinds of strips are painted: in junctions roads lie over each other."""
+"""Painting order of strip kinds, because roads overlap in junctions."""
 _WHITE = (245, 245, 245)
 _EGO = (214, 60, 48)
 
 
 def draw_map(corridor: Corridor) -> NDArray[np.uint8]:
-    """Return a picture from above, the ego's start on the left, its way to the right.
+    """Return a picture from above, with the ego's start on the left and its route to the right.
 
     Args:
-        corridor: The road that the ego drives, with what is around it.
+        corridor: The ego's road with its surroundings.
 
     Returns:
         [height, width, 3] RGB.
 
     Raises:
-        MissingExtra: When OpenCV is not installed.
+        MissingExtra: If OpenCV is not installed.
     """
     try:
         cv2: Any = importlib.import_module("cv2")
@@ -83,7 +83,7 @@ class _Drawing:
         self._ego(corridor)
 
     def _pixels(self, points: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Return pixels with four bits of fraction."""
+        """Return pixel coordinates with four fractional bits."""
         x0, y0, cos, sin = self.origin
         dx, dy = points[:, 0] - x0, points[:, 1] - y0
         ahead, left = dx * cos + dy * sin, dy * cos - dx * sin
@@ -138,7 +138,7 @@ class _Drawing:
 
 
 def _offset(road: Corridor, t: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return [n, 2] points beside a road's reference line."""
+    """Return points at an offset from a road's reference line, [n, 2]."""
     return np.stack([road.x - t * road.sin, road.y + t * road.cos], axis=1)
 
 

@@ -1,4 +1,4 @@
-"""Designs of the maps that are a single road."""
+"""Designs of the single-road maps."""
 
 from dataclasses import replace
 
@@ -74,7 +74,7 @@ def _street(
 def _with_stretch(
     plain: MapDesign, stretch: StretchDesign, lanes: tuple[LaneDesign, ...]
 ) -> MapDesign:
-    """Put a tunnel or bridge, with a cross-section of its own, into a single road."""
+    """Add a tunnel or bridge, with its own cross-section, to a single road."""
     road = plain.roads[0]
     outside = road.sections[0].right
     mark = road.sections[0].centre_mark

@@ -1,1 +1,1 @@
-"""The land: roads' surfaces, terrain and islands."""
+"""The land: road surfaces, terrain and islands."""

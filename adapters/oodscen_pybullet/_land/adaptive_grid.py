@@ -1,4 +1,4 @@
-"""A net of squares over the land, as fine as the edges of the roads ask for."""
+"""A grid of squares over the land, refined along the edges of the roads."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ Mask = NDArray[np.bool_]
 Distance = Callable[[Array, Array], Array]
 
 TOLERANCE = 0.04
-"""How far the edge of the roads may lie from where the triangles put it, m."""
+"""Largest distance between the true edge of the roads and its triangulation, m."""
 _UNIT = 0.75
 _ROOT = 128
 _COARSE = 8
-"""Size of the squares at the roads before they are refined, units."""
+"""Size of the squares at the roads before refinement, in units."""
 _PRINT = 8
-"""Size of the smallest square that shows a whole texture, units."""
+"""Size of the smallest square that shows a whole texture, in units."""
 _SEARCH = 8
 _INSIDE = 0.01
-"""How far steps towards the edge go beyond it, m."""
+"""Distance by which steps towards an edge overshoot it, m."""
 _LATTICE = np.array(
     [(a, b, 4 - a - b) for a in range(5) for b in range(5 - a) if max(a, b, 4 - a - b) < 4],
     np.float64,
@@ -33,23 +33,23 @@ _QUARTERS = np.array([0.25, 0.5, 0.75])
 
 @dataclass(frozen=True, eq=False)
 class Squares:
-    """Squares side by side."""
+    """Adjacent squares of several sizes."""
 
     left: Ints
-    """[n] west edges, units."""
+    """[n] west edges, in units."""
     low: Ints
-    """[n] south edges, units."""
+    """[n] south edges, in units."""
     sizes: Ints
-    """[n] units, powers of two."""
+    """[n] sizes in units, powers of two."""
 
     @classmethod
     def around(cls, ground: Ground, meeting: Array, wide: float) -> "Squares":
-        """Cover the land around the ego's road, but not what lies well inside asphalt.
+        """Cover the land around the ego's road, except the interior of asphalt.
 
         Args:
             ground: The roads.
             meeting: [n, 2] points where roads meet or turn tightly, m.
-            wide: How far from the ego's road the land reaches, m.
+            wide: Distance from the ego's road to the edge of the land, m.
         """
         x = np.concatenate([way.course.x for way in ground.ways])
         y = np.concatenate([way.course.y for way in ground.ways])
@@ -87,9 +87,9 @@ class Squares:
         return cls(corners[:, 0], corners[:, 1], sizes)
 
     def triangles(self) -> tuple[Array, Ints, Ints]:
-        """Return points, [k, 2] m, triangles of their rows, [n, 3], and each one's square, [n].
+        """Return the points, [k, 2] m, the triangles as rows of points, [n, 3], and each one's square, [n].
 
-        Squares beside smaller ones take over their corners: nothing tears.
+        Squares include the corners of smaller neighbours, so the mesh has no cracks.
         """
         leaves = list(zip(self.left.tolist(), self.low.tolist(), self.sizes.tolist(), strict=True))
         names: dict[tuple[int, int], int] = {}
@@ -116,7 +116,7 @@ class Squares:
         return np.array(places) * _UNIT, np.array(rows, np.int64), np.array(owners, np.int64)
 
     def local(self, points: Array, owners: Ints) -> Array:
-        """Return where points, [n, 3, 2], lie within a texture that repeats with the squares."""
+        """Return the texture coordinates of points, [n, 3, 2], in a texture that repeats with the squares."""
         tile = np.maximum(self.sizes[owners], _PRINT).astype(np.float64)
         corner = np.stack(
             [np.floor(self.left[owners] / tile), np.floor(self.low[owners] / tile)], axis=1
@@ -126,20 +126,20 @@ class Squares:
 
 
 def crossing(distance: Distance, one: Array, two: Array, first: Array, second: Array) -> Array:
-    """Find where lines cross the edge of something.
+    """Return the points where lines cross an edge.
 
     Args:
-        distance: Tells how far places are from it, m; its sign is exact.
-        one: [n, 2] the beginnings.
-        two: [n, 2] the ends.
-        first: [n] distances at the beginnings.
-        second: [n] those at the ends, of another sign.
+        distance: Returns the distance of points from the edge, m; its sign is exact.
+        one: [n, 2] first ends of the lines.
+        two: [n, 2] second ends.
+        first: [n] distances at the first ends.
+        second: [n] distances at the second ends, of opposite sign.
 
     Returns:
-        [n] shares of the way, 0 to 1.
+        [n] fractions along each line, 0 to 1.
 
-    Steps from outside are as long as the distance there, which never leads past the edge but for
-    `_INSIDE`; where lines run along the edge halves are quicker.
+    From outside, each step is as long as the distance there, so it overshoots the edge by at most
+    `_INSIDE`; where a line runs along the edge, bisection is faster.
     """
     is_above = first > 0.0
     on, off = is_above.astype(np.float64), (~is_above).astype(np.float64)
@@ -162,7 +162,7 @@ def crossing(distance: Distance, one: Array, two: Array, first: Array, second: A
 
 
 def _finest(meeting: Array, middle: Array, radius: float) -> Array:
-    """Return how large squares may be where roads turn tightly or meet, units."""
+    """Return the largest size of squares allowed near tight bends and junctions, in units."""
     if not len(meeting):
         return np.full(len(middle), float(_ROOT))
     square = (middle[:, :1] - meeting[None, :, 0]) ** 2
@@ -181,7 +181,7 @@ def _is_spanned(ground: Ground, s: Array, margin: float) -> Mask:
 def _follow(
     ring: list[int], names: dict[tuple[int, int], int], i: int, j: int, di: int, dj: int
 ) -> None:
-    """Add a side's first corner and those of smaller neighbours along it."""
+    """Add the first corner of a side and the corners of smaller neighbours along it."""
     half_i, half_j = di // 2, dj // 2
     if (di | dj) % 2 == 0 and (i + half_i, j + half_j) in names:
         _follow(ring, names, i, j, half_i, half_j)
@@ -191,7 +191,7 @@ def _follow(
 
 
 def _misses(ground: Ground, cells: Ints, size: int, middle: Array, centre: Array) -> Mask:
-    """Tell which squares are too large for the edges of the roads in them."""
+    """Return which squares are too large for the road edges inside them."""
     if not len(cells):
         return np.zeros(0, bool)
     around = np.array([[0, 0], [size, 0], [size, size], [0, size]])
@@ -208,10 +208,10 @@ def _misses(ground: Ground, cells: Ints, size: int, middle: Array, centre: Array
 
 
 def _is_off(distance: Distance, corners: Array, values: Array) -> Mask:
-    """Tell in which triangles a straight cut is not where the distance is 0.
+    """Return the triangles in which a straight cut misses the edge.
 
     Args:
-        distance: To the edge.
+        distance: Returns the distance from the edge.
         corners: [n, 3, 2]
         values: [n, 3] distances at the corners.
     """

@@ -1,4 +1,4 @@
-"""What triangles cover seen from above, and how far from it points are."""
+"""The area covered by triangles seen from above, and the distance of points from it."""
 
 from collections.abc import Sequence
 
@@ -9,20 +9,20 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 REACH = 2.5
-"""Distances are measured up to here, m."""
+"""Upper limit of measured distances, m."""
 _CELL = 2.5
 _BATCH = 150_000
-"""Pairs of a point and a triangle that are looked at in one go."""
+"""Largest number of point-triangle pairs per batch."""
 
 
 class Cover:
-    """The union of many triangles, kept in a grid."""
+    """The union of many triangles, indexed by a grid."""
 
     def __init__(self, triangles: Array) -> None:
         """Sort triangles into a grid.
 
         Args:
-            triangles: [n, 3, 2] corners in any turn; those without area are left out, m.
+            triangles: [n, 3, 2] corners in either orientation, m; degenerate triangles are ignored.
         """
         one, two, three = triangles[:, 0], triangles[:, 1], triangles[:, 2]
         a, b = two - one, three - one
@@ -47,7 +47,7 @@ class Cover:
         self._counts = np.diff(np.append(self._starts, len(order)))
 
     def distance(self, x: Array, y: Array) -> Array:
-        """Return how far points are from what is covered: negative on it, at most `REACH`, m.
+        """Return the distance of points from the covered area: negative inside, at most `REACH`, m.
 
         Args:
             x: [n], m
@@ -90,10 +90,10 @@ class Cover:
 
 
 def strips(edges: Sequence[tuple[Array, Array]]) -> Array:
-    """Return bands between two lines as triangles, [n, 3, 2].
+    """Return bands between pairs of lines as triangles, [n, 3, 2].
 
     Args:
-        edges: The right and the left edge of each, [k, 2] both.
+        edges: The right and left edges of each band, both [k, 2].
     """
     parts = []
     for right, left in edges:
@@ -103,6 +103,6 @@ def strips(edges: Sequence[tuple[Array, Array]]) -> Array:
 
 
 def _expanded(count: Ints) -> tuple[Ints, Ints]:
-    """Return every owner as often as its count says, and 0, 1, 2 ... within each."""
+    """Repeat each owner by its count, and return it with a running index 0, 1, 2, ... per owner."""
     owner = np.repeat(np.arange(len(count)), count)
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)

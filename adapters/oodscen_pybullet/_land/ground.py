@@ -1,4 +1,4 @@
-"""Where the roads of a map are: their courses, how far from asphalt a point is, how high it lies."""
+"""The roads of a map: their courses, their heights, and the distance of points from asphalt."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,35 +12,35 @@ from oodscen_pybullet._land.cover import REACH, Cover, strips
 Array = NDArray[np.float64]
 
 STEP, FAST_STEP = 3.0, 6.0
-"""Length of one piece of road, and of a fast one, m; also of one dash of a broken mark."""
+"""Length of a piece of road and of a fast road, m; also the length of a dash of a broken mark."""
 FAST = 19.0
-"""Speed limit from which on a road is a fast one, m/s."""
+"""Speed limit above which a road counts as fast, m/s."""
 BEHIND = 60.0
-"""How far the road is drawn behind the ego's start, m."""
+"""Length of road drawn behind the ego's start, m."""
 SEEN_M, DRIVEN_S = 400.0, 30.0
-"""It is drawn as far as one sees after driving at the speed limit for so long, m and s."""
+"""Sight distance, m, and driving time at the speed limit, s: the road is drawn this far ahead."""
 TIGHT = 1 / 90
-"""Curvature from which on pieces are shorter, 1/m."""
+"""Curvature above which pieces are shorter, 1/m."""
 ONWARD_M = 90.0
-"""How far a road that ends in the open is drawn beyond its end."""
+"""Length drawn beyond the end of a road that ends in the open, m."""
 _OVERLAP = 0.6
-"""Roads reach so far into the ones that follow them, m: no seam is left between them."""
+"""Overlap of a road with its successors, m, which hides the seam."""
 _BULGE = 0.03
-"""Pieces are shorter where an edge of a lane bends by more than this within one, m."""
+"""Lane edges that bend by more than this within a piece make the pieces shorter, m."""
 _NEAR = 60.0
-"""Distances from asphalt beyond this are rough, m."""
+"""Distances from asphalt beyond this are approximate, m."""
 _ROUGH = 3.0
-"""Distances measured across one road are at most so much too long, m."""
+"""Largest overestimate of a distance measured across a road, m."""
 _BLOCK = 400_000
-"""Distances that are looked at in one go."""
+"""Number of distances computed per batch."""
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A corridor's line, resampled for drawing and continued straight beyond its ends."""
+    """A corridor's line, resampled for drawing and extended straight beyond its ends."""
 
     s: Array
-    """[n], m; evenly, with two more between two in tight bends and where widths change."""
+    """[n], m; evenly spaced, with two extra samples per interval in tight bends and where widths change."""
     x: Array
     y: Array
     z: Array
@@ -49,7 +49,7 @@ class Course:
 
     @classmethod
     def of(cls, corridor: Corridor) -> "Course":
-        """Resample the ego's road from behind its start to where nobody sees further."""
+        """Resample the ego's road from behind its start to the limit of sight."""
         first = max(0.0, corridor.start - BEHIND)
         return cls.between(
             corridor, first, corridor.start + DRIVEN_S * corridor.speed_limit + SEEN_M
@@ -57,7 +57,7 @@ class Course:
 
     @classmethod
     def between(cls, corridor: Corridor, first: float, last: float) -> "Course":
-        """Resample a corridor from one s to another; it goes on straight beyond its ends."""
+        """Resample a corridor from one s to another, extending it straight beyond its ends."""
         piece = FAST_STEP if corridor.speed_limit > FAST else STEP
         count = max(1, int((last - first) / piece + 0.5))
         step = piece if last - first >= piece else last - first
@@ -96,17 +96,17 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """One road as it is drawn: its course and how wide it is there."""
+    """A road as drawn: its course and its width along it."""
 
     corridor: Corridor
     course: Course
     asphalt: tuple[Array, Array]
     """[n] t of the outermost drivable edges, right and left."""
     paved: tuple[Array, Array]
-    """[n] the same with pavements."""
+    """[n] t of the outermost edges including pavements, right and left."""
     is_ego: bool
     is_connecting: bool
-    """Whether it is nothing but a path through a junction."""
+    """True if the road is only a path through a junction."""
     has_kerb: bool
     name: str
 
@@ -133,18 +133,18 @@ class Way:
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """What the ground knows about points, one row each."""
+    """The relation of points to the ground, one row per point."""
 
     asphalt: Array
-    """Distance from the nearest asphalt, m; negative on it; rough where it is far or negative."""
+    """Distance from the nearest asphalt, m; negative inside; approximate where far away or negative."""
     paved: Array
-    """The same with pavements."""
+    """The same for asphalt and pavements."""
     z: Array
-    """Height of the roads around, m."""
+    """Height of the surrounding roads, m."""
     s: Array
-    """Place along the ego's road, m."""
+    """Position along the ego's road, m."""
     t: Array
-    """Distance to the left of the ego's reference line, m."""
+    """Offset to the left of the ego's reference line, m."""
     ego: Array
     """Distance from the asphalt of the ego's road, m."""
 
@@ -156,7 +156,7 @@ class Ground:
         """Resample every road.
 
         Args:
-            corridor: The ego's, with the others.
+            corridor: The ego's corridor with the others.
         """
         self.corridor = corridor
         course = Course.of(corridor)
@@ -231,26 +231,26 @@ class Ground:
         return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, t, ego)
 
     def along(self, x: float, y: float) -> tuple[float, float]:
-        """Return a point's place along the ego's road, and its distance from that road, m."""
+        """Return a point's position along the ego's road and its distance from that road, m."""
         if (x, y) not in self._along:
             here, _, away = _places(self.ego, np.array([x]), np.array([y]))
             self._along[x, y] = float(here[0]), float(away[0][0])
         return self._along[x, y]
 
     def asphalt(self, x: Array, y: Array) -> Array:
-        """Return how far points are from the asphalt as it is drawn.
+        """Return the distance of points from the asphalt as drawn.
 
         Args:
             x: [n], m
             y: [n], m
 
         Returns:
-            [n], m; negative on it, at most `oodscen_pybullet._land.cover.REACH`.
+            [n], m; negative on asphalt, at most `oodscen_pybullet._land.cover.REACH`.
         """
         return self._asphalt.distance(x, y)
 
     def is_free(self, x: Iterable[float], y: Iterable[float], margin: float) -> bool:
-        """Tell whether no point is on asphalt or closer to it than a margin, m."""
+        """Return whether all points are off the asphalt by at least a margin, m."""
         key = (tuple(x), tuple(y), margin)
         if key not in self._free:
             self._free[key] = self._is_free(np.array(key[0]), np.array(key[1]), margin)
@@ -264,13 +264,13 @@ class Ground:
 
 
 def _corrected(rough: Array, exact: Array) -> Array:
-    """Return distances with the sign of the exact ones, and their size where they are near."""
+    """Return the distances with the sign of the exact ones, and with their size where they are near."""
     on = np.where(rough < 0.0, rough, exact)
     return np.where(exact >= REACH, np.maximum(rough, REACH), np.where(exact > 0.0, exact, on))
 
 
 def _band(way: Way, edges: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Return the right and the left line of a road, a little longer than it is."""
+    """Return the right and left lines of a road, extended slightly at both ends."""
     line = way.course
     reach = np.zeros((len(line.s), 1))
     reach[0], reach[-1] = -_OVERLAP, _OVERLAP
@@ -280,7 +280,7 @@ def _band(way: Way, edges: tuple[Array, Array]) -> tuple[Array, Array]:
 
 
 def _places(way: Way, x: Array, y: Array) -> tuple[Array, Array, tuple[Array, Array]]:
-    """Return s and t of points on a road, and how far they are from its asphalt and pavements."""
+    """Return s and t of points on a road, and their distances from its asphalt and pavements."""
     line = way.course
     index = _nearest(line, x, y)
     dx, dy = x - line.x[index], y - line.y[index]
@@ -300,7 +300,7 @@ def _places(way: Way, x: Array, y: Array) -> tuple[Array, Array, tuple[Array, Ar
 
 
 def _bounds(way: Way) -> tuple[float, float, float, float]:
-    """Return lowest and highest x and y of where a road matters, m."""
+    """Return the lowest and highest x and y of the area that a road affects, m."""
     reach = _NEAR + max(float(np.abs(edge).max()) for edge in way.paved)
     x, y = way.course.x, way.course.y
     return (
@@ -310,7 +310,7 @@ def _bounds(way: Way) -> tuple[float, float, float, float]:
 
 
 def _outline(corridor: Corridor, course: Course, kinds: frozenset[str]) -> tuple[Array, Array]:
-    """Return t of the outermost edges of some strips; where there are none they meet."""
+    """Return t of the outermost edges of strips of some kinds; without such strips the edges coincide."""
     right, left = np.full(len(course.s), np.inf), np.full(len(course.s), -np.inf)
     for strip in corridor.strips:
         if strip.kind in kinds:
@@ -331,7 +331,7 @@ def _ends(corridor: Corridor) -> tuple[tuple[float, float], tuple[float, float]]
 
 
 def _meets(end: tuple[float, float], ego: Corridor, others: Sequence[Corridor]) -> bool:
-    """Tell whether a road's end touches another road."""
+    """Return whether the end of a road touches another road."""
     x, y = end
     reach = 8.0
     lines = [(ego.x, ego.y), *((other.x, other.y) for other in others)]
@@ -339,7 +339,7 @@ def _meets(end: tuple[float, float], ego: Corridor, others: Sequence[Corridor]) 
 
 
 def _nearest(line: Course, x: Array, y: Array) -> NDArray[np.int64]:
-    """Return the row of a course nearest to each point."""
+    """Return the row of the course nearest to each point."""
     found = np.zeros(len(x), np.int64)
     block = max(1, _BLOCK // len(line.x))
     for start in range(0, len(x), block):

@@ -1,4 +1,4 @@
-"""Land that roads go around: the middle of a roundabout, refuges between lanes."""
+"""Land enclosed by roads: the centre of a roundabout, refuges between lanes."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -17,22 +17,22 @@ _LARGEST_M = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Islands:
-    """Islands as a map of squares."""
+    """Islands on a grid of squares."""
 
     corner: tuple[float, float]
-    """x and y of the map's corner, m."""
+    """x and y of the grid's corner, m."""
     cells: NDArray[np.bool_]
-    """[columns, rows] which squares are on an island."""
+    """[columns, rows] True where a square lies on an island."""
     middles: tuple[tuple[float, float, float], ...]
-    """x, y and radius of the largest circle on each island that is no mere refuge, m."""
+    """x, y and radius of the largest circle on each island bigger than a refuge, m."""
 
     @classmethod
     def of(cls, ground: Ground, meeting: Array) -> "Islands":
-        """Find what cannot be reached without stepping on asphalt.
+        """Find the land that cannot be reached without crossing asphalt.
 
         Args:
             ground: The roads.
-            meeting: [n, 2] points around which islands are looked for, m.
+            meeting: [n, 2] points around which to look for islands, m.
         """
         if not len(meeting):
             return cls((0.0, 0.0), np.zeros((0, 0), bool), ())
@@ -64,7 +64,7 @@ class Islands:
         return cls((float(low[0]), float(low[1])), cells, tuple(middles))
 
     def covers(self, points: Array) -> NDArray[np.bool_]:
-        """Tell which points, [n, 2], are on an island."""
+        """Return which points, [n, 2], lie on an island."""
         if not self.cells.size:
             return np.zeros(len(points), bool)
         place = np.floor((points - np.array(self.corner)) / _CELL).astype(np.int64)
@@ -75,7 +75,7 @@ class Islands:
 
 
 def _fill(land: NDArray[np.bool_], names: NDArray[np.int64], i: int, j: int, name: int) -> bool:
-    """Name a piece of land, and tell whether it reaches the map's edge."""
+    """Label a connected piece of land and return whether it reaches the edge of the grid."""
     columns, rows = land.shape
     names[i, j] = name
     queue = deque([(i, j)])

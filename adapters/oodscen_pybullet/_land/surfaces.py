@@ -1,4 +1,4 @@
-"""The surface of the roads: asphalt, medians and everything that is painted on them."""
+"""The surface of the roads: asphalt, medians and all paint."""
 
 from collections.abc import Sequence
 
@@ -16,17 +16,17 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 LAYER = 0.004
-"""Height between what lies upon each other on the road, m."""
+"""Height between stacked layers of the road, m."""
 PAINT = 0.008
 """Height of marks above the asphalt, m."""
 _MOUTH_M = 9.0
-"""Marks end at a crosswalk that is this close to its junction, m."""
+"""Marks end at a crosswalk that is at most this far from its junction, m."""
 _WIDER = 0.25
-"""How far asphalt reaches below kerbs, m."""
+"""Distance by which asphalt extends below kerbs, m."""
 
 
 class Ribbons:
-    """Collects bands that run along a course, and patches."""
+    """Collects bands along a course and flat patches."""
 
     def __init__(self, course: Course) -> None:
         self.course = course
@@ -44,15 +44,15 @@ class Ribbons:
         is_region: bool = False,
         where: Mask | None = None,
     ) -> None:
-        """Add a band between two offsets.
+        """Add a band between two lateral offsets.
 
         Args:
             right: t of its right edge, m, along the course.
             left: t of its left edge.
             surface: A colour, or a region of the atlas that repeats on every piece.
-            heights: Of the right and the left edge above the road, m.
+            heights: Height of the right and the left edge above the road, m.
             is_region: Whether `surface` is a region.
-            where: [pieces] which pieces are there; all without it.
+            where: [pieces] mask of the pieces to add; all by default.
         """
         a, b = self.course.points(right, heights[0]), self.course.points(left, heights[1])
         quads = np.stack([a[:-1], a[1:], b[1:], b[:-1]], axis=1)
@@ -62,7 +62,7 @@ class Ribbons:
         self.quads(quads, np.broadcast_to(uv, (len(quads), 4, 2)))
 
     def quads(self, quads: Array, uv: Array) -> None:
-        """Add quads, [n, 4, 3], counter-clockwise, with their places in the atlas, [n, 4, 2]."""
+        """Add quads, [n, 4, 3], counter-clockwise, with their atlas coordinates, [n, 4, 2]."""
         across, along = quads[:, 3] - quads[:, 0], quads[:, 1] - quads[:, 0]
         across = np.where(
             np.abs(across).sum(axis=1, keepdims=True) > 1e-6, across, quads[:, 2] - quads[:, 1]
@@ -86,7 +86,7 @@ class Ribbons:
             self._normals.append(np.tile(np.array([0.0, 0.0, 1.0]), (3, 1)))
 
     def mesh(self) -> Mesh:
-        """Return everything that was added."""
+        """Return the mesh of everything added."""
         vertices = np.concatenate(self._vertices)
         return Mesh(
             vertices=vertices,
@@ -97,7 +97,7 @@ class Ribbons:
 
 
 def strip_edges(corridor: Corridor, course: Course, strip: LaneStrip) -> tuple[Array, Array]:
-    """Return t of a strip's right and left edge along a course."""
+    """Return t of the right and left edges of a strip along a course."""
     return (
         np.interp(course.s, corridor.s, strip.right),
         np.interp(course.s, corridor.s, strip.left),
@@ -105,12 +105,12 @@ def strip_edges(corridor: Corridor, course: Course, strip: LaneStrip) -> tuple[A
 
 
 def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
-    """Return the surface of every road.
+    """Return the surface of all roads.
 
     Args:
         ground: The roads.
-        theme: Decides what shoulders and medians are made of.
-        rng: Decides where the asphalt is patched.
+        theme: Determines the material of shoulders and medians.
+        rng: Draws the positions of asphalt repairs.
     """
     parts = []
     for index, way in enumerate(ground.ways):
@@ -129,7 +129,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
 
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Return several meshes as one."""
+    """Merge several meshes into one."""
     vertices = np.concatenate([mesh.vertices[mesh.triangles.reshape(-1)] for mesh in meshes])
     return Mesh(
         vertices=vertices,
@@ -182,7 +182,7 @@ def _lay(way: Way, ribbons: Ribbons, theme: Theme, layer: float, rng: np.random.
 
 
 def _kerb_medians(ribbons: Ribbons, medians: Sequence[tuple[Array, Array, Mask]]) -> None:
-    """Add kerbs along both edges of raised medians, not between two that touch."""
+    """Add kerbs along both edges of raised medians, except between two that touch."""
     if not medians:
         return
     some = np.array([where for _, _, where in medians])
@@ -207,7 +207,7 @@ def _kerb_medians(ribbons: Ribbons, medians: Sequence[tuple[Array, Array, Mask]]
 
 
 def _raise(ribbons: Ribbons, right: Array, left: Array, surface: str, where: Mask) -> None:
-    """Add a band as high as a pavement, with kerbs."""
+    """Add a band at the height of a pavement, with kerbs."""
     ribbons.band(
         right, left, surface, heights=(KERB, KERB), is_region=surface == "paving", where=where
     )
@@ -227,7 +227,7 @@ def _kerbs(ribbons: Ribbons, right: Array, left: Array, top: str, side: str, whe
 
 
 def _lay_below(way: Way, ribbons: Ribbons, layer: float) -> None:
-    """Add asphalt below kerbs where the width changes or the road ends: no gap is left there."""
+    """Add asphalt below kerbs where the width changes or the road ends, to close gaps."""
     right, left = way.asphalt
     changes = (np.abs(np.diff(right)) > 0.05) | (np.abs(np.diff(left)) > 0.05)
     changes[:1] = changes[-1:] = True
@@ -240,7 +240,7 @@ def _lay_below(way: Way, ribbons: Ribbons, layer: float) -> None:
 
 
 def _spanned(way: Way, kinds: Sequence[str]) -> Mask:
-    """Tell which pieces of a course lie on bridges or in tunnels."""
+    """Return which pieces of a course lie on bridges or in tunnels."""
     middle = 0.5 * (way.course.s[1:] + way.course.s[:-1])
     found = np.zeros(len(middle), bool)
     for one in way.corridor.structures:
@@ -250,7 +250,7 @@ def _spanned(way: Way, kinds: Sequence[str]) -> Mask:
 
 
 def _pieces(samples: Mask) -> Mask:
-    """Return the pieces at both of whose ends something holds."""
+    """Return the pieces that satisfy a condition at both ends."""
     return np.asarray(samples[1:] & samples[:-1])
 
 
@@ -267,7 +267,7 @@ def _surface(strip: LaneStrip, theme: Theme) -> tuple[str, bool]:
 
 
 def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Outline]) -> None:
-    """Paint the marks on the edges of lanes, and the bays of parking strips."""
+    """Paint the marks on lane edges, and the bays of parking strips."""
     course, strips, road = way.course, way.corridor.strips, way.corridor
     outside = np.interp(course.s, road.s, road.in_junction.astype(np.float64)) < 0.5
     free, dark = _pieces(outside) & ~_crossed(way, outlines), _spanned(way, ("tunnel",))
@@ -293,7 +293,7 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Out
 
 
 def _crossed(way: Way, outlines: Sequence[Outline]) -> Mask:
-    """Tell which pieces lie below a crosswalk or a stop line, or between one and the junction."""
+    """Return which pieces lie below a crosswalk or stop line, or between it and the junction."""
     line, road = way.course, way.corridor
     found = np.zeros(len(line.s) - 1, bool)
     inside = np.interp(line.s, road.s, road.in_junction.astype(np.float64)) > 0.5
@@ -315,7 +315,7 @@ def _crossed(way: Way, outlines: Sequence[Outline]) -> Mask:
 
 
 def _dashes(course: Course) -> Mask:
-    """Return the painted pieces of a broken mark: one piece in three."""
+    """Return the painted pieces of a broken mark: one in three."""
     period = 3.0 * float(np.diff(course.s).max())
     return np.asarray((0.5 * (course.s[1:] + course.s[:-1])) % period < period / 3)
 
@@ -408,7 +408,7 @@ def _disc(road: Corridor, ribbons: Ribbons, s: float, t: float) -> None:
 
 
 def _lay_floors(ground: Ground, ribbons: Ribbons) -> None:
-    """Put asphalt below every junction, so that none shows the ground between its ways."""
+    """Lay asphalt below every junction so that no ground shows between its roads."""
     groups: dict[str, list[Array]] = {}
     for way, name in zip(
         ground.ways[1:], (o.junction for o in ground.corridor.others), strict=True

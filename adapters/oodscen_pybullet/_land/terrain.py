@@ -1,7 +1,7 @@
 """The ground beside the roads: kerbs, pavements, lawns and fields, out to the hills.
 
-It is a grid of squares, small at the roads and large far off, cut along lines of equal distance
-from the asphalt, so that any net of roads has kerbs that go around its corners and no holes.
+The terrain is a grid of squares, small at the roads and large far away. It is cut along lines of
+equal distance from the asphalt, so any road network gets kerbs that follow its corners, and no holes.
 """
 
 from dataclasses import dataclass
@@ -27,25 +27,25 @@ Theme = Literal["residential", "urban", "highway", "rural"]
 KERB = 0.10
 """Height of pavements above the road, m."""
 WIDE_M = 215.0
-"""The ground reaches so far from the ego's road, m."""
+"""Distance from the ego's road to the edge of the ground, m."""
 PORTAL_M = 7.4
-"""Height of a tunnel's front above the road, m."""
+"""Height of a tunnel's portal above the road, m."""
 BANK_M = 13.0
-"""From the asphalt to where the ground beside a tunnel's front is as high as the front, m."""
+"""Distance from the asphalt at which the ground beside a portal reaches the portal's height, m."""
 VALLEY_M = 11.0
 """Depth of the ground below a bridge, m."""
 WATER_M = 5.5
-"""Depth of the water's surface below a bridge, m."""
+"""Depth of the water surface below a bridge, m."""
 ISLAND_RIM = 1.6
 """Width of the paved edge of an island, m."""
 _GAP = 2.0
-"""Points where roads meet are no closer to each other, m."""
+"""Smallest distance between two points where roads meet, m."""
 _X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _IN = range(9)
 
 
 @dataclass(frozen=True)
 class _Band:
-    """What the ground is made of up to a distance from pavements."""
+    """The material of the ground up to a distance from pavements."""
 
     reach: float
     surface: str
@@ -69,19 +69,19 @@ _RELIEF: dict[Theme, tuple[float, float]] = {
     "highway": (5.0, 16.0),
     "rural": (7.0, 20.0),
 }
-"""Height of the waves of the land, and of the hills at the world's end, m."""
+"""Height of the land's undulations and of the hills on the horizon, m."""
 
 
 class Terrain:
-    """The ground's shape and surface around the roads of a map."""
+    """The shape and surface of the ground around the roads of a map."""
 
     def __init__(self, ground: Ground, theme: Theme, rng: np.random.Generator) -> None:
-        """Choose hills and fields.
+        """Draw the hills and fields.
 
         Args:
             ground: The roads.
-            theme: What kind of land it is.
-            rng: Decides hills and fields.
+            theme: The kind of land.
+            rng: Draws hills and fields.
         """
         self.ground = ground
         self.theme: Theme = theme
@@ -93,28 +93,28 @@ class Terrain:
 
     @property
     def islands(self) -> "Islands":
-        """Land that roads go around."""
+        """The land enclosed by roads."""
         return self._islands
 
     @property
     def lift(self) -> float:
-        """Height of the ground beside the asphalt above it, m."""
+        """Height of the ground above the adjacent asphalt, m."""
         return KERB if self.ground.kerbed else -0.02
 
     def height(self, x: float, y: float) -> float:
-        """Return the height of the ground at a place, m."""
+        """Return the height of the ground at a point, m."""
         if (x, y) not in self._known:
             outside, inside, within = self._heights(np.array([x]), np.array([y]))
             self._known[x, y] = float((inside if within[0] else outside)[0]) + self.lift
         return self._known[x, y]
 
     def surface(self, x: float, y: float) -> float:
-        """Return the height at a place of the ground, or of the road where it is on one, m."""
+        """Return the height of the surface at a point, road or ground, m."""
         near = self.ground.near(np.array([x]), np.array([y]))
         return float(near.z[0]) if near.asphalt[0] <= 0.0 else self.height(x, y)
 
     def lifts(self, x: Array, y: Array) -> Array:
-        """Return how far the ground is above the roads around it at places, m; 0 on asphalt."""
+        """Return the height of the ground above the surrounding roads at points, m; 0 on asphalt."""
         if len(x) == 0:
             return np.zeros(0)
         near = self.ground.near(x, y)
@@ -123,7 +123,7 @@ class Terrain:
         return np.where(near.asphalt > 0.0, high, 0.0)
 
     def is_corner(self, x: float, y: float, reach: float) -> bool:
-        """Tell whether a place is so close, m, to where roads meet or turn tightly."""
+        """Return whether a point lies within `reach`, m, of a junction or tight bend."""
         if not len(self._meeting):
             return False
         square = (self._meeting[:, 0] - x) ** 2 + (self._meeting[:, 1] - y) ** 2
@@ -170,10 +170,10 @@ class Terrain:
         )
 
     def _spanned(self, corners: Array) -> tuple[Array, Array]:
-        """Cut the ground at tunnels and bridges: what is in the open, and what goes over or under.
+        """Split the ground at tunnels and bridges: the part in the open, and the part above or below.
 
-        Heights are asked for again along the cuts, since there they do not follow from those of
-        the squares' corners.
+        Heights are recomputed along the cuts because they cannot be interpolated there from the corners of
+        the squares.
         """
         open_, over = corners, corners[:0]
         for one in self.ground.corridor.structures:
@@ -205,7 +205,7 @@ class Terrain:
         return [one for one in self.ground.corridor.structures if one.kind == "bridge"]
 
     def _heights(self, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return the ground's height in the open, above tunnels, and where the latter holds."""
+        """Return the ground's height in the open and above tunnels, and a mask of where the latter applies."""
         near = self.ground.near(x, y)
         away = np.maximum(near.asphalt, 0.0)
         waves, rim = _RELIEF[self.theme]
@@ -235,7 +235,7 @@ class Terrain:
         return outside, inside, within
 
     def _wave(self, x: Array, y: Array, size: float) -> Array:
-        """Return smooth noise, -1 to 1, whose waves are about so long."""
+        """Return smooth noise, -1 to 1, with a wavelength of about `size`."""
         u, v = x / size + 1000.0, y / size + 1000.0
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
         a, b = _rise(u - i, 0.0, 1.0), _rise(v - j, 0.0, 1.0)
@@ -247,7 +247,7 @@ class Terrain:
     # ------------------------------------------------------------------ squares
 
     def _corners(self) -> Array:
-        """Return the squares as triangles, with everything that cutting needs."""
+        """Return the squares as triangles with all columns that cutting needs."""
         net = Squares.around(self.ground, self._meeting, WIDE_M)
         points, order, held = net.triangles()
         near = self.ground.near(points[:, 0], points[:, 1])
@@ -267,7 +267,7 @@ class Terrain:
         return corners
 
     def _is_corner(self, points: Array) -> NDArray[np.bool_]:
-        """Tell which points are so close to where roads meet that everything is paved."""
+        """Return which points are close enough to a junction to be paved all over."""
         square = (points[:, :1] - self._meeting[None, :, 0]) ** 2
         square += (points[:, 1:] - self._meeting[None, :, 1]) ** 2
         return np.asarray(square.min(axis=1) < 9.0 * 9.0)
@@ -296,13 +296,13 @@ class Terrain:
 
 
 def _rise(value: Array, start: float, end: float) -> Array:
-    """Return 0 below `start`, 1 above `end`, and a smooth rise in between."""
+    """Return 0 below `start`, 1 above `end`, and a smooth ramp in between."""
     share = np.clip((value - start) / (end - start), 0.0, 1.0)
     return np.asarray(share * share * (3.0 - 2.0 * share), np.float64)
 
 
 def _meeting_points(ground: Ground) -> Array:
-    """Return points all along tight bends and ways through junctions, [n, 2]."""
+    """Return points along tight bends and paths through junctions, [n, 2]."""
     found = []
     for way in ground.ways:
         line, road = way.course, way.corridor
@@ -319,7 +319,7 @@ def _meeting_points(ground: Ground) -> Array:
 
 
 def _walls(border: Array) -> tuple[Array, Array]:
-    """Return the fronts of kerbs along a cut, facing the road."""
+    """Return the vertical faces of kerbs along a cut, facing the road."""
     p, q = border[:, 0, : _Z + 1], border[:, 1, : _Z + 1]
     length = np.sqrt(((p - q) ** 2).sum(axis=1))
     p, q = p[length > 1e-4], q[length > 1e-4]
@@ -330,7 +330,7 @@ def _walls(border: Array) -> tuple[Array, Array]:
 
 
 def _mesh(vertices: Array, uvs: Array) -> Mesh:
-    """Return triangles with flat shading as a mesh, without those that have no area."""
+    """Return triangles with flat shading as a mesh, without degenerate ones."""
     three = vertices.reshape(-1, 3, 3)
     normal = np.cross(three[:, 1] - three[:, 0], three[:, 2] - three[:, 0])
     length = np.sqrt((normal * normal).sum(axis=1))
@@ -346,7 +346,7 @@ def _mesh(vertices: Array, uvs: Array) -> Mesh:
 
 
 def theme_of(traits: frozenset[str], corridor: Corridor) -> Theme:
-    """Return what kind of land a map's traits ask for."""
+    """Return the kind of land that a map's traits ask for."""
     themes: tuple[Theme, ...] = ("residential", "urban", "highway", "rural")
     for theme in themes:
         if theme in traits:

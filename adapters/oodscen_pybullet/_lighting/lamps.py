@@ -1,4 +1,4 @@
-"""Lamps in the dark: what they light up, how they glow, and how they dazzle."""
+"""Lamps in the dark: the light they cast, their glow and their dazzle."""
 
 import math
 from collections.abc import Sequence
@@ -16,21 +16,21 @@ Float = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 
 HEADLAMP = 3.5
-"""Power from which on a lamp that faces somewhere throws a cone of light."""
+"""Least power with which a directional lamp casts a cone of light."""
 _FAR = GRID_AHEAD * GRID_CELL
 
 
 def ground_light(view: View, glows: Sequence[Glow], light: Light) -> Float | None:
-    """Return how brightly lamps light what stands before the camera.
+    """Return the lamps' light on surfaces in front of the camera.
 
     Args:
         view: The camera.
         glows: All lamps.
-        light: Of the scene; by day lamps light nothing.
+        light: The light of the scene; by day lamps illuminate nothing.
 
     Returns:
-        [GRID_AHEAD, GRID_ASIDE, 3] by cells along the optical axis and to the right, the axis in the
-        middle; `None` where there is nothing to add.
+        [GRID_AHEAD, GRID_ASIDE, 3] by cells along the optical axis and to the right, with the axis in
+        the middle; `None` if the lamps add nothing.
     """
     dark = 1.0 - light.daylight
     if dark < 0.3:
@@ -90,15 +90,15 @@ def _cells(low: float, high: float, zero: float, count: int) -> tuple[int, int]:
 def add_glows(
     image: U8, view: View, depth: Float, glows: Sequence[Glow], light: Light, extinction: float
 ) -> None:
-    """Add the halos of lamps that the camera sees, in place.
+    """Add the halos of visible lamps, in place.
 
     Args:
         image: [height, width, 3]
         view: The camera.
         depth: m
         glows: All lamps.
-        light: Of the scene; by day halos are faint.
-        extinction: Of the air, 1/m: it dims lamps and widens their halos.
+        light: The light of the scene; by day halos are faint.
+        extinction: Extinction coefficient of the air, 1/m: it dims lamps and widens their halos.
     """
     dark = 1.0 - light.daylight
     for glow in glows:
@@ -124,7 +124,7 @@ def add_glows(
 
 
 def add_glare(image: U8, view: View, light: Light, depth: Float) -> None:
-    """Add the dazzle of a low sun ahead, in place."""
+    """Add the glare of a low sun ahead, in place."""
     far = tuple(view.eye[i] + 1000.0 * light.sun[i] for i in range(3))
     spot = view.pixel((far[0], far[1], far[2]))
     if not light.has_glare or spot is None:
@@ -148,7 +148,7 @@ def _facing(view: View, glow: Glow) -> float:
 
 
 def _visible(depth: Float, column: float, row: float, ahead: float) -> float:
-    """Return the share of a few pixels around a place at which nothing stands before it."""
+    """Return the fraction of a few pixels around a point that nothing in front occludes."""
     height, width = depth.shape
     c, r = round(column - 0.5), round(row - 0.5)
     patch = depth[
@@ -174,14 +174,14 @@ def _add(
 def splash(
     image: U8, column: np.float32, row: np.float32, radius: np.float32, light: Float
 ) -> None:
-    """Add a round blot of light that fades to nothing at twice its radius.
+    """Add a round spot of light that fades to zero at twice its radius.
 
     Args:
         image: [height, width, 3], changed in place.
-        column: Of the middle, pixels.
-        row: Of the middle.
+        column: Column of the centre, pixels.
+        row: Row of the centre.
         radius: Pixels.
-        light: [3] to add in the middle, 0 to 255.
+        light: [3] light to add at the centre, 0 to 255.
     """
     height, width = image.shape[0], image.shape[1]
     one, half = np.float32(1.0), np.float32(0.5)

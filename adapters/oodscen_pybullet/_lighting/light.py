@@ -1,4 +1,4 @@
-"""Where light comes from: the sun, the sky, and lamps."""
+"""The light of a scene from the sun, the sky and lamps."""
 
 import itertools
 from collections.abc import Sequence
@@ -14,42 +14,42 @@ from oodscen_pybullet._rendering.view import Point
 _DEGREE = 0.017453292519943295
 
 _DAYLIGHT = ((-18.0, 0.06), (-6.0, 0.14), (0.0, 0.42), (8.0, 0.92), (15.0, 1.0))
-"""Sun elevation, degrees, and how bright the day is."""
+"""Sun elevation, degrees, and brightness of the day."""
 STREET_LAMP: Point = (1.0, 0.82, 0.55)
 GLARE_DEG = 12.0
-"""Below this elevation the sun stands ahead of the ego and dazzles."""
+"""Elevation below which a sun ahead of the ego dazzles, degrees."""
 
 
 @dataclass(frozen=True)
 class Light:
-    """Where the light comes from and how bright it is."""
+    """Direction, brightness and colour of the light."""
 
     sun: Point
     """Direction towards the sun, unit length."""
     ambient: float
-    """Share of light that comes from everywhere."""
+    """Fraction of the light that is ambient."""
     diffuse: float
-    """Share that comes from the sun."""
+    """Fraction of the light that comes directly from the sun."""
     daylight: float
     """0 in the deepest night, 1 at noon."""
     shadow: float
-    """How dark shadows are, 0 to 1."""
+    """Darkness of shadows, 0 to 1."""
     tint: Point
     """Colour of the light."""
     has_glare: bool
     shade: Point = (1.0, 1.0, 1.0)
-    """Colour of the light where the sun does not reach."""
+    """Colour of the light in shadow."""
     shades: Point = (0.0, 0.0, 1.0)
-    """Direction from which shadows fall: the sun's, or near the zenith under an overcast sky."""
+    """Direction towards the light that casts shadows: the sun, or near the zenith under an overcast sky."""
 
     @classmethod
     def of(cls, weather: Weather, heading: float, *, is_snowy: bool) -> "Light":
         """Derive the light from the weather.
 
         Args:
-            weather: Of the scene.
-            heading: Of the road where the ego starts, rad.
-            is_snowy: Whether snow lies, which throws light back.
+            weather: The weather of the scene.
+            heading: Heading of the road at the ego's start, rad.
+            is_snowy: Whether lying snow reflects light.
         """
         elevation = weather.sun_elevation_deg
         daylight = _between(_DAYLIGHT, elevation)
@@ -65,7 +65,7 @@ class Light:
         sun = (level * exact.cos(turn), level * exact.sin(turn), exact.sin(height))
         clear = (1.0 - hidden) * (1.0 if elevation > 0.0 else 0.0)
         warm = max(0.0, 1.0 - max(elevation, 0.0) / 20.0) * clear
-        # Cameras expose for the shade where the sun hardly reaches the ground.
+        # Where the sun hardly reaches the ground, cameras expose for the shade.
         low = max(0.0, 1.0 - max(elevation, 0.0) / 28.0) * clear
         blue = clear * (0.4 + 0.6 * warm)
         dark = 1.0 - daylight
@@ -86,10 +86,11 @@ class Light:
         )
 
     def darkness(self) -> NDArray[np.float32]:
-        """Return how much darker a shadow is than the sunlit surface, 0 to 1, [256].
+        """Return the darkening of a shadow relative to the sunlit surface, 0 to 1, [256].
 
-        By how squarely the sun meets the surface, 0 to 255. It is the share of light that is the
-        sun's; under an overcast sky, where that is small, it is `shadow` near the foot of things.
+        The index is the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular). The darkening
+        is the sun's fraction of the light; where an overcast sky makes that small, it is `shadow` near
+        the base of objects.
         """
         slant = np.arange(256, dtype=np.float32) / np.float32(255.0)
         share = self.diffuse * slant / (self.ambient + self.diffuse * slant)
@@ -101,12 +102,12 @@ class Light:
 
 @dataclass(frozen=True)
 class Glow:
-    """A lamp that is on, in world coordinates."""
+    """A lit lamp in world coordinates."""
 
     position: Point
     colour: Point
     facing: Point
-    """Where it shines to; (0, 0, 0) is all around."""
+    """Direction of its beam; (0, 0, 0) shines in all directions."""
     power: float
     is_street: bool = False
 

@@ -1,4 +1,4 @@
-"""What wet ground and standing water mirror."""
+"""Reflections in wet ground and standing water."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,19 +19,19 @@ def add_reflections(
     gain: np.float32,
     seed: np.uint32,
 ) -> None:
-    """Mirror what stands on wet ground in it, and the sky.
+    """Reflect objects and the sky in wet ground.
 
-    Column by column, what is above the line where ground and background meet is turned over at that
-    line: right for upright things, and near enough for the rest. Rough wet asphalt draws it out into
-    streaks; a puddle keeps it whole.
+    Column by column, the picture above the line where ground and background meet is mirrored at that
+    line: exact for upright objects, a good approximation for the rest. Rough wet asphalt smears the
+    reflection into streaks; a puddle keeps it sharp.
 
     Args:
         image: [height, width, 3], changed in place.
         depth: [height, width] m
-        kinds: The same with what is true of surfaces: `triangles.MIRROR` and so on.
-        wet: How much wet ground mirrors at flat angles, 0 to 1; 0 is dry.
-        gain: How much brighter lamps are than they look: 0 by day, when the sky outshines them.
-        seed: Of the roughness.
+        kinds: [height, width] surface flags: `triangles.MIRROR` and so on.
+        wet: Reflectivity of wet ground at grazing angles, 0 to 1; 0 is dry.
+        gain: Brightness of lamps relative to their pixels: 0 by day, when the sky outshines them.
+        seed: Seed of the surface roughness.
     """
     height, width = depth.shape
     one, zero = np.float32(1.0), np.float32(0.0)
@@ -61,12 +61,12 @@ def add_reflections(
                 share, keep = np.float32(0.26) + np.float32(0.6) * flat, np.float32(0.4)
             grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
             grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
-            # The sky that lies about the horizon is paler than the one above, and water is murky.
+            # The sky near the horizon is paler than the sky above, and water is murky.
             pale = np.float32(0.7) if depth[source, column] > np.float32(400.0) else zero
             for e in range(3):
                 mirrored = np.float32(image[source, column, e])
                 mirrored += (grey * np.float32(0.93) - mirrored) * pale
-                # A lamp is far brighter than the brightest that a picture can show.
+                # A lamp is far brighter than the largest value that a picture can hold.
                 mirrored += gain * max(mirrored - np.float32(205.0), zero)
                 streak[x, e] = streak[x, e] * keep + mirrored * (one - keep)
                 before = np.float32(image[y, x, e])

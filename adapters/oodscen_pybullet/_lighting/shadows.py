@@ -1,8 +1,8 @@
-"""What stands between the sun and the ground: a map of shadows.
+"""Shadow maps of scenery and actors.
 
-The map lies on the ground. Each of its cells says how high the topmost thing is on the sun's ray
-that ends there; whatever lies lower on the same ray is in shadow. Scenery is drawn once for as long
-as the sun and the camera's neighbourhood stay; actors are drawn over it for every picture.
+The map lies on the ground. Each cell holds the height of the topmost object on the sun's ray that
+ends there; everything lower on the same ray is in shadow. Scenery is drawn once and reused while the
+sun and the camera's neighbourhood stay the same; actors are drawn over it for every picture.
 """
 
 import math
@@ -18,45 +18,45 @@ from oodscen_pybullet._rendering.view import Point, View
 CELLS = 1024
 """Cells along a side of the map."""
 SIDE_M = 96.0
-"""Length of a side."""
+"""Length of a side of the map, m."""
 TILE = 16
-"""Cells along a side of a tile; what is above all that a tile holds is lit without a closer look."""
+"""Cells along a side of a tile; points above everything in a tile are lit without a closer look."""
 SNAP_M = 16.0
-"""The map moves in steps of this size, so that scenery need not be drawn for every picture."""
+"""Step by which the map moves, m, so that scenery is not redrawn for every picture."""
 AHEAD_M = 38.0
-"""How far before the camera the middle of the map is."""
+"""Distance from the camera forward to the map's centre, m."""
 LOWEST = 0.25
-"""Least rise of the sun's rays: the shadows of a sun that is lower would leave the map."""
+"""Smallest slope of the sun's rays: the shadows of a lower sun would leave the map."""
 FAR_CELLS = 512
-"""Cells along a side of the coarse map, which goes on where the other one ends."""
+"""Cells along a side of the coarse map, which extends the fine one."""
 FAR_SIDE_M = 448.0
-"""Length of its side."""
+"""Length of a side of the coarse map, m."""
 FAR_SNAP_M = 64.0
 FAR_AHEAD_M = 150.0
 NOTHING = -1e6
-"""Height in cells that nothing covers, m."""
+"""Height of an empty cell, m."""
 
 Key = tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Shade:
-    """A map of shadows as the developing kernel reads it."""
+    """A shadow map in the layout that the postprocessing kernel reads."""
 
     heights: F32
     """[CELLS, CELLS] rows by y, columns by x: m above `level`."""
     tiles: F32
-    """[CELLS / TILE, CELLS / TILE] highest of each tile and its neighbouring cells."""
+    """[CELLS / TILE, CELLS / TILE] maximum of each tile and its neighbouring cells."""
     corner: tuple[float, float]
     """x and y of the map's lowest corner on the ground, m."""
     level: float
     """z of the ground, m."""
     far: F32
-    """[FAR_CELLS, FAR_CELLS] heights of the coarse map, of scenery alone."""
+    """[FAR_CELLS, FAR_CELLS] heights of the coarse map, scenery only."""
     far_corner: tuple[float, float]
-    """Of the coarse map, m."""
+    """The lowest corner of the coarse map, m."""
     lean: tuple[float, float]
-    """How far a shadow falls against x and y for each metre of height."""
+    """Shift of a shadow against x and y per metre of height."""
 
 
 @Kernel
@@ -75,22 +75,22 @@ def cast(
 ) -> None:
     """Draw the shadows of objects into a map.
 
-    Only faces turned away from the sun are drawn: they throw the same shadow as those towards it,
+    Only faces turned away from the sun are drawn: they cast the same shadow as the faces towards it,
     and cannot darken these by mistake.
 
     Args:
-        corners: Of `raster.scatter`.
-        planes: Of `raster.scatter`.
-        spans: Of `raster.scatter`.
-        places: Of `raster.scatter`.
-        spheres: Of `raster.scatter`.
-        kinds: Of `raster.scatter`.
+        corners: As in `depth_kernel.scatter`.
+        planes: As in `depth_kernel.scatter`.
+        spans: As in `depth_kernel.scatter`.
+        places: As in `depth_kernel.scatter`.
+        spheres: As in `depth_kernel.scatter`.
+        kinds: As in `depth_kernel.scatter`.
         sun: [3] direction towards the sun.
-        frame: [7] x and y of the map's corner, z of the ground, lean along x and y, cells per metre,
-            and by how many cells everything is wider than it is.
-        skipped: Kinds of triangles that throw no shadow.
-        heights: [n, n] of the map, changed in place.
-        tiles: [n / TILE, n / TILE] of the map, changed in place.
+        frame: [7] x and y of the map's corner, z of the ground, shift along x and y per metre of
+            height, cells per metre, and the margin in cells by which all objects are widened.
+        skipped: Kinds of triangles that cast no shadow.
+        heights: [n, n] heights of the map, changed in place.
+        tiles: [n / TILE, n / TILE] tiles of the map, changed in place.
     """
     cells = heights.shape[0]
     most = np.float64(cells - 1)
@@ -136,7 +136,7 @@ def cast(
                 continue
             slope_x, slope_y = (uz * vy - uy * vz) / area, (ux * vz - uz * vx) / area
             low_z, high_z = min(pz[0], pz[1], pz[2]), max(pz[0], pz[1], pz[2])
-            # Lower by what the surface rises within half a cell, so that it stays off itself.
+            # Lowered by the surface's rise within half a cell, so that it does not shade itself.
             give = 0.5 * (abs(slope_x) + abs(slope_y))
             first, last = int(max(math.floor(low_y), 0.0)), int(min(math.ceil(high_y), most))
             floor, top = np.float32(low_z), np.float32(high_z)
@@ -150,7 +150,7 @@ def cast(
                         share = (at - py[j]) / (py[i] - py[j]) if py[j] != py[i] else 0.0
                         x = px[j] + (px[i] - px[j]) * share
                         left, right = min(left, x), max(right, x)
-                # Half a cell wider on both sides: what is thin must not be lost between cells.
+                # Half a cell wider on both sides, so that thin objects are not lost between cells.
                 start = max(math.ceil(left - frame[6]), 0.0)
                 stop = min(math.floor(right + frame[6]), most) + 1.0
                 if not start < stop:
@@ -177,7 +177,7 @@ def cast(
 
 
 class ShadowMap:
-    """Keeps the map of one stage."""
+    """Keeps the shadow map of one stage."""
 
     def __init__(self) -> None:
         """Start without a map."""
@@ -189,7 +189,7 @@ class ShadowMap:
         self._touched: list[tuple[slice, slice]] = []
 
     def forget(self) -> None:
-        """Let go of the map, as when scenery changes."""
+        """Discard the map, for instance when the scenery changes."""
         self._key = self._far_key = None
 
     def draw(
@@ -202,15 +202,15 @@ class ShadowMap:
         *,
         is_inside: bool = False,
     ) -> Shade:
-        """Return the map for a picture.
+        """Return the shadow map for a picture.
 
         Args:
-            view: Whence the picture is taken.
+            view: The camera.
             sun: Direction towards the sun.
             level: Height of the ground near the camera, m.
-            scenery: What stays; the same object until `forget` is called.
-            actors: What moves.
-            is_inside: Whether the camera is in a tunnel: its roof then throws no shadow.
+            scenery: The static triangles; the same object until `forget` is called.
+            actors: The moving triangles.
+            is_inside: Whether the camera is in a tunnel, whose roof then casts no shadow.
         """
         rise = max(sun[2], LOWEST)
         flat = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1]) or 1.0
@@ -263,7 +263,7 @@ class ShadowMap:
 
 
 def _corner(view: View, ahead: float, snap: float, side: float) -> tuple[float, float]:
-    """Return x and y of the lowest corner of a map whose middle is some way before the camera."""
+    """Return x and y of the lowest corner of a map centred some distance ahead of the camera."""
     x, y = (
         math.floor((view.eye[i] + ahead * view.forward[i]) / snap + 0.5) * snap - side / 2
         for i in range(2)
@@ -288,7 +288,7 @@ def _cast(some: Triangles, sun: F64, frame: F64, skipped: int, heights: F32, til
 
 
 def _areas(some: Triangles, frame: F64) -> list[tuple[slice, slice]]:
-    """Return rows and columns of the map that objects may cover."""
+    """Return the rows and columns of the map that objects may cover."""
     c, s = some.places[:, 3], some.places[:, 4]
     x = some.places[:, 0] + c * some.spheres[:, 0] - s * some.spheres[:, 1]
     y = some.places[:, 1] + s * some.spheres[:, 0] + c * some.spheres[:, 1]

@@ -1,4 +1,4 @@
-"""What tunnels shelter: neither sun nor rain nor snow comes inside."""
+"""Tunnels, which keep out sun, rain and snow."""
 
 from dataclasses import dataclass
 
@@ -10,28 +10,28 @@ from oodscen_pybullet._rendering.view import Point, View
 from oodscen_pybullet._scenery.structures import CEILING_M
 
 _WALL_M = 0.6
-"""Walls reach so far beyond the cross-section."""
+"""Distance by which walls extend beyond the cross-section, m."""
 _USED_M = 25.0
-"""Way into a tunnel after which a camera is used to the light there."""
+"""Distance into a tunnel after which a camera has adapted to the light there, m."""
 
 
 @dataclass(frozen=True)
 class Portal:
-    """The end of a tunnel that is ahead of a camera: a plane across the road."""
+    """The end of a tunnel ahead of a camera: a plane across the road."""
 
     is_inside: bool
-    """Whether the camera is in the tunnel and looks out, or the other way about."""
+    """True if the camera is in the tunnel and looks out, False if it looks in."""
     deep: float
-    """How used the camera is to the tunnel's light: 0 outside and at its ends, 1 well inside."""
+    """Adaptation of the camera to the tunnel's light: 0 outside and at its ends, 1 well inside."""
     distance: float
-    """From the camera to the plane along its normal, m."""
+    """Distance from the camera to the plane along its normal, m."""
     normal: Point
-    """Of the plane, away from the camera: its parts along the camera's right, up and forward."""
+    """Normal of the plane away from the camera, as components along the camera's right, up and forward."""
 
     def ahead(
         self, across: NDArray[np.floating], upwards: NDArray[np.floating]
     ) -> NDArray[np.float32]:
-        """Return the depth of the plane on rays, m; infinity where they do not meet it.
+        """Return the depth of the plane on rays, m; infinity on rays that do not meet it.
 
         Args:
             across: x / depth of each ray.
@@ -50,7 +50,7 @@ class Shelter:
     corridor: Corridor
 
     def covers(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which points, [n, 3] m, are in a tunnel, its walls and ceiling included."""
+        """Return which points, [n, 3] m, lie in a tunnel, including its walls and ceiling."""
         found = np.zeros(len(points), bool)
         tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
         if not tunnels or not len(points):
@@ -69,7 +69,7 @@ class Shelter:
         return found
 
     def portal(self, view: View) -> Portal | None:
-        """Return the end of a tunnel that a camera looks at; `None` where there is none ahead."""
+        """Return the end of a tunnel that a camera looks at; `None` if there is none ahead."""
         tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
         if not tunnels:
             return None

@@ -1,4 +1,4 @@
-"""Generated low-poly meshes of everything that the adapter can show."""
+"""Generated low-poly meshes of everything the adapter can show."""
 
 import inspect
 from collections.abc import Callable
@@ -55,7 +55,7 @@ _MAKERS: dict[str, Maker] = {
     and not name.startswith("_")
     and list(inspect.signature(value).parameters) == ["shown"]
 }
-"""Every public function of the modules that takes nothing but what is shown, by its name."""
+"""Every public function of the mesh modules that takes only `shown`, by name."""
 
 PAINTS: dict[str, tuple[str, ...]] = {
     "car": ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy"),
@@ -80,7 +80,7 @@ PAINTS: dict[str, tuple[str, ...]] = {
     "e_scooter": ("0", "1", "2"),
     "ego_car": ("silver",),
 }
-"""Colours or clothes in which an asset comes; the others have one look."""
+"""Colours or clothes of assets; an asset without an entry has one look."""
 
 GAITS: dict[str, float] = {
     "adult": 1.1,
@@ -107,7 +107,7 @@ GAITS: dict[str, float] = {
     "cat": 0.19,
     "goose": 0.33,
 }
-"""Metres of one stride at a walk, of whatever has legs that move."""
+"""Stride length in metres at a walk, of every asset with moving legs."""
 
 FLASHING: frozenset[str] = frozenset(
     {
@@ -115,19 +115,19 @@ FLASHING: frozenset[str] = frozenset(
         "level_crossing_gate", "temporary_light", "barrier",
     }
 )  # fmt: skip
-"""States, and assets whatever their state, whose lamps flash."""
+"""States whose lamps flash, and assets whose lamps flash in every state."""
 
 SMOKING: frozenset[str] = frozenset({"burning_car", "smoke", "fire"})
-"""Assets whose smoke moves."""
+"""Assets with moving smoke."""
 
 
 def asset_ids() -> tuple[str, ...]:
-    """Return the ids of all meshes, the ego's included."""
+    """Return the ids of all meshes, including the ego's."""
     return tuple(_MAKERS)
 
 
 def paints_of(asset: str) -> tuple[str, ...]:
-    """Return the looks in which an asset comes."""
+    """Return the looks of an asset."""
     return PAINTS.get(asset, ("",))
 
 
@@ -139,13 +139,13 @@ def asset_mesh(
 
     Args:
         asset: An id of the catalogue.
-        state: One of its states.
-        paint: One of its looks; empty is the first.
+        state: A state of the asset.
+        paint: A look of the asset; empty selects the first.
         running: Whether head and tail lamps are on.
-        frame: Which picture of what moves by itself, see `cast.Look.frame`.
+        frame: Animation frame, see `appearance.Look.frame`.
 
     Raises:
-        UnknownComponent: When there is no such asset.
+        UnknownComponent: If there is no such asset.
     """
     if asset not in _MAKERS:
         raise UnknownComponent("asset", asset, asset_ids())
@@ -155,6 +155,6 @@ def asset_mesh(
 
 @lru_cache(maxsize=512)
 def _rest(asset: str) -> Point:
-    """Return the way by which an asset's footprint, at rest, comes to lie about the origin."""
+    """Return the offset that centres an asset's footprint, at rest, on the origin."""
     low, high = _MAKERS[asset](Shown(paint=paints_of(asset)[0])).bounds
     return (-float(low[0] + high[0]) / 2, -float(low[1] + high[1]) / 2, -float(low[2]))

@@ -1,4 +1,4 @@
-"""The one texture that everything shares: a palette of colours, printed faces and facades."""
+"""The texture atlas that all meshes share: a palette of colours, printed faces and facades."""
 
 from functools import lru_cache
 
@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 SIZE = 1024
-"""Width and height of the atlas, pixels."""
+"""Width and height of the atlas, in pixels."""
 SWATCH = 16
-"""Width and height of one colour, pixels."""
+"""Width and height of one colour, in pixels."""
 
 COLOURS: dict[str, tuple[int, int, int]] = {
     "white": (238, 238, 234),
@@ -188,7 +188,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "awning_red": (176, 52, 48),
     "awning_green": (52, 110, 78),
 }
-"""Red, green, blue of every colour by name."""
+"""Red, green and blue of every colour, by name."""
 
 SNOWED: dict[str, tuple[int, int, int]] = {
     "asphalt": (198, 204, 212),
@@ -218,7 +218,7 @@ SNOWED: dict[str, tuple[int, int, int]] = {
     "asphalt_patch": (194, 200, 208),
     "crop": (238, 242, 247),
 }
-"""What lying snow makes of the colours that it covers."""
+"""Colours under lying snow, by the colour they replace."""
 
 _NAMES = tuple(COLOURS)
 
@@ -228,7 +228,7 @@ EMISSIVE: frozenset[str] = frozenset(
         "arrow_left", "arrow_right", "sign_man", "sign_walker", "sign_taxi", "sign_tram", "lit_window", "lit_window_cool", "lamp_on",
     }
 )  # fmt: skip
-"""Colours and regions that shine by themselves: night does not darken them."""
+"""Colours and regions that emit light, so night does not darken them."""
 
 REGIONS: dict[str, tuple[int, int, int, int]] = {
     "plate": (0, 64, 96, 24),
@@ -288,18 +288,18 @@ REGIONS: dict[str, tuple[int, int, int, int]] = {
     "sign_checks": (104, 924, 96, 16),
     "sign_danger": (104, 944, 48, 48),
 }
-"""x, y, width, height of every printed region, pixels from the top left."""
+"""x, y, width and height of every printed region, in pixels from the top left."""
 
 
 def swatch_uv(colour: str) -> NDArray[np.float64]:
-    """Return where the middle of a colour is: [2], v upwards."""
+    """Return the texture coordinates of a colour's centre: [2], v upwards."""
     index = _NAMES.index(colour)
     column, row = index % (SIZE // SWATCH), index // (SIZE // SWATCH)
     return np.array([(column + 0.5) * SWATCH / SIZE, 1 - (row + 0.5) * SWATCH / SIZE])
 
 
 def region_uv(name: str) -> NDArray[np.float64]:
-    """Return the corners of a region: [4, 2], from the bottom left counter-clockwise."""
+    """Return the corners of a region: [4, 2], counter-clockwise from the bottom left."""
     x, y, width, height = REGIONS[name]
     left, right = (x + 0.5) / SIZE, (x + width - 0.5) / SIZE
     top, bottom = 1 - (y + 0.5) / SIZE, 1 - (y + height - 0.5) / SIZE
@@ -308,7 +308,7 @@ def region_uv(name: str) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=2)
 def draw_atlas(is_snowy: bool) -> NDArray[np.uint8]:
-    """Paint the atlas: [SIZE, SIZE, 3] RGB; the same bytes on every call."""
+    """Paint the atlas: [SIZE, SIZE, 3] RGB; every call returns the same bytes."""
     from oodscen_pybullet._meshes.textures import paint_regions
 
     image = np.zeros((SIZE, SIZE, 3), np.uint8)

@@ -1,4 +1,4 @@
-"""A small polygon builder: every mesh of this adapter is written with it."""
+"""A small polygon builder, used for every mesh of this adapter."""
 
 import itertools
 import math
@@ -18,16 +18,16 @@ __all__ = ["Array", "Lamp", "Mesh", "MeshBuilder", "Point", "Puff"]
 
 @dataclass(frozen=True)
 class Lamp:
-    """A light on a mesh, for its glow in the dark."""
+    """A light on a mesh that glows in the dark."""
 
     position: Point
     """In the mesh's frame, m."""
     colour: Point
     """Red, green, blue, 0 to 1."""
     facing: Point
-    """Direction in which it shines, in the mesh's frame; (0, 0, 0) shines all around."""
+    """Direction of the beam in the mesh's frame; (0, 0, 0) shines in all directions."""
     power: float = 1.0
-    """1 is a tail lamp; a headlamp on low beam is about 4."""
+    """Relative power: 1 is a tail lamp; a headlamp on low beam is about 4."""
 
 
 @dataclass(frozen=True)
@@ -35,35 +35,35 @@ class Puff:
     """A soft ball of smoke, fire or dust."""
 
     position: Point
-    """Its middle in the mesh's frame, m."""
+    """Centre in the mesh's frame, m."""
     radius: float
-    """m"""
+    """Radius, m."""
     colour: Point
     """Red, green, blue, 0 to 1."""
     density: float
-    """Share of what is behind it that its middle hides, 0 to 1."""
+    """Opacity at the centre, 0 to 1."""
     is_bright: bool = False
-    """Whether it shines by itself, as fire does."""
+    """True if it emits light, as fire does."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A triangle mesh with flat shading that takes its colours from the atlas."""
+    """A flat-shaded triangle mesh that takes its colours from the atlas."""
 
     vertices: Array
     """[n, 3] m; x forward, y left, z up; the footprint's centre is the origin."""
     normals: Array
-    """[n, 3] unit length."""
+    """[n, 3], unit length."""
     uvs: Array
-    """[n, 2] into the atlas."""
+    """[n, 2] atlas coordinates."""
     triangles: NDArray[np.int64]
     """[m, 3] rows of `vertices`, counter-clockwise seen from outside."""
     lamps: tuple[Lamp, ...] = ()
-    """What shines."""
+    """The mesh's lamps."""
     puffs: tuple[Puff, ...] = ()
-    """Smoke, fire and dust, which the bounds leave out."""
+    """Smoke, fire and dust, which the bounds ignore."""
     is_ground: bool = False
-    """Whether it is road or land: what faces up gets wet, and lies in the beams' full light."""
+    """True for road and land: upward faces get wet and receive the full light of the beams."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -90,7 +90,7 @@ class MeshBuilder:
         """Add a quad that shows a region of the atlas.
 
         Args:
-            points: Bottom left, bottom right, top right, top left, as the beholder sees them.
+            points: Bottom left, bottom right, top right and top left, as a viewer sees them.
             region: Name of the region.
         """
         return self._add(np.asarray(points, dtype=np.float64), region_uv(region))
@@ -101,11 +101,11 @@ class MeshBuilder:
         shares: Sequence[tuple[float, float]],
         region: str,
     ) -> Self:
-        """Add a flat convex polygon that shows a part of a region of the atlas.
+        """Add a flat convex polygon that shows part of a region of the atlas.
 
         Args:
             points: Counter-clockwise seen from the side that shows.
-            shares: Where each is in the region, from its bottom left, 0 to 1.
+            shares: Position of each point in the region, from the bottom left, 0 to 1.
             region: Name of the region.
         """
         left, low = region_uv(region)[0]
@@ -140,10 +140,10 @@ class MeshBuilder:
 
         Args:
             bottom: x0, x1, y0, y1, z of the lower rectangle.
-            top: The same of the upper one.
+            top: The same for the upper rectangle.
             colour: Name of the colour.
             caps: Which ends are closed: `b`, `t` or both.
-            cap_colour: Colour of the ends, if another.
+            cap_colour: Colour of the ends, if different.
             sides: Colours of the sides right, front, left, back; empty strings leave a side open.
         """
         (a0, a1, b0, b1, low), (c0, c1, d0, d1, high) = bottom, top
@@ -161,7 +161,7 @@ class MeshBuilder:
         return self
 
     def box(self, centre: Point, size: Point, colour: str, *, caps: str = "bt") -> Self:
-        """Add an upright box by its centre and full size."""
+        """Add an upright box, given its centre and full size."""
         (x, y, z), (a, b, c) = centre, (size[0] / 2, size[1] / 2, size[2] / 2)
         low = (x - a, x + a, y - b, y + b, z - c)
         high = (x - a, x + a, y - b, y + b, z + c)
@@ -170,7 +170,7 @@ class MeshBuilder:
     def beam(
         self, start: Point, end: Point, width: float, colour: str, *, end_width: float | None = None
     ) -> Self:
-        """Add a square bar from one point to another, which may taper."""
+        """Add a square bar from one point to another, optionally tapered."""
         ring_a = ring(start, end, [width / 2] * 4, 4, start)
         ring_b = ring(start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end)
         return self._tube(ring_a, ring_b, colour, colour, smooth=False)
@@ -222,14 +222,14 @@ class MeshBuilder:
         """Add an ellipsoid; `jitter` makes it a rock or a bush.
 
         Args:
-            centre: Its middle.
-            radii: Along x, y, z.
+            centre: The centre of the ellipsoid.
+            radii: Radii along x, y and z.
             colour: Name of the colour.
             around: Segments around the vertical axis.
             down: Segments from pole to pole.
-            jitter: Share of the radius by which corners move in and out.
-            key: Which of many different shapes.
-            second_colour: Colours every other patch, if given.
+            jitter: Fraction of the radius by which corners move in or out.
+            key: Seed of the shape.
+            second_colour: Colour of every other patch, if given.
         """
         rng = np.random.Generator(np.random.PCG64(key))
         grid = np.zeros((down + 1, around, 3))
@@ -270,12 +270,12 @@ class MeshBuilder:
         sides: int = 8,
         caps: str = "bt",
     ) -> Self:
-        """Add a smooth body of elliptic rings one behind the other.
+        """Add a smooth body that joins a sequence of elliptic rings.
 
         Args:
-            rings: Each ring's middle and its two radii: along x and y for a body that rises along
-                z, along y and z for one that reaches along x. They go upwards, or forwards.
-            colours: One, or one per stretch between two rings.
+            rings: Centre and two radii of each ring: along x and y for a body that rises along z,
+                along y and z for one that extends along x. Rings are ordered upwards, or forwards.
+            colours: One colour, or one per section between two rings.
             axis: `z` or `x`.
             sides: Corners of a ring.
             caps: Which ends are closed: `b`, `t` or both.
@@ -310,11 +310,11 @@ class MeshBuilder:
         return self
 
     def loft(self, sections: Sequence[Sequence[Point]], colours: Sequence[str]) -> Self:
-        """Join open outlines, one behind the other, by panels.
+        """Join a sequence of open outlines by panels.
 
         Args:
             sections: Outlines of equal length; each is mirrored to the other side by the caller.
-            colours: One per edge of an outline; an empty string leaves the panel open.
+            colours: One colour per edge of an outline; an empty string leaves the panel open.
         """
         for one, two in itertools.pairwise(sections):
             for k, colour in enumerate(colours):
@@ -323,7 +323,7 @@ class MeshBuilder:
         return self
 
     def wheel(self, x: float, y: float, radius: float, width: float, *, hub: str = "hub") -> Self:
-        """Add a wheel that stands on the ground, its hub facing away from y = 0."""
+        """Add a wheel that stands on the ground, with its hub facing away from y = 0."""
         out = 1.0 if y > 0 else -1.0
         near, far = y - out * width / 2, y + out * width / 2
         self.cylinder((x, near, radius), (x, far, radius), radius, "tyre", sides=14)
@@ -357,15 +357,14 @@ class MeshBuilder:
         upside_down: float | None = None,
         roll: float = 0.0,
     ) -> Self:
-        """Add a finished mesh, turned and moved; its lamps are left behind.
+        """Add a finished mesh, rotated and moved; its lamps are not added.
 
         Args:
             other: The mesh.
-            at: Where its origin goes.
-            yaw: Counter-clockwise turn, rad.
-            upside_down: Height whose level stays in place while the mesh is turned about x by
-                half a circle.
-            roll: Turn about x before the others, rad.
+            at: New position of its origin.
+            yaw: Counter-clockwise rotation, rad.
+            upside_down: Height that stays in place while the mesh is rotated about x by half a turn.
+            roll: Rotation about x before the others, rad.
         """
         points, normals = other.vertices.copy(), other.normals.copy()
         if roll:
@@ -388,7 +387,7 @@ class MeshBuilder:
         return self
 
     def shift(self, offset: Point, *, scale: float = 1.0) -> Self:
-        """Scale about the origin, then move, everything added so far."""
+        """Scale everything added so far about the origin, then move it."""
         move = np.array(offset)
         self._points = [rows * scale + move for rows in self._points]
         self._lamps = [
@@ -401,7 +400,7 @@ class MeshBuilder:
         return self
 
     def flatten(self, ground: float) -> Self:
-        """Press everything below a height flat onto it."""
+        """Flatten everything below a height onto that height."""
         for rows in self._points:
             rows[:, 2] = np.maximum(rows[:, 2], ground)
         return self

@@ -1,4 +1,4 @@
-"""Flames and smoke, which move in a cycle of eight pictures."""
+"""Flames and smoke, animated in a cycle of eight frames."""
 
 import math
 from collections.abc import Sequence
@@ -10,13 +10,13 @@ BLACK_SMOKE: Point = (0.12, 0.115, 0.11)
 
 
 def flames(mesh: MeshBuilder, shown: Shown, seats: Sequence[Point], size: float) -> None:
-    """Add tongues of flame; each flickers in height and leans, and never grows out of `size`.
+    """Add flames that flicker in height, lean, and never exceed `size`.
 
     Args:
-        mesh: Where to.
-        shown: For the moment.
-        seats: Where they stand.
-        size: Radius at the foot, m; they are about three times as high.
+        mesh: The builder to add to.
+        shown: Gives the animation frame.
+        seats: Base points of the flames.
+        size: Radius at the base, m; flames are about three times as high.
     """
     for index, (x, y, z) in enumerate(seats):
         turn = 2 * math.pi * (shown.cycle + 0.37 * index)
@@ -48,15 +48,15 @@ def smoke_column(
     """Add puffs that rise, widen and thin out.
 
     Args:
-        mesh: Where to.
-        shown: For the moment.
-        foot: Where the smoke begins.
-        radius: Of the lowest puff, m.
-        height: Of the column, m.
-        colour: Of the smoke.
-        drift: How far it leans to the left per metre of height.
-        density: Of the lowest puff.
-        count: Puffs.
+        mesh: The builder to add to.
+        shown: Gives the animation frame.
+        foot: Origin of the smoke.
+        radius: Radius of the lowest puff, m.
+        height: Height of the column, m.
+        colour: Colour of the smoke.
+        drift: Lean to the left per metre of height.
+        density: Density of the lowest puff.
+        count: Number of puffs.
     """
     x, y, z = foot
     for index in range(count):

@@ -1,4 +1,4 @@
-"""What a mesh is asked for: state, paint, lamps and the moment."""
+"""The appearance requested of a mesh: state, paint, lamps and animation frame."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,33 +13,33 @@ STEPS = 8
 
 @dataclass(frozen=True)
 class Lights:
-    """Which lamps of a vehicle are on."""
+    """The lamps of a vehicle, lit or not."""
 
     running: bool = False
-    """Head and tail lamps."""
+    """True if head and tail lamps are on."""
     brake: bool = False
     left: bool = False
     right: bool = False
     beacon: bool = False
     is_second: bool = False
-    """Whether beacons are in the second half of their cycle."""
+    """True if beacons are in the second half of their cycle."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """How one asset is shown."""
+    """The requested appearance of one asset."""
 
     state: str = ""
-    """One of the asset's states; `+brake` after it lights the brake lamps as well."""
+    """A state of the asset; the suffix `+brake` also lights the brake lamps."""
     paint: str = ""
     running: bool = False
-    """Whether head and tail lamps are on."""
+    """True if head and tail lamps are on."""
     frame: int = 0
-    """As in `cast.Look`."""
+    """Animation frame, as in `appearance.Look`."""
 
     @cached_property
     def lights(self) -> Lights:
-        """The lamps that are lit."""
+        """The lit lamps."""
         words = self.state.split("+")
         is_lit = self.frame % 2 == 0
         return Lights(
@@ -53,17 +53,17 @@ class Shown:
 
     @property
     def index(self) -> int:
-        """The paint as a number, for looks that are numbered."""
+        """The index of the paint, for numbered looks."""
         return int(self.paint or 0)
 
     @property
     def gait(self) -> tuple[float, bool] | None:
-        """The share of the stride that is done, and whether at a run; `None` stands."""
+        """The completed fraction of the stride, and whether it is a run; `None` means standing."""
         if self.frame < WALKING:
             return None
         return (self.frame - WALKING) % STEPS / STEPS, self.frame >= RUNNING
 
     @property
     def cycle(self) -> float:
-        """The share of a cycle of smoke, of a wheel or of pedals that is done."""
+        """The completed fraction of a cycle of smoke, of a wheel or of pedals."""
         return self.frame % STEPS / STEPS

@@ -1,4 +1,4 @@
-"""Plain geometry of corners, rings and boxes."""
+"""Basic geometry of corners, rings and boxes."""
 
 import math
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def flat_normal(corners: list[list[float]]) -> Point | None:
-    """Return a flat polygon's unit normal, or `None` where it has no area."""
+    """Return a flat polygon's unit normal, or `None` if it has no area."""
     nx = ny = nz = 0.0
     for (x0, y0, z0), (x1, y1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
         nx += (y0 - y1) * (z0 + z1)
@@ -55,7 +55,7 @@ def ring(
 
 
 def unit_rows(rows: Array, fallback: Array) -> Array:
-    """Scale rows to unit length; rows of length zero take the fallback's direction."""
+    """Scale rows to unit length; rows of zero length take the fallback's direction."""
     lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))
     rows = np.where(lengths > 1e-9, rows, fallback)
     return np.asarray(rows / np.maximum(np.sqrt((rows * rows).sum(axis=1, keepdims=True)), 1e-9))

@@ -22,7 +22,7 @@ def _words(
     patch: Image, words: str, ink: Colour, *, middle: float = 0.5, height: float = 0.5,
     width: float = 0.9, weight: int = 2,
 ) -> None:  # fmt: skip
-    """Write one line, as large as fits, centred at a share of the height."""
+    """Write one line as large as fits, centred at a fraction of the height."""
     import cv2
 
     tall, wide = patch.shape[:2]
@@ -36,7 +36,7 @@ def _words(
 
 
 def _shape(patch: Image, corners: list[tuple[float, float]], ink: Colour) -> None:
-    """Fill a polygon; corners are shares of width and height from the top left."""
+    """Fill a polygon; corners are fractions of width and height from the top left."""
     import cv2
 
     tall, wide = patch.shape[:2]

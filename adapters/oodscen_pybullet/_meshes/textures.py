@@ -26,7 +26,7 @@ def paint_regions(image: Image, colours: dict[str, Colour]) -> None:
 def _text(
     patch: Image, words: str, colour: Colour, *, middle: float = 0.5, size: float = 0.7
 ) -> None:
-    """Write one line, as large as fits, centred at a share of the height."""
+    """Write one line as large as fits, centred at a fraction of the height."""
     import cv2
 
     height, width = patch.shape[:2]
@@ -164,7 +164,7 @@ def _gravel(patch: Image, _: str, colours: dict[str, Colour], rng: np.random.Gen
 def _window(
     patch: Image, box: tuple[float, float, float, float], glass: Colour, frame: Colour, lean: float
 ) -> None:
-    """Draw one window; `box` is left, top, right, bottom as shares of the patch."""
+    """Draw one window; `box` is left, top, right, bottom as fractions of the patch."""
     height, width = patch.shape[:2]
     x0, x1 = round(box[0] * width), round(box[2] * width)
     y0, y1 = round(box[1] * height), round(box[3] * height)

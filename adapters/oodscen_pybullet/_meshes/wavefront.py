@@ -1,4 +1,4 @@
-"""Meshes as Wavefront OBJ text."""
+"""Export of meshes as Wavefront OBJ text."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from oodscen_pybullet._meshes.builder import Mesh
 
 
 def wavefront(mesh: Mesh) -> str:
-    """Return a mesh as OBJ text, rows that are equal to 0.1 mm written once."""
+    """Return a mesh as OBJ text, with rows that are equal to within 0.1 mm written once."""
     corners = mesh.triangles.reshape(-1)
     places, place = _distinct(mesh.vertices[corners])
     colours, colour = _distinct(mesh.uvs[corners])
@@ -25,7 +25,7 @@ def wavefront(mesh: Mesh) -> str:
 def _distinct(
     rows: NDArray[np.float64],
 ) -> tuple[list[tuple[float, ...]], NDArray[np.int64]]:
-    """Return the distinct rows, and for each row which of them it is."""
+    """Return the distinct rows, and the index of the distinct row for each row."""
     scale = 1e4 if rows.shape[1] == 3 else 1e6
     which = np.zeros(len(rows), np.int64)
     first = np.zeros(0, np.int64)

@@ -1,4 +1,4 @@
-"""What everybody looks like now: paint, lamps, the step of a gait, the phase of a flashing lamp."""
+"""The current appearance of every body: paint, lamps, gait phase, phase of flashing lamps."""
 
 import math
 from collections.abc import Sequence
@@ -14,46 +14,46 @@ from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh,
 Pose = tuple[float, float, float, float]
 
 STEPS = 8
-"""Pictures of one stride, and of one cycle of smoke."""
+"""Frames of one stride, and of one cycle of smoke."""
 RUNNING = 2.4
-"""Speed from which on legs run, in walking strides per second."""
+"""Speed above which legs run, in walking strides per second."""
 BRAKING = -1.0
 """Acceleration below which brake lamps are on, m/s^2."""
 _STANDING = 0.05
-"""Speed below which somebody stands, m/s."""
+"""Speed below which a body counts as standing, m/s."""
 _IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "hard_brake", "cut_in", "cut_out"})
-"""Behaviours of drivers who keep a foot on the brake while they stand."""
+"""Behaviours of drivers who keep a foot on the brake while standing."""
 _FLASHES = 1.5
 """Cycles of a flashing lamp per second; it is lit for two thirds of each."""
 _PUFFS = 6.0
-"""Pictures of smoke per second."""
+"""Frames of smoke per second."""
 
 
 class Look(NamedTuple):
-    """Which mesh shows a body."""
+    """The mesh that shows a body."""
 
     asset: str
     state: str = ""
-    """One of the asset's states; `+brake` after it lights the brake lamps as well."""
+    """A state of the asset; the suffix `+brake` also lights the brake lamps."""
     paint: str = ""
     running: bool = False
-    """Whether head and tail lamps are on."""
+    """True if head and tail lamps are on."""
     frame: int = 0
-    """Which picture of what moves by itself.
+    """Animation frame of a self-moving part.
 
-    Legs: 0 stands, 1 to 8 walk, 9 to 16 run. Lamps that flash: 0 is lit, 1 dark. Smoke: 0 to 7.
+    Legs: 0 stands, 1 to 8 walk, 9 to 16 run. Flashing lamps: 0 is lit, 1 dark. Smoke: 0 to 7.
     """
 
 
 class Cast:
-    """The bodies of one scene, the ego first, as they are to be shown."""
+    """The bodies of one scene and their appearance, the ego first."""
 
     def __init__(self, scene: Scene, seed: int) -> None:
-        """Start without anybody.
+        """Start with no bodies.
 
         Args:
-            scene: For the weather, and for who drives.
-            seed: For paints.
+            scene: Gives the weather and the drivers.
+            seed: Seed of the paints.
         """
         self._scene = scene
         self._seed = seed
@@ -61,12 +61,12 @@ class Cast:
         self._behaviours = {actor.id: actor.behaviour.name for actor in scene.actors}
 
     def __len__(self) -> int:
-        """Return how many bodies there are."""
+        """Return the number of bodies."""
         return len(self._members)
 
     @property
     def assets(self) -> list[Asset]:
-        """Everybody's asset, the ego's first."""
+        """The assets of all bodies, the ego's first."""
         return [asset for asset, *_ in self._members]
 
     def add(self, actor_id: str, asset: Asset, state: str) -> None:
@@ -82,13 +82,13 @@ class Cast:
         accelerations: Sequence[float],
         time: float,
     ) -> list[Look]:
-        """Return what every body looks like.
+        """Return the look of every body.
 
         Args:
-            poses: x, y, z and yaw of each, m and rad.
-            speeds: Along the headings, m/s.
-            accelerations: The same, m/s^2.
-            time: Since the start, s.
+            poses: x, y, z and yaw of each body, m and rad.
+            speeds: Speeds along the headings, m/s.
+            accelerations: Accelerations along the headings, m/s^2.
+            time: Time since the start, s.
         """
         looks = []
         for (asset, state, paint, runs, holds), pose, speed, acceleration in zip(
@@ -103,7 +103,7 @@ class Cast:
         return looks
 
     def glows(self, looks: Sequence[Look], poses: Sequence[Pose]) -> list[Glow]:
-        """Return every lamp that is on in world coordinates, the ego's left out."""
+        """Return every lit lamp in world coordinates, except the ego's."""
         glows = []
         for look, (x, y, z, yaw) in zip(looks[1:], poses[1:], strict=True):
             s, c = exact.sincos(yaw)
@@ -122,9 +122,9 @@ def mesh_of(look: Look) -> Mesh:
 
 
 def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> int:
-    """Return which picture of an asset shows now; see `Look.frame`.
+    """Return the animation frame of an asset; see `Look.frame`.
 
-    Legs go by the place along the heading, lamps and smoke by the time.
+    Legs follow the position along the heading; lamps and smoke follow the time.
     """
     if asset in GAITS:
         return _step(GAITS[asset], pose, speed)
@@ -149,15 +149,15 @@ def _step(stride: float, pose: Pose, speed: float) -> int:
 
 
 def _paint(seed: int, actor_id: str, asset: str) -> str:
-    """Choose an actor's look; the same in a scene and its twin."""
+    """Choose an actor's paint, the same in a scene and its twin."""
     paints = paints_of(asset)
     return paints[int(stream(seed, "paint", actor_id).integers(len(paints)))]
 
 
 def _runs(scene: Scene, actor_id: str) -> bool:
-    """Tell whether an actor has its lamps on: it drives, and it is not broad daylight.
+    """Return whether an actor has its lamps on: it drives, and visibility is reduced.
 
-    What is unlit never has, and whatever merely stands with its lights off is dark at night as well.
+    Unlit actors never have lamps on, and neither do standing ones in the state "off", even at night.
     """
     weather = scene.weather
     is_bright = (

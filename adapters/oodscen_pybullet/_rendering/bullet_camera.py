@@ -1,4 +1,4 @@
-"""What the camera sees: a PyBullet world of visual shapes only."""
+"""The camera of PyBullet: a world of visual shapes only."""
 
 import contextlib
 import math
@@ -25,47 +25,47 @@ from oodscen_pybullet._rendering.view import Point, View, metres
 Pose = tuple[float, float, float, float]
 
 _MOST_TRIANGLES = 20_000
-"""PyBullet takes no more than about 130,000 corners in one shape."""
+"""Triangles per shape; PyBullet accepts no more than about 130,000 corners."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """What a camera sees before light and weather."""
+    """A camera's raw picture before light and weather."""
 
     rgb: NDArray[np.uint8]
-    """[height, width, 3]; where there is some sky, the colour of the rest."""
+    """[height, width, 3]; in pixels that are partly sky, the colour of the rest."""
     depth: NDArray[np.float32]
-    """[height, width], metres along the optical axis at the pixel's centre; infinity for sky."""
+    """[height, width] metres along the optical axis at the pixel's centre; infinity for sky."""
     rows: NDArray[np.int32]
-    """The same with the row of the actor, -1 for scenery and sky."""
+    """[height, width] row of the actor, -1 for scenery and sky."""
     reach: NDArray[np.float32]
-    """The same with the mean depth of what is not sky; light and weather go by it."""
+    """[height, width] mean depth of the part that is not sky; light and weather use it."""
     sky: NDArray[np.uint8]
-    """The same with the share of sky, 0 to 255."""
+    """[height, width] fraction of sky, 0 to 255."""
     lit: NDArray[np.uint8]
-    """The same with how squarely the sun meets the surface, 0 to 255."""
+    """[height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
     kinds: NDArray[np.uint8] | None
-    """The same with what is true of the surface: `triangles.SHINING` and so on; `None` if unknown."""
+    """[height, width] surface flags: `triangles.SHINING` and so on; `None` if unknown."""
     shade: Shade | None = None
-    """Where the sun does not reach; `None` where that was not asked for, or is in `rgb` already."""
+    """The shadow map; `None` if it was not requested, or is part of `rgb` already."""
 
 
 class Stage(Protocol):
-    """Bodies to be photographed: scenery, which stays while the road does, and the actors."""
+    """The bodies of a picture: scenery, which stays as long as the road does, and actors."""
 
     def close(self) -> None:
-        """Let go of everything; may be called twice."""
+        """Release all resources; calling it twice is allowed."""
 
     def show_scenery(
         self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
     ) -> None:
-        """Put up scenery in place of everything that is there, with the road's tunnels."""
+        """Replace everything shown by new scenery, with the road's tunnels."""
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
-        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i."""
+        """Replace the actors; row i of `pose_actors` is look i."""
 
     def pose_actors(self, poses: Sequence[Pose]) -> None:
-        """Move every actor: x, y, z, yaw."""
+        """Move every actor to its x, y, z, yaw."""
 
     def photograph(
         self,
@@ -83,18 +83,18 @@ class Stage(Protocol):
         Args:
             view: The camera.
             sun: Direction towards the sun.
-            ambient: Share of light from everywhere.
-            diffuse: Share of light from the sun.
-            ground: Height of the road below the camera, m, where shadows are wanted.
-            shades: Direction from which shadows fall, where it is not the sun's.
-            is_inside: Whether the camera is in a tunnel, the roof of which then throws no shadow.
+            ambient: Fraction of ambient light.
+            diffuse: Fraction of light from the sun.
+            ground: Height of the road below the camera, m, if shadows are requested.
+            shades: Direction towards the light that casts shadows, if it is not the sun.
+            is_inside: Whether the camera is in a tunnel, whose roof then casts no shadow.
         """
         ...
 
     def unhidden(self, view: View) -> NDArray[np.int32] | None:
-        """Return how many pixels each actor would fill if nothing stood before it, [actors].
+        """Return the number of pixels that each actor would fill without occlusion, [actors].
 
-        `None` where that cannot be told.
+        `None` if the renderer cannot tell.
         """
         ...
 
@@ -102,7 +102,7 @@ class Stage(Protocol):
 class BulletStage:
     """The stage of PyBullet's own cameras.
 
-    Shapes and textures are made once; showing another scene moves what can be moved.
+    Shapes and textures are created once; showing another scene moves the existing bodies where possible.
     """
 
     def __init__(
@@ -112,12 +112,12 @@ class BulletStage:
 
         Args:
             engine: PyBullet.
-            casts_shadows: Whether the camera draws its own shadows, which takes it longer; pictures
-                get theirs when they are developed.
-            plugin: File of the OpenGL camera, which then stands in for the software camera.
+            casts_shadows: Whether the camera draws its own shadows, which is slower; other pictures
+                get shadows during development.
+            plugin: File of the OpenGL camera, which then replaces the software camera.
 
         Raises:
-            SimulatorError: When the plugin does not load.
+            SimulatorError: If the plugin does not load.
         """
         self._engine = engine
         self._casts_shadows = casts_shadows
@@ -140,7 +140,7 @@ class BulletStage:
         self._actors: list[int] = []
 
     def close(self) -> None:
-        """Disconnect; may be called twice."""
+        """Disconnect; calling it twice is allowed."""
         if self._client >= 0:
             with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
                 self._engine.disconnect(self._client)
@@ -148,7 +148,7 @@ class BulletStage:
             self._folder.cleanup()
 
     def clear(self) -> None:
-        """Remove every body; shapes and textures stay."""
+        """Remove every body but keep shapes and textures."""
         self._engine.resetSimulation(physicsClientId=self._client)
         self._textures.clear()
         self._shapes.clear()
@@ -158,7 +158,7 @@ class BulletStage:
     def show_scenery(
         self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
     ) -> None:
-        """Put up scenery in place of everything that is there, with the road's tunnels."""
+        """Replace everything shown by new scenery, with the road's tunnels."""
         self.clear()
         self._engine.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=self._client)
         self._is_snowy = is_snowy
@@ -168,10 +168,10 @@ class BulletStage:
         self._engine.setPhysicsEngineParameter(enableFileCaching=1, physicsClientId=self._client)
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
-        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i.
+        """Replace the actors; row i of `pose_actors` is look i.
 
-        Earlier ones leave last in, first out, so that the order in which the renderer draws never
-        depends on what was shown before.
+        Old actors are removed last in, first out, so the renderer's drawing order never depends on
+        earlier scenes.
         """
         for body in reversed(self._actors):
             self._engine.removeBody(body, physicsClientId=self._client)
@@ -189,7 +189,7 @@ class BulletStage:
             self._rows[body] = row
 
     def pose_actors(self, poses: Sequence[Pose]) -> None:
-        """Move every actor: x, y, z, and yaw as the sine and cosine of half the angle."""
+        """Move every actor to its x, y, z, and yaw as the sine and cosine of half the angle."""
         for body, (x, y, z, yaw) in zip(self._actors, poses, strict=True):
             turn = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
             self._engine.resetBasePositionAndOrientation(
@@ -197,7 +197,7 @@ class BulletStage:
             )
 
     def unhidden(self, view: View) -> NDArray[np.int32] | None:
-        """Return nothing: it would take as many pictures as there are actors."""
+        """Return `None`: an answer would need one picture per actor."""
         return None
 
     def photograph(
@@ -249,7 +249,7 @@ class BulletStage:
         )
 
     def _shape(self, mesh: Mesh) -> int:
-        """Make a shape by way of a file: PyBullet never frees the lists that it is handed."""
+        """Create a shape from a temporary file: PyBullet never frees lists passed to it."""
         self._written += 1
         path = Path(self._folder.name) / f"{self._written}.obj"
         path.write_text(wavefront(mesh), encoding="ascii")
@@ -281,7 +281,7 @@ class BulletStage:
 
 
 def _piece(mesh: Mesh, start: int) -> Mesh:
-    """Return some of a mesh's triangles as a mesh."""
+    """Return a part of a mesh's triangles as a mesh."""
     rows = mesh.triangles[start : start + _MOST_TRIANGLES].reshape(-1)
     return Mesh(
         vertices=mesh.vertices[rows],
@@ -292,7 +292,7 @@ def _piece(mesh: Mesh, start: int) -> Mesh:
 
 
 def _smooth(rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Soften the stairs along silhouettes and distant texture."""
+    """Smooth jagged silhouettes and distant texture."""
     import cv2
 
     grey = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)

@@ -1,4 +1,4 @@
-"""Cuts triangles along the contour of a quantity that their corners carry."""
+"""Cutting of triangles along a contour of a quantity stored at their corners."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 Place = Callable[[Array, Array], Array]
-"""Returns where between two corners, [n, k] each, a cut lies: [n] shares of the way."""
+"""Returns the position of a cut between two corners, [n, k] each: [n] fractions of the way."""
 
 
 def cut(
@@ -18,16 +18,15 @@ def cut(
     """Cut triangles where one of their columns takes a value.
 
     Args:
-        corners: [n, 3, k] the columns of every corner.
-        column: Which of them decides.
+        corners: [n, 3, k] columns of every corner.
+        column: The column to cut by.
         level: The value at the cut.
-        place: Where a cut lies between two corners; where the value would be if it changed evenly,
-            without it.
+        place: Returns the position of a cut between two corners; linear interpolation by default.
 
     Returns:
-        The triangles below, those above, both with all columns and with their turn kept, and the
-        cut itself, [m, 2, k]: seen from above what is below lies on its left, when triangles
-        turn counter-clockwise.
+        The triangles below and those above, both with all columns and their orientation kept, and the
+        cut itself, [m, 2, k]. Seen from above, the part below is on the left of the cut if triangles
+        are counter-clockwise.
     """
     value = corners[:, :, column] - level
     is_above = value > 0.0

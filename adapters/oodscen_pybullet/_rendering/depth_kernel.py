@@ -1,10 +1,9 @@
-"""The numba kernel that finds what is in front: triangles into a depth buffer of samples.
+"""The numba kernel that finds visible surfaces: triangles into a depth buffer of samples.
 
-It notes for every sample which triangle is nearest, and nothing else; `shading` gives the pixels
-their colours. Everything is plain arithmetic on scalars, so that the bits do not depend on the
-processor.
+It records only the nearest triangle of every sample; `shading` gives the pixels their colours.
+All arithmetic is on scalars, so that the bits do not depend on the processor.
 
-Kernels compile when they are first called, which takes some seconds: `oodscen.numerics._kernels`.
+Kernels compile on their first call, which takes some seconds: `oodscen.numerics._kernels`.
 """
 
 import math
@@ -22,15 +21,15 @@ U8 = NDArray[np.uint8]
 U64 = NDArray[np.uint64]
 
 RECORD = 19
-"""Numbers kept of a drawn triangle: a place on the grid of samples; 1/w, u/w, v/w and light/w there
-with their slopes along columns and rows; red, green, blue; 1 where it is lit unevenly; how squarely
-the sun meets it, 0 to 255."""
+"""Numbers stored per drawn triangle: a point on the grid of samples; 1/w, u/w, v/w and light/w there
+with their slopes along columns and rows; red, green, blue; 1 if it is lit unevenly; incidence of
+the sun, 0 (grazing) to 255 (perpendicular)."""
 BLOCK = 16
-"""Samples that are drawn together; sheets of samples are that much longer than they need be."""
+"""Samples that are drawn together; sample buffers are padded by this length."""
 TUNNEL_AMBIENT, TUNNEL_DIFFUSE = 0.78, 0.22
-"""Shares of a tunnel's light that come from everywhere, and from the ceiling."""
+"""Fractions of a tunnel's light that are ambient, and from the ceiling."""
 LABELS = 4
-"""Whole numbers kept of one: texture, label, surface, kind."""
+"""Integers stored per drawn triangle: texture, label, surface, kind."""
 
 
 @Kernel
@@ -59,27 +58,27 @@ def scatter(
     Args:
         corners: [n, 3, 8] x, y, z, normal, and texel column and row, in the object's frame.
         planes: [n, 4] normal and offset of each triangle's plane; it shows on the positive side.
-        colours: [n, 3] of triangles without texture, 0 to 255.
-        regions: [n] texture, -1 for none.
-        kinds: [n] what each is made of; handed on.
-        spans: [m, 3] first triangle, the one after the last, and label of each object.
+        colours: [n, 3] colours of triangles without texture, 0 to 255.
+        regions: [n] textures, -1 for none.
+        kinds: [n] surface flags; passed through.
+        spans: [m, 3] first triangle, end (exclusive), and label of each object.
         places: [m, 5] x, y, z, cosine and sine of the yaw of each object.
-        spheres: [m, 4] centre and radius around each object, in its frame.
-        camera: [17] eye, right, up, forward, focal length in pixels, nearest, farthest, m; column
+        spheres: [m, 4] centre and radius of each object's bounding sphere, in its frame.
+        camera: [17] eye, right, up, forward, focal length in pixels, near and far plane, m; column
             and row of the optical axis, pixels.
-        sun: [5] direction towards the sun, ambient and diffuse share.
-        detail: 1 samples each pixel in its middle. 2 adds a row of samples between two rows of
-            pixels, half a pixel further to the right: the pixels' corners.
-        width: Pixels, and samples in a row.
-        height: Pixels.
-        nearness: [height * detail * width + BLOCK] 1/w in front, at first that of the farthest.
-        shown: The same of the record in front, at first -1.
-        records: [k, RECORD] of drawn triangles, filled from `count` on.
-        labels: [k, LABELS] of drawn triangles.
-        count: Records so far.
+        sun: [5] direction towards the sun, ambient and diffuse fraction.
+        detail: 1 samples each pixel at its centre. 2 adds a row of samples between each two rows of
+            pixels, shifted right by half a pixel: the pixels' corners.
+        width: Pixels and samples per row.
+        height: Rows of pixels.
+        nearness: [height * detail * width + BLOCK] 1/w of the front surface, initially of the far plane.
+        shown: [height * detail * width + BLOCK] record of the front surface, initially -1.
+        records: [k, RECORD] records of drawn triangles, filled from `count` on.
+        labels: [k, LABELS] labels of drawn triangles.
+        count: Number of records so far.
 
     Returns:
-        Records now.
+        The new number of records.
     """
     focal, near, far = camera[12], camera[13], camera[14]
     columns, rows = width, height * detail
@@ -133,7 +132,7 @@ def scatter(
                     behind += 1
             if behind == 3:
                 continue
-            # Each slot of px, py and pw is a corner of what is left after the near plane has cut.
+            # Each slot of px, py and pw is a corner of the polygon left after near-plane clipping.
             n = 0
             if behind == 0:
                 for j in range(3):
@@ -152,7 +151,7 @@ def scatter(
                         pw[n] = 1.0 / wj
                         n += 1
                     if (wj >= near) != (wi >= near):
-                        # The same end first from both sides, so that neighbours meet exactly.
+                        # Start at the same end from both sides, so that neighbours meet exactly.
                         if wj < near:
                             share = (near - wj) / (wi - wj)
                             x = poly[j, 0] + share * (poly[i, 0] - poly[j, 0])
@@ -177,7 +176,7 @@ def scatter(
                 continue
             if max(math.ceil(low_x * detail), 0.0) > math.ceil(high_x * detail) - 1.0:
                 continue
-            # 1/w over the screen is linear: the plane through the eye-space triangle.
+            # 1/w is linear over the screen: the plane through the eye-space triangle.
             ax, ay, aw = poly[0, 0], poly[0, 1], poly[0, 2]
             b0, b1, b2 = poly[1, 0], poly[1, 1], poly[1, 2]
             c0, c1, c2 = poly[2, 0], poly[2, 1], poly[2, 2]
@@ -208,7 +207,7 @@ def scatter(
             is_drawn = False
             slope = np.float32(iwx)
             mark = np.int32(count)
-            # A triangle has one long side and two short ones; the cut ones have four sides.
+            # A triangle has one long side and two short ones; clipped ones have four sides.
             top, foot = 0, 0
             if n == 3:
                 for j in range(1, 3):
@@ -250,7 +249,7 @@ def scatter(
                 hits = np.uint32(0)
                 length, offset = np.int32(int(stop) - int(start)), np.int32(0)
                 while offset < length:
-                    # A fixed number of samples, always written back: so this becomes vectors.
+                    # A fixed number of samples, always written back, so that the loop vectorises.
                     for lane in range(np.uint64(BLOCK)):
                         along = offset + np.int32(lane)
                         value = begin + slope * np.float32(along)
@@ -314,7 +313,7 @@ def scatter(
                 for e in range(3):
                     record[14 + e] = colours[k, e] * strength
             if not is_uneven:
-                # What looks alike on both sides of an edge needs no smoothing there.
+                # Surfaces that look alike on both sides of an edge need no smoothing there.
                 tone = int(record[14] * 8.0) * 4096 + int(record[15] * 8.0)
                 tone = tone * 4096 + int(record[16] * 8.0)
                 if regions[k] >= 0:

@@ -1,4 +1,4 @@
-"""Smoke, fire and dust: soft balls, blended into a developed picture by depth."""
+"""Smoke, fire and dust: soft balls blended into a developed picture by depth."""
 
 import math
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ class Ball:
     density: float
     is_bright: bool
     row: int
-    """Of the body to which it belongs."""
+    """Row of the body it belongs to."""
 
 
 def placed(puffs: Sequence[Puff], pose: Pose, row: int) -> list[Ball]:
@@ -55,18 +55,18 @@ def add_puffs(
     rate: float,
     air: Sequence[float],
 ) -> None:
-    """Blend balls into a picture, the farthest first, in place.
+    """Blend balls into a picture, farthest first, in place.
 
     Args:
         image: [height, width, 3]
-        depth: [height, width] m; where balls fill a pixel by more than a half, at most the distance
+        depth: [height, width] m; in pixels more than half covered by balls, capped at the distance
             of the body's middle ball.
-        rows: The same with actors; pixels that a body's balls fill by more than a half become its.
+        rows: [height, width] actors; pixels more than half covered by a body's balls get its row.
         view: The camera.
-        balls: What to blend in.
-        light: Of the scene; balls that are not bright are as dark as it is.
-        rate: Extinction of the air, 1/m.
-        air: Its colour, 0 to 255.
+        balls: The balls to blend.
+        light: The light of the scene; balls that emit no light darken with it.
+        rate: Extinction coefficient of the air, 1/m.
+        air: Colour of the air, 0 to 255.
     """
     near = []
     for number, ball in enumerate(balls):
@@ -112,7 +112,7 @@ def add_puffs(
 
 
 def filled(view: View, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
-    """Return which pixels a body's balls would fill if nothing stood before them."""
+    """Return the pixels that a body's balls would fill without occlusion."""
     shape = (view.height, view.width)
     image, rows = np.zeros((*shape, 3), np.uint8), np.full(shape, -1, np.int32)
     depth = np.full(shape, np.inf, np.float32)
@@ -131,9 +131,9 @@ def draw_puff(image: U8, depth: F32, cover: F32, ball: F32, colour: F32) -> None
     Args:
         image: [height, width, 3], changed in place.
         depth: [height, width] m
-        cover: The same with how much of each pixel the body's balls hide already, changed in place.
-        ball: [7] column, row and radius, pixels; distance and radius, m; density; how much darker
-            its underside is.
+        cover: [height, width] coverage of each pixel by the body's earlier balls, changed in place.
+        ball: [7] column, row and radius, pixels; distance and radius, m; density; relative darkness
+            of its underside.
         colour: [3] 0 to 255.
     """
     height, width = depth.shape
@@ -150,7 +150,7 @@ def draw_puff(image: U8, depth: F32, cover: F32, ball: F32, colour: F32) -> None
             rest = one - dx * dx - dy * dy
             if rest <= zero:
                 continue
-            # What stands inside the ball hides only the part of it that is behind.
+            # An object inside the ball hides only the part of the ball behind it.
             room = (depth[y, x] - ball[3] + ball[4]) / (np.float32(2.0) * ball[4])
             part = ball[5] * rest * np.sqrt(rest) * min(max(room, zero), one)
             cover[y, x] += (one - cover[y, x]) * part

@@ -1,4 +1,4 @@
-"""From what the renderer saw to what a camera would have recorded."""
+"""Development of a raw shot into the picture that a camera would record."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,9 +34,9 @@ from oodscen_pybullet._rendering.weather import (
 F32 = NDArray[np.float32]
 
 _WET = 0.62
-"""How bright wet asphalt is, compared with dry."""
+"""Brightness of wet asphalt relative to dry."""
 _MIRRORING = 0.62
-"""How much it mirrors at the flattest angles."""
+"""Reflectivity of wet asphalt at grazing angles."""
 _NO_GRID = np.zeros((1, 1, 3), np.float32)
 _NO_SHADE = np.zeros((1, 1), np.float32)
 _TUNNEL = (1.03, 1.0, 0.93)
@@ -45,19 +45,19 @@ _TUNNEL = (1.03, 1.0, 0.93)
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A raw picture and everything that decides how it is developed."""
+    """A raw picture and everything that determines its development."""
 
     shot: Shot
-    """Pixels that smoke fills become those of the body that it belongs to."""
+    """The raw picture; pixels filled by smoke become those of the body it belongs to."""
     view: View
     weather: Weather
     light: Light
     glows: Sequence[Glow]
     time: float
-    """Since the start, s; rain and snow differ from moment to moment."""
+    """Time since the start, s; rain and snow change over time."""
     seed: int
     road_height: float
-    """Where the ground is below the camera, m."""
+    """Height of the ground below the camera, m."""
     portal: Portal | None = None
     """The end of a tunnel that the camera looks at."""
     balls: Sequence[Ball] = ()
@@ -65,7 +65,7 @@ class Picture:
 
 
 def develop(picture: Picture) -> NDArray[np.uint8]:
-    """Apply light and weather: [height, width, 3] uint8; a function of its argument alone."""
+    """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
     across, upwards = view.slopes()
@@ -151,7 +151,7 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
 
 
 def _kinds(picture: Picture) -> NDArray[np.uint8]:
-    """Return what is true of the surfaces; where that is unknown, what lies low is ground."""
+    """Return the surface flags; where unknown, low surfaces count as ground."""
     shot, view = picture.shot, picture.view
     if shot.kinds is not None:
         return shot.kinds
@@ -164,7 +164,7 @@ def _kinds(picture: Picture) -> NDArray[np.uint8]:
 
 
 def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
-    """Return the numbers that `develop_pixels` wants."""
+    """Return the numbers that `develop_pixels` needs."""
     view, light, weather, shade = (
         picture.view, picture.light, picture.weather, picture.shot.shade,
     )  # fmt: skip
@@ -211,7 +211,7 @@ def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
 
 
 def _set_portal(values: F32, picture: Picture) -> None:
-    """Add what `develop_pixels` wants to know of a tunnel ahead."""
+    """Add the numbers that `develop_pixels` needs for a tunnel ahead."""
     portal, weather, daylight = picture.portal, picture.weather, picture.light.daylight
     if portal is None:
         return
@@ -219,7 +219,7 @@ def _set_portal(values: F32, picture: Picture) -> None:
     values[d.PORTAL] = portal.distance
     values[d.PORTAL_RIGHT : d.PORTAL_AHEAD + 1] = portal.normal
     values[d.FOG_RATE] = extinction(weather.model_copy(update={"precipitation": "none"}))
-    # A camera in daylight hardly sees into the dark.
+    # A camera adapted to daylight hardly sees into the dark.
     dull, used = 0.6 + 0.15 * (1.0 - daylight), 1.06 - 0.26 * (1.0 - daylight)
     bright = dull + (used - dull) * portal.deep
     values[d.TUNNEL_R : d.TUNNEL_B + 1] = [bright * part for part in _TUNNEL]
@@ -227,12 +227,12 @@ def _set_portal(values: F32, picture: Picture) -> None:
 
 
 def _spread(across: F32, width: float) -> F32:
-    """Return how the ego's beams fall off to the sides, [width]."""
+    """Return the lateral falloff of the ego's beams, [width]."""
     aside = across * np.float32(1.0 / width)
     return np.asarray(d.fade(np.minimum(aside * aside, np.float32(40.0))), np.float32)
 
 
 def _halo(upwards: F32) -> F32:
-    """Return how bright the air before the ego's lamps is, by rows, [height]."""
+    """Return the brightness of the air in front of the ego's lamps by row, [height]."""
     high = np.clip((upwards + np.float32(0.06)) * np.float32(1.0 / 0.3), 0.0, 8.0)
     return np.asarray(np.float32(1.0) / (np.float32(1.0) + high * high), np.float32)

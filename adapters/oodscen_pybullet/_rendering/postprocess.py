@@ -1,8 +1,8 @@
-"""The kernel that turns raw colours into what a camera records: one pass over the rows.
+"""The kernel that turns raw colours into a camera's picture in one pass over the rows.
 
-Shadows, wetness, lamps, fog, sky and grain meet here, in plain arithmetic on 32-bit numbers, so that
-the bits do not depend on the processor. What is written with `np.minimum` and the like takes single
-numbers and whole arrays alike: `develop_arrays` does the same without numba.
+It applies shadows, wetness, lamps, fog, sky and grain in scalar arithmetic on 32-bit numbers, so
+the bits do not depend on the processor. Functions written with `np.minimum` and the like accept
+both scalars and arrays: `develop_arrays` does the same without numba.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ from oodscen_pybullet._rendering.depth_kernel import F32, U8
 from oodscen_pybullet._rendering.triangles import GROUND, SHELTERED, SHINING, SOFT
 
 GRID_AHEAD, GRID_ASIDE, GRID_CELL = 192, 160, 0.5
-"""Cells before and across the camera in which lamps light the ground, and their size, m."""
+"""Cells ahead of and across the camera in which lamps light the ground, and their size, m."""
 SETTINGS = 56
 (
     RATE, AIR_R, AIR_G, AIR_B, SKY_THROUGH, EYE_HEIGHT, DAY_R, DAY_G, DAY_B, BEAM, HAS_SHADOW,
@@ -23,7 +23,7 @@ SETTINGS = 56
     FAR_X, FAR_Y, FAR_SCALE, FOG_RATE, HAS_PORTAL, IS_INSIDE, PORTAL, PORTAL_RIGHT, PORTAL_UP,
     PORTAL_AHEAD, TUNNEL_R, TUNNEL_G, TUNNEL_B, AIR_INSIDE,
 ) = range(44)  # fmt: skip
-"""Places in the settings of `develop_pixels`."""
+"""Indices in the settings of `develop_pixels`."""
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
 _BEAM_G, _BEAM_B = np.float32(0.97), np.float32(0.88)
 _FARTHEST = np.float32(400.0)
@@ -32,7 +32,7 @@ _TINY = np.float32(1.0 / 255.0)
 
 @inlined
 def fade(optical_depth: Any) -> Any:
-    """Return exp(-x) for 0 <= x <= 40, to about 0.1 % where it matters."""
+    """Return exp(-x) for 0 <= x <= 40, accurate to about 0.1 % where it matters."""
     y = optical_depth * np.float32(1.0 / 16.0)
     grown = _ONE + y * (
         _ONE + y * (_HALF + y * (np.float32(1.0 / 6.0) + y * np.float32(1.0 / 24.0)))
@@ -45,13 +45,13 @@ def fade(optical_depth: Any) -> Any:
 
 @part
 def lit_share(heights: Any, u: Any, v: Any, z: Any) -> Any:
-    """Return which share of the sun reaches a place of a map of shadows.
+    """Return the fraction of sunlight that reaches a point of a shadow map.
 
     Args:
         heights: The map.
-        u: Column of the place, not on the last one.
-        v: Row of the place.
-        z: Its height.
+        u: Column of the point, less than the last one.
+        v: Row of the point.
+        z: Height of the point.
     """
     one = np.uint64(1)
     i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
@@ -67,7 +67,7 @@ def lit_share(heights: Any, u: Any, v: Any, z: Any) -> Any:
 
 @inlined
 def beam(near: Any, height: Any, spread: Any, strength: Any) -> Any:
-    """Return how brightly the ego's low beams light something: they have a soft cut-off in height."""
+    """Return the ego's low-beam light on a surface; the beams have a soft cut-off in height."""
     reach = near * np.float32(1.0 / 36.0)
     cut = (np.float32(0.9) - height) / (np.float32(0.25) + near * np.float32(0.03))
     cut = np.minimum(np.maximum(cut, _ZERO), _ONE)
@@ -76,14 +76,14 @@ def beam(near: Any, height: Any, spread: Any, strength: Any) -> Any:
 
 @inlined
 def cloud_share(cloud: Any, edge: Any, floor: Any) -> Any:
-    """Return how much of the blue a cloud of some density hides."""
+    """Return the fraction of the blue sky hidden by a cloud of some density."""
     share = (cloud - edge) * np.float32(3.2)
     return np.maximum(np.minimum(np.maximum(share, _ZERO), _ONE), floor)
 
 
 @inlined
 def grain(number: Any) -> Any:
-    """Return noise between -4 and 4 from the number of a pixel; uint32 in."""
+    """Return noise between -4 and 4 from a pixel's index; uint32 in."""
     # numba multiplies in 64 bits, NumPy in 32.
     mixed = np.uint32(number * np.uint32(2654435761))
     mixed = np.uint32((mixed ^ (mixed >> np.uint32(15))) * np.uint32(2246822519))
@@ -118,25 +118,25 @@ def develop_pixels(
 
     Args:
         rgb: [3, height, width] raw colours.
-        depth: [height, width] m, of the pixels' centres.
-        reach: The same, mean of what is not sky.
-        lit: The same, how squarely the sun meets the surface, 0 to 255.
-        kinds: The same, `triangles.SHINING` and so on.
-        sky: The same, share of sky, 0 to 255.
+        depth: [height, width] m, at the pixels' centres.
+        reach: [height, width] mean depth of the part that is not sky.
+        lit: [height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular).
+        kinds: [height, width] surface flags, `triangles.SHINING` and so on.
+        sky: [height, width] fraction of sky, 0 to 255.
         settings: [SETTINGS], see the names above.
         across: [width] x / depth.
         upwards: [height] y / depth.
         axes: [3, 3] the camera's right, up and forward.
-        dark: [256] how much of the light is the sun's, by `lit`.
-        spread: [2, width] of the ego's beams on things, and in the air.
-        halo: [height] of the ego's beams in the air.
-        heaven: [height, 5] colour of the clear sky, row of the sheet of clouds and share of the next.
+        dark: [256] the sun's fraction of the light, by `lit`.
+        spread: [2, width] lateral falloff of the ego's beams on objects, and in the air.
+        halo: [height] brightness of the ego's beams in the air.
+        heaven: [height, 5] colour of the clear sky, row of the cloud sheet and weight of the next row.
         sheet: [n, m] density of clouds by height and heading, one column more than a full turn.
         grid: [GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground.
-        heights: Of the map of shadows.
-        tiles: Of the map of shadows.
-        far_heights: Of the coarse map of shadows.
-        image: [height, width, 3] to be filled.
+        heights: Heights of the shadow map.
+        tiles: Tiles of the shadow map.
+        far_heights: Heights of the coarse shadow map.
+        image: [height, width, 3], filled by the kernel.
     """
     height, width = depth.shape
     top, full = np.float32(255.0), np.uint8(255)
@@ -147,7 +147,7 @@ def develop_pixels(
     has_portal, is_inside = settings[HAS_PORTAL] > _ZERO, settings[IS_INSIDE] > _ZERO
     far_cells = np.float32(far_heights.shape[0] - 1)
     far_share = settings[FAR_SCALE] / settings[SHADOW_SCALE] if has_shadow else _ONE
-    # 1 in the sun, 0 in the shade; how bright a tunnel's lamps make what is in it; way to the portal.
+    # 1 in the sun, 0 in shadow; brightness of a tunnel's interior; distance to the portal.
     sunny, indoors, gate = (
         np.ones(width, np.float32),
         np.zeros(width, np.float32),
@@ -191,7 +191,7 @@ def develop_pixels(
                 far = depth[y, x]
                 z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
                 if not kind & GROUND:
-                    # Things are made of faces that meet at all angles: more room for them.
+                    # Objects have faces at all angles and therefore need a larger tolerance.
                     slant = _ONE - np.float32(lit[y, x]) * _TINY
                     z += np.float32(0.05) + np.float32(0.25) * slant
                 aside = step_x + across[x] * right_x
@@ -231,7 +231,7 @@ def develop_pixels(
                     gate[x] = settings[PORTAL] / towards
                 indoors[x] = _ZERO
                 if kinds[y, x] & SHELTERED:
-                    # Daylight comes in for some metres.
+                    # Daylight enters for some metres.
                     way = (np.minimum(reach[y, x], _FARTHEST) * towards - settings[PORTAL]) * (
                         np.float32(1.0 / 7.0)
                     )
@@ -289,7 +289,7 @@ def develop_pixels(
                 green[x] = np.maximum(green[x], settings[TUNNEL_G] * indoors[x])
                 blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
         for x in range(width):
-            # What shines by itself is as bright by night as it is by day.
+            # Self-luminous surfaces are as bright by night as by day.
             shines = kinds[y, x] & SHINING != 0
             red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
             green[x] = np.float32(rgb[1, y, x]) * (
@@ -309,7 +309,7 @@ def develop_pixels(
                 far = np.minimum(reach[y, x], np.float32(1e6)) * stretch
                 veil[x] = far * rate
             if has_portal:
-                # Rain and snow are in the way outside only.
+                # Rain and snow obscure only what is outside.
                 fog = settings[FOG_RATE]
                 for x in range(width):
                     stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
@@ -391,9 +391,9 @@ def develop_arrays(
     heaven: F32,
     sheet: F32,
 ) -> U8:
-    """Develop a picture without numba: as `develop_pixels` does, without shadows, lamps, tunnels.
+    """Develop a picture without numba, like `develop_pixels` but without shadows, lamps and tunnels.
 
-    Args are those of `develop_pixels`.
+    The arguments are those of `develop_pixels`.
 
     Returns:
         [height, width, 3]

@@ -1,4 +1,4 @@
-"""The rasteriser's stage: scenery and actors as triangles, and their picture."""
+"""The rasteriser's stage: scenery and actors as triangles, and pictures of them."""
 
 import math
 from collections import OrderedDict
@@ -20,23 +20,23 @@ from oodscen_pybullet._rendering.triangles import Triangles, textures
 from oodscen_pybullet._rendering.view import FAR, NEAR, Point, View
 
 _LAMPS = (0.06, 0.08, 0.995)
-"""Whence shadows fall in tunnels."""
+"""Direction towards the light that casts shadows in tunnels."""
 _LOOKS = 256
-"""Actors' looks that stay converted."""
+"""Number of actors' looks kept as triangles."""
 
 
 class Canvas:
-    """Bodies to be drawn: scenery, which stays while the road does, and the actors.
+    """The bodies to draw: scenery, which stays as long as the road does, and actors.
 
-    The first picture of a process may wait for some seconds while the kernels are compiled; they
-    are then kept on disk.
+    The first picture of a process may take some seconds while the kernels are compiled; they are then
+    cached on disk.
     """
 
     def __init__(self, *, detail: int = 2) -> None:
-        """Start with nothing on stage.
+        """Start with an empty stage.
 
         Args:
-            detail: Samples per pixel: 2 gives smooth edges, 1 is quicker.
+            detail: Samples per pixel: 2 gives smooth edges, 1 is faster.
         """
         self._detail = detail
         self._is_snowy = False
@@ -50,7 +50,7 @@ class Canvas:
         self._shelter: Shelter | None = None
 
     def close(self) -> None:
-        """Forget everything; may be called twice."""
+        """Discard everything; calling it twice is allowed."""
         self._scenery = self._actors = self._sheets = None
         self._known.clear()
         self._shadows.forget()
@@ -58,7 +58,7 @@ class Canvas:
     def show_scenery(
         self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
     ) -> None:
-        """Put up scenery in place of everything that is there, with the road's tunnels."""
+        """Replace everything shown by new scenery, with the road's tunnels."""
         self.close()
         self._is_snowy = is_snowy
         atlas = draw_atlas(is_snowy)
@@ -70,13 +70,13 @@ class Canvas:
             self._scenery.shelter(shelter.covers(self._scenery.middles()))
 
     def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
-        """Put up the actors in place of earlier ones; row i of `pose_actors` is look i."""
+        """Replace the actors; row i of `pose_actors` is look i."""
         parts = [self._triangles(look) for look in looks]
         self._actors = Triangles.joined(parts)
         self._actors.spans[:, 2] = np.arange(len(parts))
 
     def pose_actors(self, poses: Sequence[tuple[float, float, float, float]]) -> None:
-        """Move every actor: x, y, z, yaw."""
+        """Move every actor to its x, y, z, yaw."""
         assert self._actors is not None
         for place, (x, y, z, yaw) in zip(self._actors.places, poses, strict=True):
             sine, cosine = exact.sincos(yaw)
@@ -157,7 +157,7 @@ class Canvas:
         return shot
 
     def unhidden(self, view: View) -> NDArray[np.int32] | None:
-        """Return how many pixels each actor would fill if nothing stood before it, [actors]."""
+        """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
         self._reserve(len(actors.corners))
@@ -186,7 +186,7 @@ class Canvas:
         count: int = 0,
         only: int | None = None,
     ) -> int:
-        """Draw objects, or only one of them, into a window of the picture."""
+        """Draw all objects, or a single one, into a window of the picture."""
         left, top, width, height = window
         axis = (view.width / 2 - left, view.height / 2 - top)
         camera = np.array(
@@ -226,7 +226,7 @@ class Canvas:
         return self._known[look]
 
     def _clean(self, samples: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """Return empty sheets of samples; those of the last picture are used again."""
+        """Return empty sample buffers, reusing those of the last picture."""
         if self._sheets is None or len(self._sheets[0]) != samples:
             self._sheets = (np.empty(samples, np.float32), np.empty(samples, np.int32))
         nearness, shown = self._sheets

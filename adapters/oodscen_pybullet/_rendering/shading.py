@@ -1,7 +1,7 @@
-"""The numba kernels that give pixels their colours, from what `raster` found in front.
+"""The numba kernels that colour the pixels from the surfaces that `depth_kernel` found in front.
 
-Each pixel is shaded once, at its centre, with textures in a size that fits; where its corners show
-another surface, these are mixed.
+Each pixel is shaded once, at its centre, with a texture of matching resolution; where its corners
+show another surface, the colours are mixed.
 """
 
 import numpy as np
@@ -17,9 +17,9 @@ from oodscen_pybullet._rendering.depth_kernel import (
 )
 
 _RUN = 32
-"""Most pixels that are shaded together."""
+"""Largest number of pixels shaded together."""
 _FINEST = 2.0
-"""Texels per pixel from which on the next coarser size is taken."""
+"""Texels per pixel above which the next coarser level is used."""
 
 
 @inlined
@@ -41,24 +41,24 @@ def _paint(
     lit: U8,
     at: int,
 ) -> None:
-    """Shade neighbouring pixels of one record that is textured or lit unevenly.
+    """Shade adjacent pixels of one record that is textured or unevenly lit.
 
     Args:
         mark: The record.
-        column: Of the first sample, pixels.
-        row: Of the samples, in their own count.
-        count: Pixels; so few that one size of texture fits all.
-        records: Of `scatter`.
-        labels: Of `scatter`.
-        texels: Of `gather`.
-        sizes: Of `gather`.
-        light: Of `gather`.
+        column: Column of the first sample, pixels.
+        row: Row of the samples, counted in samples.
+        count: Number of pixels, small enough for a single texture level.
+        records: As in `scatter`.
+        labels: As in `scatter`.
+        texels: As in `gather`.
+        sizes: As in `gather`.
+        light: As in `gather`.
         detail: Rows of samples from one row of pixels to the next.
-        scratch: [5, at least count] to work in.
-        red: A row of pixels, to be filled from `at` on.
-        green: The same.
-        blue: The same.
-        lit: The same with how squarely the sun meets the surface, 0 to 255.
+        scratch: [5, at least count] work space.
+        red: A row of pixels, filled from `at` on.
+        green: The same for green.
+        blue: The same for blue.
+        lit: The same for the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular).
         at: Column of the first pixel.
     """
     k, first = np.uint64(mark), np.uint64(at)
@@ -109,10 +109,10 @@ def _paint(
     start = sizes[picked, size, 0]
     wide, tall = sizes[picked, size, one], sizes[picked, size, np.uint64(2)]
     most_u, most_v = np.float32(wide - 1), np.float32(tall - 1)
-    # Every size has one column and one row more, which repeat the last ones.
+    # Every level has one extra column and row, which repeat the last ones.
     line = np.int32(wide + 1)
     two, three, four = np.uint64(2), np.uint64(3), np.uint64(4)
-    # In two loops: the first becomes vectors, which fetching texels would forbid.
+    # Two loops: the first one vectorises, which fetching texels would prevent.
     for i in range(np.uint64(count)):
         t = np.float32(np.int32(i))
         w = np.float32(1.0) / (iw + iwx * t)
@@ -147,7 +147,7 @@ def _paint(
 
 @inlined
 def _differs(mark: int, other: int, labels: I32) -> bool:
-    """Tell whether two samples show different surfaces."""
+    """Return whether two samples show different surfaces."""
     if mark == other:
         return False
     if mark < 0 or other < 0:
@@ -172,10 +172,10 @@ def _smooth(
     reach: F32,
     sky: U8,
 ) -> None:
-    """Mix what some pixels show in the middle, by a half, and at the corners, into `mixed`.
+    """Mix, into `mixed`, the centre of each pixel, weighted one half, with its corners.
 
-    A surface that a neighbour shows at its centre has that neighbour's colour; only what is too
-    thin for that is shaded anew.
+    A surface that a neighbour shows at its centre takes that neighbour's colour; only surfaces too thin
+    for that are shaded again.
     """
     height, width = reach.shape
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
@@ -187,7 +187,7 @@ def _smooth(
         one_r = one_g = one_b = zero
         one, before = -1, np.int32(-1)
         for tap in range(5):
-            # The middle, then the corners from the upper left.
+            # The centre, then the corners from the upper left.
             part = np.float32(4.0 if tap == 0 else 1.0)
             i, j = (0, 0) if tap == 0 else (2 * ((tap - 1) & 1) - 1, 2 * ((tap - 1) >> 1) - 1)
             r = max(2 * y + j, 0)
@@ -206,8 +206,8 @@ def _smooth(
                         one_r, one_g, one_b = records[k, 14], records[k, 15], records[k, 16]
                         is_known = True
                     for step in range(4):
-                        # The pixel's own middle, and those of the others that share the corner,
-                        # are as near as any.
+                        # The pixel's own centre, and those of the others that share the corner, are
+                        # equally near.
                         if is_known:
                             break
                         b = min(max(y + j, 0), height - 1) if step & 2 else y
@@ -284,22 +284,22 @@ def gather(
     """Shade every pixel.
 
     Args:
-        nearness: Of `scatter`, [height * detail, width].
-        shown: Of `scatter`, likewise.
-        records: Of `scatter`.
-        labels: Of `scatter`.
-        texels: Every texture in every size, row by row; red, green and blue 21 bits apart, so that
-            one product weighs all three.
-        sizes: [regions, sizes, 3] where each begins in `texels`, its width and height.
-        light: Shares of light from everywhere and from the sun.
-        detail: Of `scatter`.
-        rgb: [3, height, width] to be filled.
-        depth: [height, width] to be filled: at the pixel's centre, m, infinity for the sky.
-        rows: The same with the label, -1 for the sky.
-        reach: The same with the mean distance of what is not sky, m.
-        sky: The same with the share of sky, 0 to 255.
-        lit: The same with how squarely the sun meets the surface at the centre, 0 to 255.
-        kinds: The same with what that surface is made of.
+        nearness: [height * detail, width], as in `scatter`.
+        shown: [height * detail, width], as in `scatter`.
+        records: As in `scatter`.
+        labels: As in `scatter`.
+        texels: Every texture at every level, row by row; red, green and blue 21 bits apart, so that
+            one product weights all three.
+        sizes: [regions, sizes, 3] start in `texels`, width and height of each level.
+        light: Fractions of ambient light and of light from the sun.
+        detail: As in `scatter`.
+        rgb: [3, height, width], filled with colours.
+        depth: [height, width], filled with the depth at the pixel's centre, m, infinity for the sky.
+        rows: [height, width], filled with the label, -1 for the sky.
+        reach: [height, width], filled with the mean distance of the part that is not sky, m.
+        sky: [height, width], filled with the fraction of sky, 0 to 255.
+        lit: [height, width], filled with the sun's incidence on the surface at the centre, 0 to 255.
+        kinds: [height, width], filled with that surface's flags.
     """
     height, width = depth.shape
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
@@ -390,8 +390,8 @@ def gather(
                     kinds[y, at + i] = made
             x = stop
         if detail == 2:
-            # A row is mixed when the one below it is painted, while all of them are at hand, and
-            # written when the one below it is mixed.
+            # A row is mixed once the row below is painted, while all of them are in cache, and
+            # written once the row below is mixed.
             starts[y + one] = count
             for last in range(int(y) - 1, int(y) + (1 if y + one == height else 0)):
                 if last >= 0:

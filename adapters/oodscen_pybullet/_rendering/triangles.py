@@ -1,4 +1,4 @@
-"""Meshes as the rasteriser wants them: flat arrays of corners, in chunks with spheres around them."""
+"""Meshes in the rasteriser's layout: flat arrays of corners, in chunks with bounding spheres."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,35 +15,35 @@ F64 = NDArray[np.float64]
 I32 = NDArray[np.int32]
 
 LEVELS = 9
-"""Sizes in which a texture is kept, each half of the one before."""
+"""Number of levels of a texture, each half the size of the one before."""
 CHUNK = 256
-"""Most triangles that stand or fall together when the camera looks elsewhere."""
+"""Largest number of triangles that are culled together."""
 CELL = 24.0
-"""Chunks are gathered from squares of this size, m."""
+"""Side of the squares from which chunks are gathered, m."""
 PLAIN, SHINING, MIRROR, GROUND, SHELTERED, SOFT = 0, 1, 2, 4, 8, 16
-"""What is true of a triangle, added up: lamps shine in the dark, water mirrors, ground gets wet, what
-is in a tunnel does not, nor does the sun reach it, and grass and soil drink what falls on them."""
+"""Surface flags of a triangle, added up: lamps shine in the dark, water reflects, ground gets wet,
+surfaces in a tunnel get neither rain nor sun, and grass and soil absorb what falls on them."""
 DRINKS = frozenset({"grass", "grass_dark", "field", "crop", "earth", "soil", "turf", "hedge"})
 """Colours and textures of soft ground."""
 _LEVEL = 0.6
-"""Upward part of the normal from which on ground is ground and not a kerb's or a bank's side."""
+"""Upward component of the normal above which ground counts as ground, not as a kerb or a bank's side."""
 WATER = frozenset({"water", "water_light", "flood", "flood_light"})
-"""Colours of what mirrors."""
+"""Colours of reflective surfaces."""
 _GRID = 2.0**14
-"""Corners lie on a grid of so many lines per metre: their differences are exact in any chunk."""
+"""Grid lines per metre for the corners: their differences are exact in any chunk."""
 
 
 @dataclass(frozen=True, eq=False)
 class Textures:
-    """The regions of the atlas, each in every size."""
+    """The regions of the atlas, each at every level."""
 
     texels: NDArray[np.uint64]
-    """All of them, row by row: red, green and blue 21 bits apart.
+    """All levels, row by row: red, green and blue 21 bits apart.
 
-    Each has one column and one row more than its size says; they repeat the last ones.
+    Each level has one extra column and row, which repeat the last ones.
     """
     sizes: I32
-    """[regions, LEVELS, 3] where each begins, its width and height."""
+    """[regions, LEVELS, 3] start, width and height of each level."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,17 +55,17 @@ class Triangles:
     planes: F32
     """[n, 4] normal and offset of each triangle's plane."""
     colours: F32
-    """[n, 3] of triangles without texture."""
+    """[n, 3] colours of triangles without texture."""
     regions: I32
-    """[n] which texture, -1 for none."""
+    """[n] textures, -1 for none."""
     kinds: NDArray[np.uint8]
-    """[n] SHINING and so on, added up; `sheltered` changes it."""
+    """[n] sums of surface flags, SHINING and so on; `shelter` changes them."""
     spans: I32
-    """[m, 3] first triangle, the one after the last, and label of each chunk."""
+    """[m, 3] first triangle, end (exclusive), and label of each chunk."""
     places: F64
     """[m, 5] origin of each chunk, and the cosine and sine of its yaw."""
     spheres: F32
-    """[m, 4] centre relative to the origin, and radius, m."""
+    """[m, 4] bounding sphere of each chunk: centre relative to the origin, and radius, m."""
 
     @classmethod
     def of(cls, mesh: Mesh, atlas: NDArray[np.uint8], *, is_chunked: bool) -> "Triangles":
@@ -73,9 +73,9 @@ class Triangles:
 
         Args:
             mesh: The mesh.
-            atlas: Where its colours are.
-            is_chunked: Whether it is cut into chunks, for scenery; else it is one chunk about the
-                mesh's origin, which `placed` can move.
+            atlas: The texture atlas with its colours.
+            is_chunked: Whether to cut it into chunks, for scenery; otherwise it is one chunk around
+                the mesh's origin, which a new row in `places` moves.
         """
         order = mesh.triangles
         points = np.round(mesh.vertices[order] * _GRID) / _GRID
@@ -122,13 +122,13 @@ class Triangles:
         )
 
     def shelter(self, is_sheltered: NDArray[np.bool_]) -> None:
-        """Say which triangles, [n], are in a tunnel."""
+        """Mark the triangles, [n], that are in a tunnel."""
         self.kinds[:] = np.where(
             is_sheltered, self.kinds | np.uint8(SHELTERED), self.kinds & np.uint8(255 - SHELTERED)
         )
 
     def middles(self) -> F64:
-        """Return the middle of each triangle, [n, 3] m, as it is placed."""
+        """Return the centre of each triangle in the world, [n, 3] m."""
         lengths = self.spans[:, 1] - self.spans[:, 0]
         place = np.repeat(self.places, lengths, axis=0)
         middle = self.corners[:, :, :3].astype(np.float64).mean(axis=1)
@@ -144,7 +144,7 @@ class Triangles:
 
     @classmethod
     def joined(cls, parts: Sequence["Triangles"]) -> "Triangles":
-        """Return several as one, in their order."""
+        """Merge several sets of triangles, in order."""
         shifts = np.cumsum([0, *(len(part.corners) for part in parts)])
         spans = [
             part.spans + np.array([shift, shift, 0], np.int32)
@@ -163,7 +163,7 @@ class Triangles:
 
 
 def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return an order of triangles in which neighbours are together, and where chunks start."""
+    """Return an order of triangles that groups neighbours, and the starts of the chunks."""
     cells = np.floor(points.mean(axis=1)[:, :2] / CELL).astype(np.int64)
     rank = np.lexsort((cells[:, 1], cells[:, 0]))
     sorted_cells = cells[rank]
@@ -175,7 +175,7 @@ def _chunks(points: F64) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _regions(uvs: F64) -> tuple[I32, F64]:
-    """Return which region each triangle shows, and its corners' texel columns and rows there."""
+    """Return each triangle's region, and its corners' texel columns and rows there."""
     place = np.stack([uvs[..., 0] * SIZE, (1.0 - uvs[..., 1]) * SIZE], axis=2)
     middle = place.mean(axis=1)
     regions = np.full(len(uvs), -1, np.int32)
@@ -194,7 +194,7 @@ def _regions(uvs: F64) -> tuple[I32, F64]:
 
 
 def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return what each triangle is made of, from its texture or its colour in the atlas."""
+    """Return each triangle's surface flags, from its texture or its colour in the atlas."""
     swatches, prints = (
         np.zeros(SIZE * SIZE // SWATCH**2, np.uint8),
         np.zeros(len(REGIONS), np.uint8),
@@ -210,7 +210,7 @@ def _kinds(regions: I32, column: NDArray[np.int64], row: NDArray[np.int64]) -> N
 
 @lru_cache(maxsize=2)
 def textures(is_snowy: bool) -> Textures:
-    """Return every region of the atlas in every size."""
+    """Return every region of the atlas at every level."""
     atlas = draw_atlas(is_snowy)
     texels: list[NDArray[np.uint64]] = []
     sizes: list[tuple[int, int, int]] = []
@@ -228,7 +228,7 @@ def textures(is_snowy: bool) -> Textures:
 
 
 def _halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return an image of half the width and height, rounded up; integers only."""
+    """Return an image of half the width and height, rounded up; integer arithmetic only."""
     height, width = image.shape[:2]
     padded = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge").astype(np.int32)
     four = padded[::2, ::2] + padded[1::2, ::2] + padded[::2, 1::2] + padded[1::2, 1::2]

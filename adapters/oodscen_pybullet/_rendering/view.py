@@ -1,4 +1,4 @@
-"""Where a dash camera is, and where points fall on its picture."""
+"""The pose of a dash camera and the projection of points onto its picture."""
 
 from dataclasses import dataclass
 
@@ -10,21 +10,21 @@ from oodscen.protocols import Camera
 
 _DEGREE = 0.017453292519943295
 NEAR = 0.2
-"""Closest thing that is drawn, m."""
+"""Distance of the near plane, m."""
 FAR = 420.0
-"""Farthest thing that is drawn, m."""
+"""Distance of the far plane, m."""
 
 Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class View:
-    """A camera at its place in the world; pixel centres are at halves."""
+    """A camera at its place in the world; pixel centres are at half-integers."""
 
     width: int
     height: int
     focal: float
-    """Pixels per unit of x / depth."""
+    """Focal length: pixels per unit of x / depth."""
     eye: Point
     right: Point
     up: Point
@@ -32,7 +32,7 @@ class View:
 
     @classmethod
     def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "View":
-        """Mount a camera on a vehicle whose footprint's centre and yaw are given."""
+        """Mount a camera on a vehicle, given the centre of its footprint and its yaw."""
         x, y, z, yaw = pose
         s, c = exact.sincos(yaw)
         sp, cp = exact.sincos(camera.pitch_deg * _DEGREE)
@@ -64,7 +64,7 @@ class View:
 
         Args:
             samples_corners: Whether the renderer samples pixel corners; the principal point then
-                moves by half a pixel so that what it samples is the middle of each pixel.
+                moves by half a pixel so that it samples the centre of each pixel.
         """
         half = 1.0 if samples_corners else 0.0
         w, h, f = self.width, self.height, self.focal
@@ -77,7 +77,7 @@ class View:
         ]  # fmt: skip
 
     def to_camera(self, point: Point) -> Point:
-        """Return a world point's metres to the right, upwards and ahead of the camera."""
+        """Return a world point in metres to the right, upwards and ahead of the camera."""
         dx, dy, dz = point[0] - self.eye[0], point[1] - self.eye[1], point[2] - self.eye[2]
         return (
             dx * self.right[0] + dy * self.right[1] + dz * self.right[2],
@@ -105,7 +105,7 @@ class View:
 
 
 def metres(buffer: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Turn the renderer's depth buffer into metres along the optical axis, infinity for the sky."""
+    """Convert the renderer's depth buffer to metres along the optical axis, infinity for the sky."""
     near, far = np.float32(NEAR), np.float32(FAR)
     depth = far * near / (far - (far - near) * buffer)
     return np.where(buffer >= np.float32(0.9999995), np.float32(np.inf), depth).astype(np.float32)

@@ -1,4 +1,4 @@
-"""The air and what falls through it: fog, sky, rain and snow.
+"""Air and precipitation: fog, sky, rain and snow.
 
 Fog follows Koschmieder's law: contrast falls to 5 % at the visual range.
 """
@@ -24,16 +24,16 @@ U8 = NDArray[np.uint8]
 Colour = tuple[float, float, float]
 
 SKY_M = 6_000.0
-"""How far the sky is away for the fog."""
+"""Distance of the sky for the fog, m."""
 SHEET = (256, 1024)
-"""Rows by height and columns by heading of the clouds."""
+"""Rows by height and columns by heading of the cloud sheet."""
 _EYE_M = 1.3
-"""Height of a camera above the road, for the beams' cut-off."""
+"""Height of a camera above the road for the cut-off of the beams, m."""
 _TAU = 6.283185307179586
 
 
 def air_colour(weather: Weather, light: Light) -> Colour:
-    """Return the colour into which everything fades, 0 to 255."""
+    """Return the colour of the air, into which everything fades, 0 to 255."""
     grey: Colour = (196.0, 201.0, 207.0)
     if weather.precipitation == "rain":
         grey = (158.0, 164.0, 171.0)
@@ -50,8 +50,8 @@ def air_colour(weather: Weather, light: Light) -> Colour:
 def heaven(view: View, weather: Weather, light: Light) -> Float:
     """Return the sky by rows of pixels: [height, 5] float32.
 
-    Red, green and blue of the clear sky, 0 to 255; row of the sheet of clouds; share of the next
-    row. Below the horizon it is the haze over distant ground.
+    The columns are red, green and blue of the clear sky, 0 to 255; row of the cloud sheet; weight of the
+    next row. Below the horizon it is the haze over distant ground.
     """
     _, upwards = view.slopes()
     rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
@@ -75,7 +75,7 @@ def heaven(view: View, weather: Weather, light: Light) -> Float:
 
 
 def cloud_columns(view: View) -> Float:
-    """Return which column of the sheet of clouds each column of pixels shows: [width] float32."""
+    """Return the column of the cloud sheet for each column of pixels: [width] float32."""
     across, _ = view.slopes()
     turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
     columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / _TAU)
@@ -84,7 +84,7 @@ def cloud_columns(view: View) -> Float:
 
 
 def cloud_cover(weather: Weather) -> float:
-    """Return the share of the sky that clouds hide."""
+    """Return the fraction of the sky that clouds hide."""
     return max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
 
 
@@ -105,7 +105,7 @@ def cloud_sheet(seed: int) -> Float:
 
 
 def _stretched(noise: Float, height: int, width: int) -> Float:
-    """Return noise of another size, smooth between its places; the last column meets the first."""
+    """Return noise resampled smoothly to another size; the last column meets the first."""
     rows, columns = noise.shape
     y = np.arange(height, dtype=np.float32) * np.float32((rows - 1) / height)
     x = np.arange(width, dtype=np.float32) * np.float32(columns / width)
@@ -128,17 +128,17 @@ def add_rain(
     seed: int,
     time: float,
 ) -> None:
-    """Add streaks of falling drops, in place, where nothing stands before them.
+    """Add streaks of falling drops, in place, where nothing occludes them.
 
     Args:
         image: [height, width, 3]
         view: The camera.
-        weather: How hard it rains.
-        light: Of the scene.
+        weather: Gives the rate of rain.
+        light: The light of the scene.
         depth: [height, width] m
-        kinds: The same with what is true of surfaces: what is in a tunnel is dry.
-        portal: Of the tunnel that the camera looks into, or out of.
-        seed: Of the run.
+        kinds: [height, width] surface flags: surfaces in a tunnel stay dry.
+        portal: The end of the tunnel that the camera looks into or out of.
+        seed: Seed of the run.
         time: s
     """
     rng = stream(seed, "rain", round(time, 3))
@@ -181,9 +181,9 @@ def add_rain(
 def _outside(
     drops: Float, ahead: Float, across: Float, upwards: Float, portal: Portal | None
 ) -> Float:
-    """Return the drops or flakes that are not in a tunnel for sure.
+    """Return the drops or flakes that are not certainly in a tunnel.
 
-    The last number of each becomes 1 where it may be in one: behind the portal ahead.
+    The last number of each becomes 1 if it may be in one: behind the portal ahead.
     """
     if portal is None:
         return drops
@@ -196,14 +196,14 @@ def _outside(
 
 @Kernel
 def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
-    """Add slightly slanted lines of light.
+    """Draw slightly slanted lines of light.
 
     Args:
         image: [height, width, 3], changed in place.
         depth: [height, width] m
-        kinds: The same with what is true of surfaces.
+        kinds: [height, width] surface flags.
         streaks: [n, 7] column and row of the upper end, length, brightness, width, pixels; distance,
-            m; 1 where it is hidden by what is in a tunnel.
+            m; 1 if surfaces in a tunnel hide it.
     """
     height, width = image.shape[0], image.shape[1]
     one, most = np.float32(1.0), np.float32(255.0)
@@ -243,7 +243,7 @@ def add_snow(
     seed: int,
     time: float,
 ) -> None:
-    """Add falling flakes, in place, where nothing stands before them; see `add_rain`."""
+    """Add falling flakes, in place, where nothing occludes them; see `add_rain`."""
     rng = stream(seed, "snow", round(time, 3))
     intensity = min(1.0, weather.precipitation_mm_h / 12.0)
     count = int(700 + 5200 * intensity)
@@ -271,15 +271,15 @@ def add_snow(
 
 @Kernel
 def draw_flakes(image: U8, depth: Float, kinds: U8, flakes: Float, colour: Float) -> None:
-    """Draw soft round flakes where nothing stands before them; they darken nothing.
+    """Draw soft round flakes where nothing occludes them; they never darken a pixel.
 
     Args:
         image: [height, width, 3], changed in place.
         depth: [height, width] m
-        kinds: The same with what is true of surfaces.
-        flakes: [n, 6] column, row and radius, pixels; distance, m; brightness, 0 to 1; 1 where it
-            is hidden by what is in a tunnel.
-        colour: [3] of the brightest, 0 to 255.
+        kinds: [height, width] surface flags.
+        flakes: [n, 6] column, row and radius, pixels; distance, m; brightness, 0 to 1; 1 if surfaces
+            in a tunnel hide it.
+        colour: [3] colour of the brightest flake, 0 to 255.
     """
     height, width = depth.shape
     one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)

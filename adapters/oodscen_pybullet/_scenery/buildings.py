@@ -1,4 +1,4 @@
-"""Houses and city blocks; their front faces -y and their depth goes along y."""
+"""Houses and city blocks; their fronts face -y and their depth extends along y."""
 
 from functools import lru_cache
 
@@ -15,13 +15,13 @@ BLOCK_DEPTH = 12.0
 HOUSE = (9.0, 8.0)
 """Width and depth of a house, m."""
 STYLES = 6
-"""Facades of city blocks."""
+"""Number of facades of city blocks."""
 _LIT_SHARE = 0.36
 _PANES = ((0.12, 0.42), (0.58, 0.88))
 _STYLE_WALLS = ("wall_brick", "wall_cream", "wall_grey", "wall_white", "sand", "wall_brick")
 _AWNINGS = ("awning_red", "awning_green", "navy", "wall_ochre")
 _FOOTING = 2.5
-"""Walls go so far into the ground: it may slope, m."""
+"""Depth of walls below the ground, which may slope, m."""
 
 
 @lru_cache(maxsize=256)
@@ -31,10 +31,10 @@ def city_block(
     """Return a town building.
 
     Args:
-        width: Along x, a multiple of six metres.
-        floors: Storeys.
-        style: Which of six facades.
-        look: Decides roof, balconies, awnings and which windows are lit.
+        width: Width along x, a multiple of six metres.
+        floors: Number of storeys.
+        style: One of six facades.
+        look: Determines roof, balconies, awnings and lit windows.
         has_shop: Whether there are shop windows at street level.
         is_night: Whether some windows are lit.
     """
@@ -128,7 +128,7 @@ def _balcony(mesh: MeshBuilder, x0: float, x1: float, y: float, low: float) -> N
 
 
 def _roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: int) -> None:
-    """Add a flat roof with a cornice, a mansard, or a pitched one."""
+    """Add a flat roof with a cornice, a mansard roof, or a pitched roof."""
     kind = look % 3
     low = (-half, half, -depth, depth, top)
     if kind == 0:
@@ -155,7 +155,7 @@ def _roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: int) -
 def _gable(
     mesh: MeshBuilder, half: float, depth: float, eaves: float, rise: float, tile: str, wall: str
 ) -> None:
-    """Add a roof whose ridge runs along x."""
+    """Add a roof with its ridge along x."""
     over, out, ridge = half + 0.4, depth + 0.5, eaves + rise
     front = [
         (-over, -out, eaves - 0.2),
@@ -184,9 +184,9 @@ def house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
     """Return a detached house with a pitched roof.
 
     Args:
-        kind: Which of three walls.
-        roof: Which of three roofs.
-        look: Decides its storeys, which way the ridge runs, and the windows that are lit.
+        kind: One of three walls.
+        roof: One of three roofs.
+        look: Determines the storeys, the direction of the ridge, and the lit windows.
         is_night: Whether some windows are lit.
     """
     rng = np.random.Generator(np.random.PCG64(9500 + look))
@@ -248,11 +248,11 @@ def _cross_gable(
 
 @lru_cache(maxsize=32)
 def tower(style: int, look: int, *, is_night: bool) -> Mesh:
-    """Return a building for the skyline: few triangles, seen from afar only.
+    """Return a building for the skyline, with few triangles because it is seen only from afar.
 
     Args:
-        style: Which of six facades.
-        look: Decides its size.
+        style: One of six facades.
+        look: Determines the size.
         is_night: Whether some windows are lit.
     """
     rng = np.random.Generator(np.random.PCG64(9900 + look))
@@ -284,7 +284,7 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
 
 @lru_cache(maxsize=4)
 def barn(colour: str) -> Mesh:
-    """Return a barn of eighteen metres."""
+    """Return a barn eighteen metres long."""
     mesh = MeshBuilder()
     mesh.hull((-9, 9, -5, 5, -_FOOTING), (-9, 9, -5, 5, 4.2), colour, caps="")
     _gable(mesh, 9.0, 5.0, 4.2, 3.2, "roof_grey", colour)

@@ -1,4 +1,4 @@
-"""What stands at roadsides: lamps, posts, rails, benches, fences, parked cars."""
+"""Roadside furniture: lamps, posts, rails, benches, fences, parked cars."""
 
 from functools import lru_cache
 
@@ -18,7 +18,7 @@ def street_lamp(reach: float, height: float, *, is_night: bool) -> Mesh:
 
 
 LIMITS = frozenset(range(10, 140, 10))
-"""Speed limits for which there are signs, km/h."""
+"""Speed limits that have signs, km/h."""
 _STROKES = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "abcdefg", "abcdfg")
 _BARS = {
     "a": (0.0, 1.0, True), "g": (0.0, 0.0, True), "d": (0.0, -1.0, True),
@@ -29,7 +29,7 @@ _BARS = {
 
 @lru_cache(maxsize=32)
 def speed_sign(limit: int) -> Mesh:
-    """Return a sign that faces -x with a speed limit, km/h."""
+    """Return a speed limit sign that faces -x; the limit is in km/h."""
     mesh = MeshBuilder()
     mesh.beam((0, 0, -0.3), (0, 0, 2.2), 0.06, "post")
     for out, radius, colour in ((0.0, 0.36, "red"), (-0.014, 0.27, "white")):
@@ -59,7 +59,7 @@ _RIM = tuple(
 
 @lru_cache(maxsize=4)
 def front(style: int) -> Mesh:
-    """Return a garden's front, ten metres along x: hedge, pickets or wall."""
+    """Return the front of a garden, ten metres along x: hedge, pickets or wall."""
     mesh = MeshBuilder()
     if style == 0:
         mesh.box((0, 0, 0.4), (10.0, 0.6, 1.3), "hedge", caps="t")
@@ -82,7 +82,7 @@ def side_hedge() -> Mesh:
 
 @lru_cache(maxsize=2)
 def drive(length: float) -> Mesh:
-    """Return a paved drive along y that begins at the origin."""
+    """Return a paved drive along y, starting at the origin."""
     mesh = MeshBuilder()
     mesh.polygon(
         [(-1.5, 0, 0.03), (1.5, 0, 0.03), (1.5, length, 0.03), (-1.5, length, 0.03)], "concrete"
@@ -95,7 +95,7 @@ _HEXAGON = ((1, 0), (0.5, 0.866), (-0.5, 0.866), (-1, 0), (-0.5, -0.866), (0.5, 
 
 @lru_cache(maxsize=16)
 def parked_car(paint: str) -> Mesh:
-    """Return a car of few triangles, for drives and yards."""
+    """Return a car with few triangles, for drives and yards."""
     mesh = MeshBuilder()
     mesh.hull(
         (-2.1, 2.1, -0.85, 0.85, 0.3),
@@ -192,7 +192,7 @@ def delineator() -> Mesh:
 
 @lru_cache(maxsize=4)
 def gantry(span: float) -> Mesh:
-    """Return a sign gantry across `span` metres, from y = 0 towards -y, facing +x."""
+    """Return a sign gantry that spans `span` metres, from y = 0 towards -y, facing +x."""
     mesh = MeshBuilder()
     for y in (0.0, -span):
         mesh.beam((0, y, -0.3), (0, y, 7.4), 0.3, "post")
@@ -217,7 +217,7 @@ def field_fence() -> Mesh:
 
 @lru_cache(maxsize=1)
 def power_pole() -> Mesh:
-    """Return a power pole whose arm is along y."""
+    """Return a power pole with its arm along y."""
     mesh = MeshBuilder()
     mesh.beam((0, 0, -0.5), (0, 0, 8.5), 0.26, "bark", end_width=0.18)
     mesh.beam((0, -1.0, 8.0), (0, 1.0, 8.0), 0.12, "bark")

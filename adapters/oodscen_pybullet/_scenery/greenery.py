@@ -1,4 +1,4 @@
-"""Standing trees and bushes of few triangles; they look round by their normals."""
+"""Standing trees and bushes with few triangles, made to look round by their normals."""
 
 import math
 from functools import lru_cache
@@ -29,7 +29,7 @@ _TREES = 10
 
 
 def _clump(centre: Point, radii: Point, colours: tuple[str, str], rng: np.random.Generator) -> Mesh:
-    """Return a lump of leaves: an icosahedron pushed out of shape, dark below."""
+    """Return a clump of leaves: a distorted icosahedron, dark at the bottom."""
     dents = 1.0 + 0.22 * rng.uniform(-1.0, 1.0, (12, 1))
     points = _TWELVE * dents * np.array(radii) + np.array(centre)
     faces = points[_TWENTY]
@@ -64,7 +64,7 @@ def _trunk(height: float, radius: float) -> MeshBuilder:
 
 @lru_cache(maxsize=64)
 def broad_tree(key: int, *, is_tall: bool = False, is_far: bool = False) -> Mesh:
-    """Return a broad-leaved tree of six to eight metres, or one of nine; plainer for afar."""
+    """Return a broad-leaved tree of six to eight metres, or of nine; simplified for long distances."""
     rng = np.random.Generator(np.random.PCG64(4000 + key % _TREES))
     scale = float(rng.uniform(0.85, 1.15)) * (1.25 if is_tall else 1.0)
     trunk = 2.5 * scale
@@ -99,7 +99,7 @@ def conifer(key: int) -> Mesh:
 
 @lru_cache(maxsize=16)
 def bush(key: int) -> Mesh:
-    """Return a bush of about one metre."""
+    """Return a bush about one metre high."""
     rng = np.random.Generator(np.random.PCG64(6000 + key % _TREES))
     size = float(rng.uniform(0.6, 0.95))
     colours = ("leaf_dark", "leaf_dark") if key % 2 else ("leaf", "leaf_dark")
@@ -108,7 +108,7 @@ def bush(key: int) -> Mesh:
 
 @lru_cache(maxsize=16)
 def thicket(key: int) -> Mesh:
-    """Return a piece of wood's edge, some sixteen metres long, for the distance."""
+    """Return a section of a wood's edge, some sixteen metres long, for long distances."""
     rng = np.random.Generator(np.random.PCG64(7000 + key % _TREES))
     parts = []
     for index in range(3):

@@ -1,4 +1,4 @@
-"""Puts finished meshes beside roads, never on them and never into each other."""
+"""Placement of meshes beside roads: never on a road and never overlapping."""
 
 import math
 from dataclasses import dataclass, field
@@ -15,14 +15,14 @@ Heading = tuple[float, float]
 """Cosine and sine of a direction."""
 
 Rectangle = tuple[float, float, Heading, float, float]
-"""Middle, direction of the first side, and half of both sides' lengths, m."""
+"""Centre, direction of the first side, and half the lengths of both sides, m."""
 
 FAR_M = 280.0
-"""Small things are left out so far ahead of the ego's start, m."""
+"""Distance ahead of the ego's start beyond which small objects are omitted, m."""
 SHORT_M = 110.0
-"""Scenery ends so far before the ego's road does: it is small by then."""
+"""Distance before the end of the ego's road at which scenery ends, m; it looks small from there."""
 _CELL = 24.0
-"""What was claimed is looked up in squares of this size, m."""
+"""Size of the grid squares in which claimed rectangles are looked up, m."""
 
 
 @dataclass(frozen=True)
@@ -32,21 +32,21 @@ class Spot:
     x: float
     y: float
     heading: Heading
-    """Along the road for things on its left, against it for things on its right."""
+    """Direction along the road for objects on its left, against it for objects on its right."""
     s: float
-    """On that road."""
+    """Position along that road."""
     side: int
     """+1 left, -1 right."""
 
     def beside(self, along: float, out: float) -> tuple[float, float]:
-        """Return x, y of a point so far along the heading and so far away from the road, m."""
+        """Return x, y of a point at a distance along the heading and away from the road, m."""
         c, s = self.heading
         return self.x + along * c - out * s, self.y + along * s + out * c
 
 
 @dataclass
 class Site:
-    """Collects what stands beside the roads."""
+    """Collects the objects beside the roads."""
 
     ground: Ground
     terrain: Terrain
@@ -58,7 +58,7 @@ class Site:
     _taken: dict[tuple[int, int], list[Rectangle]] = field(default_factory=dict)
 
     def add(self, mesh: Mesh, at: Point, heading: Heading) -> None:
-        """Add a mesh with its x axis along a heading, without asking what is there."""
+        """Add a mesh with its x axis along a heading, without checking for other objects."""
         c, s = heading
         order = mesh.triangles.reshape(-1)
         for source, target, move in (
@@ -76,7 +76,7 @@ class Site:
     def stand(
         self, mesh: Mesh, spot: Spot, along: float, out: float, heading: Heading | None = None
     ) -> Point:
-        """Add a small thing on the ground beside a spot, and return where it stands."""
+        """Add a small object on the ground beside a spot, and return its position."""
         x, y = spot.beside(along, out)
         at = (x, y, self.terrain.height(x, y))
         self.add(mesh, at, heading or spot.heading)
@@ -85,15 +85,15 @@ class Site:
     def try_to_stand(
         self, mesh: Mesh, spot: Spot, along: float, out: float, *, margin: float, radius: float
     ) -> bool:
-        """Add a small thing where it is clear of asphalt and of what was claimed.
+        """Add a small object if it is clear of asphalt and of claimed areas.
 
         Args:
-            mesh: What.
-            spot: Beside which place.
-            along: Along the spot's heading, m.
-            out: Away from the road, m.
-            margin: Distance that its middle keeps from asphalt, m.
-            radius: Of its footprint, m.
+            mesh: The object.
+            spot: The reference place.
+            along: Distance along the spot's heading, m.
+            out: Distance away from the road, m.
+            margin: Distance of its centre from asphalt, m.
+            radius: Radius of its footprint, m.
         """
         x, y = spot.beside(along, out)
         if not self.ground.is_free((x,), (y,), margin):
@@ -109,12 +109,12 @@ class Site:
         """Reserve a rectangle unless it is taken or too close to asphalt.
 
         Args:
-            x: Its middle, m.
-            y: The same.
-            heading: Of its first side.
-            half_x: Half of that side's length, m.
-            half_y: Half of the other's, m.
-            margin: Distance kept from asphalt, m.
+            x: x of its centre, m.
+            y: y of its centre, m.
+            heading: Direction of its first side.
+            half_x: Half the length of the first side, m.
+            half_y: Half the length of the other side, m.
+            margin: Minimum distance from asphalt, m.
         """
         own, reach = (x, y, heading, half_x, half_y), half_x + half_y
         cells = [
@@ -142,7 +142,7 @@ class Site:
     def spots(
         self, way: Way, side: int, spacing: float, *, jitter: float = 0.0, first: float = 0.0
     ) -> list[Spot]:
-        """Return places on the edge of a road's pavement at about equal distances."""
+        """Return places on the edge of a road's pavement at roughly equal distances."""
         line = way.course
         start = float(line.s[0]) + first
         end = float(line.s[-1]) - (SHORT_M if way.is_ego else 0.0)
@@ -165,7 +165,7 @@ class Site:
         return Spot(x - t * n, y + t * c, heading, s, side)
 
     def is_spanned(self, spot: Spot, margin: float = 6.0) -> bool:
-        """Tell whether a spot is on a bridge or in a tunnel, or close to one's end."""
+        """Return whether a spot is on a bridge or in a tunnel, or close to the end of one."""
         if not self.ground.corridor.structures:
             return False
         s, _ = self.ground.along(spot.x, spot.y)
@@ -174,20 +174,20 @@ class Site:
         )
 
     def is_far(self, spot: Spot) -> bool:
-        """Tell whether a spot is so far that nobody sees small things there."""
+        """Return whether a spot is too far away for small objects to be visible."""
         s, away = self.ground.along(spot.x, spot.y)
         ahead = s - self.ground.corridor.start
         return ahead > FAR_M or ahead < -40.0 or away > 0.35 * FAR_M
 
     def turn(self) -> Heading:
-        """Return some direction."""
+        """Return a random direction."""
         u = float(self.rng.uniform(-1.0, 1.0))
         norm = 1.0 + u * u
         flip = 1.0 if self.rng.uniform() < 0.5 else -1.0
         return flip * (1.0 - u * u) / norm, flip * 2.0 * u / norm
 
     def mesh(self) -> Mesh:
-        """Return everything that was added."""
+        """Return the mesh of everything added."""
         vertices = np.concatenate(self._vertices)
         return Mesh(
             vertices=vertices,
@@ -201,7 +201,7 @@ def _overlap(
     one: Rectangle,
     two: Rectangle,
 ) -> bool:
-    """Tell whether two rectangles overlap: no side's direction separates them."""
+    """Return whether two rectangles overlap: no side's direction separates them."""
     x0, y0, h0, a0, b0 = one
     x1, y1, h1, a1, b1 = two
     dx, dy = x1 - x0, y1 - y0

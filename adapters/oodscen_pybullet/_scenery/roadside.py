@@ -1,4 +1,4 @@
-"""The scenery of a map: its roads, the land, and what stands beside them."""
+"""The scenery of a map: its roads, the land, and the objects beside them."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -17,16 +17,16 @@ from oodscen_pybullet._scenery.themes import furnish
 
 @dataclass(frozen=True, eq=False)
 class Scenery:
-    """Everything that stands still."""
+    """Everything that does not move."""
 
     meshes: tuple[Mesh, ...]
-    """The roads, the land, what stands beside the roads, and tunnels and bridges."""
+    """The roads, the land, the roadside objects, and tunnels and bridges."""
     lamps: tuple[Point, ...]
-    """Heads of the street lamps, m."""
+    """Positions of the street lamps' heads, m."""
     signals: tuple[Lamp, ...]
-    """What shines at traffic lights, in world coordinates."""
+    """Lit lamps of traffic lights, in world coordinates."""
     terrain: Terrain
-    """The shape of the ground, for whatever is put on it."""
+    """The shape of the ground, for placing objects on it."""
 
 
 def build_scenery(
@@ -38,16 +38,16 @@ def build_scenery(
     is_night: bool = False,
     without: frozenset[str] = frozenset(),
 ) -> Scenery:
-    """Build the roads and what is beside them.
+    """Build the roads and their surroundings.
 
     Args:
         corridor: The ego's road, with the others of the map.
-        traits: Of the map; they choose between city, suburb, highway and country.
-        seed: The run's.
-        name: Of the map.
+        traits: Traits of the map; they select city, suburb, highway or country.
+        seed: Seed of the run.
+        name: Name of the map.
         is_night: Whether windows and lamps are lit.
-        without: Ids of the map's signals that are left out, for instance because the scene has
-            its own there: `oodscen_pybullet._scenery.signals.replaced`.
+        without: Ids of map signals to omit, for instance because the scene has its own signals
+            there: `oodscen_pybullet._scenery.signals.replaced`.
     """
     theme = theme_of(traits, corridor)
     terrain, road, land = _lay(corridor, theme, seed, name)
@@ -71,10 +71,9 @@ def build_scenery(
 
 @lru_cache(maxsize=12)
 def _lay(corridor: Corridor, theme: Theme, seed: int, name: str) -> tuple[Terrain, Mesh, Mesh]:
-    """Build what is the same by day and by night: the ground's shape, the roads, the land.
+    """Build the parts that are the same by day and by night: terrain, roads, land.
 
-    Terrain and ground remember what was asked about single places, and variants of a map ask about
-    the same ones.
+    Terrain and ground cache their answers about points, and variants of a map query the same points.
     """
     ground = Ground(corridor)
     terrain = Terrain(ground, theme, stream(seed, "scenery", name, "land"))

@@ -11,9 +11,9 @@ from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.placing import Heading, Site
 
 INSTEAD_M = 4.0
-"""A scene's own signal stands in for the map's signals this near, m."""
+"""A scene's own signal replaces the map's signals within this distance, m."""
 _ALONG = 0.7
-"""Cosine between a light and the ego's road from which on the light is meant for the road."""
+"""Cosine between a light and the ego's road above which the light applies to the road."""
 
 _SIGNS = {
     "206": "stop_sign",
@@ -23,18 +23,18 @@ _SIGNS = {
     "220": "one_way_sign",
     "101": "warning_sign",
 }
-"""OpenDRIVE's German sign types, and the asset that shows each."""
+"""OpenDRIVE's German sign types and the asset that shows each."""
 
 
 def stand_signals(site: Site, without: frozenset[str]) -> list[Lamp]:
-    """Put up the map's signals: green for the ego's road, red for those that cross it.
+    """Add the map's signals: green for the ego's road, red for crossing roads.
 
     Args:
-        site: Where they stand.
-        without: Ids of signals that are left out.
+        site: Receives the signals.
+        without: Ids of signals to omit.
 
     Returns:
-        What shines, in world coordinates.
+        The lit lamps, in world coordinates.
     """
     shining: list[Lamp] = []
     for signal in site.ground.corridor.signals:
@@ -64,7 +64,7 @@ def _mesh_of(site: Site, signal: RoadSignal) -> Mesh | None:
 
 
 def limit_of(signal: RoadSignal) -> int | None:
-    """Return what a speed limit sign says, km/h, or `None` where there is no such face."""
+    """Return the limit on a speed limit sign, km/h, or `None` if no face shows it."""
     try:
         limit = round(float(signal.value))
     except (ValueError, OverflowError):
@@ -73,10 +73,10 @@ def limit_of(signal: RoadSignal) -> int | None:
 
 
 def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> frozenset[str]:
-    """Return the ids of the map's signals for which a scene's own ones stand in.
+    """Return the ids of the map's signals that a scene's own signals replace.
 
     Args:
-        corridor: With the map's signals.
+        corridor: The corridor with the map's signals.
         places: x and y of the scene's own signals, m.
     """
     reach = INSTEAD_M * INSTEAD_M
@@ -88,14 +88,14 @@ def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> froze
 
 
 def asset_of(signal: RoadSignal) -> str | None:
-    """Return the asset that shows a signal, or `None` where nothing does."""
+    """Return the asset that shows a signal, or `None` if there is none."""
     if signal.kind == "traffic_light":
         return "traffic_light"
     return _SIGNS.get(signal.type)
 
 
 def state_of(site: Site, signal: RoadSignal) -> str:
-    """Return "green" for lights on the ego's road, else "red"."""
+    """Return "green" for lights on the ego's road, otherwise "red"."""
     road = site.ground.corridor
     place = min(max(signal.s, 0.0), road.length)
     index = int(place / road.step + 0.5)

@@ -19,7 +19,7 @@ _WALL = 0.35
 
 
 def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
-    """Return the meshes of all tunnels and bridges, and where tunnels' lamps hang."""
+    """Return the meshes of all tunnels and bridges, and the positions of tunnel lamps."""
     meshes: list[Mesh] = []
     lamps: list[Point] = []
     for one in ground.corridor.structures:
@@ -36,7 +36,7 @@ def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
 def _tunnel(
     ground: Ground, one: Structure, line: Course, right: Array, left: Array, lamps: list[Point]
 ) -> Mesh:
-    """Return walls, ceiling, lamps and the fronts at both ends."""
+    """Return walls, ceiling, lamps and the portals at both ends."""
     ribbons = Ribbons(line)
     low, high, top = -0.1, CEILING_M - 1.3, CEILING_M
     near, far = right - _WALL, left + _WALL
@@ -73,7 +73,7 @@ def _tunnel(
 
 
 def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> None:
-    """Add the front of a tunnel, seen by those who drive in."""
+    """Add the portal of a tunnel, seen by drivers who enter it."""
     road, ego = ground.corridor, ground.ego
     x, y, z, _ = road.point(s, 0.0)
     c = float(np.interp(s, road.s, road.cos))
@@ -139,7 +139,7 @@ def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> No
 
 
 def _arches(mesh: MeshBuilder, ground: Ground, line: Course, right: Array, left: Array) -> None:
-    """Add a steel arch above each edge of a bridge, with hangers, and braces between them."""
+    """Add a steel arch above each edge of a bridge, with hangers, and braces between the arches."""
     first, last = float(line.s[0]) + 8.0, float(line.s[-1]) - 8.0
     count = max(8, 2 * int((last - first) / 18.0))
     rise = min(16.0, 0.11 * (last - first))

@@ -1,4 +1,4 @@
-"""What stands beside the roads of a suburb, a city, a highway and the country."""
+"""The roadside objects of a suburb, a city, a highway and the country."""
 
 from collections.abc import Callable
 
@@ -22,18 +22,18 @@ from oodscen_pybullet._scenery.buildings import (
 from oodscen_pybullet._scenery.placing import Site, Spot
 
 BUS_STOP_M = 17.0
-"""A bus stop stands so far ahead of the ego's start, m: not where scenes put people."""
+"""Distance of a bus stop ahead of the ego's start, m, clear of where scenes place people."""
 _SIDES = (1, -1)
 _PAINTS = ("red", "blue", "silver", "white", "dark_grey", "green", "burgundy")
 _BACK = (-1.0, 0.0)
 
 
 def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
-    """Put up everything beside the roads.
+    """Add everything beside the roads.
 
     Args:
-        site: Where.
-        theme: What kind of land it is.
+        site: Receives the objects.
+        theme: The kind of land.
         is_night: Whether windows and lamps are lit.
     """
     makers: dict[Theme, Callable[[Site, bool], None]] = {
@@ -48,7 +48,7 @@ def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
 
 
 def _plant_island(site: Site, x: float, y: float, radius: float) -> None:
-    """Plant trees and bushes on the middle of a roundabout."""
+    """Plant trees and bushes on the centre of a roundabout."""
     spot = Spot(x, y, (1.0, 0.0), 0.0, 1)
     site.claim(x, y, spot.heading, radius, radius, margin=0.0)
     site.stand(greenery.broad_tree(int(site.rng.integers(0, 10)), is_tall=True), spot, 0.0, 0.0)
@@ -77,14 +77,14 @@ _CIRCLE = tuple(
 
 
 def _streets(site: Site) -> list[Way]:
-    """Return the roads along which something stands, the ego's first."""
+    """Return the roads with roadside objects, the ego's first."""
     return [way for way in site.ground.ways if not way.is_connecting]
 
 
 def _lamps(
     site: Site, way: Way, spacing: float, out: float, *, height: float, is_night: bool
 ) -> None:
-    """Put street lamps along a road, on alternate sides."""
+    """Add street lamps along a road, on alternating sides."""
     reach = 1.6
     mesh = furniture.street_lamp(reach, height, is_night=is_night)
     for side in _SIDES:
@@ -100,7 +100,7 @@ def _lamps(
 
 
 def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
-    """Put up signs with the road's own limit, where signs with that number exist."""
+    """Add signs with the road's own limit, if signs with that number exist."""
     limit = round(way.corridor.speed_limit * 3.6)
     if limit not in furniture.LIMITS:
         return
@@ -112,7 +112,7 @@ def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
 
 
 def _tree(site: Site, spot: Spot, along: float, out: float, margin: float, kind: str = "") -> None:
-    """Put up a tree unless there is no room for it."""
+    """Add a tree if there is room for it."""
     key = int(site.rng.integers(0, 10))
     is_far = out > 14.0 or site.is_far(spot)
     if is_far and kind == "bush":
@@ -234,7 +234,7 @@ def _urban(site: Site, is_night: bool) -> None:
 
 
 def _frontage(site: Site, way: Way, side: int, is_night: bool) -> None:
-    """Line one side of a street with buildings, wall to wall but for a few gaps."""
+    """Line one side of a street with buildings, wall to wall except for a few gaps."""
     rng, line = site.rng, way.course
     s, end = float(line.s[0]), float(line.s[-1]) - (90.0 if way.is_ego else 0.0)
     while s < end:
@@ -259,7 +259,7 @@ def _frontage(site: Site, way: Way, side: int, is_night: bool) -> None:
 
 
 def _street_thing(site: Site, spot: Spot, index: int) -> None:
-    """Add a tree at the kerb, or a bench, a bin, a hydrant."""
+    """Add a tree at the kerb, or a bench, a bin or a hydrant."""
     choice = float(site.rng.uniform())
     wide = site.ground.near(np.array([spot.x]), np.array([spot.y])).asphalt[0]
     kerb = 0.75 - float(wide)
@@ -302,14 +302,14 @@ def _highway(site: Site, is_night: bool) -> None:
 
 
 def _guard_rails(site: Site, way: Way) -> None:
-    """Add rails with posts along both sides, a metre beside the asphalt."""
+    """Add rails with posts along both sides, a metre away from the asphalt."""
     right, left = way.asphalt
     _rail(site, way, left + 1.0, 1)
     _rail(site, way, right - 1.0, -1)
 
 
 def _median_rail(site: Site, way: Way, t: Array) -> None:
-    """Add a rail with two faces, back to back, between two carriageways."""
+    """Add a two-faced rail between two carriageways."""
     _rail(site, way, t - 0.16, 1)
     _rail(site, way, t + 0.16, -1)
 
@@ -352,7 +352,7 @@ def _woods(site: Site, way: Way, spacing: float, reach: tuple[float, float]) -> 
 
 
 def _horizon(site: Site, out: float) -> None:
-    """Add the edges of woods far off, along the ego's road."""
+    """Add the edges of distant woods along the ego's road."""
     way = site.ground.ego
     for side in _SIDES:
         for spot in site.spots(way, side, 24.0, jitter=5.0):
@@ -388,7 +388,7 @@ def _rural(site: Site, is_night: bool) -> None:
 
 
 def _power_line(site: Site, way: Way) -> None:
-    """Put up poles along the right side, with wires from each to the next."""
+    """Add poles along the right side, connected by wires."""
     last: tuple[Point, Point] | None = None
     wires = MeshBuilder()
     for spot in site.spots(way, -1, 40.0):

@@ -1,4 +1,4 @@
-"""Animals with four legs, facing x; they stand, walk or run."""
+"""Four-legged animals and a goose, facing x; they stand, walk or run."""
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, stride
@@ -6,7 +6,7 @@ from oodscen_pybullet._meshes.living.people import grounded
 from oodscen_pybullet._meshes.look import Shown
 
 _WALK = {(-1.0, 0): 0.0, (-1.0, 1): 0.25, (1.0, 0): 0.5, (1.0, 1): 0.75}
-"""Share of the stride at which a foot touches down, by side and pair, hind legs first."""
+"""Fraction of the stride at which a foot touches down, by side and pair, hind legs first."""
 _GALLOP = {(-1.0, 0): 0.0, (1.0, 0): 0.12, (-1.0, 1): 0.5, (1.0, 1): 0.62}
 
 
@@ -21,17 +21,17 @@ def legs(
     *,
     half: float = 0.26,
 ) -> None:
-    """Add four legs, hooves or paws in the second colour.
+    """Add four legs, with hooves or paws in the second colour.
 
     Args:
-        mesh: Where to.
-        shown: For the moment of the stride.
-        x: Of the hind and of the fore legs.
-        y: Half the distance between left and right.
+        mesh: The builder to add to.
+        shown: Gives the phase of the stride.
+        x: Position of the hind and of the fore legs.
+        y: Half the distance between left and right legs.
         top: Height of the joints at the body, m.
         thick: Radius at the top, m.
-        colours: Of the legs and of the hooves.
-        half: How far ahead of its joint a walking foot lands, as a share of `top`.
+        colours: Colours of the legs and of the hooves.
+        half: Distance ahead of its joint at which a walking foot lands, as a fraction of `top`.
     """
     phase, runs = shown.gait or (0.0, False)
     hoof = 0.07 * top
@@ -108,7 +108,7 @@ def deer(shown: Shown) -> MeshBuilder:
 
 
 def moose(shown: Shown) -> MeshBuilder:
-    """A moose: very tall, dark, with broad antlers and a hanging muzzle."""
+    """A moose: very tall and dark, with broad antlers and a hanging muzzle."""
     mesh = MeshBuilder()
     mesh.column(
         [
@@ -321,7 +321,7 @@ def bear(shown: Shown) -> MeshBuilder:
 
 
 def dog(shown: Shown) -> MeshBuilder:
-    """A brown dog of a shepherd's size with its tail up."""
+    """A brown dog the size of a shepherd, with its tail up."""
     mesh = MeshBuilder()
     mesh.column(
         [

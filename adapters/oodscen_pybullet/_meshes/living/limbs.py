@@ -1,4 +1,4 @@
-"""Arms and legs: joints from hands and feet, and where feet are in a stride."""
+"""Arms and legs: joints from the positions of hands and feet, and the motion of feet in a stride."""
 
 import math
 
@@ -6,14 +6,14 @@ from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 
 
 def joint(start: Point, end: Point, one: float, two: float, bend: Point) -> tuple[Point, Point]:
-    """Return the joint between two bones, and the end, pulled in where it is out of reach.
+    """Return the joint between two bones, and the end, moved within reach if necessary.
 
     Args:
         start: Hip or shoulder.
-        end: Where foot or hand is wanted.
+        end: Desired position of the foot or hand.
         one: Length of the bone at the start.
         two: Length of the bone at the end.
-        bend: Direction to which the joint points.
+        bend: Direction in which the joint points.
     """
     way = tuple(b - a for a, b in zip(start, end, strict=True))
     length = math.sqrt(sum(v * v for v in way)) or 1e-6
@@ -37,20 +37,20 @@ def limb(
     *,
     sides: int = 6,
 ) -> None:
-    """Add two round bones that taper."""
+    """Add two round, tapered bones."""
     start, middle, end = points
     mesh.cylinder(start, middle, radii[0], colours[0], sides=sides, end_radius=radii[1])
     mesh.cylinder(middle, end, radii[1], colours[1], sides=sides, end_radius=radii[2])
 
 
 def stride(phase: float, half: float, lift: float, stance: float) -> tuple[float, float]:
-    """Return a foot's place ahead of the hip and its height above the ground, m.
+    """Return a foot's position ahead of the hip and its height above the ground, m.
 
     Args:
-        phase: Share of the stride that is done; at 0 the foot touches down.
-        half: How far ahead of and behind the hip it is on the ground, m.
-        lift: How high it swings, m.
-        stance: Share of the stride during which it is on the ground.
+        phase: Completed fraction of the stride; at 0 the foot touches down.
+        half: Largest distance ahead of and behind the hip while on the ground, m.
+        lift: Height of the swing, m.
+        stance: Fraction of the stride during which the foot is on the ground.
     """
     phase -= math.floor(phase)
     if phase < stance:

@@ -1,4 +1,4 @@
-"""People on foot; they stand, walk or run, facing x."""
+"""People on foot, facing x; they stand, walk or run."""
 
 import math
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from oodscen_pybullet._meshes.look import Shown
 
 @dataclass(frozen=True)
 class Clothes:
-    """What a person wears: colours by name."""
+    """A person's clothes: colours by name."""
 
     top: str
     legs: str
@@ -19,9 +19,9 @@ class Clothes:
     hat: str = ""
     shoes: str = "shoe"
     sleeves: str = ""
-    """Colour of the forearms, where the sleeves are short."""
+    """Colour of the forearms below short sleeves."""
     shins: str = ""
-    """Colour of the shins, where the trousers are short."""
+    """Colour of the shins below short trousers."""
     has_long_hair: bool = False
     skirt: str = ""
 
@@ -38,17 +38,17 @@ WARDROBE: tuple[Clothes, ...] = (
 
 @dataclass(frozen=True)
 class Posture:
-    """How a body is held."""
+    """The posture of a body."""
 
     left_hand: Point | None = None
-    """Where the hand is; `None` swings as the legs do."""
+    """Position of the hand; `None` swings it with the legs."""
     right_hand: Point | None = None
     lean: float = 0.0
-    """Metres by which the shoulders are ahead of the hips."""
+    """Distance by which the shoulders are ahead of the hips, m."""
     half_step: float = 0.33
-    """How far ahead of the hip a walking foot lands, m."""
+    """Distance ahead of the hip at which a walking foot lands, m."""
     crouch: float = 0.0
-    """Metres by which the hips are lower."""
+    """Distance by which the hips are lowered, m."""
 
 
 UPRIGHT = Posture()
@@ -59,7 +59,7 @@ SHOULDER = 1.40
 def figure(
     mesh: MeshBuilder, clothes: Clothes, shown: Shown, posture: Posture = UPRIGHT
 ) -> tuple[float, float, float]:
-    """Add an adult of 1.75 m who stands, walks or runs; return the middle of the head."""
+    """Add an adult of 1.75 m who stands, walks or runs; return the centre of the head."""
     phase, runs = shown.gait or (0.0, False)
     moves = shown.gait is not None
     lean = posture.lean + (0.10 if runs else 0.0)
@@ -175,13 +175,13 @@ def _head(mesh: MeshBuilder, clothes: Clothes, head: Point) -> None:
 
 
 def grounded(mesh: MeshBuilder) -> MeshBuilder:
-    """Move everything so that the lowest foot is on the ground."""
+    """Move everything so that the lowest foot touches the ground."""
     low, _ = mesh.bounds
     return mesh.shift((0.0, 0.0, -float(low[2])))
 
 
 def adult(shown: Shown) -> MeshBuilder:
-    """A grown-up pedestrian."""
+    """An adult pedestrian."""
     mesh = MeshBuilder()
     figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown)
     if shown.index % 2:
@@ -208,7 +208,7 @@ def child(shown: Shown) -> MeshBuilder:
 
 
 def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
-    """Add a high-visibility vest with two reflecting bands about the chest below a head."""
+    """Add a high-visibility vest with two reflective bands around the chest, below a given head."""
     x, _, z = head
     rings = (
         ((x - 0.05, 0.0, z - 0.70), 0.13, 0.178),
@@ -238,7 +238,7 @@ def worker(shown: Shown) -> MeshBuilder:
 
 
 def police_officer(shown: Shown) -> MeshBuilder:
-    """A police officer in a yellow vest who holds up a stop disc."""
+    """A police officer in a yellow vest, holding up a stop disc."""
     mesh = MeshBuilder()
     hold = replace(UPRIGHT, half_step=0.25, right_hand=(0.36, -0.30, 1.62))
     x, _, z = figure(mesh, Clothes("uniform", "uniform", hat="uniform"), shown, hold)

@@ -1,4 +1,4 @@
-"""People whom one does not meet every day, and how they move."""
+"""People in unusual roles."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ def jogger(shown: Shown) -> MeshBuilder:
 
 
 def elderly_person(shown: Shown) -> MeshBuilder:
-    """An old person, bent forward, with grey hair and a stick."""
+    """An elderly person, bent forward, with grey hair and a stick."""
     mesh = MeshBuilder()
     clothes = Clothes(
         "shirt_green" if shown.index % 2 else "coat", "trousers", hair="light_grey",
@@ -40,7 +40,7 @@ def elderly_person(shown: Shown) -> MeshBuilder:
 
 
 def wheelchair_user(shown: Shown) -> MeshBuilder:
-    """A person in a wheelchair whose hands turn the wheels."""
+    """A person in a wheelchair, turning the wheels by hand."""
     mesh = MeshBuilder()
     phase, _ = shown.gait or (0.0, False)
     push = 0.1 * math.sin(2 * math.pi * phase)
@@ -83,7 +83,7 @@ def wheelchair_user(shown: Shown) -> MeshBuilder:
 def _ring(
     mesh: MeshBuilder, centre: tuple[float, float, float], radius: float, colour: str, phase: float
 ) -> None:
-    """Add an upright wheel with spokes, turned by a share of a turn."""
+    """Add an upright spoked wheel, rotated by a fraction of a turn."""
     x, y, z = centre
     rim = []
     for i in range(14):
@@ -96,7 +96,7 @@ def _ring(
 
 
 def person_with_stroller(shown: Shown) -> MeshBuilder:
-    """A parent who pushes a pram."""
+    """A parent pushing a pram."""
     mesh = MeshBuilder()
     posture = Posture((0.40, 0.2, 1.04), (0.40, -0.2, 1.04), lean=0.06, half_step=0.28)
     clothes = Clothes("shirt_white", "jeans", "hair_fair", has_long_hair=True)
@@ -119,7 +119,7 @@ def person_with_stroller(shown: Shown) -> MeshBuilder:
 
 
 def construction_flagger(shown: Shown) -> MeshBuilder:
-    """A road worker who holds a STOP paddle on a staff."""
+    """A road worker holding a STOP paddle on a staff."""
     mesh = MeshBuilder()
     clothes = Clothes("fluor_orange", "navy", hat="white")
     posture = Posture(right_hand=(0.30, -0.28, 1.22), half_step=0.25)
@@ -133,7 +133,7 @@ def construction_flagger(shown: Shown) -> MeshBuilder:
 def _disc(
     mesh: MeshBuilder, centre: tuple[float, float, float], half: float, front: str, back: str
 ) -> None:
-    """Add an octagonal face that shows from ahead and from behind."""
+    """Add an octagonal face visible from the front and the back."""
     from oodscen_pybullet._meshes.objects.signs import face
 
     x, y, z = centre
@@ -198,7 +198,7 @@ def protester(shown: Shown) -> MeshBuilder:
 
 
 def person_lying(shown: Shown) -> MeshBuilder:
-    """A person who lies on the road on the back, arms and legs apart."""
+    """A person lying on their back on the road, arms and legs apart."""
     body = MeshBuilder()
     clothes = Clothes("shirt", "jeans", sleeves="skin")
     figure(body, clothes, Shown(), Posture((0.06, 0.62, 1.5), (0.06, -0.62, 1.08)))

@@ -1,4 +1,4 @@
-"""What falls off vehicles or is blown about."""
+"""Lost cargo, vehicle parts and windblown objects."""
 
 import itertools
 import math
@@ -8,7 +8,7 @@ from oodscen_pybullet._meshes.look import Shown
 
 
 def car_door(shown: Shown) -> MeshBuilder:
-    """A car's door as it stands when shut, hinged at its front edge, seen from both sides."""
+    """A car door, upright as when shut, hinged at its front edge and visible from both sides."""
     mesh, paint = MeshBuilder(), shown.paint
     mesh.hull((-0.52, 0.52, -0.04, 0.06, 0.32), (-0.56, 0.54, -0.05, 0.05, 0.94), paint)
     mesh.hull((-0.5, 0.46, -0.085, -0.04, 0.4), (-0.5, 0.48, -0.09, -0.05, 0.9), "dark_grey")
@@ -54,7 +54,7 @@ def bumper(shown: Shown) -> MeshBuilder:
 
 
 def barrel(shown: Shown) -> MeshBuilder:
-    """Two steel drums, one upright, one lying."""
+    """Two steel drums, one upright and one lying."""
     mesh = MeshBuilder()
     colour = shown.paint
 
@@ -212,7 +212,7 @@ def tarpaulin(shown: Shown) -> MeshBuilder:
 
 
 def plastic_bag(shown: Shown) -> MeshBuilder:
-    """A white plastic carrier bag puffed up by the wind, printed in blue, its handles loops."""
+    """A white plastic carrier bag inflated by the wind, printed in blue, with loop handles."""
     mesh = MeshBuilder()
     mesh.hull((-0.12, 0.12, -0.17, 0.17, 0.0), (-0.17, 0.17, -0.24, 0.24, 0.16), "plastic")
     mesh.hull((-0.17, 0.17, -0.24, 0.24, 0.16), (-0.14, 0.14, -0.23, 0.23, 0.34), "white", caps="")

@@ -1,4 +1,4 @@
-"""What lies so flat on the road that one drives over it."""
+"""Objects flat enough to drive over."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from oodscen_pybullet._meshes.look import Shown
 def _blot(
     radii: tuple[float, float], z: float, waves: Sequence[tuple[int, float, float]], count: int = 24
 ) -> list[Point]:
-    """Return a wavy outline; `waves` are number, share and phase."""
+    """Return a wavy outline; `waves` holds number, amplitude as a fraction of the radius, and phase."""
     outline = []
     for index in range(count):
         turn = 2 * math.pi * index / count
@@ -20,14 +20,14 @@ def _blot(
 
 
 def _fan(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
-    """Fill an outline that need not be convex, from its middle."""
+    """Fill an outline from its centre; it need not be convex."""
     middle = (0.0, 0.0, outline[0][2])
     for one, two in zip(outline, outline[1:] + outline[:1], strict=True):
         mesh.polygon([middle, one, two], colour)
 
 
 def _fan_at(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
-    """Fill an outline about its own middle."""
+    """Fill an outline around its own centre."""
     count = len(outline)
     middle = (
         sum(p[0] for p in outline) / count,
@@ -39,12 +39,12 @@ def _fan_at(mesh: MeshBuilder, outline: list[Point], colour: str) -> None:
 
 
 def _foot(mesh: MeshBuilder, colour: str) -> None:
-    """Reach down to the ground, so that the mesh has a thickness."""
+    """Extend the mesh down to the ground, to give it a thickness."""
     mesh.polygon([(0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)], colour)
 
 
 def puddle(shown: Shown) -> MeshBuilder:
-    """A wide, shallow puddle; nothing that could be hit."""
+    """A wide, shallow puddle that nothing collides with."""
     mesh = MeshBuilder()
     waves = ((3, 0.10, 0.6), (5, 0.05, 0.0))
     _fan(mesh, _blot((1.25, 1.6), 0.02, waves), "water")
@@ -55,7 +55,7 @@ def puddle(shown: Shown) -> MeshBuilder:
 
 
 def oil_spill(shown: Shown) -> MeshBuilder:
-    """A black, mirroring pool of oil with streaks of purple sheen."""
+    """A black, reflective pool of oil with streaks of purple sheen."""
     mesh = MeshBuilder()
     waves = ((2, 0.12, 0.2), (5, 0.08, 1.0), (9, 0.04, 0.0))
     _fan(mesh, _blot((1.8, 1.35), 0.012, waves, 36), "oil")
@@ -78,7 +78,7 @@ def oil_spill(shown: Shown) -> MeshBuilder:
 
 
 def broken_glass(shown: Shown) -> MeshBuilder:
-    """Glittering shards of glass and pieces of a lamp, spread over the lane."""
+    """Glittering glass shards and lamp fragments, spread over the lane."""
     mesh = MeshBuilder()
     for index in range(130):
         turn, reach = index * 2.399963, math.sqrt((index + 0.5) / 130)
@@ -98,7 +98,7 @@ def broken_glass(shown: Shown) -> MeshBuilder:
 
 
 def pothole(shown: Shown) -> MeshBuilder:
-    """A deep hole in the asphalt: a pale broken rim, dark walls and a puddle at the bottom."""
+    """A deep hole in the asphalt, with a pale broken rim, dark walls and a puddle at the bottom."""
     mesh = MeshBuilder()
     waves = ((3, 0.10, 0.3), (7, 0.07, 0.9))
     rings = (

@@ -1,4 +1,4 @@
-"""Things that nobody expects on a road."""
+"""Objects that are unexpected on a road."""
 
 import itertools
 import math
@@ -10,7 +10,7 @@ from oodscen_pybullet._meshes.look import Shown
 
 
 def open_manhole(shown: Shown) -> MeshBuilder:
-    """An open manhole: a black hole with an iron rim, its lid lying beside it."""
+    """An open manhole: a black hole with an iron rim and its lid beside it."""
     mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 0.03), 0.46, "rust", sides=20, cap_colour="metal")
     mesh.cylinder((0, 0, 0.03), (0, 0, 0.034), 0.38, "black", sides=20)
@@ -43,7 +43,7 @@ def balloon(shown: Shown) -> MeshBuilder:
 
 
 def inflatable(shown: Shown) -> MeshBuilder:
-    """A giant inflatable duck that has blown onto the road; it looks against x."""
+    """A giant inflatable duck blown onto the road, facing -x."""
     mesh = MeshBuilder()
     mesh.ball((-0.2, 0, 0.85), (1.35, 1.05, 0.85), "yellow", around=14, down=9)
     mesh.ball((0.65, 0, 1.95), (0.66, 0.62, 0.64), "yellow", around=12, down=8)
@@ -58,7 +58,7 @@ def inflatable(shown: Shown) -> MeshBuilder:
 
 
 def mannequin(shown: Shown) -> MeshBuilder:
-    """A white shop-window dummy without a face, on a stand, looking against x."""
+    """A white, faceless shop-window dummy on a stand, facing -x."""
     mesh = MeshBuilder()
     white = "plastic"
     clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
@@ -73,7 +73,7 @@ def mannequin(shown: Shown) -> MeshBuilder:
 
 
 def drone(shown: Shown) -> MeshBuilder:
-    """A large quadcopter that has come down on the road."""
+    """A large quadcopter that has crashed on the road."""
     mesh = MeshBuilder()
     mesh.hull((-0.24, 0.24, -0.16, 0.16, 0.26), (-0.18, 0.18, -0.12, 0.12, 0.42), "white")
     mesh.box((0.26, 0, 0.3), (0.1, 0.12, 0.1), "black")

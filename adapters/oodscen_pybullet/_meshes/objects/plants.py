@@ -9,7 +9,7 @@ from oodscen_pybullet._meshes.look import Shown
 
 
 def fallen_tree(shown: Shown) -> MeshBuilder:
-    """A tree lying along its y axis: roots on the right, a leafy crown on the left."""
+    """A tree lying along its y axis, with roots on the right and a leafy crown on the left."""
     mesh = MeshBuilder()
     mesh.cylinder(
         (0, -3.1, 0.42),
@@ -72,7 +72,7 @@ def fallen_tree(shown: Shown) -> MeshBuilder:
 
 
 def branch(shown: Shown) -> MeshBuilder:
-    """A broken bough with twigs and leaves, along its y axis."""
+    """A broken bough with twigs and leaves, lying along its y axis."""
     mesh = MeshBuilder()
     mesh.cylinder(
         (0, -1.1, 0.09),
@@ -115,7 +115,7 @@ def branch(shown: Shown) -> MeshBuilder:
 
 
 def broad_tree(key: int) -> MeshBuilder:
-    """A broad-leaved tree of about seven metres."""
+    """A broad-leaved tree about seven metres high."""
     mesh = MeshBuilder()
     rng = np.random.Generator(np.random.PCG64(1000 + key))
     mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.2, "bark", sides=7, end_radius=0.13)
@@ -147,7 +147,7 @@ def broad_tree(key: int) -> MeshBuilder:
 
 
 def conifer(key: int) -> MeshBuilder:
-    """A fir of about nine metres."""
+    """A fir about nine metres high."""
     mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 1.6), 0.18, "bark_dark", sides=6)
     for z0, z1, radius in ((1.0, 4.0, 2.0), (2.9, 5.8, 1.6), (4.7, 7.4, 1.2), (6.2, 9.0, 0.8)):
@@ -158,7 +158,7 @@ def conifer(key: int) -> MeshBuilder:
 
 
 def bush(key: int) -> MeshBuilder:
-    """A bush of about one metre."""
+    """A bush about one metre high."""
     mesh = MeshBuilder()
     mesh.ball(
         (0, 0, 0.5),

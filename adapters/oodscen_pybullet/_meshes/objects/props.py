@@ -1,4 +1,4 @@
-"""Things that lie on roads."""
+"""Objects that lie on roads."""
 
 import itertools
 import math
@@ -8,7 +8,7 @@ from oodscen_pybullet._meshes.look import Shown
 
 
 def cardboard_box(shown: Shown) -> MeshBuilder:
-    """A large carton, one pair of flaps open, taped and printed."""
+    """A large taped and printed carton with one pair of flaps open."""
     mesh = MeshBuilder()
     half, top = 0.45, 0.8
     mesh.hull(
@@ -92,7 +92,7 @@ def plant_pot(shown: Shown) -> MeshBuilder:
 
 
 def _leaf(mesh: MeshBuilder, start: Point, end: Point, width: float, colour: str) -> None:
-    """Add a leaf that shows from above and below."""
+    """Add a leaf visible from above and below."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = math.sqrt(dx * dx + dy * dy) or 1.0
     ax, ay = -dy / length * width, dx / length * width
@@ -126,7 +126,7 @@ def _torus(mesh: MeshBuilder, centre: Point, radius: float, thick: float, colour
 
 
 def tyre(shown: Shown) -> MeshBuilder:
-    """A lorry tyre that leans on another one lying flat."""
+    """A lorry tyre leaning on another one that lies flat."""
     mesh = MeshBuilder()
     _torus(mesh, (0, 0, 0.14), 0.36, 0.14, "tyre")
     _torus(mesh, (0, 0, 0.14), 0.25, 0.03, "dark_grey")
@@ -138,7 +138,7 @@ def tyre(shown: Shown) -> MeshBuilder:
 
 
 def mattress(shown: Shown) -> MeshBuilder:
-    """A sagging mattress with striped sides, one end bent up."""
+    """A sagging mattress with striped sides and one end bent up."""
     mesh = MeshBuilder()
     rows = [(-1.0, 0.0), (-0.4, 0.0), (0.2, 0.0), (0.6, 0.12), (0.92, 0.42)]
     half, thick = 0.72, 0.24
@@ -177,7 +177,7 @@ def mattress(shown: Shown) -> MeshBuilder:
 
 
 def sofa(shown: Shown) -> MeshBuilder:
-    """A red three-seater; its seat faces against x, towards a beholder who drives up."""
+    """A red three-seater sofa whose seat faces -x, towards an approaching driver."""
     mesh = MeshBuilder()
     mesh.box((0, 0, 0.26), (0.86, 2.0, 0.32), "sofa")
     mesh.hull((0.16, 0.44, -1.0, 1.0, 0.4), (0.26, 0.46, -1.0, 1.0, 0.86), "sofa_dark")
@@ -339,7 +339,7 @@ def _between(a: tuple[float, float], b: tuple[float, float], f: float) -> tuple[
 
 
 def suitcase(shown: Shown) -> MeshBuilder:
-    """An upright blue suitcase with its handle drawn out."""
+    """An upright blue suitcase with its handle extended."""
     mesh = MeshBuilder()
     mesh.box((0, 0, 0.40), (0.3, 0.52, 0.68), "blue")
     for y in (-0.16, 0.0, 0.16):
@@ -368,7 +368,7 @@ def wheelie_bin(shown: Shown) -> MeshBuilder:
 
 
 def snow_pile(shown: Shown) -> MeshBuilder:
-    """A heap of ploughed snow, dirty at the foot."""
+    """A heap of ploughed snow, dirty at the base."""
     mesh = MeshBuilder()
     mesh.ball((0, 0, 0.02), (0.95, 1.25, 0.62), "snow", around=12, down=8, jitter=0.08, key=41)
     mesh.ball((0.35, 0.6, 0.05), (0.6, 0.6, 0.5), "snow", around=9, down=6, jitter=0.12, key=42)

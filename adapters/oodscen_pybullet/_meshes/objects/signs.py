@@ -1,4 +1,4 @@
-"""Road signs, traffic lights and crossing gates; their faces look against x."""
+"""Road signs, traffic lights and crossing gates; their faces look along -x."""
 
 import itertools
 import math
@@ -23,12 +23,12 @@ def face(
     """Add a regular polygon that shows a region, without a back.
 
     Args:
-        mesh: Where to.
-        centre: Its middle.
+        mesh: The builder to add to.
+        centre: The centre of the face.
         half: Half the height of the region's square, m.
         region: Name of the region.
         corners: 3 for a triangle, 8 for an octagon, many for a disc.
-        is_forward: Whether it looks along x instead of against it.
+        is_forward: Whether it faces +x instead of -x.
         is_down: Whether a triangle stands on its tip.
     """
     shares: list[tuple[float, float]]
@@ -64,7 +64,7 @@ def _plate(
 
 
 def _outline(corners: int) -> list[int]:
-    """Return the rows of a fan's corners in their order."""
+    """Return the rows of a fan's corners in order."""
     return [0, 1, *(3 * k + 2 for k in range(corners - 2))]
 
 
@@ -82,17 +82,17 @@ def _sign(
 
 
 def stop_sign(shown: Shown) -> MeshBuilder:
-    """A red octagon that says STOP, on a post."""
+    """A red octagon reading STOP, on a post."""
     return _sign("sign_stop", 0.42, corners=8, lift=1.8)
 
 
 def yield_sign(shown: Shown) -> MeshBuilder:
-    """A give-way triangle on its tip, on a post."""
+    """A give-way triangle, tip down, on a post."""
     return _sign("sign_yield", 0.46, corners=3, is_down=True, lift=1.8)
 
 
 def speed_limit_sign(shown: Shown) -> MeshBuilder:
-    """A round speed limit sign that says 30, on a post."""
+    """A round 30 km/h speed limit sign, on a post."""
     return _sign("sign_limit", 0.38, lift=1.9)
 
 
@@ -107,7 +107,7 @@ def warning_sign(shown: Shown) -> MeshBuilder:
 
 
 def road_works_sign(shown: Shown) -> MeshBuilder:
-    """A low warning triangle with a digging man, on a stand."""
+    """A low warning triangle showing a man digging, on a stand."""
     mesh = MeshBuilder()
     _post(mesh, 1.3, 0.03)
     _plate(mesh, 0.95, 0.5, "sign_works", corners=3)
@@ -132,7 +132,7 @@ def one_way_sign(shown: Shown) -> MeshBuilder:
 
 
 def sign_fallen(shown: Shown) -> MeshBuilder:
-    """A stop sign knocked over: the post along x, the face propped up towards the beholder."""
+    """A knocked-over stop sign: the post along x, the face propped up towards the viewer."""
     mesh = MeshBuilder()
     mesh.cylinder((1.7, 0.1, 0.04), (-0.6, 0, 0.22), 0.04, "grey", sides=8)
     mesh.ball(
@@ -146,7 +146,7 @@ def sign_fallen(shown: Shown) -> MeshBuilder:
     base = MeshBuilder().polygon(back.build().vertices[_outline(8)], "grey")
     turned = MeshBuilder()
     for part in (plain, base):
-        # A turn about y is a turn about x between two quarter turns about z.
+        # A rotation about y is a rotation about x between two quarter turns about z.
         side = MeshBuilder().add(part.build(), yaw=math.pi / 2).build()
         lean = MeshBuilder().add(side, roll=tilt).build()
         turned.add(lean, yaw=-math.pi / 2)
@@ -183,7 +183,7 @@ def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: 
 
 
 def traffic_light(shown: Shown) -> MeshBuilder:
-    """A traffic light on a post; flashing is amber."""
+    """A traffic light on a post; the flashing state is amber."""
     mesh = MeshBuilder()
     lit = _LENSES.get(shown.state, ("red",))
     if shown.state == "flashing" and shown.frame % 2:
@@ -247,7 +247,7 @@ def pedestrian_light(shown: Shown) -> MeshBuilder:
 
 
 def level_crossing_gate(shown: Shown) -> MeshBuilder:
-    """A railway gate whose arm lies across the lane or points up, with two red lamps."""
+    """A railway gate with two red lamps; its arm lies across the lane or points up."""
     mesh = MeshBuilder()
     is_open = shown.state == "open"
     right = -2.9

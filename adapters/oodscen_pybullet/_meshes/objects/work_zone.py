@@ -1,4 +1,4 @@
-"""Cones, barriers and signs of road works; their faces look against x."""
+"""Cones, barriers and signs of road works; their faces look along -x."""
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Shown
@@ -7,7 +7,7 @@ from oodscen_pybullet._meshes.vehicles.bodywork import AMBER
 
 
 def _face(mesh: MeshBuilder, x: float, half: float, low: float, high: float, region: str) -> None:
-    """Add a printed face that looks against x and a grey back."""
+    """Add a printed face that looks along -x, and a grey back."""
     mesh.picture([(x, half, low), (x, -half, low), (x, -half, high), (x, half, high)], region)
     mesh.box((x + 0.03, 0, (low + high) / 2), (0.04, 2 * half, high - low), "grey")
 
@@ -49,7 +49,7 @@ def barrier(shown: Shown) -> MeshBuilder:
 
 
 def arrow_board(shown: Shown) -> MeshBuilder:
-    """A trailer with a lit arrow."""
+    """A trailer with an illuminated arrow."""
     mesh = MeshBuilder()
     region = "arrow_right" if shown.state == "right" else "arrow_left"
     _face(mesh, -0.2, 0.95, 1.2, 2.45, region)
@@ -75,7 +75,7 @@ def arrow_board(shown: Shown) -> MeshBuilder:
 
 
 def road_closed_sign(shown: Shown) -> MeshBuilder:
-    """A white board that says ROAD CLOSED, on a striped trestle."""
+    """A white board reading ROAD CLOSED, on a striped trestle."""
     mesh = MeshBuilder()
     _face(mesh, -0.06, 0.9, 0.75, 1.65, "road_closed")
     for index in range(8):
@@ -89,7 +89,7 @@ def road_closed_sign(shown: Shown) -> MeshBuilder:
 
 
 def detour_sign(shown: Shown) -> MeshBuilder:
-    """An orange board that says DETOUR above an arrow."""
+    """An orange board reading DETOUR above an arrow."""
     mesh = MeshBuilder()
     _face(mesh, -0.06, 0.85, 0.7, 1.55, "detour")
     _trestle(mesh)
@@ -179,7 +179,7 @@ def portable_toilet(shown: Shown) -> MeshBuilder:
 
 
 def scaffolding(shown: Shown) -> MeshBuilder:
-    """Two storeys of scaffolding with planks, across the lane's edge."""
+    """Two storeys of scaffolding with planks, along the edge of the lane."""
     mesh = MeshBuilder()
     xs, ys = (-1.6, 0.0, 1.6), (-0.5, 0.5)
     for x in xs:

@@ -1,4 +1,4 @@
-"""What road vehicles have in common: shells, lamps, plates and people on saddles."""
+"""Common parts of road vehicles: shells, lamps, plates and printed livery."""
 
 from collections.abc import Sequence
 
@@ -21,12 +21,12 @@ def shell(
     front: str,
     rear: str,
 ) -> None:
-    """Add a body that is symmetric to the x axis.
+    """Add a body that is symmetric about the x axis.
 
     Args:
-        mesh: Where to.
+        mesh: The builder to add to.
         sections: From rear to front: x and the right outline upwards as (half width, z).
-        colours: Of the side panels upwards, then of the top.
+        colours: Colours of the side panels upwards, then of the top.
         front: Colour of the front end.
         rear: Colour of the rear end.
     """
@@ -58,7 +58,7 @@ def arches(mesh: MeshBuilder, x: float, half_width: float, radius: float) -> Non
 def _lit_box(
     mesh: MeshBuilder, at: Point, size: Point, names: tuple[str, str, str], *, is_lit: bool
 ) -> None:
-    """Add a lamp: dark, lit and core colours; a lit one is larger and has a bright core."""
+    """Add a lamp with dark, lit and core colours; a lit one is larger and has a bright core."""
     dark, lit, core = names
     x, y, z = at
     depth, width, height = size
@@ -72,7 +72,7 @@ def _lit_box(
 def rear_lamps(
     mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float, size: tuple[float, float]
 ) -> None:
-    """Add the tail, brake and indicator lamps of the rear on both sides."""
+    """Add the tail, brake and indicator lamps on both sides of the rear."""
     width, height = size
     low = z - height / 2 - 0.05
     for side in (-1.0, 1.0):
@@ -96,7 +96,7 @@ def rear_lamps(
 def head_lamps(
     mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float, size: tuple[float, float]
 ) -> None:
-    """Add the head lamps and indicators of the front on both sides."""
+    """Add the headlamps and front indicators on both sides."""
     width, height = size
     for side in (-1.0, 1.0):
         mesh.box((x, side * y, z), (0.06, width, height), "head_lit" if lights.running else "head")
@@ -112,7 +112,7 @@ def head_lamps(
 
 
 def plates(mesh: MeshBuilder, rear: tuple[float, float], front: tuple[float, float]) -> None:
-    """Add both number plates, each by its x and z."""
+    """Add both number plates, each at its x and z."""
     (x, z), half, tall = rear, 0.27, 0.065
     mesh.picture(
         [(x, half, z - tall), (x, -half, z - tall), (x, -half, z + tall), (x, half, z + tall)],
@@ -162,7 +162,7 @@ def light_bar(mesh: MeshBuilder, lights: Lights, x: float, z: float, half: float
 
 
 def underside(mesh: MeshBuilder, front: float, rear: float, half: float, z: float) -> None:
-    """Add what shows when a car lies on its roof: axles, exhaust, tank, sump."""
+    """Add the underside of an overturned car: axles, exhaust, tank, sump."""
     for x in (front, rear):
         mesh.beam((x, -half, z + 0.02), (x, half, z + 0.02), 0.09, "rust")
     mesh.beam((front, 0.12, z), (rear, 0.12, z), 0.08, "metal")

@@ -1,4 +1,4 @@
-"""Cars, vans and what is built on them."""
+"""Cars, vans and vehicles built on them."""
 
 import itertools
 
@@ -30,14 +30,14 @@ _CAR: tuple[Section, ...] = (
 
 
 def car(shown: Shown) -> MeshBuilder:
-    """A hatchback of the middle class."""
+    """A mid-size hatchback."""
     mesh = MeshBuilder()
     car_body(mesh, shown.lights, shown.paint)
     return mesh
 
 
 def car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
-    """Add a hatchback with wheels, lamps and plates, and what it collides with."""
+    """Add a hatchback with wheels, lamps, plates and underside."""
     shell(mesh, _CAR, (paint, paint, paint), front=paint, rear=paint)
     mesh.polygon(
         [(-2.15, -0.8, 0.24), (-2.15, 0.8, 0.24), (2.1, 0.8, 0.24), (2.1, -0.8, 0.24)], "underbody"
@@ -85,7 +85,7 @@ def ego_car(shown: Shown) -> MeshBuilder:
 
 
 def bonnet(paint: str) -> MeshBuilder:
-    """What a dash camera sees of its own car."""
+    """The bonnet of the ego as its dash camera sees it."""
     mesh = MeshBuilder()
     rows = ((1.30, 0.90, 0.965), (1.85, 0.86, 0.875), (2.12, 0.78, 0.775), (2.22, 0.62, 0.70))
     for (x0, y0, z0), (x1, y1, z1) in itertools.pairwise(rows):
@@ -199,7 +199,7 @@ def van(shown: Shown) -> MeshBuilder:
 
 
 def ambulance(shown: Shown) -> MeshBuilder:
-    """An ambulance on a van, with stripes and beacons."""
+    """An ambulance built on a van, with stripes and beacons."""
     mesh = MeshBuilder()
     _van_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.9, 0.3), 0.955, (1.45, 1.82), "ambulance")

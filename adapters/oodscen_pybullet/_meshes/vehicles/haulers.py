@@ -1,4 +1,4 @@
-"""Lorries, buses and machines of particular trades, facing x."""
+"""Specialised lorries, buses and machines, facing x."""
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Lights, Shown
@@ -28,7 +28,7 @@ def _chassis(mesh: MeshBuilder, rear: float, front: float) -> None:
 
 
 def _beacon(mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float) -> None:
-    """Add an amber lamp that turns while the beacon or the hazard lamps are on."""
+    """Add an amber lamp that rotates while the beacon or the hazard lamps are on."""
     is_lit = (lights.left and lights.right) or (lights.beacon and not lights.is_second)
     mesh.cylinder((x, y, z), (x, y, z + 0.2), 0.1, "amber_lit" if is_lit else "amber", sides=8)
     if is_lit:
@@ -36,7 +36,7 @@ def _beacon(mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float) -> 
 
 
 def school_bus(shown: Shown) -> MeshBuilder:
-    """A yellow school bus with a bonnet; hazard flashes its red lamps."""
+    """A yellow school bus with a bonnet; the hazard state flashes its red lamps."""
     mesh, lights, paint = MeshBuilder(), shown.lights, "school_bus"
     mesh.box((-0.9, 0, 1.15), (8.2, 2.4, 1.3), paint)
     mesh.hull((-5.0, 3.2, -1.2, 1.2, 1.8), (-4.98, 3.02, -1.17, 1.17, 2.55), "glass", caps="")
@@ -111,7 +111,7 @@ def garbage_truck(shown: Shown) -> MeshBuilder:
 
 
 def tow_truck(shown: Shown) -> MeshBuilder:
-    """A recovery lorry with a crane and an empty flat bed."""
+    """A recovery lorry with a crane and an empty flatbed."""
     mesh, lights = MeshBuilder(), shown.lights
     cab(mesh, lights, "orange", 4.0, 1.9, 2.7)
     _chassis(mesh, -3.9, 2.0)
@@ -167,7 +167,7 @@ def cement_mixer(shown: Shown) -> MeshBuilder:
 
 
 def tanker(shown: Shown) -> MeshBuilder:
-    """A fuel tanker with a polished tank and danger plates."""
+    """A fuel tanker with a polished tank and hazard plates."""
     mesh, lights = MeshBuilder(), shown.lights
     cab(mesh, lights, shown.paint, 4.8, 1.9, 2.9)
     _chassis(mesh, -4.6, 2.9)
@@ -204,7 +204,7 @@ def tanker(shown: Shown) -> MeshBuilder:
 
 
 def tram(shown: Shown) -> MeshBuilder:
-    """A tram of one car with a pantograph, broken down or in the way."""
+    """A single-car tram with a pantograph, broken down or in the way."""
     mesh, lights, paint = MeshBuilder(), shown.lights, "red"
     mesh.hull((-6.8, 6.8, -1.25, 1.25, 0.3), (-7.0, 7.0, -1.25, 1.25, 1.2), paint)
     mesh.hull((-7.0, 7.0, -1.25, 1.25, 1.2), (-6.75, 6.75, -1.22, 1.22, 2.6), "glass", caps="")
@@ -242,7 +242,7 @@ def tram(shown: Shown) -> MeshBuilder:
 
 
 def forklift(shown: Shown) -> MeshBuilder:
-    """A yellow forklift that carries a crate."""
+    """A yellow forklift carrying a crate."""
     mesh, lights = MeshBuilder(), shown.lights
     mesh.hull((-1.1, 0.75, -0.5, 0.5, 0.25), (-1.1, 0.7, -0.5, 0.5, 0.85), "machine")
     mesh.hull((-1.25, -0.45, -0.52, 0.52, 0.35), (-1.2, -0.5, -0.48, 0.48, 1.15), "machine_dark")

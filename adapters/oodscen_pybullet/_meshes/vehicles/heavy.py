@@ -19,7 +19,7 @@ from oodscen_pybullet._meshes.vehicles.bodywork import (
 def cab(
     mesh: MeshBuilder, lights: Lights, paint: str, front: float, depth: float, top: float
 ) -> None:
-    """Add a forward-control cab that ends at x = front."""
+    """Add a cab-over-engine cab that ends at x = front."""
     rear, half = front - depth, 1.18
     mesh.hull((rear, front, -half, half, 0.5), (rear, front, -half, half, 1.45), paint)
     mesh.hull(
@@ -70,7 +70,7 @@ def truck(shown: Shown) -> MeshBuilder:
 
 
 def overturned_truck(shown: Shown) -> MeshBuilder:
-    """The same lorry on its right side, wheels towards the beholder's left."""
+    """The lorry on its right side, with its wheels towards the viewer's left."""
     from math import pi
 
     mesh = MeshBuilder().add(truck(shown).build(), roll=pi / 2)
@@ -180,7 +180,7 @@ def tractor(shown: Shown) -> MeshBuilder:
 
 
 def excavator(shown: Shown) -> MeshBuilder:
-    """A tracked excavator with its boom forward and the bucket down."""
+    """A tracked excavator with its boom forward and its bucket down."""
     mesh = MeshBuilder()
     for side in (-1.0, 1.0):
         y = side * 1.0

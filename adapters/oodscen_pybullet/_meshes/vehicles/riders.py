@@ -1,4 +1,4 @@
-"""People on two wheels, facing x; cyclists' legs turn the pedals."""
+"""People on two wheels, facing x; cyclists pedal."""
 
 import itertools
 import math
@@ -19,7 +19,7 @@ def _rider(
     *,
     lean: float = 0.28,
 ) -> None:
-    """Add a person on a saddle; feet are those of the right and of the left."""
+    """Add a person on a saddle; `feet` are the right and the left foot."""
     x, _, z = seat
     chest = (x + lean, 0.0, z + 0.47)
     mesh.column(
@@ -49,7 +49,7 @@ def _rider(
 
 
 def _pedals(shown: Shown, hub: Point) -> tuple[Point, Point]:
-    """Return where the ankles are on the pedals, right first."""
+    """Return the positions of the ankles on the pedals, right first."""
     phase, _ = shown.gait or (0.0, False)
     x, _, z = hub
     places = []
@@ -137,7 +137,7 @@ def cargo_bike(shown: Shown) -> MeshBuilder:
 
 
 def e_scooter(shown: Shown) -> MeshBuilder:
-    """A person who stands on an electric scooter."""
+    """A person standing on an electric scooter."""
     mesh = MeshBuilder()
     top = ("shirt_red", "shirt", "fluor_yellow")[shown.index % 3]
     clothes = Clothes(top, "jeans", hat=("", "white", "black")[shown.index % 3])

@@ -1,4 +1,4 @@
-"""Cars of other shapes, what they pull, and a car on fire, facing x."""
+"""Other types of car, a caravan and a car on fire, facing x."""
 
 import math
 
@@ -75,7 +75,7 @@ _PICKUP: tuple[Section, ...] = (
 
 
 def pickup(shown: Shown) -> MeshBuilder:
-    """A pickup truck with an open bed that holds crates."""
+    """A pickup truck with crates in its open bed."""
     mesh, lights, paint = MeshBuilder(), shown.lights, shown.paint
     shell(mesh, _PICKUP, (paint, paint, paint), front=paint, rear=paint)
     mesh.hull((-0.56, 1.36, -0.86, 0.86, 1.08), (-0.45, 0.66, -0.7, 0.7, 1.66), "glass", caps="")
@@ -117,7 +117,7 @@ def taxi(shown: Shown) -> MeshBuilder:
 
 
 def camper(shown: Shown) -> MeshBuilder:
-    """A motor home with an alcove over the cab."""
+    """A motor home with a sleeping alcove over the cab."""
     mesh, lights = MeshBuilder(), shown.lights
     mesh.box((-0.85, 0, 1.62), (4.5, 2.2, 2.3), "white")
     mesh.hull((1.4, 2.35, -1.1, 1.1, 2.05), (1.4, 2.2, -1.1, 1.1, 2.77), "white")
@@ -155,7 +155,7 @@ def camper(shown: Shown) -> MeshBuilder:
 
 
 def trailer(shown: Shown) -> MeshBuilder:
-    """A caravan, to be towed; its drawbar points forward."""
+    """A caravan to be towed, with its drawbar forward."""
     mesh, lights = MeshBuilder(), shown.lights
     profile: tuple[Section, ...] = (
         (-2.3, ((1.0, 0.75), (1.02, 1.4), (0.98, 2.2))),
