@@ -216,7 +216,7 @@ class Leaderboard(Data):
     whole: int = 0
     """Scenes whose whole trace was shown under the paper's protocol."""
     whole_shown: int = 0
-    """Those of them whose hazard is visible in one of the three frames."""
+    """Scenes among `whole` whose hazard is visible in one of the three frames."""
     actions: tuple[ActionTally, ...] = ()
     standings: tuple[Standing, ...] = ()
     """Models first, then references, each sorted by safe actions."""
