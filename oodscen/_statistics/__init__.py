@@ -1,1 +1,1 @@
-"""Intervals and tests, for texts, verdicts and drives alike."""
+"""Confidence intervals and significance tests for texts, verdicts and drives."""
