@@ -215,7 +215,7 @@ def _as_name(looks: str) -> str:
     return looks if re.match(r"(?:an?|the|some|two|many)\b", looks) else f"the {looks}"
 
 
-# ---------------------------------------------------------------- the others
+# ---------------------------------------------------------------- other data sets
 
 
 def _nuscenes(document: Any) -> Found:

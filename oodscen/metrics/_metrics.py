@@ -507,7 +507,7 @@ def _as_baseline(
 
 
 def _paths(texts: Texts) -> tuple[str, ...] | None:
-    """Return the paths that cluster a set, if all of it are scenarios that have one."""
+    """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
     paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None
 
