@@ -1,7 +1,7 @@
-"""Baselines: texts of ordinary driving, against which OOD-ness is measured.
+"""Baselines: texts of ordinary driving, the reference for OOD-ness.
 
-`ordinary_driving()` is the corpus that is shipped; `load_baseline(file)` reads one of your own.
-`load_controls(split)` and `load_off_topic(split)` are texts to test a measure with.
+`ordinary_driving()` is the bundled corpus; `load_baseline(file)` reads your own.
+`load_controls(split)` and `load_off_topic(split)` return texts for testing a measure.
 """
 
 from oodscen.baselines._baseline import Baseline, load_baseline

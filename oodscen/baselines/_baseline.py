@@ -22,17 +22,17 @@ from oodscen.errors import DataError, Issue, UsageError
 
 
 class Baseline(Data):
-    """Texts of ordinary driving, with where they come from."""
+    """Texts of ordinary driving, with their source and licence."""
 
     noun: ClassVar[str] = "baseline"
 
     texts: tuple[str, ...] = Field(repr=False)
     name: str = "own"
-    """What reports call it."""
+    """The name shown in reports."""
     source: str = ""
-    """Where the texts come from."""
+    """Source of the texts."""
     licence: str = ""
-    """Under which they may be passed on; empty where it is not known."""
+    """Licence for redistribution; empty if unknown."""
 
     @field_validator("texts")
     @classmethod
@@ -46,7 +46,7 @@ class Baseline(Data):
         return len(self.texts)
 
     def digest(self) -> str:
-        """Return the SHA-256 of the texts in their order; the name plays no part."""
+        """Return the SHA-256 of the texts in their order; the name does not enter."""
         return hashlib.sha256(canonical_json(self.texts).encode()).hexdigest()
 
 
@@ -61,26 +61,26 @@ def load_baseline(
 ) -> Baseline:
     """Read a baseline from a file of your own, or from one of a public driving data set.
 
-    Files of one's own (`plain`): lines, JSON lines with `text`, a JSON list, or CSV or TSV with a
+    Your own files (`plain`): lines, JSON lines with `text`, a JSON list, or CSV or TSV with a
     column `text`. Data sets, as they are distributed: DriveLM, nuScenes, Talk2Car, BDD-X and
     CityFlow-NL; see `oodscen.baselines._datasets` for their files, texts and licences.
 
     Equal texts are kept unless `distinct`: a text that occurs often is as ordinary as one that
-    occurs once, and `tabulated` OOD-ness does not change. What draws from the baseline does.
+    occurs once, and `tabulated` OOD-ness does not change. Random draws from the baseline do change.
 
     Args:
         path: The file.
-        layout: Whose file it is; `auto` tells by the content, `plain` is a file of one's own.
-        parts: Which texts of a data set to read, e.g. `["scene"]` for the scene descriptions of
+        layout: The file's layout; `auto` detects it from the content, `plain` is a file of your own.
+        parts: The texts of a data set to read, e.g. `["scene"]` for the scene descriptions of
             DriveLM; by default those that `oodscen.baselines._datasets` lists first.
         distinct: Keep only the first of equal texts.
-        name: What reports call it; the file's name by default.
-        licence: Under which the texts may be passed on; that of the data set by default.
+        name: The name shown in reports; the file's name by default.
+        licence: Licence for redistribution of the texts; that of the data set by default.
 
     Raises:
-        DataError: When the file cannot be read, is not UTF-8, holds no text, or is not of its
-            layout: one issue for each place.
-        UsageError: When there is no such layout or part.
+        DataError: If the file cannot be read, is not UTF-8, holds no text, or does not match its
+            layout: one issue per place.
+        UsageError: If there is no such layout or part.
     """
     file = Path(path)
     found = _dataset(file, layout)
@@ -99,7 +99,7 @@ def load_baseline(
 
 
 def _dataset(file: Path, layout: str) -> tuple[Layout, Any] | None:
-    """Return the layout of a file and its content as that layout's reader takes it."""
+    """Return the layout of a file, and its content in the form that the layout's reader takes."""
     if layout == "plain":
         return None
     if layout == "auto":

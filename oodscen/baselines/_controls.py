@@ -1,12 +1,12 @@
 """Controls: pairs of an ordinary and an OOD sentence that differ in the event alone.
 
-A measure of OOD-ness is worth what it makes of these. Both sentences of a pair have the same style,
-place and length, so that neither wording nor subject tells them apart, and both were written by hand,
-before the hand-written part of the shipped baseline (`oodscen.baselines._handwritten`) and apart from
-the texts that the built-in author writes.
+They are the test of an OOD-ness measure. Both sentences of a pair have the same style, place and
+length, so that neither wording nor subject separates them. Both were written by hand, before the
+hand-written part of the bundled baseline (`oodscen.baselines._handwritten`) and independently of the
+texts that the built-in author writes.
 
-The pairs are split in halves. *Tune* is there to choose by: which detector, which threshold, which
-ordinary situations the baseline lacks. *Frozen* is there to report, once the choice is made.
+The pairs are split in halves. *Tune* serves to choose a detector, a threshold, or ordinary situations
+that the baseline lacks. *Frozen* serves to report results once the choice is made.
 """
 
 import json
@@ -29,20 +29,20 @@ class Control(Data):
     id: str
     """`<pair>-<kind>`."""
     pair: str
-    """Id of the pair that it belongs to; both sentences of a pair are in the same split."""
+    """Id of the pair; both sentences of a pair are in the same split."""
     kind: Literal["ordinary", "ood"]
     split: Split
     """`tune` for the pairs with the smaller SHA-256 of "oodscen controls <pair>", else `frozen`."""
     topic: str
-    """Kind of event that the OOD sentence of the pair tells."""
+    """Kind of event in the OOD sentence of the pair."""
     text: str = Field(min_length=1)
 
 
 def load_controls(split: Split) -> tuple[Control, ...]:
-    """Return one half of the controls that are shipped.
+    """Return one half of the bundled controls.
 
     Args:
-        split: `tune` to choose a detector or a baseline by, `frozen` to report.
+        split: `tune` to choose a detector or a baseline, `frozen` to report results.
 
     Returns:
         The sentences in pairs, the ordinary one first: `[::2]` and `[1::2]` are matched lists.

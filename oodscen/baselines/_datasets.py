@@ -1,6 +1,7 @@
-"""Texts of public driving data sets, read from the files as they are distributed.
+"""Readers of public driving data sets, for the files as they are distributed.
 
-Nothing of theirs is shipped. Their licences bind whoever downloads them, and go with the `Baseline`.
+None of these data are bundled. Their licences bind the user who downloads them, and are recorded in the
+`Baseline`.
 
 | layout | file | texts | licence |
 |---|---|---|---|
@@ -10,9 +11,9 @@ Nothing of theirs is shipped. Their licences bind whoever downloads them, and go
 | `bdd-x` | BDD-X, `BDD-X-Annotations_v1.csv` | `sentence`; on request `action`, `justification` | UC Berkeley, not for profit |
 | `cityflow-nl` | CityFlow-NL, `train-tracks.json`, `test-queries.json` | `view`, `other_view` | Apache-2.0 |
 
-A reader of a layout yields its texts in the order of the file, each with the part that it belongs to, and
-an issue for whatever is not as that data set has it. What is left empty (a frame without questions, an
-answer that is withheld, an object that nobody described, the unused columns of a short clip) is skipped.
+A layout's reader yields its texts in the order of the file, each with the part that it belongs to, and
+an issue for every deviation from the data set's format. Empty entries are skipped: a frame without questions, a
+withheld answer, an object without a description, the unused columns of a short clip.
 """
 
 import csv
@@ -37,7 +38,7 @@ class Part(NamedTuple):
     """One text of a data set."""
 
     kind: str
-    """What it is there: `scene`, `qa`, `command` ..."""
+    """The kind of text: `scene`, `qa`, `command` ..."""
     text: str
 
 
@@ -46,12 +47,12 @@ Found = Iterator[Part | Issue]
 
 @dataclass(frozen=True)
 class Layout:
-    """How the files of one data set are laid out."""
+    """The file layout of one data set."""
 
     title: str
     """Name of the data set."""
     licence: str
-    """Of its texts: an SPDX identifier where there is one."""
+    """Licence of its texts; an SPDX identifier if there is one."""
     parts: tuple[str, ...]
     """Kinds of texts that are read by default."""
     more: tuple[str, ...]
@@ -62,10 +63,10 @@ class Layout:
 
 
 def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
-    """Tell from its content which data set a file is of.
+    """Return the data set layout that a file's content matches.
 
     Returns:
-        The layout, and the document or the rows that its reader takes; `None` for any other file.
+        The layout, and the document or rows that its reader takes; `None` for any other file.
     """
     if suffix == ".csv":
         rows = csv_reader(content)
@@ -81,7 +82,7 @@ def recognise(content: str, suffix: str) -> tuple[Layout, Any] | None:
 
 
 def parse(content: str, layout: Layout) -> Any:
-    """Return what the reader of a layout takes, or an issue where the content is not of its kind."""
+    """Return the input of the layout's reader, or an issue if the content is not of that format."""
     if layout.is_csv:
         rows = csv_reader(content)
         missing = [column for column in _BDD_X if column not in _header(rows)]
@@ -96,7 +97,7 @@ def layout_of(name: str) -> Layout:
     """Return a layout by its name.
 
     Raises:
-        UnknownComponent: When there is none of that name.
+        UnknownComponent: If there is no layout of that name.
     """
     if name not in LAYOUTS:
         raise UnknownComponent("layout of a baseline", name, LAYOUTS)
@@ -104,11 +105,11 @@ def layout_of(name: str) -> Layout:
 
 
 def chosen_parts(layout: Layout, parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the kinds of texts to read: those asked for, or the default of the layout.
+    """Return the kinds of texts to read: the requested ones, or the layout's default.
 
     Raises:
-        UnknownComponent: When the layout has no such part.
-        UsageError: When no part is asked for.
+        UnknownComponent: If the layout has no such part.
+        UsageError: If no part is requested.
     """
     known = layout.parts + layout.more
     if not parts:
@@ -148,9 +149,10 @@ def _header(rows: Rows) -> tuple[str, ...]:
 def _drivelm(document: Any) -> Found:
     """Read `{scene token: {scene_description, key_frames: {frame token: {key_object_infos, QA}}}}`.
 
-    `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior. An object
-    is called by a tag such as `<c1,CAM_FRONT,1043.2,82.2>`; what it looks like stands instead of it, or "the
-    object" where the file does not say.
+    `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior. Texts refer to
+    an object by a tag such as `<c1,CAM_FRONT,1043.2,82.2>`; the object's description replaces it, or "the object"
+    if
+    the file has none.
     """
     for token, scene in _members(document, "", "scene"):
         if isinstance(scene, Issue):
@@ -213,7 +215,7 @@ def _as_name(looks: str) -> str:
     return looks if re.match(r"(?:an?|the|some|two|many)\b", looks) else f"the {looks}"
 
 
-# ---------------------------------------------------------------- the others
+# ---------------------------------------------------------------- other data sets
 
 
 def _nuscenes(document: Any) -> Found:
@@ -290,7 +292,7 @@ def _cityflow(document: Any) -> Found:
 
 
 def _members(value: Any, where: str, what: str) -> Iterator[tuple[str, dict[str, Any] | Issue]]:
-    """Yield the members of an object that are objects too, each with its place."""
+    """Yield the members of an object that are objects too, each with its place, or an issue."""
     if not isinstance(value, dict):
         found = "missing" if value is None else f"{type(value).__name__}, not an object"
         yield where, Issue(where, f"is {found}")
@@ -304,7 +306,7 @@ def _members(value: Any, where: str, what: str) -> Iterator[tuple[str, dict[str,
 
 
 def _texts(kind: str, value: Any, where: str) -> Found:
-    """Yield one text, or nothing where it is left empty."""
+    """Yield one text, or nothing if it is empty."""
     if value is None:
         return
     if not isinstance(value, str):

@@ -1,7 +1,7 @@
-"""Near-duplicates in a baseline.
+"""Search for near-duplicates in a baseline.
 
-They do not move the OOD-ness of other texts, but they make a baseline look larger than it is, and a batch
-of it that is scored against the rest as ordinary as a copy. `near_duplicates(texts)` compares the
+They do not change the OOD-ness of other texts, but they make a baseline look larger than it is, and they
+make a batch of it look ordinary when it is scored against the rest. `near_duplicates(texts)` compares the
 wording, `near_duplicates(embeddings)` the meaning; both compare all pairs, in blocks.
 """
 
@@ -20,36 +20,36 @@ from oodscen.errors import DataError, Issue, UsageError
 _BLOCK = 512
 
 Product = Callable[[slice, slice], NDArray[np.float32]]
-"""Gives the similarities of one block of rows to another."""
+"""Returns the similarities of one block of rows to another."""
 
 
 class Duplicate(Data):
-    """An item that resembles one before it."""
+    """An item that resembles an earlier one."""
 
     noun: ClassVar[str] = "near-duplicate"
 
     index: int
-    """Its place."""
+    """Index of the item."""
     of: int
-    """Place of the earlier item that it resembles most; the first of equals."""
+    """Index of the earlier item that it resembles most; the first of several equal ones."""
     similarity: float
 
 
 class NearDuplicates(Data):
-    """What of a baseline has been said before in nearly the same way."""
+    """The items of a baseline that nearly repeat an earlier one."""
 
     noun: ClassVar[str] = "report of near-duplicates"
 
     found: tuple[Duplicate, ...]
     """In the order of the baseline."""
     n: int = Field(ge=1)
-    """Number of items that were compared."""
+    """Number of items compared."""
     threshold: float
     measure: Literal["cosine", "trigrams"]
 
     @property
     def kept(self) -> tuple[int, ...]:
-        """The items that resemble none before them: the baseline without near-duplicates."""
+        """The indices of items that resemble no earlier one: the baseline without near-duplicates."""
         repeated = {item.index for item in self.found}
         return tuple(index for index in range(self.n) if index not in repeated)
 
@@ -57,21 +57,21 @@ class NearDuplicates(Data):
 def near_duplicates(
     items: Sequence[str] | NDArray[np.float32], threshold: float = 0.9
 ) -> NearDuplicates:
-    """Find the items that resemble an earlier one.
+    """Return the items that resemble an earlier one.
 
     Args:
-        items: Texts, of which the sets of three-letter sequences are compared (Jaccard index, without
-            case and punctuation, in [0, 1]); or embeddings, [n, d], of which the cosines are.
-        threshold: Smallest similarity that counts, in (0, 1]. A sentence with another colour in it
-            has about 0.8 by its letters, and 0.8 to 0.95 by all-MiniLM-L6-v2.
+        items: Texts, compared by their sets of three-letter sequences (Jaccard index, ignoring case and
+            punctuation, in [0, 1]); or embeddings, [n, d], compared by cosine.
+        threshold: Smallest similarity that counts, in (0, 1]. Two sentences that differ only in a colour
+            reach about 0.8 by their letters, and 0.8 to 0.95 by all-MiniLM-L6-v2.
 
     Returns:
-        At most one entry per item, so that a baseline of many copies gives a report of its own size.
+        At most one entry per item, so that even a baseline of many copies gives a report no longer than itself.
         Time grows with the square of n, memory with n.
 
     Raises:
-        DataError: When there is nothing to compare, a text is blank, or a value is not finite.
-        UsageError: When the threshold is not in (0, 1].
+        DataError: If there is nothing to compare, a text is blank, or a value is not finite.
+        UsageError: If the threshold is not in (0, 1].
     """
     if not 0.0 < threshold <= 1.0:
         raise UsageError(f"the threshold {threshold} is not in (0, 1]")

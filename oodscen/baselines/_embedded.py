@@ -1,8 +1,8 @@
-"""A baseline of embeddings on disk, as large as the disk: vectors are read a block at a time.
+"""Baselines of embeddings on disk, of any size: vectors are read a block at a time.
 
-`write_embeddings(path, encoder, texts)` makes one; `open_embeddings(path, encoder)` opens it. Two formats:
+`write_embeddings(path, encoder, texts)` creates one; `open_embeddings(path, encoder)` opens it. Two formats:
 
-    .npy                float32 [N, d], memory-mapped; beside it `<name>.npy.json` says which encoder made it
+    .npy                float32 [N, d], memory-mapped; `<name>.npy.json` beside it records the encoder
     .arrow, .feather    Arrow IPC files with a column `vector` (fixed-size list of float32); the encoder's name
                         is in the schema's metadata under `encoder`. Needs the extra `tables`.
 """
@@ -27,11 +27,11 @@ _BATCH = 4096
 
 
 class EmbeddedBaseline:
-    """A baseline of which only the embeddings are known. Rows are scaled to unit length as they are read.
+    """A baseline known only by its embeddings. Rows are scaled to unit length as they are read.
 
     Attributes:
-        name: What reports call it: the file's name.
-        encoder: Name of the encoder that made it.
+        name: The name shown in reports: the file's name.
+        encoder: Name of the encoder that made the embeddings.
         dimension: Length of a vector.
         texts: Always empty: only embeddings are known.
     """
@@ -48,10 +48,10 @@ class EmbeddedBaseline:
         return len(self._rows)
 
     def __getitem__(self, rows: slice) -> NDArray[np.float32]:
-        """Return some rows, of unit length or zero, as an array of its own.
+        """Return a slice of the rows, of unit length or zero, as a new array.
 
         Raises:
-            DataError: When a value is not finite.
+            DataError: If a value is not finite.
         """
         block = np.array(self._rows[rows], np.float32)
         squared = np.einsum("ij,ij->i", block, block, dtype=np.float64)
@@ -64,7 +64,7 @@ class EmbeddedBaseline:
         return block
 
     def digest(self) -> str:
-        """Return a SHA-256 of the name, size and first and last rows; the whole is not read."""
+        """Return a SHA-256 of the name, the size and the first and last rows, without reading the whole file."""
         found = hashlib.sha256(f"{self.encoder} {len(self)} {self.dimension}".encode())
         for rows in (slice(0, 16), slice(max(len(self) - 16, 0), len(self))):
             found.update(self[rows].tobytes())
@@ -72,12 +72,12 @@ class EmbeddedBaseline:
 
 
 def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -> int:
-    """Encode texts a batch at a time into a `.npy` file, and say beside it which encoder did so.
+    """Encode texts a batch at a time into a `.npy` file, and record the encoder in a file beside it.
 
     Args:
-        path: Of the file; replaced only when all is written.
-        encoder: Whose vectors they are.
-        texts: As many as there are; they are read once and not kept.
+        path: The file to write; replaced only after all texts are written.
+        encoder: The encoder to use.
+        texts: Any number of texts; they are read once and not kept.
 
     Returns:
         The number of texts.
@@ -106,12 +106,12 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
 
 
 def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
-    """Open a baseline of embeddings for an encoder.
+    """Return a baseline of embeddings on disk, made by the given encoder.
 
     Raises:
-        DataError: When the file cannot be read, is truncated, or is not [N, d] float32.
-        UsageError: When another encoder made it.
-        MissingExtra: When it is an Arrow file and pyarrow is not installed.
+        DataError: If the file cannot be read, is truncated, or is not [N, d] float32.
+        UsageError: If another encoder made it.
+        MissingExtra: If it is an Arrow file and pyarrow is not installed.
     """
     file = Path(path)
     refuse_special(file, "embeddings")
@@ -146,7 +146,7 @@ def _npy(file: Path) -> tuple[Any, str]:
 
 
 class _ArrowRows:
-    """The vectors of a memory-mapped Arrow file, by slices."""
+    """The vectors of a memory-mapped Arrow file, read by slices."""
 
     def __init__(self, table: Any, width: int) -> None:
         self._column = table.column("vector")

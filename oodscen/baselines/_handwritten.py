@@ -1,13 +1,18 @@
-"""The hand-written part of the shipped baseline.
+"""The hand-written part of the bundled baseline.
 
-A grammar repeats itself; these sentences do not. They are data, in seven files. `handwritten.txt` tells of
-what is ordinary but easily missed (level crossings, car parks, ferries, learner drivers, signed road works, light
-fog, an ambulance that is let past), `counterparts.txt` of what each kind of OOD event looks like when all is as it
-should be, `sights.txt` of what is seen from a car and what it ordinarily does: in the registers in
-which driving is written about, captions and key words, questions and answers, a driver's own words, a log, the
-steps of a test. Their authors had read the half *tune* of the controls, so texts with a cosine of about 0.7 or more to an
-ordinary control of that half were taken out. `people.txt`, `manoeuvres.txt` and `conditions.txt` were written by
-hands that had seen no control of either half, and nothing was taken out of them for likeness. `figures.txt` is in the
+A grammar repeats itself; these sentences do not. They are data, in seven files. `handwritten.txt` covers
+ordinary but easily overlooked situations (level crossings, car parks, ferries, learner drivers, signed road
+works,
+light fog, an ambulance that is let past). `counterparts.txt` describes each kind of OOD event as it looks when
+all is
+as it should be, and `sights.txt` describes things seen from a car and their ordinary behaviour. They use the
+registers
+in which driving is written about: captions and key words, questions and answers, a driver's own words, a log, the
+steps of a test. Their authors had read the *tune* half of the controls, so texts with a cosine of about 0.7 or
+more to
+an ordinary control of that half were removed. The authors of `people.txt`, `manoeuvres.txt` and `conditions.txt`
+had
+seen no control of either half, and nothing was removed from these files for similarity. `figures.txt` is in the
 register of specifications and problem texts, for the guard against off-topic texts.
 """
 
@@ -31,7 +36,7 @@ _FILES = (
 
 @cache
 def handwritten_driving() -> Baseline:
-    """Return the hand-written texts alone; `ordinary_driving()` holds them after those it draws."""
+    """Return the hand-written texts alone; `ordinary_driving()` appends them to those that it draws."""
     return Baseline(
         texts=tuple(text for texts in by_subject().values() for text in texts),
         name="handwritten-driving",
@@ -42,7 +47,7 @@ def handwritten_driving() -> Baseline:
 
 @cache
 def by_subject() -> Mapping[str, tuple[str, ...]]:
-    """Return the hand-written texts by what they are about, in the order of the files."""
+    """Return the hand-written texts by subject, in the order of the files."""
     found: dict[str, list[str]] = {}
     for name in _FILES:
         file = resources.files("oodscen.baselines") / name

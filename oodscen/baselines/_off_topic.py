@@ -1,10 +1,11 @@
-"""Texts that are not about driving a car on a road, to calibrate the off-topic guard by.
+"""Texts that are not about driving a car on a road, for calibrating the off-topic guard.
 
 *Near misses* share words with driving (aircraft, trains, cycle races, motor sport, car finance, car
 repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small talk,
 code, gibberish), or are in a language other than English, which the default encoder does not read. All
-were written by hand and are split in halves as the controls are; a third part, *blind*, was written by another hand that
-had seen neither these texts nor the guard.
+were written by hand and are split in halves like the controls. A third part, *blind*, was written by an author
+who had
+seen neither these texts nor the guard.
 """
 
 import json
@@ -26,18 +27,19 @@ class OffTopic(Data):
     id: str
     kind: Literal["near-miss", "off-topic"]
     split: Split | Literal["blind"]
-    """`tune` for the half of its kind with the smaller SHA-256 of "oodscen off-topic <id>", or
-    `blind`."""
+    """`tune` for the half of its kind with the smaller SHA-256 of "oodscen off-topic <id>", else `frozen`; or
+    `blind`.
+    """
     topic: str
-    """What it is about."""
+    """Subject of the text."""
     text: str = Field(min_length=1)
 
 
 def load_off_topic(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
-    """Return one part of the texts that are shipped, near misses first.
+    """Return one part of the bundled texts, near misses first.
 
     Args:
-        split: `tune` to set a threshold by, `frozen` and `blind` to report the share that is flagged.
+        split: `tune` to set a threshold, `frozen` and `blind` to report the share that is flagged.
     """
     return tuple(text for text in _texts() if text.split == split)
 

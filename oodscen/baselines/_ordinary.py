@@ -1,9 +1,9 @@
-"""The shipped baseline: ordinary driving, from a seeded grammar and by hand.
+"""The bundled baseline of ordinary driving, from a seeded grammar and from hand-written texts.
 
 The grammar is data (`ordinary.toml`); this module only draws from it. Its texts cover urban, suburban,
-rural and motorway driving in the registers in which out-of-distribution scenarios are written too, so
-that style alone does not make a text score as such. What a grammar does not think of was written by
-hand (`oodscen.baselines._handwritten`).
+rural and motorway driving in the registers that out-of-distribution scenarios use too, so that style
+alone does not make a text score as OOD. Situations beyond a grammar were written by hand
+(`oodscen.baselines._handwritten`).
 """
 
 import re
@@ -39,9 +39,9 @@ _SENTENCE = re.compile(r"(?:^|(?<=\. ))[a-z]")
 
 @cache
 def ordinary_driving() -> Baseline:
-    """Return the baseline that is shipped, always the same.
+    """Return the bundled baseline, which is always the same.
 
-    First 2,000 distinct texts of the grammar, then those of `handwritten_driving()`.
+    It starts with 2,000 distinct texts of the grammar, followed by those of `handwritten_driving()`.
     """
     return Baseline(
         texts=draw(_SIZE) + handwritten_driving().texts,
@@ -52,14 +52,14 @@ def ordinary_driving() -> Baseline:
 
 
 def draw(size: int, *, seed: int = 0) -> tuple[str, ...]:
-    """Draw distinct texts of ordinary driving, taking the grammar's situations in turn.
+    """Return distinct texts of ordinary driving, drawn from the grammar's situations in turn.
 
     Args:
-        size: How many; no two are equal when case and punctuation are dropped.
-        seed: Of the draws.
+        size: Number of texts; no two are equal after dropping case and punctuation.
+        seed: Seed of the draws.
 
     Raises:
-        UsageError: When the grammar gives fewer.
+        UsageError: If the grammar yields fewer.
     """
     rules = _rules()
     draws = stream(seed, "ordinary-driving")
@@ -81,7 +81,7 @@ def bare(text: str) -> str:
 
 
 class _Text:
-    """One text in the making: no word or phrase is used in it twice."""
+    """One text under construction; it uses no word or phrase twice."""
 
     def __init__(
         self, rules: Mapping[str, Any], situation: Mapping[str, Any], draws: np.random.Generator
@@ -96,7 +96,7 @@ class _Text:
         self._is_bare = bool(situation.get("bare"))
 
     def write(self) -> str:
-        """Draw a style and fill it."""
+        """Return a text in a randomly drawn style."""
         styles = {name: _STYLES[name] for name in _STYLES if _NEEDS[name] in self._situation}
         total = sum(styles.values())
         style = self._draws.choice(list(styles), p=[share / total for share in styles.values()])
@@ -172,7 +172,7 @@ def _suits(situation: Mapping[str, Any], tags: Sequence[str]) -> bool:
 def _roads(
     rules: Mapping[str, Any], situation: Mapping[str, Any]
 ) -> list[tuple[str, Sequence[str]]]:
-    """List the roads that a situation fits, each with what a list of key words calls it."""
+    """Return the roads that a situation fits, each with its name in a list of key words."""
     classes = {road["class"]: road for road in rules["road"]}
     roads = [
         (phrase, classes[name]["note"])
@@ -194,10 +194,10 @@ def _translated(text: str, words: Mapping[str, str]) -> str:
 
 
 def _edited(text: str) -> str:
-    """Mend articles and capitals, which depend on what was filled in."""
+    """Return the text with the articles and capitals that suit the words filled in."""
     text = _ARTICLE.sub(lambda m: m[1] + ("n " if _VOWEL.match(m[2]) else " "), text)
     text = _SENTENCE.sub(lambda m: m[0].upper(), text)
-    # As a name without an article, Ego is capitalised like one.
+    # Ego without an article is a name, so it is capitalised.
     return re.sub(r"(?<!the )(?<!The )\bego\b", "Ego", text)
 
 

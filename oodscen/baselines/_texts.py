@@ -1,4 +1,4 @@
-"""Reading and checking sets of texts."""
+"""Reads and checks sets of texts."""
 
 import csv
 import io
@@ -14,7 +14,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue
 
 MAX_CHARACTERS = 1_000_000
-"""Longest text that is measured; what is longer is a file whose lines do not end."""
+"""The longest text that is measured, in characters; a longer one comes from a file without line ends."""
 
 _MOST_ISSUES = 20
 _LINE_END = re.compile(r"\r\n|\r|\n")
@@ -27,14 +27,14 @@ class Record(NamedTuple):
 
     text: str
     group: str | None
-    """What it belongs to: its path in a scenario tree, where the file says so."""
+    """The group of the text: its path in a scenario tree, if the file gives one."""
 
 
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
-    """Return the texts as strings if each of them says something.
+    """Return the texts as strings, after checking that none is blank.
 
     Raises:
-        DataError: When there is none, or with one issue per text that is not a string, blank, or
+        DataError: If there is none; otherwise with one issue per text that is not a string, blank, or
             not valid Unicode.
     """
     if isinstance(texts, str | bytes):
@@ -48,15 +48,15 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
 
 
 def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
-    """Read texts from a file.
+    """Return the texts in a file.
 
     Plain lines; JSON lines (strings, or objects with `text`); a JSON list of the same; CSV or TSV
-    with a column `text`, told by the suffix. Objects and rows may have `path`, `leaf` or `group`.
+    with a column `text`, recognised by the suffix. Objects and rows may have `path`, `leaf` or `group`.
     Blank lines are skipped, and white space around a text is dropped.
 
     Raises:
-        DataError: When the file cannot be read or decoded, holds no text, or with one issue per
-            line that has none.
+        DataError: If the file cannot be read or decoded, or holds no text; otherwise with one issue per
+            line without a text.
     """
     content = read_utf8(path, noun)
     suffix = Path(path).suffix.lower()
@@ -89,7 +89,7 @@ def _values(content: str, suffix: str) -> Iterator[tuple[str, Any]]:
 
 
 def _lines(content: str) -> Iterator[tuple[int, str]]:
-    """Yield the lines that are not blank, each with its number.
+    """Yield the non-blank lines, each with its number.
 
     Not splitlines(): texts and JSON strings may hold U+0085, U+2028 and the like.
     """
@@ -112,14 +112,14 @@ def _rows(content: str, delimiter: str) -> Iterator[tuple[str, Any]]:
 
 
 def csv_reader(content: str, delimiter: str = ",") -> Rows:
-    """Return a reader that refuses quotes that are not closed, or not where a field begins and ends."""
+    """Return a CSV reader that rejects unclosed quotes and quotes inside a field."""
     return csv.DictReader(io.StringIO(content, newline=""), delimiter=delimiter, strict=True)
 
 
 def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
-    """Yield the rows of a CSV file with the lines on which they begin, and an issue after which none is read.
+    """Yield the rows of a CSV file with the lines on which they begin; reading stops after malformed CSV.
 
-    A row with more fields than the header has a text cut at a comma, and is an issue too.
+    A row with more fields than the header has a text that was split at a comma; it yields an issue.
     """
     while True:
         begins = reader.line_num + 1
@@ -133,7 +133,7 @@ def csv_rows(reader: Rows) -> Iterator[tuple[int, dict[str, str] | Issue]]:
             told = "a quote is not closed" if "end of data" in str(error) else str(error)
             yield begins, Issue(f"line {begins}", f"is not CSV: {told}")
             return
-        more = row.pop(None, None)  # Where the reader puts them.
+        more = row.pop(None, None)  # csv.DictReader collects surplus fields under the key None.
         if more and any(map(str.strip, more)):
             fault = f"has {len(header) + len(more)} fields, and the header has {len(header)}; quote texts with a comma"
             yield begins, Issue(f"line {begins}", fault)
@@ -188,7 +188,7 @@ def _group(fields: dict[str, Any]) -> str | None:
 
 
 def fault_of(text: object) -> str:
-    """Say what keeps a value from being a text; empty if nothing does."""
+    """Return the reason why a value is not a usable text; empty if it is one."""
     if not isinstance(text, str):
         return f"is {type(text).__name__}, not a text"
     if not text.strip():
@@ -205,7 +205,7 @@ def fault_of(text: object) -> str:
 
 
 def refuse(noun: str, issues: Iterable[Issue], *, source: str = "") -> None:
-    """Raise a `DataError` if there are issues; of very many it lists the first."""
+    """Raise a `DataError` if there are issues; a long list is cut after the first ones."""
     found = list(issues)
     if len(found) > _MOST_ISSUES:
         rest = len(found) - _MOST_ISSUES

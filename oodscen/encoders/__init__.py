@@ -1,8 +1,10 @@
-"""Text encoders: what turns scenarios into vectors.
+"""Text encoders, which turn scenarios into vectors.
 
-`MiniLM` is the paper's encoder, `OnnxMiniLM` the same by ONNX Runtime, `all_minilm` whichever of the two is quicker here,
-`SentenceTransformerEncoder` any other model of that library, and `CachedEncoder` wraps either so that no text is encoded twice. `oodscen.testing.HashEncoder` needs no
-dependency at all.
+`MiniLM` is the paper's encoder, `OnnxMiniLM` runs it in ONNX Runtime, and `all_minilm` returns the faster of the
+two
+that is installed. `SentenceTransformerEncoder` loads any other model of that library. `CachedEncoder` wraps an
+encoder
+so that no text is encoded twice. `oodscen.testing.HashEncoder` has no dependencies.
 """
 
 from importlib.util import find_spec
@@ -25,9 +27,9 @@ __all__ = [
 
 
 def all_minilm() -> MiniLM:
-    """Return all-MiniLM-L6-v2: through ONNX Runtime where the extra `onnx` is installed, else through torch.
+    """Return all-MiniLM-L6-v2, in ONNX Runtime if the extra `onnx` is installed, else in torch.
 
-    The two differ by about 1e-6; the encoder's `name` says which it is.
+    The two differ by about 1e-6; the encoder's `name` tells which one it is.
     """
     parts = ("onnxruntime", "onnx", "tokenizers")
     return OnnxMiniLM() if all(find_spec(part) for part in parts) else MiniLM()

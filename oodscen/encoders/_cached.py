@@ -1,4 +1,4 @@
-"""Vectors of texts that were encoded before, in memory and on disk."""
+"""A cache of text vectors, in memory and on disk."""
 
 import atexit
 import hashlib
@@ -25,13 +25,13 @@ from oodscen.protocols import Encoder
 _log = logging.getLogger(__name__)
 _FORMAT = "oodscen-vectors-1"
 _WAIT_S = 30.0
-"""For another process that is saving; it takes far less, unless it is halted."""
+"""Time to wait for another process that is saving, s; saving takes far less unless that process is halted."""
 
 
 def cache_folder() -> Path:
     """Return the user's cache folder for this library: `$XDG_CACHE_HOME/oodscen`.
 
-    For a user without a home it is a folder that ends with the process.
+    A user without a home gets a temporary folder, which is removed when the process ends.
     """
     root = os.environ.get("XDG_CACHE_HOME")
     if root:
@@ -50,14 +50,14 @@ def _passing_folder() -> Path:
 
 
 class CachedEncoder:
-    """An encoder that encodes each distinct text once.
+    """Wraps an encoder and encodes each distinct text once.
 
     Args:
-        encoder: Whose vectors these are; its name must decide its values.
-        folder: Where to keep them between processes, in one file per encoder. A file that is
-            truncated, altered or another encoder's is not used and is replaced. Several processes may
-            write at once: each waits for the others and keeps what they saved. A folder that cannot be
-            written costs a log line, no more.
+        encoder: The encoder to wrap; its name must determine its values.
+        folder: Folder that keeps the vectors between processes, in one file per encoder. A file that is
+            truncated, altered or from another encoder is ignored and replaced. Several processes may
+            write at once: each waits for the others and keeps what they saved. If the folder cannot be
+            written, a warning is logged and nothing else changes.
     """
 
     def __init__(self, encoder: Encoder, folder: str | Path | None = None) -> None:
@@ -70,32 +70,32 @@ class CachedEncoder:
 
     @property
     def name(self) -> str:
-        """The wrapped encoder's."""
+        """The wrapped encoder's name."""
         return self._encoder.name
 
     @property
     def dimension(self) -> int:
-        """The wrapped encoder's."""
+        """The wrapped encoder's dimension."""
         return self._encoder.dimension
 
     @property
     def cacheable(self) -> bool:
-        """Whether the wrapped encoder says that its name decides its values."""
+        """True if the wrapped encoder declares that its name determines its values."""
         return bool(getattr(self._encoder, "cacheable", False))
 
     @property
     def path(self) -> Path | None:
-        """The file that holds this encoder's vectors, if there is a folder."""
+        """The file that holds this encoder's vectors; `None` without a folder."""
         if self._folder is None:
             return None
         plain = re.sub(r"[^A-Za-z0-9.@-]+", "-", self.name)[:80]
         return self._folder / f"{plain}.{hashlib.sha256(self.name.encode()).hexdigest()[:8]}.npz"
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
-        """Return one row per text, in order: [n, d] float32. May be called from several threads.
+        """Return one row per text, in order: [n, d] float32. Thread-safe.
 
         Raises:
-            EncoderError: When the wrapped encoder fails or breaks its contract.
+            EncoderError: If the wrapped encoder fails or breaks its contract.
         """
         keys = [hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest() for text in texts]
         with self._lock:
@@ -107,7 +107,8 @@ class CachedEncoder:
                 rows = encode(self._encoder, list(missing.values()))
                 self._vectors.update(zip(missing, rows, strict=True))
                 self._unsaved += len(missing)
-                # Saving rewrites the file: waiting for a twentieth keeps the total linear.
+                # Saving rewrites the whole file; waiting until it grew by a twentieth keeps the
+                # total cost linear.
                 if self._unsaved * 20 >= len(self._vectors):
                     self.save()
             if not keys:
@@ -115,7 +116,7 @@ class CachedEncoder:
             return np.stack([self._vectors[key] for key in keys])
 
     def save(self) -> None:
-        """Write to disk what is not there yet."""
+        """Write the unsaved vectors to disk."""
         path = self.path
         with self._lock:
             if path is None or not self._unsaved:
@@ -137,12 +138,12 @@ class CachedEncoder:
 
 
 def _read(path: Path, encoder: Encoder) -> dict[bytes, NDArray[np.float32]]:
-    """Return what a file holds for this encoder; nothing if any part of it is in doubt."""
+    """Return the vectors that a file holds for this encoder; empty if any part of it is invalid."""
     try:
         content = path.read_bytes()
     except OSError:
         return {}
-    # The digest comes before parsing: an altered archive can make its reader fail in many ways.
+    # The digest is checked before parsing, because an altered archive can fail in many ways.
     digest, body = content[:32], content[32:]
     if hashlib.sha256(body).digest() != digest:
         _log.warning("%s is damaged; its vectors are computed again", path)

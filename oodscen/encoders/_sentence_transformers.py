@@ -1,4 +1,4 @@
-"""Any model that the package sentence-transformers can load."""
+"""An encoder for any model that the package sentence-transformers can load."""
 
 import hashlib
 import importlib
@@ -24,10 +24,10 @@ class SentenceTransformerEncoder:
 
     Args:
         model_name_or_path: A folder that holds a model, or a model's name on the hub.
-        revision: Commit or tag of a hub model; pin it, or its name does not decide its values.
-        device: `cpu`, `cuda`, ...; by default the processor, whose values are repeatable.
-        batch_size: Texts per forward pass. With 1 a text's vector does not depend on the texts it
-            is encoded with; larger batches are faster and change the last bits (about 2e-7).
+        revision: Commit or tag of a hub model; without it, the name does not determine the values.
+        device: `cpu`, `cuda`, ...; by default the CPU, whose values are reproducible.
+        batch_size: Texts per forward pass. With 1 a text's vector does not depend on the texts
+            encoded with it; larger batches are faster and change the last bits (about 2e-7).
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class SentenceTransformerEncoder:
 
     @property
     def cacheable(self) -> bool:
-        """Whether the name decides the values, so that vectors may be kept on disk under it."""
+        """True if the name determines the values, so that vectors can be cached on disk under it."""
         return self._is_local or self._revision is not None
 
     @property
@@ -70,8 +70,8 @@ class SentenceTransformerEncoder:
             [n, d] float32, C-contiguous; [0, d] for no texts.
 
         Raises:
-            MissingExtra: When sentence-transformers is not installed.
-            EncoderError: When the model cannot be loaded or fails.
+            MissingExtra: If sentence-transformers is not installed.
+            EncoderError: If the model cannot be loaded or fails.
         """
         if not texts:
             return np.zeros((0, self.dimension), np.float32)
@@ -95,7 +95,7 @@ class SentenceTransformerEncoder:
         return f"{self._source}@{self._revision}" if self._revision else self._source
 
     def _forward(self, model: Any, texts: list[str]) -> Any:
-        """Run the model; subclasses may group the texts otherwise."""
+        """Return the model's embeddings; subclasses may batch the texts differently."""
         return model.encode(
             texts,
             batch_size=self._batch_size,

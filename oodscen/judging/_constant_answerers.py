@@ -1,7 +1,7 @@
-"""Answerers that see nothing: what chance and stubbornness score, beside real models.
+"""Answerers that ignore the pictures: the constant and random baselines shown beside real models.
 
-They answer the questions of the evaluation only (describe a frame, name the aspect, choose an
-action), never look at a picture, and carry `kind = "reference"`, under which every table lists them.
+They answer only the questions of the evaluation (describe a frame, name the aspect, choose an
+action) and never look at a picture. Tables list them under their `kind`, "reference".
 """
 
 import json
@@ -17,21 +17,21 @@ from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspec
 from oodscen.protocols import Completion, Request
 
 UNSEEN = "A road ahead of the ego vehicle."
-"""What a reference answerer says about every frame."""
+"""The description that these answerers give of every frame."""
 
 ASPECT = "A pedestrian crossing where none is expected"
-"""What a reference answerer names whenever it calls a scene OOD: right for that kind of scene, by luck."""
+"""The aspect named whenever one of them calls a scene OOD: right by luck for that kind of scene."""
 
 
 class ConstantAnswerer:
-    """Always calls the scene OOD, always names the same aspect, always chooses the same action.
+    """Always calls the scene OOD, names the same aspect and chooses the same action.
 
     Args:
         action: One of `oodscen.data._episode.ACTIONS`.
-        seed: Taken so that every registered model is made alike; it changes nothing.
+        seed: Ignored; accepted because every registered model takes one.
 
     Raises:
-        UnknownComponent: When there is no such action.
+        UnknownComponent: If there is no such action.
     """
 
     kind: ClassVar[Literal["reference"]] = "reference"
@@ -50,7 +50,7 @@ class ConstantAnswerer:
         """Answer without looking.
 
         Raises:
-            LLMError: When the question is not one of the evaluation.
+            LLMError: If the question is not part of the evaluation.
         """
         prompt = request.prompt
         if isinstance(prompt, DescribeFrame):
@@ -67,10 +67,10 @@ class ConstantAnswerer:
 
 
 class RandomAnswerer:
-    """Flips a coin for OOD and draws one of the offered actions, all equally likely.
+    """Flips a coin for OOD and draws one of the offered actions with equal probability.
 
-    The draw depends on the seed, the question, the names of its frames and the sample, so it is the same
-    in every process and whatever was asked before.
+    The draw depends on the seed, the question, the names of its frames and the sample only, so it is the same
+    in every process and independent of earlier questions.
     """
 
     kind: ClassVar[Literal["reference"]] = "reference"
@@ -80,7 +80,7 @@ class RandomAnswerer:
         self.seed = seed
 
     def judge(self, case: Case) -> Answers:
-        """Answer both tasks about one case by chance."""
+        """Answer both tasks about one case at random."""
         draw = stream(self.seed, "reference", case.episode.scene_id)
         is_ood = bool(draw.integers(2))
         action = ACTIONS[int(draw.integers(len(ACTIONS)))]
@@ -92,7 +92,7 @@ class RandomAnswerer:
         """Answer without looking.
 
         Raises:
-            LLMError: When the question is not one of the evaluation.
+            LLMError: If the question is not part of the evaluation.
         """
         prompt = request.prompt
         if isinstance(prompt, DescribeFrame):
@@ -112,7 +112,7 @@ class RandomAnswerer:
 
 
 def _first(options: Sequence[AspectOption]) -> str | None:
-    """Return the id that comes first in the alphabet: the same wherever it stands in the list."""
+    """Return the alphabetically first id, which does not depend on the order of the list."""
     return min((option.id for option in options if option.id != NOTHING), default=None)
 
 

@@ -1,4 +1,4 @@
-"""What drives come to: outcomes, conflicts, headway, progress and comfort by driver, paired with the twins."""
+"""Results by driver: outcomes, conflicts, headway, progress and comfort, paired with the twins."""
 
 from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
@@ -24,15 +24,17 @@ from oodscen.statistics._tests import (
 )
 
 RULE_BASED = "rule-based"
-"""Name of the shipped driver, with which others are compared."""
+"""Name of the built-in driver that the others are compared with."""
 HARDLY_DRIVES = 0.5
-"""On ordinary roads a stack must come this far, as a share of what keeping the speed would."""
+"""The progress a stack must reach on ordinary roads to count as driving, relative to keeping the initial
+speed.
+"""
 CRITICAL_TTC_S = 1.5
-"""Below this time to collision a conflict counts as critical, s."""
+"""The time to collision below which a conflict is critical, s."""
 
 
 def current(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
-    """Return the results that are of scenes as they are now, by driver in the order of the scenes."""
+    """Return the results of the scenes as they are now, sorted by driver and then in the order of the scenes."""
     digests = {scene.id: scene.digest() for scene in scenes}
     order = {name: place for place, name in enumerate(digests)}
     kept = [one for one in drives if digests.get(scene_of(one.scene_id)) == one.made_from]
@@ -48,7 +50,7 @@ class Share(Data):
     n: int = 0
     value: float | None = None
     interval: Bounds | None = None
-    """Resampled over whole paths; with fewer than five, Wilson's over drives."""
+    """Resampled over whole paths; with fewer than five paths, Wilson's interval over drives."""
 
 
 class Pairing(Data):
@@ -61,17 +63,19 @@ class Pairing(Data):
     """Passed in the scene and in its twin."""
     scene_only: int = 0
     twin_only: int = 0
-    """Passed in the twin only: what the hazard cost."""
+    """Passed in the twin only: failures due to the hazard."""
     neither: int = 0
     drives_and_passes: Share = Share()
-    """Passed in both, and came at least `HARDLY_DRIVES` of the way in the twin: who stands still passes many
-    scenes, and has no part in this."""
+    """Passed in both, with a progress of at least `HARDLY_DRIVES` in the twin. A driver that stands still passes
+    many
+    scenes but does not count here.
+    """
     progress_lost: Figure = Figure()
-    """Progress in the twin less progress in the scene."""
+    """Progress in the twin minus progress in the scene."""
     brakes_needlessly: Share = Share()
     """Braked harder than 4 m/s^2 in a twin in which keeping the speed is safe."""
     against_rule_based: PairedTest | None = None
-    """`drives_and_passes` compared with the shipped driver's on the same scenes."""
+    """`drives_and_passes` compared with the rule-based driver's on the same scenes."""
 
 
 class DriveRow(Data):
@@ -82,34 +86,36 @@ class DriveRow(Data):
     driver: str
     items: Literal["scenes", "twins"]
     n: int
-    """Drives, failed ones included."""
+    """Number of drives, including failed ones."""
     failed: int
-    """Drives that did not run; they are in no other figure."""
+    """Drives that did not run; excluded from all other figures."""
     passed: int
     collisions: int
     """Drives that ended in a collision."""
     off_road: int
     shares: dict[str, Share] = {}
-    """Of the drives that ran: `passed`, `collisions`, `off_road`, and `critical`, in which the time to collision
-    fell below `CRITICAL_TTC_S`."""
+    """Shares of the drives that ran: `passed`, `collisions`, `off_road` and `critical` (a collision, or a time to
+    collision below `CRITICAL_TTC_S`).
+    """
     means: dict[str, Figure] = {}
-    """`min_ttc_s`, `min_headway_s`, `median_headway_s`, `progress` (1 is keeping the first speed all the
-    time), `peak_deceleration` (m/s^2), `peak_jerk` (m/s^3)."""
+    """Means of `min_ttc_s`, `min_headway_s`, `median_headway_s`, `progress` (1 is keeping the initial speed
+    throughout), `peak_deceleration` (m/s^2) and `peak_jerk` (m/s^3).
+    """
     paired: Pairing | None = None
-    """For scenes: with the twins."""
+    """The comparison with the twins; for the row of the scenes only."""
 
 
 class DriveBoard(Data):
-    """Every driver of a study."""
+    """The results of every driver of a study."""
 
     noun: ClassVar[str] = "drive board"
 
     rows: tuple[DriveRow, ...] = ()
-    """Scenes and twins of every driver, the best first by `drives_and_passes`."""
+    """The rows of every driver, for scenes and twins, best first by `drives_and_passes`."""
     paths: int = 0
 
     def of(self, driver: str, items: Literal["scenes", "twins"] = "scenes") -> DriveRow | None:
-        """Return one row."""
+        """Return the row of one driver, or `None`."""
         return next((r for r in self.rows if (r.driver, r.items) == (driver, items)), None)
 
     @property
@@ -131,12 +137,12 @@ MEANS = (
 def drive_board(
     results: Iterable[DriveResult], scenarios: Iterable[Scenario] = (), *, seed: int = 0
 ) -> DriveBoard:
-    """Work out what drives come to; intervals resample whole paths.
+    """Return the results of every driver, with intervals that resample whole paths.
 
     Args:
-        results: Of any drivers, on scenes and twins; failed ones included.
-        scenarios: They say which path a scene belongs to; without them it is read off the scene's id.
-        seed: Of the resampling.
+        results: Results of any drivers, on scenes and twins, including failed ones.
+        scenarios: The scenarios, which give the path of each scene; without them the scene's id gives it.
+        seed: Seed of the resampling.
     """
     paths = {one.id: " > ".join(one.path) for one in scenarios}
     grouped: dict[str, list[DriveResult]] = {}
@@ -163,7 +169,7 @@ def drive_board(
 
 
 def remarks(board: DriveBoard) -> list[str]:
-    """Say in sentences which figures must not be taken for skill."""
+    """Return sentences that name the figures that do not show skill."""
     said = []
     for driver in board.drivers:
         scenes, twins = board.of(driver), board.of(driver, "twins")
@@ -185,7 +191,7 @@ def _rank(row: DriveRow) -> float:
 
 
 def _sound(drives: Sequence[DriveResult]) -> dict[str, bool]:
-    """Tell of every scene with a twin whether it was passed by who also drives on ordinary roads."""
+    """Return, for every scene with a twin, whether the driver passed both and made progress in the twin."""
     twins = {scene_of(one.scene_id): one for one in drives if one.is_twin and one.status == "ok"}
     found = {}
     for one in drives:
@@ -297,7 +303,7 @@ class _Sums:
     def _resampled(
         self, drives: Sequence[DriveResult], values: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64] | None, int]:
-        """Return [r] resampled means, where there are paths enough, and the number of paths."""
+        """Return [r] resampled means, or `None` with too few paths, and the number of paths."""
         clusters = [self.path(one) for one in drives]
         units = len(set(clusters))
         if units < FEWEST_CLUSTERS:

@@ -19,35 +19,35 @@ Mask = NDArray[np.bool_]
 Level = Literal["class", "family", "path"]
 
 CAUTIOUS = frozenset(("stop", "emergency_brake", "pull_over"))
-"""Actions that nobody needs on a road on which keeping the speed is safe."""
+"""Actions that are needless on a road where keeping the speed is safe."""
 
 
 @dataclass(frozen=True, eq=False)
 class Items:
-    """What is asked about: every scene and twin that ran, with its path and safe set."""
+    """The items of a study: every scene and twin that ran, with its path and safe set."""
 
     episodes: Sequence[Episode]
     index: Mapping[str, int]
     """Row of every scene id."""
     leaves: Sequence[str]
     clusters: Sequence[str]
-    """The path of every item; a twin belongs to its scene's."""
+    """The path of every item; a twin has its scene's path."""
     levels: Mapping[Level, Sequence[str]]
-    """Label of every item at each level of the tree."""
+    """The label of every item at each level of the tree."""
     is_scene: Mask
     safe: Floats
-    """[n] safe actions."""
+    """[n] number of safe actions."""
     unsafe: Floats
-    """[n] actions that can be executed and are not safe."""
+    """[n] number of actions that can be executed and are unsafe."""
     has_actions: Mask
     chance: Floats
-    """[n] chance that a random one of all actions on offer is safe; 0 without any."""
+    """[n] probability that an action drawn at random from those offered is safe; 0 if none are offered."""
     keeping_is_safe: Mask
-    """Items in which keeping the speed is safe with enough margin."""
+    """[n] items in which keeping the speed is safe with enough margin."""
 
     @classmethod
     def of(cls, episodes: Sequence[Episode], scenarios: Iterable[Scenario]) -> Self:
-        """Set up the items of a study; failed episodes are none."""
+        """Return the items of a study; failed episodes are skipped."""
         ran = [episode for episode in episodes if episode.status == "ok"]
         known = {scenario.id: scenario for scenario in scenarios}
         sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
@@ -90,11 +90,11 @@ class Items:
         return self.is_scene & (self.safe > 0) & (self.unsafe > 0)
 
     def count(self, mask: Mask) -> int:
-        """Return how many items a mask holds."""
+        """Return the number of items in a mask."""
         return int(mask.sum())
 
     def chance_over(self, mask: Mask) -> float | None:
-        """Return what a random action scores on some items."""
+        """Return the mean score of a random action over the items in a mask; `None` if it is empty."""
         return float(self.chance[mask].mean()) if mask.any() else None
 
     def parent(self, level: Level, row: int) -> str:
@@ -105,38 +105,38 @@ class Items:
         return family or self.levels["class"][row]
 
     def leaf_of(self, scene: str) -> str:
-        """Return the leaf that a scene realises; empty where it is not known."""
+        """Return the leaf that a scene realises; for an unknown scene, the prefix of its id."""
         row = self.index.get(scene)
         return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
 
     def order(self, actions: Iterable[str]) -> list[str]:
-        """Sort actions as they are offered; unknown ones come last."""
+        """Sort actions in the order in which they are offered, unknown ones last."""
         known = list(actions)
         return [*(a for a in ACTIONS if a in known), *sorted(a for a in known if a not in ACTIONS)]
 
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """What one answerer said, as [n] columns; not-a-number where there is no answer."""
+    """The answers of one answerer as [n] columns; NaN marks a missing answer."""
 
     was_asked: Mask
     called: Floats
-    """1 where it was called out of the ordinary."""
+    """1 if the item was called out of the ordinary."""
     p_ood: Floats
     stated: Mask
-    """A confidence came with the answer."""
+    """True if a confidence came with the answer."""
     open: Floats
     closed: Floats
     safe: Floats
     success: Floats
     cautious: Floats
-    """1 where the action was one of `CAUTIOUS`."""
+    """1 if the action is one of `CAUTIOUS`."""
     scorer: Sequence[str | None]
-    """[n] who scored the open aspect, empty for the matcher; `None` where there was none to score."""
+    """[n] the judge that scored the open aspect; empty for the matcher, `None` if there was nothing to score."""
 
     @classmethod
     def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
-        """Fill in the verdicts of one answerer; those on unknown items are left out."""
+        """Return the verdicts of one answerer as columns; those on unknown items are skipped."""
         n = len(items.episodes)
         columns = np.full((7, n), np.nan)
         asked, stated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
@@ -165,33 +165,33 @@ class Sheet:
         return cls(asked, called, p_ood, stated, named, chosen, safe, success, cautious, scorer)
 
     def right(self, task: str, items: Items) -> Floats:
-        """Return 1 where the answer in a task is right, 0 where it is wrong."""
+        """Return [n] 1 if the answer in a task is right, 0 if it is wrong, NaN if it is missing."""
         if task == "detection":
             return np.where(items.is_scene, self.called, 1.0 - self.called)
         values: Floats = {"open": self.open, "closed": self.closed, "control": self.safe}[task]
         return np.where(items.is_scene, values, np.nan)
 
     def unanswered(self, task: str, items: Items) -> Mask:
-        """[n] Tell where it was asked in a task and gave no answer."""
+        """[n] Return whether the item was asked about in a task and got no answer."""
         mask = np.ones_like(items.is_scene) if task == "detection" else items.is_scene
         return mask & self.was_asked & ~np.isfinite(self.right(task, items))
 
     def scored_unlike(self, other: Self) -> Mask:
-        """[n] Tell where both have an open aspect, and it was not the same who scored it."""
+        """[n] Return whether both have an open aspect and different judges scored them."""
         pairs = zip(self.scorer, other.scorer, strict=True)
         return np.array([None not in (a, b) and a != b for a, b in pairs], np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One ratio of sums over some items: values above, ones (or a maximum) below."""
+    """A ratio of two sums over some items: the values, divided by the count or by a maximum."""
 
     values: Floats
-    """[n]; not-a-number where there is no answer."""
+    """[n] numerators; NaN marks a missing answer."""
     mask: Mask
     """[n] the items that count."""
     most: Floats | None = None
-    """[n] what every item adds below; 1 if left out."""
+    """[n] denominator of every item; 1 if left out."""
     is_there: Mask = field(init=False)
     above: Floats = field(init=False)
     below: Floats = field(init=False)

@@ -1,4 +1,4 @@
-"""Reference answerers: what stubbornness, chance, guessing, looking and knowing score.
+"""Reference answerers: the scores of constant, random, blind, novelty-based and all-knowing answers.
 
 They carry `kind = "reference"`, answer a `Case` directly, without prompts, and cost nothing. Every
 leaderboard shows them beside the models: the oracle is the ceiling, the others are floors.
@@ -38,19 +38,19 @@ class Case:
     """One item to be judged, as a reference sees it."""
 
     episode: Episode
-    """With the outcomes: only the oracle may look at them."""
+    """The episode with its outcomes, which only the oracle may use."""
     path: Sequence[str] = ()
     """Labels from the root to the leaf of the scene."""
     leaf: str = ""
     options: Sequence[AspectOption] = ()
-    """Of the closed question, as shown."""
+    """Options of the closed question, as shown."""
     frames: Mapping[str, str] = field(default_factory=dict)
-    """By moment: names of the pictures."""
+    """File names of the pictures, by moment."""
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What a reference says about a case."""
+    """A reference's answers to one case."""
 
     is_ood: bool
     aspect: str = ""
@@ -61,7 +61,7 @@ class Answers:
 
 @runtime_checkable
 class Reference(Protocol):
-    """Answers cases directly."""
+    """An answerer that takes cases instead of prompts."""
 
     name: str
     kind: Literal["reference"]
@@ -72,18 +72,18 @@ class Reference(Protocol):
 
 
 def is_reference(model: LLM) -> bool:
-    """Whether a model is a reference answerer, shipped or registered, and not one to be judged."""
+    """Return whether a model is a reference answerer, built-in or registered."""
     return getattr(model, "kind", "model") == "reference"
 
 
 class _Direct:
-    """A reference that can only be asked about cases."""
+    """A reference that answers cases only."""
 
     kind: ClassVar[Literal["reference"]] = "reference"
     name: str
 
     def complete(self, request: Request) -> Completion:
-        """Refuse a question in words.
+        """Refuse to answer a prompt.
 
         Raises:
             LLMError: Always.
@@ -92,7 +92,7 @@ class _Direct:
 
 
 class Oracle(_Direct):
-    """Knows the truth: right about every aspect, and safe wherever any action is."""
+    """Knows the truth: right about every aspect, and safe if any action is."""
 
     def __init__(self) -> None:
         self.name = "oracle"
@@ -107,14 +107,15 @@ class Oracle(_Direct):
 
 
 class Blind(_Direct):
-    """Is told the questions and no picture, and guesses what is most often right.
+    """Sees the questions but no picture, and gives the answers that are most often right.
 
-    It calls everything OOD with a confidence of one half, names the leaf that is most frequent among the
-    other paths, and chooses the action that is most often safe in the scenes and twins of other paths: what a model
-    could score that has read about the benchmark and never looks.
+    It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, and
+    chooses the action that is most often safe in the scenes and twins of other paths. This is the score within
+    reach
+    of a model that has read about the benchmark and never looks.
 
     Args:
-        episodes: Of the study, for the prior.
+        episodes: Episodes of the study, for the prior.
         leaves: Leaf and its label of every scene, by scene id.
     """
 
@@ -133,7 +134,7 @@ class Blind(_Direct):
             self._count[leaf] += not episode.is_twin
 
     def judge(self, case: Case) -> Answers:
-        """Answer the same everywhere but for what other paths teach."""
+        """Return the same answers everywhere, up to the prior from the other paths."""
         own = self._safe_of.get(case.leaf, Counter())
         action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
@@ -142,20 +143,20 @@ class Blind(_Direct):
 
 
 class Novelty(_Direct):
-    """Looks at the last frame with classical vision: how unlike ordinary frames is it?
+    """Measures the novelty of the last frame with classical vision, without any model.
 
     The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the
-    distance to the nearest ordinary frames; it is fitted to twins on *other maps* only, so neither the
-    scene nor its twin nor its street was seen. A frame whose novelty exceeds the middle one of the
-    ordinary frames, each judged the same way, is called OOD; then it stops, else it keeps its speed.
-    It cannot say what is unusual.
+    distance to the nearest ordinary frames. It is fitted to twins on *other maps* only, so that the
+    scene, its twin and its street are all unseen. A frame is called OOD if its novelty exceeds the median
+    novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the
+    speed. It cannot name what is unusual.
 
     Args:
         pictures: File of the last frame by scene id, of scenes and twins.
         maps: Map by scene id.
 
     Raises:
-        MissingExtra: When OpenCV is not installed.
+        MissingExtra: If OpenCV is not installed.
     """
 
     def __init__(self, pictures: Mapping[str, Path], maps: Mapping[str, str]) -> None:
@@ -181,7 +182,7 @@ class Novelty(_Direct):
             self._share[name] = 0.5 * (below + upto) / len(usual)
 
     def judge(self, case: Case) -> Answers:
-        """Answer from how novel the last frame is."""
+        """Answer from the novelty of the last frame."""
         share = self._share.get(case.episode.scene_id, 0.5)
         is_ood = share > 0.5
         sure = round(share if is_ood else 1.0 - share, 6)
@@ -195,10 +196,10 @@ GRID = (6, 8)
 
 
 def features(picture: Path) -> Features:
-    """Return the features of a picture file: [cells x 9] of Lab means, spreads and edge strengths.
+    """Return the features of a picture file: [cells x 9] Lab means, spreads and edge strengths.
 
     Raises:
-        MissingExtra: When OpenCV is not installed.
+        MissingExtra: If OpenCV is not installed.
     """
     try:
         import cv2
@@ -219,7 +220,7 @@ def features(picture: Path) -> Features:
 
 
 def _distances(seen: Features, ordinary: Features, nearest: int = 5) -> Features:
-    """Return the mean distance to the nearest ordinary rows, features scaled by their spread."""
+    """Return the mean distance to the nearest ordinary rows, with features scaled by their spread."""
     scale = ordinary.std(axis=0) + 1.0
     a, b = seen / scale, ordinary / scale
     square = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * a @ b.T

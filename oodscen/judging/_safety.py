@@ -1,4 +1,4 @@
-"""Safe sets: which actions are safe where, the best of them, and what chance is worth."""
+"""Safe sets: the safe actions of each scene, the best of them, and the score of a random choice."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,10 +8,11 @@ from oodscen.data._base import Data
 from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
 
 ENOUGH_M = 0.5
-"""A gap from which on an action is safe with enough margin, m; what passes in the next lane is some 1 m away."""
+"""The smallest gap with enough margin, m. A vehicle passing in the next lane is about 1 m away."""
 ENOUGH_TTC_S = 1.5
-"""Least time to collision from which on an action is safe with enough margin, s: below it a conflict counts as
-serious (van der Horst and Hogema, "Time-to-collision and collision avoidance systems", 1993)."""
+"""The smallest time to collision with enough margin, s. Below it a conflict is serious (van der Horst and Hogema,
+"Time-to-collision and collision avoidance systems", 1993).
+"""
 INTERVENTIONS = (
     "keep_speed",
     "slow_down",
@@ -21,21 +22,23 @@ INTERVENTIONS = (
     "pull_over",
     "emergency_brake",
 )
-"""The actions by how much they interfere with the drive, the least first; what is not listed comes last."""
+"""The actions from the least to the most intrusive; unlisted actions come last."""
 
 
 def has_enough_margin(outcome: ActionOutcome) -> bool:
-    """Whether an action was safe and stayed at least `ENOUGH_M` and `ENOUGH_TTC_S` from everything."""
+    """Return whether an action was safe and kept a margin of `ENOUGH_M` and `ENOUGH_TTC_S` to everything."""
     is_near = outcome.margin_m is not None and outcome.margin_m < ENOUGH_M
     is_soon = outcome.min_ttc_s is not None and outcome.min_ttc_s < ENOUGH_TTC_S
     return outcome.safe and not (is_near or is_soon)
 
 
 def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
-    """Return the best of the safe actions; `None` where no action is safe.
+    """Return the best of the safe actions; `None` if no action is safe.
 
-    Those with enough margin come first (`has_enough_margin`). Among these the least intervention is
-    best (`INTERVENTIONS`), then the gentler braking; without any, the larger gap, then the least intervention.
+    Actions with enough margin come first (`has_enough_margin`); among them the least intrusive is best
+    (`INTERVENTIONS`), then the one with gentler braking. If no action has enough margin, the largest gap wins,
+    then
+    the least intrusive action.
     """
     ranked = []
     for index, (name, outcome) in enumerate(_in_order(outcomes)):
@@ -51,48 +54,48 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
 
 
 def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
-    """Return the chance that one of the actions on offer, drawn at random, is safe."""
+    """Return the probability that an action drawn at random from those offered is safe."""
     if not outcomes:
         return None
     return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
 
 
 class ActionSafety(Data):
-    """How one action fares over many scenes."""
+    """The outcomes of one action over many scenes."""
 
     noun: ClassVar[str] = "action safety"
 
     safe: float
-    """Share of the scenes in which it is safe."""
+    """Share of the scenes in which the action is safe."""
     unsafe: float
-    """Share in which it can be executed and is not safe."""
+    """Share of the scenes in which the action can be executed and is unsafe."""
     unavailable: float
 
 
 class SafetyFigures(Data):
-    """What the safe sets of a study say about its scenes as a test of drivers."""
+    """Figures from a study's safe sets that tell how well its scenes test drivers."""
 
     noun: ClassVar[str] = "safety figures"
 
     n: int
-    """Episodes that ran."""
+    """Number of episodes that ran."""
     decidable: float | None = None
-    """Share in which some action is safe and some other is not."""
+    """Share of the episodes in which one action is safe and another is not."""
     base_rate: float | None = None
-    """Mean chance that a random action is safe."""
+    """Mean probability that a random action is safe."""
     actions: dict[str, ActionSafety] = {}
     all_safe: tuple[str, ...] = ()
     """Scenes in which every action that can be executed is safe: any driver passes."""
     none_safe: tuple[str, ...] = ()
-    """Scenes in which no action is safe: no driver passes."""
+    """Scenes in which no action is safe: every driver fails."""
     with_followers: int = 0
-    """Episodes with somebody close behind the ego, whom the front camera never shows."""
+    """Episodes with an actor close behind the ego, which the front camera never shows."""
     restaged: dict[str, str] = {}
-    """Scenes that were re-staged, and how."""
+    """Re-staged scenes, each with the change that was made."""
 
 
 def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
-    """Summarise the safe sets of the episodes that ran; give scenes or twins, not both."""
+    """Return a summary of the safe sets of the episodes that ran; pass scenes or twins, not both."""
     ran = [episode for episode in episodes if episode.status == "ok" and episode.actions]
     if not ran:
         return SafetyFigures(n=0)

@@ -1,7 +1,7 @@
 """Metrics of sets of texts: OOD-ness against a baseline, and diversity.
 
-`Metrics(encoder, baseline)` computes both in the definition that the paper prints and in the one that
-its table fits; `docs/metrics.md` sets them side by side.
+`Metrics(encoder, baseline)` computes both by two definitions: the one that the paper prints, and the one
+that fits its table. `docs/metrics.md` compares them.
 """
 
 from oodscen.metrics._detection.calibration import Calibration

@@ -1,4 +1,4 @@
-"""A text cut into clauses, so that an event is not blended with where it happens."""
+"""Splits a text into clauses, so that an event is scored apart from its setting."""
 
 import re
 
@@ -11,10 +11,10 @@ _MOST = 64
 
 
 def clauses(text: str) -> tuple[str, ...]:
-    """Cut a text at punctuation and before conjunctions; parts of one word are dropped.
+    """Split a text at punctuation and before conjunctions; parts of one word are dropped.
 
     Returns:
-        At least one and at most 64 parts; the text itself where nothing can be cut.
+        At least one and at most 64 parts; the text itself if it cannot be split.
     """
     parts = [part.strip(" .,;:?!\t\n") for part in _CUT.split(text)]
     found = tuple(part for part in parts if len(part.split()) > 1)

@@ -4,15 +4,15 @@ Source: the paper's section Metrics: `div = -sim`, where `sim` is the mean over 
 cosine between text j and any other text. Two definitions are computed:
 
     nearest     -mean_j max_{k != j} cos(e_j, e_k)     as printed
-    pairwise    -mean_{j < k} cos(e_j, e_k)            what the paper's table fits
+    pairwise    -mean_{j < k} cos(e_j, e_k)            the one that fits the paper's table
 
-Both lie in [-1, 1]; higher is more diverse; -1 means that all texts are the same. The nearest text
-comes closer with every text that is added, so `nearest` falls as a set grows, and the paper's values
-(-0.635, -0.638, -0.642 for 10, 100 and 1000 texts) do not. `pairwise` does not depend on the size on
-average. Sets of different size must not be compared by `nearest`: `Metrics.compare` draws equal sizes.
+Both lie in [-1, 1]; higher is more diverse; -1 means that all texts are equal. Every added text can
+only bring the nearest text closer, so `nearest` falls as a set grows, but the paper's values
+(-0.635, -0.638, -0.642 for 10, 100 and 1000 texts) hardly do. `pairwise` does not depend on the size on
+average. Never compare sets of different size by `nearest`: `Metrics.compare` draws equal sizes.
 
-What fools it: near-duplicates (one copy per text makes `nearest` -1 while `pairwise` hardly moves), a
-common opening phrase (lowers both), and text about anything else (raises both).
+Pitfalls: near-duplicates (one copy per text makes `nearest` -1 while `pairwise` hardly moves), a
+common opening phrase (lowers both), and off-topic text (raises both).
 """
 
 from typing import ClassVar
@@ -26,7 +26,7 @@ from oodscen.statistics._resampling import Interval, bootstrap_mean, bootstrap_p
 
 
 class Diversity(Data):
-    """The diversity of a set of texts. See `oodscen.metrics._diversity` for formulas and traps."""
+    """The diversity of a set of texts; `oodscen.metrics._diversity` explains formulas and pitfalls."""
 
     noun: ClassVar[str] = "diversity"
 
@@ -35,28 +35,28 @@ class Diversity(Data):
     pairwise: float | None
     """In [-1, 1], higher is more diverse. `None` for a single text."""
     nearest_interval: Interval | None
-    """Of `nearest`, with each text's neighbour held fixed."""
+    """Interval of `nearest`, with each text's neighbour held fixed."""
     pairwise_interval: Interval | None
     nearest_index: tuple[int, ...]
-    """For each text the place of the text most like it; empty for a single text."""
+    """For each text the index of the most similar text; empty for a single text."""
     n: int = Field(ge=1)
     encoder: str
     seed: int = 0
-    """Of the bootstrap."""
+    """Seed of the bootstrap."""
     reason: str = ""
-    """Why there is no value, where there is none."""
+    """The reason why values are missing, if any are."""
 
 
 def diversity(
     vectors: Vectors, encoder: str, clusters: tuple[str, ...] | None = None, *, seed: int = 0
 ) -> Diversity:
-    """Compute both definitions.
+    """Return the diversity by both definitions.
 
     Args:
         vectors: [n, d], rows of unit length or zero.
         encoder: Name of the encoder.
         clusters: [n] labels of texts that belong together, for the intervals.
-        seed: Of the bootstrap.
+        seed: Seed of the bootstrap.
     """
     n = len(vectors)
     if n < 2:
@@ -87,14 +87,14 @@ def diversity(
 
 
 def mean_nearest(vectors: Vectors) -> float:
-    """Return the mean over texts of the largest cosine to another text; at least two rows."""
+    """Return the mean over texts of the largest cosine to another text; needs at least two rows."""
     return float(nearest_other(vectors).cosine.mean())
 
 
 def mean_pairwise(vectors: Vectors) -> float:
-    """Return the mean cosine over all pairs; at least two rows of unit length or zero.
+    """Return the mean cosine over all pairs; needs at least two rows of unit length or zero.
 
-    All cosines of a set sum to the squared length of its sum: no matrix of pairs is built.
+    The cosines of a set sum to the squared length of its sum, so no matrix of pairs is built.
     """
     wide = vectors.astype(np.float64)
     n = len(wide)

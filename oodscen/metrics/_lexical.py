@@ -1,4 +1,4 @@
-"""Measures of the wording of a set: no encoder, and no idea of what the words mean.
+"""Lexical measures of a set: they need no encoder and ignore meaning.
 
     compression_ratio   bytes of the texts, joined by line ends, over their bytes after zlib at level 9. At least
                         about 0.5; higher is more repetitive. Shaib et al., *Standardizing the measurement
@@ -6,7 +6,7 @@
     distinct_n          different word n-grams over all word n-grams. In (0, 1]; higher is more varied. Li et al.,
                         2016. Falls with the size of the set.
 
-What fools them: synonyms and misspellings raise variety, and a thousand events in one frame look repetitive.
+Pitfalls: synonyms and misspellings raise variety, and a thousand events in one frame look repetitive.
 """
 
 import re
@@ -19,13 +19,13 @@ _WORD = re.compile(r"\w+(?:['\u2019-]\w+)*")
 
 
 def compression_ratio(texts: Sequence[str]) -> float:
-    """Return how many times smaller a set becomes by compression."""
+    """Return the factor by which compression shrinks a set."""
     content = "\n".join(check_texts(texts)).encode()
     return len(content) / len(zlib.compress(content, 9))
 
 
 def distinct_n(texts: Sequence[str], n: int = 2) -> float | None:
-    """Return the share of different n-grams of words, without case; `None` where no text has n words."""
+    """Return the share of distinct word n-grams, ignoring case; `None` if no text has n words."""
     total, seen = 0, set()
     for text in check_texts(texts):
         words = _WORD.findall(text.lower())

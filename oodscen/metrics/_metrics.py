@@ -1,4 +1,4 @@
-"""The metrics of the paper over sets of texts."""
+"""The paper's metrics over sets of texts."""
 
 import math
 from collections.abc import Sequence
@@ -44,19 +44,19 @@ Texts = Sequence[str | Scenario]
 
 
 class Metrics:
-    """OOD-ness and diversity of texts, by one encoder and against one baseline.
+    """Computes OOD-ness and diversity of texts with one encoder and against one baseline.
 
-    The formulas, and what fools them, are in `oodscen.metrics._oodness` and `.diversity`. Texts are
-    encoded once each; the baseline is encoded when it is first needed, and its vectors are kept in
-    the user's cache folder for encoders whose name decides their values (`cacheable`).
+    `oodscen.metrics._oodness` and `.diversity` explain the formulas and their pitfalls. Each text is encoded
+    once. The baseline is encoded on first use; its vectors are kept in the user's cache folder if the encoder's
+    name determines its values (`cacheable`).
 
     Args:
         encoder: By default all-MiniLM-L6-v2, as in the paper.
-        baseline: Texts of ordinary driving, by default those that are shipped; or embeddings on disk,
-            from `open_embeddings`, as many as there are.
-        seed: Of every random draw: bootstrap, batches, subsamples.
-        device: Where the nearest baseline texts are looked for: `cpu`; a torch device such as `cuda`;
-            or `auto`, CUDA where there is one. Values agree to 1e-6, not to the last bit.
+        baseline: Texts of ordinary driving, by default the bundled ones; or embeddings on disk of any
+            number, from `open_embeddings`.
+        seed: Seed of every random draw: bootstrap, batches, subsamples.
+        device: Device that searches for the nearest baseline texts: `cpu`; a torch device such as `cuda`;
+            or `auto`, CUDA if available. Values agree to 1e-6, not to the last bit.
     """
 
     def __init__(
@@ -73,16 +73,16 @@ class Metrics:
         self._space = Space(self.encoder, self.baseline, seed, device)
 
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
-        """Return how far texts lie from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
+        """Return the distance of texts from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
 
         Args:
-            texts: At least one; strings or scenarios. Scenarios of one path are resampled together.
+            texts: At least one string or scenario. Scenarios of one path are resampled together.
             definition: `tabulated`; `printed` for equation 1 to the letter; or a detector of
                 `oodscen.metrics._detection.detectors`, on a scale of its own.
 
         Raises:
-            DataError: When there is no text, or one is blank or not a text.
-            EncoderError: When the encoder fails.
+            DataError: If there is no text, or one is blank or not a text.
+            EncoderError: If the encoder fails.
         """
         return self._oodness(check_texts(texts), _paths(texts), definition)
 
@@ -90,8 +90,8 @@ class Metrics:
         """Return how much texts differ from one another, by both definitions.
 
         Raises:
-            DataError: When there is no text, or one is blank or not a text.
-            EncoderError: When the encoder fails.
+            DataError: If there is no text, or one is blank or not a text.
+            EncoderError: If the encoder fails.
         """
         vectors = self._space.vectors(check_texts(texts))
         return diversity(vectors, self.encoder.name, _paths(texts), seed=self.seed)
@@ -106,20 +106,20 @@ class Metrics:
     ) -> Report:
         """Return all figures of a set of texts.
 
-        With them come the checks against what fools them: where the texts lie among held-out baseline texts,
-        whether they can be told from ordinary sentences, and, for all-MiniLM-L6-v2, which of them are not
-        about driving.
+        They come with checks against the known pitfalls: the percentile of the texts among held-out baseline
+        texts,
+        their separation from ordinary sentences, and, for all-MiniLM-L6-v2, the texts that are not about driving.
 
         Args:
-            texts: At least one; strings or scenarios.
-            groups: One label per text, by default the path of a scenario. Texts of a group are
-                resampled together, since they resemble one another, and get a mean of their own.
-            definition: Of OOD-ness, or a detector.
+            texts: At least one string or scenario.
+            groups: One label per text, by default the path of a scenario. Texts of a group resemble one
+                another, so they are resampled together; each group also gets its own mean.
+            definition: A definition of OOD-ness, or a detector.
             checks: Whether to make the checks; without them only the texts and the baseline are encoded.
 
         Raises:
-            DataError: When there is no text, one is blank, or `groups` has another length.
-            EncoderError: When the encoder fails.
+            DataError: If there is no text, one is blank, or `groups` has another length.
+            EncoderError: If the encoder fails.
         """
         plain = check_texts(texts)
         clusters = tuple(groups) if groups is not None else _paths(texts)
@@ -145,31 +145,31 @@ class Metrics:
         )
 
     def off_topic(self, texts: Texts, threshold: float = THRESHOLD) -> OffTopicFlags:
-        """Return which texts are not about driving a car; see `oodscen.metrics._detection.guard`.
+        """Return the texts that are not about driving a car; see `oodscen.metrics._detection.guard`.
 
         Args:
             texts: At least one.
-            threshold: Lower flags fewer texts.
+            threshold: A lower threshold flags fewer texts.
 
         Raises:
-            DataError: When there is no text, or one is blank or not a text.
+            DataError: If there is no text, or one is blank or not a text.
         """
         finite_number("threshold", threshold)
         return self._space.guard.flags(self._space.vectors(check_texts(texts)), threshold)
 
     def held_out_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
-        """Return the OOD-ness of baseline texts that were held out in groups of like texts, for calibration."""
+        """Return the OOD-ness of baseline texts held out in groups of similar texts, for calibration."""
         return tuple(self._space.held_out_by(definition)[0].tolist())
 
     def control_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
-        """Return the OOD-ness of the shipped ordinary control sentences (*frozen*)."""
+        """Return the OOD-ness of the bundled ordinary control sentences (*frozen*)."""
         return tuple(self._space.control_scores(definition).tolist())
 
     def vectors(self, texts: Texts) -> NDArray[np.float32]:
         """Return the embeddings of texts: [n, d], rows of unit length or zero.
 
         Raises:
-            DataError: When there is no text, or one is blank or not a text.
+            DataError: If there is no text, or one is blank or not a text.
         """
         return self._space.vectors(check_texts(texts))
 
@@ -178,7 +178,7 @@ class Metrics:
         """The embeddings of the baseline's texts: [N, d].
 
         Raises:
-            UsageError: When they are on disk.
+            UsageError: If they are on disk.
         """
         return self._space.whole
 
@@ -192,18 +192,18 @@ class Metrics:
         method: Method = "max-min",
         definition: Measure = "tabulated",
     ) -> Selection:
-        """Choose the n texts that differ most from one another, of those inside a band of OOD-ness.
+        """Return the n texts that differ most from one another, among those inside a band of OOD-ness.
 
         Args:
             texts: Candidates; 100,000 take seconds once they are encoded.
-            n: How many.
+            n: Number of texts to choose.
             low: Lower bound of OOD-ness.
-            high: Upper bound.
+            high: Upper bound of OOD-ness.
             method: `max-min` or `determinantal`; see `oodscen.metrics._selection`.
-            definition: Of OOD-ness.
+            definition: Definition of OOD-ness.
 
         Raises:
-            UsageError: When fewer than n texts lie inside the band.
+            UsageError: If fewer than n texts lie inside the band.
         """
         whole_number("n", n, 1)
         band = self.band(texts, low, high, definition=definition)
@@ -224,7 +224,7 @@ class Metrics:
         )
 
     def variety(self, texts: Texts) -> Variety:
-        """Return further measures of how varied a set is; see `oodscen.metrics._vectors.distances` and `.lexical`."""
+        """Return further measures of variety; see `oodscen.metrics._vectors.distances` and `.lexical`."""
         plain = check_texts(texts)
         vectors = self._space.vectors(plain)
         return Variety(
@@ -240,16 +240,16 @@ class Metrics:
     def distance(
         self, a: Texts, b: Texts | None = None, *, size: int | None = None, repeats: int = 10
     ) -> SetDistance:
-        """Return how far two sets lie from each other as wholes, at equal size.
+        """Return the distance between two sets as a whole, at equal size.
 
         Args:
             a: At least two texts.
-            b: At least two; by default the baseline.
-            size: Texts drawn from each, without replacement; by default all of the smaller.
-            repeats: How often.
+            b: At least two texts; by default the baseline.
+            size: Texts drawn from each set, without replacement; by default the size of the smaller set.
+            repeats: Number of draws.
 
         Raises:
-            UsageError: When a set has fewer than `size` texts, or `size` is below 2.
+            UsageError: If a set has fewer than `size` texts, or `size` is below 2.
         """
         first = self._space.vectors(check_texts(a, "set a"))
         second = self._space.whole if b is None else self._space.vectors(check_texts(b, "set b"))
@@ -281,17 +281,17 @@ class Metrics:
         *,
         definition: Measure = "tabulated",
     ) -> Band:
-        """Keep the texts whose OOD-ness lies in [low, high] (Remark 1 of the paper).
+        """Return the texts whose OOD-ness lies in [low, high] (Remark 1 of the paper).
 
         Args:
             texts: At least one.
             low: Lower bound; `-math.inf` for none.
             high: Upper bound; `math.inf` for none.
-            definition: Of OOD-ness.
+            definition: Definition of OOD-ness.
 
         Raises:
-            UsageError: When the bounds are not numbers in order.
-            DataError: When there is no text, or one is blank or not a text.
+            UsageError: If the bounds are not numbers in order.
+            DataError: If there is no text, or one is blank or not a text.
         """
         for name, bound in (("low", low), ("high", high)):
             if bound not in (-math.inf, math.inf):
@@ -314,12 +314,12 @@ class Metrics:
     def baseline_batch(
         self, size: int = 100, repeats: int = 10, *, definition: Definition = "tabulated"
     ) -> BaselineBatch:
-        """Return what ordinary text scores: random batches of the baseline against its rest.
+        """Return the OOD-ness of ordinary text: random batches of the baseline against the rest of it.
 
         Source: the paper's section on diverse scenario generation (100 texts, 10 repeats).
 
         Raises:
-            UsageError: When the baseline is not larger than a batch.
+            UsageError: If the baseline is not larger than a batch.
         """
         whole_number("size", size, 1)
         whole_number("repeats", repeats, 1)
@@ -351,11 +351,11 @@ class Metrics:
         """Return the diversity of the baseline, by both definitions.
 
         Args:
-            sample: How many of its texts to draw; all by default. Draw as many as the set has that
-                it is compared with, or `nearest` means nothing.
+            sample: Number of its texts to draw; all by default. `nearest` is only comparable with a set of the
+                same size.
 
         Raises:
-            UsageError: When the baseline has fewer texts.
+            UsageError: If the baseline has fewer texts.
         """
         vectors = self._space.whole
         if sample is not None:
@@ -377,23 +377,23 @@ class Metrics:
         paired: bool = False,
         definition: Measure = "tabulated",
     ) -> Comparison:
-        """Compare two sets at equal size: each repeat draws `size` texts from either.
+        """Return a comparison of two sets at equal size: each repeat draws `size` texts from either.
+
+        The p-value is for OOD-ness over all texts: by sign flips for pairs, else by permutation. Whole paths are
+        permuted if all texts are scenarios with a path. Diversity has no test, because its terms share texts.
 
         Args:
             a: At least two texts.
             b: At least two texts.
-            size: Texts drawn from each set, without replacement; by default all of the smaller.
-            repeats: How often.
-            paired: The i-th texts of both belong together (a scenario and its ordinary twin): the test is
-                of their differences, and the same places are drawn from both.
-            definition: Of OOD-ness.
-
-        The p-value is of OOD-ness over all texts: by sign flips for pairs, else by permutation, whole paths
-        at a time where texts are scenarios that have one. Diversity has no test: its terms share texts.
+            size: Texts drawn from each set, without replacement; by default the size of the smaller set.
+            repeats: Number of draws.
+            paired: Whether the i-th texts of both belong together (a scenario and its ordinary twin). If so, the
+                test is of their differences, and the same indices are drawn from both.
+            definition: Definition of OOD-ness.
 
         Raises:
-            DataError: When a set is empty, or a text is blank or not a text.
-            UsageError: When a set has fewer than `size` texts, `size` is below 2, or pairs do not match.
+            DataError: If a set is empty, or a text is blank or not a text.
+            UsageError: If a set has fewer than `size` texts, `size` is below 2, or pairs do not match.
         """
         sets = (check_texts(a, "set a"), check_texts(b, "set b"))
         drawn = self._size(len(sets[0]), len(sets[1]), size, repeats)
@@ -477,7 +477,7 @@ class Metrics:
         )
 
     def _calibration(self, oodness: Oodness) -> Calibration | None:
-        """Place a set among held-out texts, where the baseline has texts to hold out."""
+        """Return where a set lies among held-out texts, if the baseline has texts to hold out."""
         if not isinstance(self.baseline, Baseline) or len(self.baseline) < 2:
             return None
         return calibrate(oodness.per_text, *self._space.held_out_by(oodness.definition))
@@ -507,7 +507,7 @@ def _as_baseline(
 
 
 def _paths(texts: Texts) -> tuple[str, ...] | None:
-    """Return the paths that cluster a set, if all of it are scenarios that have one."""
+    """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
     paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None
 
@@ -536,6 +536,6 @@ def _contrast(a: np.ndarray, b: np.ndarray) -> Contrast:
 def _per_path(
     differences: NDArray[np.float64], paths: tuple[str, ...] | None
 ) -> NDArray[np.float64]:
-    """Return one mean difference per path; each as it is where there are none."""
+    """Return one mean difference per path; without paths, the differences as they are."""
     member = members(len(differences), paths)
     return np.bincount(member, weights=differences) / np.bincount(member)

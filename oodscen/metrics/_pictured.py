@@ -1,7 +1,7 @@
-"""What pictures of the metrics show, as plain data: further scores, curves of size, a map.
+"""The data behind the report's pictures of the metrics: further scores, curves over the size, a map.
 
-`picture_data` computes it once, with the texts at hand, so that a report needs neither an encoder nor the
-baseline to be drawn.
+`picture_data` computes them while the texts are available, so that drawing a report needs neither an encoder
+nor the baseline.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.metrics._vectors.similarity import Vectors
 
 BEST: Final[Measure] = "events"
-"""The detector that tells the controls apart best; see `docs/metrics.md`."""
+"""The detector that separates the controls best; see `docs/metrics.md`."""
 
 _SHOWN = 400
 _SIZES = 9
@@ -27,10 +27,10 @@ _REPEATS = 8
 
 
 def picture_data(metrics: Metrics, sets: Mapping[str, Sequence[str | Scenario]]) -> dict[str, Any]:
-    """Compute what the report's pictures of the metrics need.
+    """Return the data for the report's pictures of the metrics.
 
     Args:
-        metrics: With a baseline of texts.
+        metrics: Metrics with a baseline of texts.
         sets: Sets of texts by name, at least one text each.
 
     Returns:

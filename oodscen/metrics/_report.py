@@ -1,4 +1,4 @@
-"""What `Metrics` returns besides OOD-ness and diversity."""
+"""The results of `Metrics` other than OOD-ness and diversity."""
 
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
@@ -17,25 +17,25 @@ from oodscen.statistics._resampling import Interval
 class Band(Data):
     """The texts of a set whose OOD-ness lies between two bounds (Remark 1 of the paper).
 
-    The upper bound keeps out what is too far-fetched, the lower one what is too ordinary.
+    The upper bound excludes far-fetched texts, the lower bound ordinary ones.
     """
 
     noun: ClassVar[str] = "band"
 
     low: float | None
-    """`None` where there is no lower bound."""
+    """`None` without a lower bound."""
     high: float | None
-    """`None` where there is no upper bound."""
+    """`None` without an upper bound."""
     texts: tuple[str, ...]
-    """Those inside, bounds included, in their order."""
+    """The texts inside the band, bounds included, in their order."""
     indices: tuple[int, ...]
-    """Their places in the set."""
+    """Their indices in the set."""
     scores: tuple[float, ...]
     """OOD-ness of every text of the set."""
     below: int
-    """How many texts are more ordinary than `low`."""
+    """Number of texts that are more ordinary than `low`."""
     above: int
-    """How many texts are further out than `high`."""
+    """Number of texts that are further out than `high`."""
 
 
 class GroupScore(Data):
@@ -48,10 +48,11 @@ class GroupScore(Data):
 
 
 class ControlCheck(Data):
-    """A set's OOD-ness against that of the shipped ordinary control sentences (*frozen*).
+    """A set's OOD-ness against that of the bundled ordinary control sentences (*frozen*).
 
-    They are worded as scenario authors word theirs and tell of nothing unusual. A set whose AUROC is near 0.5
-    cannot be told from them by this measure, however far from the baseline it lies.
+    These are worded like the texts of scenario authors and describe nothing unusual. If a set's AUROC is near
+    0.5,
+    this measure cannot tell the set from them, however far from the baseline it lies.
     """
 
     noun: ClassVar[str] = "control check"
@@ -60,13 +61,13 @@ class ControlCheck(Data):
     """OOD-ness of the ordinary controls."""
     n: int
     auroc: Auroc
-    """Ordinary controls against the set."""
+    """AUROC of the set against the ordinary controls."""
 
 
 class Report(Data):
-    """All figures of one set of texts, with what is needed to repeat them.
+    """All figures of one set of texts, with the data needed to reproduce them.
 
-    Reads like a mapping too: `report["oodness"]["mean"]`, `dict(report)`.
+    Can also be read like a mapping: `report["oodness"]["mean"]`, `dict(report)`.
     """
 
     noun: ClassVar[str] = "metrics report"
@@ -82,19 +83,19 @@ class Report(Data):
     baseline: str
     """Name of the baseline."""
     baseline_digest: str
-    """SHA-256 of its texts."""
+    """SHA-256 of the baseline's texts."""
     seed: int
-    """Of the bootstrap."""
+    """Seed of the bootstrap."""
     groups: dict[str, GroupScore] = Field(default_factory=dict)
-    """By path, where the texts have one."""
+    """Scores by path, if the texts have one."""
     calibration: Calibration | None = None
-    """OOD-ness among that of held-out baseline texts, by the same definition or detector."""
+    """OOD-ness relative to held-out baseline texts, by the same definition or detector."""
     control: ControlCheck | None = None
     """The set against ordinary sentences in the controls' style."""
     off_topic: OffTopicFlags | None = None
-    """Texts that are not about driving a car; see `oodscen.metrics._detection.guard` for how often it errs."""
+    """Texts that are not about driving a car; see `oodscen.metrics._detection.guard` for the error rates."""
     band: Band | None = None
-    """The filter that the texts passed, where one was asked for; `n` counts what is inside."""
+    """The filter that the texts passed, if one was requested; `n` counts the texts inside."""
 
     def __str__(self) -> str:
         oodness, diversity = self.oodness, self.diversity
@@ -149,14 +150,14 @@ def _range(found: Auroc) -> str:
 class BaselineBatch(Data):
     """OOD-ness of random batches of the baseline against the rest of it.
 
-    The paper's reference for what ordinary text scores (-0.953 there): near-duplicates in the
+    This is the paper's reference for the score of ordinary text (-0.953 there). Near-duplicates in the
     baseline push it towards -1.
     """
 
     noun: ClassVar[str] = "baseline batch"
 
     mean: float
-    """Over the repeats."""
+    """Mean over the repeats."""
     spread: float
     """Standard deviation over the repeats; 0 for one repeat."""
     per_repeat: tuple[float, ...]
@@ -182,13 +183,13 @@ class Contrast(Data):
     low: float
     """2.5 % of the differences over the subsamples."""
     high: float
-    """97.5 % of them. How much the draw matters; not a confidence interval."""
+    """97.5 % of the differences. Shows the effect of the draw; not a confidence interval."""
     p_value: float | None = None
-    """Of OOD-ness alone: two-sided, by permutation; by sign flips if the sets are matched pairs."""
+    """For OOD-ness only: two-sided, by permutation, or by sign flips if the sets are matched pairs."""
 
 
 class Comparison(Data):
-    """Two sets of texts compared at equal size, by repeated subsampling."""
+    """A comparison of two sets of texts at equal size, by repeated subsampling."""
 
     noun: ClassVar[str] = "comparison"
 
@@ -198,7 +199,7 @@ class Comparison(Data):
     n_a: int
     n_b: int
     is_paired: bool = False
-    """The i-th texts of both belong together: the test is of their differences."""
+    """True if the i-th texts of both belong together; the test is of their differences."""
     oodness: Contrast
     nearest: Contrast
     """Diversity by the nearest text."""
@@ -210,7 +211,7 @@ class Comparison(Data):
     N: int = 0
     """Number of baseline texts."""
     definition: Measure = "tabulated"
-    """Of OOD-ness."""
+    """Definition of OOD-ness."""
 
     def __str__(self) -> str:
         lines = [
@@ -230,19 +231,19 @@ class Comparison(Data):
 
 
 class Selection(Data):
-    """The most diverse texts of many; see `oodscen.metrics._selection`."""
+    """The most diverse texts among the candidates; see `oodscen.metrics._selection`."""
 
     noun: ClassVar[str] = "selection"
 
     texts: tuple[str, ...]
-    """In the order of their choice: the first n of a longer selection are the same."""
+    """The texts in the order of their selection; a longer selection starts with the same texts."""
     indices: tuple[int, ...]
-    """Their places among the candidates."""
+    """Their indices among the candidates."""
     method: str
     low: float | None
     high: float | None
     inside: int
-    """How many candidates lie inside the band."""
+    """Number of candidates inside the band."""
     candidates: int
 
 
@@ -260,12 +261,12 @@ class Variety(Data):
     """Higher is more repetitive."""
     distinct_1: float | None
     distinct_2: float | None
-    """Share of different words, and of pairs of words, in (0, 1]."""
+    """Share of distinct words, and of distinct pairs of words, in (0, 1]."""
     encoder: str
 
 
 class SetDistance(Data):
-    """How far two sets lie from each other as wholes; means over draws of equal size."""
+    """The distance between two sets as a whole; means over draws of equal size."""
 
     noun: ClassVar[str] = "distance of two sets"
 
@@ -274,7 +275,7 @@ class SetDistance(Data):
     mmd_spread: float
     """Standard deviation over the draws."""
     frechet: float
-    """Comparable at the same `size` alone."""
+    """Fréchet distance; comparable at the same `size` only."""
     frechet_spread: float
     size: int
     repeats: int

@@ -1,4 +1,4 @@
-"""Scoring a file of texts: what the command `oodscen score` does."""
+"""Scores a file of texts; implements the command `oodscen score`."""
 
 from pathlib import Path
 
@@ -21,21 +21,21 @@ def score_file(
     definition: Definition = "tabulated",
     seed: int = 0,
 ) -> Report:
-    """Read texts from a file and report their OOD-ness and diversity.
+    """Return the OOD-ness and diversity of the texts in a file.
 
     Args:
         path: Plain lines, JSON lines with `text` (and `path` or `leaf`, if known), a JSON list, or
             CSV with a column `text`.
-        baseline: A file of the same kinds, or a baseline; by default the one that is shipped.
+        baseline: A baseline, or a file in one of these formats; by default the bundled baseline.
         encoder: By default all-MiniLM-L6-v2.
         band: Bounds of OOD-ness; only the texts inside are reported.
-        definition: Of OOD-ness.
-        seed: Of the bootstrap.
+        definition: Definition of OOD-ness.
+        seed: Seed of the bootstrap.
 
     Raises:
-        DataError: When a file cannot be read, or a line has no text.
-        UsageError: When no text lies inside the band.
-        EncoderError: When the encoder fails.
+        DataError: If a file cannot be read, or a line has no text.
+        UsageError: If no text lies inside the band.
+        EncoderError: If the encoder fails.
     """
     records = read_records(path)
     reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline
@@ -61,17 +61,17 @@ def table_of_file(
     encoder: Encoder | None = None,
     seed: int = 0,
 ) -> Table:
-    """Read texts from a file and compute the paper's table for them.
+    """Return the paper's table for the texts in a file.
 
     Args:
         path: As for `score_file`.
-        baseline: Likewise, e.g. DriveLM's `v1_1_train_nus.json`.
+        baseline: As for `score_file`, e.g. DriveLM's `v1_1_train_nus.json`.
         encoder: By default all-MiniLM-L6-v2.
-        seed: Of the draws.
+        seed: Seed of the draws.
 
     Raises:
-        DataError: When a file cannot be read, or a line has no text.
-        EncoderError: When the encoder fails.
+        DataError: If a file cannot be read, or a line has no text.
+        EncoderError: If the encoder fails.
     """
     texts = [record.text for record in read_records(path)]
     reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline

@@ -1,17 +1,19 @@
-r"""Choosing the n most diverse of many texts, inside a band of OOD-ness.
+r"""Selection of the n most diverse of many texts, inside a band of OOD-ness.
 
-    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor of 2 of
-                    the best smallest distance (Gonzalez, 1985). Seeks the rim: outliers come first.
+    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor of 2
+    of
+                    the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
     determinantal   greedy maximum a posteriori of a determinantal point process with the cosines as kernel: the
                     next text adds most volume (Chen, Zhang and Zhou, *Fast greedy MAP inference for
-                    determinantal point process*, 2018). Spans directions; among as many texts as dimensions,
-                    then it falls back to max-min.
+                    determinantal point process*, 2018). Spans directions; once as many texts as dimensions
+                    are chosen, it falls back to max-min.
 
-Both are deterministic: the first text is the one farthest from the mean of all, and of equals the first in order.
+Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the first in
+order.
 Time grows with n times the number of candidates, memory with the number of candidates times the smaller of n
 and d. Duplicates of a chosen text are taken last.
 
-What fools them: off-topic text and gibberish are the most diverse of all. Set a band, and the guard, first.
+Pitfall: off-topic text and gibberish are the most diverse of all. Apply a band, and the guard, first.
 """
 
 from typing import Literal
@@ -27,15 +29,15 @@ _GONE = np.float32(1e-5)
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
-    """Return the places of n rows that differ most from one another, in the order of their choice.
+    """Return the indices of the n rows that differ most from one another, in the order of their selection.
 
     Args:
         vectors: [m, d], rows of unit length or zero.
-        n: How many, at most m.
+        n: Number of rows to choose, at most m.
         method: `max-min` or `determinantal`.
 
     Raises:
-        UsageError: When there are fewer rows, or no such method.
+        UsageError: If there are fewer rows, or no such method.
     """
     if not 0 < n <= len(vectors):
         raise UsageError(f"{n} texts cannot be chosen from {len(vectors)}")
@@ -49,7 +51,7 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
 
 
 def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
-    """Add to the chosen rows those that lie farthest from them."""
+    """Return the chosen rows followed by those that lie farthest from them, n in all."""
     found = list(chosen)
     near = np.full(len(rows), -np.inf, np.float32)
     for place in found:
@@ -64,10 +66,10 @@ def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
 
 
 def _spanning(rows: Vectors, first: int, n: int) -> list[int]:
-    """Choose rows by the volume that each adds, until none adds any.
+    """Return rows chosen by the volume that each adds, until none adds any.
 
-    The rest of every row, without what the chosen ones span, has the length that a Cholesky factor of the kernel
-    has on its diagonal: directions of d values take the place of its columns of m.
+    The residual of every row, after projecting out the chosen rows, has the length that a Cholesky factor of the
+    kernel has on its diagonal. Directions of d values thus replace its columns of m values.
     """
     most = min(n, rows.shape[1])
     left = np.square(rows).sum(axis=1)
@@ -77,7 +79,7 @@ def _spanning(rows: Vectors, first: int, n: int) -> list[int]:
     while len(found) < most and left[place] > _GONE:
         own = rows[place].astype(np.float64)
         known = directions[: len(found)].astype(np.float64)
-        # Twice, since one pass of Gram and Schmidt loses what is nearly spanned.
+        # Twice, because one Gram-Schmidt pass loses rows that are nearly spanned.
         own -= known.T @ (known @ own)
         own -= known.T @ (known @ own)
         length = float(np.linalg.norm(own))

@@ -1,4 +1,4 @@
-"""The table of the paper, both definitions of either figure side by side."""
+"""The paper's table, with both definitions of each figure side by side."""
 
 from collections.abc import Sequence
 from typing import ClassVar
@@ -27,7 +27,7 @@ class TableRow(Data):
 
 
 class Table(Data):
-    """What the paper tabulates, for texts and a baseline of one's own."""
+    """The paper's table for any texts and baseline."""
 
     noun: ClassVar[str] = "table"
 
@@ -57,12 +57,12 @@ def paper_table(
     sizes: Sequence[int] = SIZES,
     repeats: int = 10,
 ) -> Table:
-    """Compute the paper's table: batches of the baseline, and random draws of the texts by size.
+    """Return the paper's table: batches of the baseline, and random draws of the texts by size.
 
     Args:
-        metrics: With the baseline to measure against.
+        metrics: Metrics with the baseline to measure against.
         texts: The scenarios; all of them make the last row.
-        sizes: Of the draws; those above the number of texts are left out.
+        sizes: Sizes of the draws; sizes above the number of texts are left out.
         repeats: Draws per size, as in the paper; figures are their means.
     """
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]

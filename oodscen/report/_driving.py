@@ -23,7 +23,7 @@ _HEADS = (
 
 
 def part(study: Study, found: Material) -> Markup:
-    """Show what `oodscen drive` left in `drives.jsonl`; nothing without it."""
+    """Show the results of `oodscen drive` in `drives.jsonl`; empty without that file."""
     if not found.drives:
         return Markup("")
     seed = found.config.get("seed")
@@ -83,7 +83,7 @@ def _row(board: DriveBoard, row: DriveRow) -> Markup:
 
 
 def _pairs(board: DriveBoard) -> Markup:
-    """Say how every driver fared in the scene and in its twin."""
+    """Describe the results of every driver in the scenes and in their twins."""
     lines = []
     for row in board.rows:
         pair = row.paired

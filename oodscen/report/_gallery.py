@@ -1,6 +1,6 @@
-"""The scenes as one JSON document, from which the page's script builds what is looked at.
+"""The scenes as one JSON document, from which the page's script builds the gallery.
 
-Only plain values go in: texts are shown as texts by the script, addresses are checked here.
+It holds plain values only: the script inserts texts as text, and addresses are checked here.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -22,17 +22,17 @@ from oodscen.report._load import Material, by_key, number
 
 _STAGES = {"scenarios": "text", "scenes": "staging", "episodes": "simulation"}
 _LONGEST = 4_000
-"""Characters of one answer that the page shows; the whole is in the study's files."""
+"""Longest answer on the page, in characters; the study's files hold it in full."""
 
 Row = dict[str, Any]
 
 
 def payload(found: Material, folder: Path) -> Row:
-    """Return everything that the page's script knows about the scenes.
+    """Return the data about the scenes for the page's script.
 
     Args:
         found: The study.
-        folder: Where its frames lie.
+        folder: Folder of the study, which holds its frames.
     """
     scenarios = by_key(found.scenarios, lambda row: row.id)
     scenes = by_key(found.scenes, lambda row: row.id)
@@ -87,7 +87,7 @@ def payload(found: Material, folder: Path) -> Row:
 
 
 def choice(episode: Episode) -> str:
-    """Say whether the choice of action matters: `mixed`, `all` safe, `none` safe, or empty."""
+    """Return which available actions are safe: `mixed`, `all`, `none`, or empty if none is available."""
     available = [outcome.safe for outcome in episode.actions.values() if not outcome.unavailable]
     if not available:
         return ""
@@ -97,7 +97,7 @@ def choice(episode: Episode) -> str:
 
 
 def conditions(weather: Weather) -> list[str]:
-    """Return under which words a weather is found in the filter."""
+    """Return the filter terms that match a weather."""
     found = ["night" if weather.sun_elevation_deg <= -6 else "twilight" if weather.sun_elevation_deg < 3 else "day"]  # fmt: skip
     if weather.fog_visual_range_m < 1_000:
         found.append("fog")
@@ -123,7 +123,7 @@ def _models(verdicts: Sequence[Verdict]) -> dict[str, int]:
 
 
 def _leaves(found: Material) -> tuple[dict[str, tuple[str, ...]], set[str]]:
-    """Return the paths of the simulatable tree in order, and which the paper attests."""
+    """Return the paths of the simulatable tree in order, and the leaves that the paper attests."""
     tree = found.trees.get("simulatable")
     if tree is None:
         return {}, set()
@@ -146,7 +146,7 @@ def _twin(
     folder: Path,
     answers: Mapping[str, list[Row]],
 ) -> Row | None:
-    """Return the ordinary twin of a scene, where it was simulated."""
+    """Return the ordinary twin of a scene, if it was simulated."""
     twin = twin_id(name)
     episode = episodes.get(twin)
     if episode is None and twin not in failed:
@@ -164,7 +164,7 @@ def _twin(
 
 
 def _shown(name: str, scene: Scene | None, episode: Episode | None, folder: Path) -> Row:
-    """Return what a scene looks like and what came of every action."""
+    """Return the appearance of a scene and the outcome of every action."""
     names = {actor.id: words.plain(actor.asset) for actor in scene.actors} if scene else {}
     return {
         "map": words.plain(scene.map) if scene else "",
@@ -198,7 +198,7 @@ def _frames(episode: Episode | None, folder: Path) -> list[Row]:
 
 
 def _times(episode: Episode) -> Mapping[str, str]:
-    """Return when the frames were taken: at the start, half way, and at the decision."""
+    """Return the times of the frames: at the start, halfway, and at the decision."""
     if episode.decision_s is None or episode.dt <= 0:
         return {}
     steps = round(episode.decision_s / episode.dt)
@@ -244,7 +244,7 @@ def _sketch(sketch: Sketch, names: Mapping[str, str]) -> Row:
 
 
 def _answer(verdict: Verdict, model: int) -> Row:
-    """Return what one answerer said about one item; references are kept short."""
+    """Return the answers of one answerer about one item; those of references are abridged."""
     row: Row = {
         "model": model,
         "outcome": _outcome(verdict),
@@ -282,7 +282,7 @@ def _cut(text: str) -> str:
 
 
 def _scores(found: Material) -> dict[str, tuple[float, str]]:
-    """Return OOD-ness and nearest ordinary text by scenario, where scores and texts agree."""
+    """Return OOD-ness and nearest ordinary text by scenario, if scores and texts match."""
     values = measures.scores(found.metrics, "simulatable")
     if len(values) != len(found.scenarios):
         return {}

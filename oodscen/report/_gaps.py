@@ -1,4 +1,4 @@
-"""Parts of the page about what is left to be found, and what would bring pruned paths back."""
+"""Parts of the page about kinds still to be found and about restoring pruned paths."""
 
 from markupsafe import Markup
 
@@ -12,7 +12,7 @@ _MOST_ADDITIONS = 15
 
 
 def saturation_part(study: Study, found: Material) -> Markup:
-    """Draw how many new kinds the rounds of red teaming brought, and estimate what is left."""
+    """Draw the new kinds found by the rounds of red teaming, and estimate those left."""
     chart = saturation_chart(estimates := saturation(found.rounds))
     if not chart:
         return Markup("")
@@ -28,7 +28,7 @@ def saturation_part(study: Study, found: Material) -> Markup:
 
 
 def restoration_part(study: Study, found: Material) -> Markup:
-    """Rank the single additions to the catalogue by how many pruned paths each brings back."""
+    """Rank the single additions to the catalogue by the number of pruned paths each restores."""
     ranking = restoration(found.decisions)
     labels = {one.id: one.path[-1] if one.path else one.id for one in found.decisions}
     rows = restoration_rows(ranking, labels, limit=_MOST_ADDITIONS)

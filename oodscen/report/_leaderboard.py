@@ -1,4 +1,4 @@
-"""Which model to trust with what: the leaderboard as the page shows it."""
+"""The leaderboard as the page shows it: which model to trust with which task."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ from oodscen.report._charts import svg as charts
 from oodscen.report._load import Material
 
 _MOST_TYPES = 20
-"""With more paths than these the charts are drawn by family."""
+"""With more paths than this the charts group by family."""
 _MOST_SERIES = 5
 _TOP_CONFUSIONS = 8
 
@@ -36,7 +36,7 @@ _ENDINGS = {
     "unasked": "not asked",
     "error": "failed",
 }
-"""Outcomes of judging in words, with a count before them."""
+"""Words for the outcomes of judging, shown after a count."""
 
 _CONSTANT = "constant:"
 
@@ -57,10 +57,10 @@ class Cell:
     count: str = ""
     bounds: str = ""
     how: str = ""
-    """How the interval was found."""
+    """The method behind the interval."""
     chart: str = ""
     worst: str = ""
-    """What it would be if every missing answer were wrong; empty where none is missing."""
+    """The figure with every missing answer counted as wrong; empty if none is missing."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Line:
     d_prime: Cell
     open: Cell
     open_shown: Cell
-    """Under the paper's protocol, of the scenes whose frames show the hazard."""
+    """Under the paper's protocol, over the scenes whose frames show the hazard."""
     closed: Cell
     safe: Cell
     collision_free: Cell
@@ -87,14 +87,14 @@ class Line:
     needless: Cell
     asked: int
     silent: str
-    """Outcomes other than answers, counted."""
+    """Counts of the outcomes other than answers."""
     contradictions: int
     outdated: int
 
 
 @dataclass(frozen=True)
 class Confused:
-    """What one model took for what."""
+    """The confusions of one model."""
 
     model: str
     chart: Markup
@@ -132,7 +132,7 @@ def context(found: Material) -> dict[str, Any]:
 
 
 def _scorers(board: Leaderboard) -> str:
-    """Say who scored the aspects in own words, and how often the judge could not."""
+    """Describe who scored the aspects in own words, and how many the judge could not score."""
     if not board.judge:
         return "Aspects in own words are scored by the documented matcher, in every row."
     judge = board.judge.rpartition("@")[0]
@@ -155,7 +155,7 @@ def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
 
 
 def _without_repeats(board: Leaderboard) -> list[Standing]:
-    """Return the rows of task 1: constants differ in their action only, and are one row there."""
+    """Return the rows of task 1, with one row for all constants, which differ in their action only."""
     rows: list[Standing] = []
     alike: list[Standing] = []
     for row in board.standings:
@@ -291,7 +291,7 @@ def _p(value: float) -> str:
 
 
 def _series(board: Leaderboard) -> list[Standing]:
-    """Return whom the charts show: the models, or without any the references that differ most."""
+    """Return the rows that the charts show: the models, or without any the most different references."""
     models = [row for row in board.standings if row.kind == "model"]
     if models:
         return models[:_MOST_SERIES]
@@ -335,7 +335,7 @@ def _bar(rate: Rate | None) -> bars.Bar | None:
 
 
 def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material) -> list[Confused]:
-    """Return what models took for what, by the level of the charts."""
+    """Return the confusions of the models, at the level of the charts."""
     level = _level(board)
     labels = {s.leaf: _label(s.path, level) for s in found.scenarios}
     leaf_of = {s.id: s.leaf for s in found.scenarios}

@@ -1,4 +1,4 @@
-"""Read whatever a study holds so far: unfinished, torn or malformed parts become gaps in words."""
+"""Reads a study, even an unfinished one: missing, torn or malformed parts become notes about gaps."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -26,7 +26,7 @@ _CREDENTIALS = re.compile(r"(://)[^/@\s]+@")
 
 
 class Failure(NamedTuple):
-    """One item that failed, in whatever stage."""
+    """One item that failed, in any stage."""
 
     stage: str
     """The table: `scenes`, `episodes` ..."""
@@ -47,7 +47,7 @@ class Material:
     scenes: list[Scene] = field(default_factory=list)
     episodes: list[Episode] = field(default_factory=list)
     whole: list[Episode] = field(default_factory=list)
-    """Episodes of the paper's protocol, where it was used."""
+    """Episodes of the paper's protocol, if it was used."""
     verdicts: list[Verdict] = field(default_factory=list)
     drives: list[DriveResult] = field(default_factory=list)
     restagings: list[dict[str, Any]] = field(default_factory=list)
@@ -58,7 +58,7 @@ class Material:
     metrics: dict[str, Any] = field(default_factory=dict)
     failures: list[Failure] = field(default_factory=list)
     gaps: dict[str, str] = field(default_factory=dict)
-    """By file name: why it is missing here, wholly or in part."""
+    """By file name: the reason why it is missing, wholly or in part."""
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -67,7 +67,7 @@ class Material:
 
 
 def read(study: Study) -> Material:
-    """Read a study; nothing that is wrong with it raises."""
+    """Return the material of a study; never raises for a fault in the study."""
     store = study.store
     found = Material()
     found.info = _object(store, "study.json", found)
@@ -101,7 +101,7 @@ def mapping(value: object) -> Mapping[str, Any]:
 
 
 def dig(value: object, *keys: str) -> Any:
-    """Follow keys through nested mappings; `None` where one is missing."""
+    """Return the value under nested keys; `None` if one is missing."""
     for key in keys:
         value = mapping(value).get(key)
     return value
@@ -116,9 +116,9 @@ def number(value: object, *keys: str) -> float | None:
 
 
 def printable(value: Any) -> Any:
-    """Replace what no page can show (lone surrogates, control characters), in nested data.
+    """Return nested data with unprintable characters replaced (lone surrogates, control characters).
 
-    Credentials inside addresses are blanked too.
+    Credentials in URLs are removed too.
     """
     if isinstance(value, str):
         return _CREDENTIALS.sub(r"\1", _UNPRINTABLE.sub("\ufffd", value))
@@ -173,7 +173,7 @@ def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Ro
 
 
 def _optional(store: Store, name: str, kind: type[Row], found: Material) -> list[Row]:
-    """Read a file that most studies do not have."""
+    """Return the rows of a file that most studies do not have."""
     if not store.has(name):
         return []
     lines = _parsed(_lines(store, name, found), kind, name, found)
@@ -189,7 +189,7 @@ def _texts(store: Store, size: str, found: Material) -> list[Scenario]:
 def _parsed(
     lines: Iterable[dict[str, Any]], kind: type[Row], name: str, found: Material
 ) -> Iterator[Row | dict[str, Any]]:
-    """Yield rows; a line that stands for a failed item stays plain data."""
+    """Yield rows; a line for a failed item stays plain data."""
     bad: list[str] = []
     for line in lines:
         if line.get("status") == "failed" and "status" not in kind.model_fields:
@@ -205,7 +205,7 @@ def _parsed(
 
 
 def _lines(store: Store, name: str, found: Material) -> Iterator[dict[str, Any]]:
-    """Yield the objects in a file of lines; a torn last line is one that is being written."""
+    """Yield the objects in a file of lines; a torn last line is still being written."""
     content = _bytes(store, name, found)
     if content is None:
         return
@@ -238,5 +238,5 @@ def _first(error: DataError) -> str:
 
 
 def by_key(rows: Iterable[Row], key: Callable[[Row], str]) -> dict[str, Row]:
-    """Index rows by a key; the last of equal keys wins."""
+    """Return rows by a key; the last of equal keys wins."""
     return {key(row): row for row in rows}

@@ -1,4 +1,4 @@
-"""The metric tables: what `metrics.json` says, beside what the paper reports."""
+"""The metric tables: the figures of `metrics.json` beside the paper's."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from oodscen.report._load import dig, mapping, number
 
 @dataclass(frozen=True)
 class Figure:
-    """One number with what is known about its uncertainty, ready to be printed."""
+    """One number and its uncertainty, formatted for print."""
 
     value: str = ""
     bounds: str = ""
@@ -36,7 +36,7 @@ class MeasureRow:
 
 @dataclass(frozen=True)
 class Example:
-    """One text with its score and the ordinary text that is nearest to it."""
+    """One text with its score and the nearest ordinary text."""
 
     text: str
     oodness: str
@@ -53,12 +53,12 @@ class Examples:
 
 
 def label_of(name: str) -> str:
-    """Name a set of texts."""
+    """Return the displayed name of a set of texts."""
     return f"Diverse tree, {name} texts" if name.isdigit() else "Simulatable tree, all texts"
 
 
 def set_names(metrics: Mapping[str, Any]) -> list[str]:
-    """Return the names of the sets that were measured: by size, the simulatable one last."""
+    """Return the names of the measured sets: by size, the simulatable one last."""
     names = [str(name) for name in mapping(metrics.get("sets"))]
     return sorted(names, key=lambda name: (not name.isdigit(), int(name) if name.isdigit() else 0))
 
@@ -104,7 +104,7 @@ def rows(metrics: Mapping[str, Any]) -> list[MeasureRow]:
 
 
 def margins(metrics: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return how far the OOD-ness of every set lies above or below that of ordinary driving itself."""
+    """Return the OOD-ness of every set relative to that of ordinary driving itself."""
     ordinary = number(metrics, "baseline_batch", "mean")
     found = []
     for name in set_names(metrics):
@@ -116,7 +116,7 @@ def margins(metrics: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def chart(metrics: Mapping[str, Any]) -> Markup:
-    """Draw the OOD-ness of every text, one strip per set; empty where nothing was measured."""
+    """Draw the OOD-ness of every text, one strip per set; empty if nothing was measured."""
     strips = []
     for name in set_names(metrics):
         values = scores(metrics, name)
@@ -141,7 +141,7 @@ def scores(metrics: Mapping[str, Any], name: str) -> list[float]:
 
 
 def neighbours(metrics: Mapping[str, Any], name: str) -> list[str]:
-    """Return for every text of a set the nearest baseline text; empty where that is not known."""
+    """Return the nearest baseline text of every text of a set; empty if unknown."""
     found = dig(metrics, "sets", name, "oodness", "nearest")
     return [str(dig(item, "text") or "") for item in found] if isinstance(found, list) else []
 
@@ -149,7 +149,7 @@ def neighbours(metrics: Mapping[str, Any], name: str) -> list[str]:
 def examples(
     metrics: Mapping[str, Any], sets: Mapping[str, Sequence[Scenario]], count: int = 4
 ) -> list[Examples]:
-    """Return the ends of every set whose scores and texts belong together."""
+    """Return the most ordinary and most unusual texts of every set whose scores match its texts."""
     found = []
     for name in set_names(metrics):
         texts, values = sets.get(name, ()), scores(metrics, name)

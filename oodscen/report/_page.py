@@ -1,4 +1,4 @@
-"""Assemble what the page says: plain values for the template, no markup."""
+"""Assembles the content of the page: plain values for the template, no markup."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from oodscen.study import Study
 
 _SHOWN_FAILURES = 200
 _OPEN_FAILURES = 12
-"""With more of them the list is folded."""
+"""With more failures than this the list is folded."""
 _STAGES = {
     "redteam": "rounds of red teaming",
     "pruned": "prunings",
@@ -35,13 +35,13 @@ _STAGES = {
 
 @dataclass(frozen=True)
 class Counts:
-    """The numbers that the summary is made of."""
+    """The numbers behind the summary."""
 
     scenes: int
     ran: int
     """Episodes that ended."""
     failed: int
-    """Items of any stage that failed; a model without an answer is none."""
+    """Items of any stage that failed; a model without an answer does not count."""
     unanswered: int
     """Items that a model left without a usable answer."""
     mixed: int
@@ -52,12 +52,12 @@ class Counts:
 
 @dataclass(frozen=True)
 class Followed:
-    """Scenes with, or without, somebody close behind the ego."""
+    """Scenes with, or without, an actor close behind the ego."""
 
     is_followed: bool
     n: int
     safe: Mapping[str, int]
-    """In how many scenes each way of braking is safe."""
+    """Number of scenes in which each way of braking is safe."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def context(study: Study, found: Material) -> dict[str, Any]:
 
 
 def _followed(episodes: Sequence[Episode]) -> list[Followed]:
-    """Return how braking ends with and without somebody close behind."""
+    """Return the outcomes of braking with and without an actor close behind."""
     rows = []
     for is_followed in (True, False):
         some = [one for one in episodes if bool(one.followers) is is_followed]
@@ -160,7 +160,7 @@ def _followed(episodes: Sequence[Episode]) -> list[Followed]:
 
 
 def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return what can be chosen in each filter."""
+    """Return the options of each filter."""
     rows, paths = scenes["scenes"], [one["path"] for one in scenes["leaves"].values()]
     return {
         "class": sorted({path[0] for path in paths if path}),
@@ -185,7 +185,7 @@ def _counts(found: Material, choices: Sequence[str]) -> Counts:
 
 
 def _summary(found: Material, counts: Counts) -> list[str]:
-    """Say in plain words what was done and what came out, as far as it is known."""
+    """Return plain sentences about what was done and the results, as far as known."""
     sizes = {name: len(tree) for name, tree in found.trees.items()}
     sentences = []
     if "initial" in sizes:
@@ -226,7 +226,7 @@ def _summary(found: Material, counts: Counts) -> list[str]:
 
 
 def _authorship(found: Material) -> list[str]:
-    """Say who wrote the trees, texts and scenes, and who was judged."""
+    """Return sentences that name the authors of trees, texts and scenes, and the judged models."""
     config = found.config
     if not config:
         return ["Which model wrote the trees, texts and scenes is not recorded."]
@@ -258,7 +258,7 @@ def _authorship(found: Material) -> list[str]:
 
 
 def _key_figures(found: Material, counts: Counts) -> list[tuple[str, str]]:
-    """Return label and value of what is worth seeing at once; what is unknown is a dash."""
+    """Return labels and values of the key figures; an unknown value is a dash."""
     dash = "–"
     sizes = [
         str(len(found.trees[n])) if n in found.trees else dash
@@ -337,13 +337,13 @@ def _growth(found: Material) -> Any:
 
 
 def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[Account]:
-    """Sum up the calls per stage, purpose and model, and all of them."""
+    """Return the totals of the calls per stage, purpose and model, and of all calls."""
     rows = sorted(accounts(calls, by=("stage", "purpose", "model")), key=lambda row: row.group)
     return [*rows, account(("all", "", ""), calls)] if len(rows) > 1 else rows
 
 
 def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Flatten what `study.json` says besides the configuration."""
+    """Return the content of `study.json`, without the configuration, as flat pairs."""
     rows: list[tuple[str, str]] = []
 
     def add(prefix: str, value: object) -> None:
@@ -365,7 +365,7 @@ def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _seconds(info: Mapping[str, Any]) -> float | None:
-    """Return how long the run took."""
+    """Return the duration of the run, s."""
     return (
         number(info, "seconds")
         if not mapping(dig(info, "seconds"))

@@ -1,4 +1,4 @@
-"""Scenes in words: weather, places, behaviours, triggers and outcomes as a person would say them."""
+"""Scenes in plain words: weather, places, behaviours, triggers and outcomes."""
 
 from collections.abc import Mapping
 
@@ -24,7 +24,7 @@ BEHAVIOURS = {
     "wobble": "weaves in its lane",
     "drift": "drifts out of its lane",
 }
-"""What an actor does, by behaviour id; other behaviours are called by their id."""
+"""Phrase for an actor's behaviour, by behaviour id; other behaviours are shown by their id."""
 
 _STATES = {
     "brake": "brake lights",
@@ -48,22 +48,22 @@ _UNITS = {
 
 
 def plain(identifier: str) -> str:
-    """Write an id as words."""
+    """Return an id as words."""
     return identifier.replace("_", " ").replace("-", " ").strip() or identifier
 
 
 def amount(value: float) -> str:
-    """Write a quantity with no more digits than it needs, with a true minus sign."""
+    """Return a quantity as text, with as few digits as needed and a true minus sign."""
     return f"{value:.3g}".replace("-", "\N{MINUS SIGN}") if abs(value) < 1000 else f"{value:.0f}"
 
 
 def speed(value: float) -> str:
-    """Write a speed in m/s with km/h beside it."""
+    """Return a speed in m/s as text, with km/h beside it."""
     return f"{value:.1f} m/s ({value * 3.6:.0f} km/h)"
 
 
 def duration(seconds: float) -> str:
-    """Write a time span."""
+    """Return a time span as text."""
     if seconds < 10:
         return f"{seconds:.1f} s"
     whole = round(seconds)
@@ -95,7 +95,7 @@ def weather(value: Weather) -> str:
 
 
 def place(value: Placement) -> str:
-    """Describe where an actor starts, as seen from the ego."""
+    """Describe the start position of an actor, as seen from the ego."""
     distance = (
         f"{amount(value.ahead_m)} m ahead"
         if value.ahead_m >= 0
@@ -120,7 +120,7 @@ def place(value: Placement) -> str:
 
 
 def behaviour(value: Behaviour) -> str:
-    """Describe what an actor does, with what parameters, and from when."""
+    """Describe an actor's behaviour, with its parameters and its start."""
     text = BEHAVIOURS.get(value.name, plain(value.name))
     given = [
         f"{plain(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
@@ -134,12 +134,12 @@ def behaviour(value: Behaviour) -> str:
 
 
 def trigger(value: Trigger, ego: str, target: str) -> str:
-    """Describe when something starts.
+    """Describe the condition under which something starts.
 
     Args:
         value: The trigger.
-        ego: What the ego is called.
-        target: What the actor is called that the trigger is measured to, if it names none.
+        ego: Name of the ego.
+        target: Name of the actor that the trigger measures to, if the trigger names none.
     """
     other = value.actor or target
     if value.kind == "time":
@@ -150,18 +150,18 @@ def trigger(value: Trigger, ego: str, target: str) -> str:
 
 
 def called(actor: Actor) -> str:
-    """Name an actor by its asset, and its state where it has one."""
+    """Return an actor's name: its asset, and its state if it has one."""
     if actor.state in ("", "off"):
         return plain(actor.asset)
     return f"{plain(actor.asset)} ({_STATES.get(actor.state, plain(actor.state))})"
 
 
 def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
-    """Describe what came of an action, in a few words.
+    """Describe the outcome of an action in a few words.
 
     Args:
         value: The outcome.
-        names: What the actors are called, by id.
+        names: Names of the actors, by id.
     """
     if value.unavailable:
         return "no such lane"
@@ -180,7 +180,7 @@ def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
 
 
 def measures(value: ActionOutcome) -> str:
-    """Write how close an action came and how hard it was on the passengers."""
+    """Return the time to collision, deceleration and jerk of an action as text."""
     if value.unavailable:
         return ""
     parts = []

@@ -1,4 +1,4 @@
-"""Render the page: escaped by default, sealed by a content security policy."""
+"""Renders the page: escaped by default, sealed by a content security policy."""
 
 import base64
 import hashlib
@@ -26,17 +26,16 @@ FILE = "report.html"
 def write_report(study: Study) -> Path:
     """Write `report.html` into a study's folder and return its path.
 
-    The page needs nothing but itself and, for the pictures, the folder `frames` beside it. Whatever
-    a study does not hold (yet), or holds in a broken form, is said in its place. The same study
-    gives the same bytes.
+    The page needs only itself and, for the pictures, the folder `frames` beside it. Missing or broken
+    parts of the study are replaced by a note. The same study gives the same bytes.
 
     Args:
         study: Finished, unfinished or partly broken.
 
     Raises:
-        FolderTaken: When the folder holds no study, but somebody's file of this name.
-        InUse: When another process writes the study.
-        StudyError: When the page cannot be written.
+        FolderTaken: If the folder holds no study, but a foreign file of this name.
+        InUse: If another process is writing the study.
+        StudyError: If the page cannot be written.
     """
     if FILE in study.own() and not study.store.has("study.json"):
         raise FolderTaken(str(study.folder), [FILE])
@@ -47,7 +46,7 @@ def write_report(study: Study) -> Path:
 
 
 def render(context: dict[str, Any]) -> str:
-    """Fill the template; everything that is not markup made here is escaped."""
+    """Return the filled template; everything that is not markup made here is escaped."""
     style, script = _source("style.css"), _source("script.js")
     return (
         _environment()
@@ -63,7 +62,7 @@ def render(context: dict[str, Any]) -> str:
 
 
 def embedded(value: Any) -> Markup:
-    """Write plain data as JSON that can stand inside a script element, whatever it holds."""
+    """Return plain data as JSON that is safe inside a script element."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     for char in "<>&\u2028\u2029":
         text = text.replace(char, f"\\u{ord(char):04x}")
@@ -90,7 +89,7 @@ def _environment() -> jinja2.Environment:
 
 
 def _breakable(name: str) -> Markup:
-    """Let a long name be broken after its own marks rather than anywhere."""
+    """Return a name with line break opportunities after its punctuation marks."""
     return Markup(re.sub(r"([:_/@])", r"\1<wbr>", str(escape(name))))
 
 
@@ -99,6 +98,6 @@ def _source(name: str) -> str:
 
 
 def _hash(source: str) -> str:
-    """Return what a content security policy calls an inline block by."""
+    """Return the hash that identifies an inline block in a content security policy."""
     digest = hashlib.sha256(source.encode()).digest()
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

@@ -1,4 +1,4 @@
-"""Further parts of the page, each drawn by a function of its own from what a study holds."""
+"""Further parts of the page, each drawn by its own function from the study's data."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -19,14 +19,15 @@ Draw = Callable[[Study, Material], Markup]
 
 
 class Part(NamedTuple):
-    """A place for something that another module draws."""
+    """A part of the page that another module draws."""
 
     place: str
     """Section of the page: `drives`, `undecided`, `metrics`, `growth`, `pruning` or `coverage`."""
     title: str
     draw: Draw
-    """Takes the study and what was read of it, and returns markup (empty where the study has nothing
-    to show). It must escape what models wrote."""
+    """Takes the study and the material read from it, and returns markup (empty if the study has nothing to
+    show). It must escape text from models.
+    """
 
 
 PARTS: tuple[Part, ...] = (
@@ -38,7 +39,7 @@ PARTS: tuple[Part, ...] = (
     Part("pruning", "What another simulator would show", simulators.part),
     Part("coverage", "What the texts and scenes cover", coverage.part),
 )
-"""Every part, in the order in which they are shown."""
+"""Every part, in display order."""
 
 
 class Drawn(NamedTuple):
@@ -50,7 +51,7 @@ class Drawn(NamedTuple):
 
 
 def drawn(study: Study, found: Material) -> dict[str, list[Drawn]]:
-    """Draw every part by place; a file of the study that is broken becomes a note there."""
+    """Draw every part by place; a broken file of the study becomes a note there."""
     places: dict[str, list[Drawn]] = {part.place: [] for part in PARTS}
     for part in PARTS:
         try:

@@ -1,4 +1,4 @@
-"""The part of the page that puts other simulators beside the one of the study."""
+"""The part of the page that compares the study's simulator with others."""
 
 from markupsafe import Markup
 
@@ -17,17 +17,17 @@ _KINDS = {
     "vegetation": "plants or fallen trees",
     "signal": "signals",
 }
-"""Words for what a catalogue has nothing of."""
+"""Names of the kinds that a catalogue lacks entirely."""
 
 
 def part(study: Study, found: Material) -> Markup:
-    """Show what several simulators make of the diverse tree, as `catalogues.json` holds it.
+    """Show which paths of the diverse tree each simulator can simulate, from `catalogues.json`.
 
-    It is what `oodscen prune TREE --catalogue A --catalogue B --json` prints. Where a study holds none,
-    it is said how to get it.
+    `oodscen prune TREE --catalogue A --catalogue B --json` prints that file. If a study lacks it, the page
+    explains how to get it.
 
     Raises:
-        DataError: When the file holds something else.
+        DataError: If the file holds something else.
     """
     if not study.store.has(CATALOGUES):
         return _how(found)
@@ -55,7 +55,7 @@ def _how(found: Material) -> Markup:
 
 
 def _sentence(tally: Tally, first: Tally) -> Markup:
-    """Say what one simulator shows of the tree, and which kinds of things it has nothing of."""
+    """Describe the part of the tree that one simulator shows, and the kinds that it lacks entirely."""
     total = tally.kept + tally.dropped
     text = Markup(
         "<p>Of the {} paths of the diverse tree <bdi>{}</bdi> shows {} and <bdi>{}</bdi> {}; it drops "
@@ -73,7 +73,7 @@ def _sentence(tally: Tally, first: Tally) -> Markup:
 
 
 def _kind(name: str, tally: Tally) -> str:
-    """Name a kind that is absent, and how many paths are dropped that need it."""
+    """Name an absent kind, and the number of dropped paths that need it."""
     ranking = tally.restoration
     needed = sum(one.helps for one in ranking.categories if one.category == name)
     for one in ranking.single:
@@ -106,7 +106,7 @@ def _figures(compared: Comparison) -> Markup:
 
 
 def _dropped(compared: Comparison, number: int) -> Markup:
-    """List what one simulator drops, with the reason, and what the study's own makes of it."""
+    """List the paths that one simulator drops, with the reasons and the study's own decisions."""
     name, first = compared.catalogues[number], compared.catalogues[0]
     lines = [line for line in compared.lines if not line.sides[number].keep]
     if not lines:

@@ -1,4 +1,4 @@
-"""The part of the page about scenes that tell no actions apart: which, and what was tried to mend them."""
+"""The part of the page about undecidable scenes, in which all actions or none are safe, and attempted fixes."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -10,11 +10,11 @@ from oodscen.report._load import Material
 from oodscen.study import Study
 
 _MOST = 200
-"""So many scenes are listed."""
+"""The most scenes that are listed."""
 
 
 def part(study: Study, found: Material) -> Markup:
-    """List the scenes in which every action, or none, is safe; nothing where there is none."""
+    """List the scenes in which every action, or none, is safe; empty if there are none."""
     undecided = [
         one
         for one in found.episodes
@@ -47,7 +47,7 @@ def part(study: Study, found: Material) -> Markup:
 
 
 def _tried(line: Mapping[str, Any] | None) -> Markup:
-    """Say what was tried, put together by why it did not help."""
+    """Describe the attempted fixes, grouped by the reason why they failed."""
     attempts = [one for one in (line or {}).get("tried") or () if isinstance(one, Mapping)]
     if not attempts:
         return Markup('<span class="none">what was tried is not on record</span>')

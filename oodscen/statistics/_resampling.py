@@ -1,4 +1,4 @@
-"""Intervals: bootstrap, over texts or over the paths that texts share, and Wilson's for shares."""
+"""Intervals: bootstrap over texts, or over the paths that texts share, and Wilson's for shares."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -19,8 +19,8 @@ _NORMAL = NormalDist()
 class Interval(Data):
     """A percentile bootstrap interval.
 
-    It says how much the figure would move with another draw of texts (or paths) like these. It does
-    not say anything about the encoder, the baseline or the definition.
+    It shows how much the figure would vary with another draw of similar texts (or paths). It does not
+    cover the choice of encoder, baseline or definition.
     """
 
     noun: ClassVar[str] = "interval"
@@ -30,21 +30,21 @@ class Interval(Data):
     level: float = 0.95
     replicates: int = Field(ge=1)
     units: int = Field(ge=2)
-    """How many texts, or clusters of texts, were resampled."""
+    """Number of resampled texts, or clusters of texts."""
     is_clustered: bool = False
-    """Whole clusters (the texts of one path) were resampled, since they resemble one another."""
+    """True if whole clusters (the texts of one path) were resampled, because their texts resemble one another."""
 
 
 def wilson(hits: float, n: float, *, level: float = 0.95) -> tuple[float, float]:
-    """Return the Wilson score interval of a share; (0, 1) where nothing was counted.
+    """Return the Wilson score interval of a share; (0, 1) if nothing was counted.
 
     Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference,
     JASA 22 (1927).
 
     Args:
-        hits: How many of n; fractional after a correction for clustering.
-        n: Of how many.
-        level: Of confidence.
+        hits: Number of hits; fractional after a correction for clustering.
+        n: Number of trials.
+        level: Confidence level.
     """
     if n <= 0:
         return 0.0, 1.0
@@ -69,12 +69,12 @@ def bootstrap_mean(
     Args:
         values: [n].
         clusters: [n] labels; texts with the same label are drawn together.
-        seed: Of the draws; the same seed gives the same interval.
+        seed: Seed of the draws; the same seed gives the same interval.
         replicates: Number of resampled sets.
         level: Share of the replicates that lie inside.
 
     Returns:
-        `None` where fewer than two units can be drawn.
+        `None` if fewer than two units can be drawn.
     """
     member = members(len(values), clusters)
     units = int(member.max(initial=-1)) + 1
@@ -105,12 +105,12 @@ def bootstrap_pairwise(
     Args:
         vectors: [n, d], rows of unit length or zero.
         clusters: [n] labels; texts with the same label are drawn together.
-        seed: Of the draws.
+        seed: Seed of the draws.
         replicates: Number of resampled sets.
         level: Share of the replicates that lie inside.
 
     Returns:
-        `None` where fewer than two units can be drawn.
+        `None` if fewer than two units can be drawn.
     """
     member = members(len(vectors), clusters)
     units = int(member.max(initial=-1)) + 1
@@ -131,13 +131,13 @@ def bootstrap_pairwise(
             - squared @ np.square(sizes)
             + weights @ (sizes * (sizes - 1))
         )
-        # A replicate that drew one single unit of one text has no pair at all.
+        # A replicate that drew only one unit of a single text has no pairs.
         found.append(total[pairs > 0] / pairs[pairs > 0])
     return _interval(found, level, units, clusters is not None)
 
 
 def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
-    """Return for each of n values the number of its cluster, in order of appearance; or its own."""
+    """Return the cluster number of each of n values, in order of appearance; without clusters, 0 to n - 1."""
     if clusters is None:
         return np.arange(n)
     order: dict[str, int] = {}
@@ -147,7 +147,7 @@ def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
 def _draws(
     units: int, replicates: int, generator: np.random.Generator
 ) -> Iterator[NDArray[np.float64]]:
-    """Yield blocks [b, units] of how often each unit was drawn in each replicate."""
+    """Yield blocks [b, units] with the number of times each unit was drawn in each replicate."""
     step = max(1, _CELLS // units)
     equal = np.full(units, 1.0 / units)
     for done in range(0, replicates, step):

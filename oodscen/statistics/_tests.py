@@ -1,8 +1,8 @@
-"""Intervals and tests for answers that are right or wrong, on items that come in clusters.
+"""Intervals and tests for right or wrong answers on clustered items.
 
-Scenes of one path resemble one another, so ten of them say less than ten scenes of ten paths.
-Everything here that takes `clusters` treats the path, and not the scene, as what was drawn.
-Arrays are [n] or [n, m] float64; a missing value is not-a-number.
+Scenes of one path resemble one another, so ten of them carry less information than ten scenes of ten
+paths. Every function here that takes `clusters` treats the path, not the scene, as the sampled unit.
+Arrays are [n] or [n, m] float64; NaN marks a missing value.
 """
 
 import math
@@ -21,17 +21,17 @@ from oodscen.statistics._resampling import members, wilson
 Floats = NDArray[np.float64]
 
 REPLICATES = 2000
-"""Resampled sets behind a bootstrap interval, and sign flips behind a permutation test."""
+"""Number of resampled sets of a bootstrap interval, and of sign flips in a permutation test."""
 FEWEST_CLUSTERS = 5
-"""With fewer clusters than these a percentile bootstrap is far too narrow; none is given."""
+"""The fewest clusters for a percentile bootstrap; with fewer, it is far too narrow and not computed."""
 
 _NORMAL = NormalDist()
 _EXACT_UP_TO = 12
-"""So many clusters have few enough sign patterns (4,096) to try them all."""
+"""The most clusters whose sign patterns (4,096) are all enumerated."""
 
 
 class Bounds(Data):
-    """A 95 % interval of a figure, and how it was found."""
+    """A 95 % interval of a figure, with the method that produced it."""
 
     noun: ClassVar[str] = "interval"
 
@@ -39,11 +39,11 @@ class Bounds(Data):
     high: float
     method: Literal["wilson", "cluster bootstrap"]
     units: int = Field(ge=1)
-    """What was taken as drawn independently: items (`wilson`) or paths."""
+    """Number of units taken as independent: items (`wilson`) or paths."""
 
 
 class PairedTest(Data):
-    """Whether two answerers differ on the same items."""
+    """The comparison of two answerers on the same items."""
 
     noun: ClassVar[str] = "paired test"
 
@@ -53,21 +53,21 @@ class PairedTest(Data):
     """Items that only the first got right."""
     second_only: int
     difference: float
-    """Share right of the first minus that of the second, on the common items."""
+    """The first's share of right answers minus the second's, on the common items."""
     p_mcnemar: float
     """Mid-p of McNemar's test; takes items as independent."""
     p_exact: float
-    """Of McNemar's exact test: never smaller than mid-p."""
+    """p of McNemar's exact test; never smaller than mid-p."""
     p_clustered: float
-    """Of the permutation test that flips whole paths; the one to trust where paths have several scenes."""
+    """p of the permutation test that flips whole paths; the one to trust if paths have several scenes."""
 
 
 class Resampler:
-    """Draws whole clusters with replacement, the same draws for every figure.
+    """Draws whole clusters with replacement, with the same draws for every figure.
 
     Args:
         clusters: [n] label of every item.
-        seed: Of the draws; the same seed gives the same intervals.
+        seed: Seed of the draws; the same seed gives the same intervals.
         replicates: Number of resampled sets.
     """
 
@@ -87,24 +87,24 @@ class Resampler:
         )
 
     def ratios(self, above: Floats, below: Floats) -> Floats:
-        """Resample sums divided by sums.
+        """Return resampled ratios of sums.
 
         Args:
             above: [n, m]; the figure is the sum of `above` divided by that of `below`.
             below: [n, m].
 
         Returns:
-            [replicates, m]; not-a-number where a replicate drew nothing.
+            [replicates, m]; NaN if a replicate's denominator is zero.
         """
         over, under = self.weights @ self.summed(above), self.weights @ self.summed(below)
         return np.divide(over, under, out=np.full_like(over, np.nan), where=under > 1e-12)
 
     def summed(self, values: Floats) -> Floats:
-        """Sum [n, m] values within clusters: [units, m]."""
+        """Return the sums of [n, m] values within clusters: [units, m]."""
         return self._of @ values
 
     def count(self, is_there: NDArray[np.bool_]) -> int:
-        """Return how many clusters have an item of a mask [n]."""
+        """Return the number of clusters with an item in a mask [n]."""
         return int((np.bincount(self.member, weights=is_there, minlength=1) > 0).sum())
 
 
@@ -126,14 +126,14 @@ def percentiles(found: Floats, units: int, *, level: float = 0.95) -> Bounds | N
 def share_bounds(hits: float, n: int, units: int, found: Floats | None = None) -> Bounds | None:
     """Return the interval of a share.
 
-    The clustered bootstrap where it can be had. It cannot with fewer than `FEWEST_CLUSTERS` paths
-    (then Wilson's, over items), nor where all items agree (then Wilson's, with every path counted
-    as one item: agreement within a path is no further evidence).
+    The clustered bootstrap if possible. With fewer than `FEWEST_CLUSTERS` paths it is Wilson's interval
+    over items instead. If all items agree, it is Wilson's with every path counted as one item, because
+    agreement within a path adds no evidence.
 
     Args:
-        hits: How many were right.
-        n: Of how many.
-        units: Clusters that they belong to.
+        hits: Number of right answers.
+        n: Number of answers.
+        units: Number of clusters that they belong to.
         found: [r] bootstrap replicates.
     """
     if not n:
@@ -149,16 +149,16 @@ def share_bounds(hits: float, n: int, units: int, found: Floats | None = None) -
 def intraclass(values: Floats, clusters: Sequence[str]) -> float | None:
     """Return the intraclass correlation of right and wrong within clusters (one-way ANOVA).
 
-    0 says that items of a path are no more alike than others, 1 that they all come out the same.
+    0 means that items of a path are no more alike than others, 1 that all items of a path agree.
     Source: A. Donner, A review of inference procedures for the intraclass correlation coefficient,
     Int. Stat. Rev. 54 (1986).
 
     Args:
-        values: [n], no missing ones.
+        values: [n], none missing.
         clusters: [n] labels.
 
     Returns:
-        In [0, 1]; `None` where it cannot be told: one cluster, only clusters of one, or no variance.
+        In [0, 1]; `None` if undefined: one cluster, only clusters of one item, or no variance.
     """
     member = members(len(values), clusters)
     units = int(member.max(initial=-1)) + 1
@@ -178,7 +178,7 @@ def mcnemar(first_only: int, second_only: int) -> tuple[float, float]:
     """Return the exact two-sided p of McNemar's test, and its mid-p.
 
     Sources: Q. McNemar, Psychometrika 12 (1947); mid-p: M. W. Fagerland, S. Lydersen, P. Laake,
-    BMC Med. Res. Methodol. 13:91 (2013), who advise it.
+    BMC Med. Res. Methodol. 13:91 (2013), who recommend it.
 
     Args:
         first_only: Items that only the first got right.
@@ -202,13 +202,13 @@ def mcnemar(first_only: int, second_only: int) -> tuple[float, float]:
 def paired(
     first: Floats, second: Floats, clusters: Sequence[str] | None = None, *, seed: int = 0
 ) -> PairedTest:
-    """Compare two answerers on the items that both answered.
+    """Return the comparison of two answerers on the items that both answered.
 
     Args:
-        first: [n] 1 where right, 0 where wrong, not-a-number where there is no answer.
+        first: [n] 1 if right, 0 if wrong, NaN if there is no answer.
         second: [n], in the same order.
-        clusters: [n] labels; every item is its own without them.
-        seed: Of the permutations; with few clusters all are tried and it changes nothing.
+        clusters: [n] labels; without them every item is a cluster of its own.
+        seed: Seed of the permutations; without effect if there are few enough clusters to enumerate all.
     """
     both = np.isfinite(first) & np.isfinite(second)
     one, two = first[both], second[both]
@@ -238,14 +238,14 @@ def sign_flip(
 ) -> float:
     """Return the two-sided p of the paired permutation test that flips whole clusters.
 
-    Where two answerers are alike, swapping their names within a path changes nothing. Up to 12
-    clusters with a difference all patterns are tried; beyond, `replicates` random ones.
+    If two answerers are equally good, swapping their names within a path changes nothing. With up to 12
+    clusters that have a difference, all patterns are enumerated; with more, `replicates` random ones are drawn.
 
     Args:
         gaps: [n] differences.
         clusters: [n] labels.
-        seed: Of the draws.
-        replicates: Random patterns.
+        seed: Seed of the draws.
+        replicates: Number of random patterns.
     """
     sums = np.bincount(members(len(gaps), clusters), weights=gaps) if len(gaps) else np.zeros(0)
     sums = sums[np.abs(sums) > 1e-12]
@@ -261,7 +261,7 @@ def sign_flip(
 
 
 def holm(values: Sequence[float]) -> list[float]:
-    """Return p-values corrected for having made all these comparisons, in the given order.
+    """Return p-values after Holm's correction for multiple comparisons, in the given order.
 
     Source: S. Holm, A simple sequentially rejective multiple test procedure, Scand. J. Stat. 6
     (1979).
@@ -285,19 +285,19 @@ def two_proportions(first: float, n_first: float, second: float, n_second: float
 
 
 def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float | None:
-    """Return d', the distance between how scenes and twins look to an answerer, in deviations.
+    """Return d', the distance between an answerer's responses to scenes and twins, in standard deviations.
 
-    With the log-linear correction (0.5 is added to both counts and 1 to both numbers), so that
-    perfect answers stay finite. Source: M. J. Hautus, Behav. Res. Methods 27 (1995).
+    Uses the log-linear correction (0.5 is added to both counts and 1 to both numbers), which keeps
+    perfect answers finite. Source: M. J. Hautus, Behav. Res. Methods 27 (1995).
 
     Args:
         hits: Scenes that were called out of the ordinary.
-        signals: Scenes.
-        alarms: Twins that were.
-        noises: Twins.
+        signals: Number of scenes.
+        alarms: Twins that were called out of the ordinary.
+        noises: Number of twins.
 
     Returns:
-        0 where scenes and twins are called OOD equally often; `None` without one of them.
+        0 if scenes and twins are called OOD equally often; `None` without scenes or without twins.
     """
     if not signals or not noises:
         return None
@@ -309,12 +309,12 @@ def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float 
 def auroc(
     scores: Floats, is_signal: NDArray[np.bool_], resampler: Resampler | None = None
 ) -> tuple[float, Bounds | None] | None:
-    """Return the area under the ROC curve: how often a scene scores above a twin, ties half.
+    """Return the area under the ROC curve: the probability that a scene scores above a twin, ties half.
 
     Args:
-        scores: [n], higher is more out of the ordinary; not-a-number where none was given.
-        is_signal: [n], scenes and not twins.
-        resampler: Of the same n items; gives the interval.
+        scores: [n], higher is more out of the ordinary; NaN if there is none.
+        is_signal: [n], true for scenes, false for twins.
+        resampler: Resampler of the same n items; gives the interval.
 
     Returns:
         The area and its interval; `None` without scores of both kinds.
@@ -327,7 +327,7 @@ def auroc(
     area = float(above.mean())
     if resampler is None:
         return area, None
-    # Rows and columns summed by cluster: a replicate then costs a small quadratic form.
+    # Rows and columns are summed by cluster, so that a replicate costs only a small quadratic form.
     rows, columns = resampler.member[known & is_signal], resampler.member[known & ~is_signal]
     half = np.zeros((resampler.units, above.shape[1]))
     np.add.at(half, rows, above)
@@ -343,7 +343,7 @@ def auroc(
 
 
 def above_chance(value: float, chance: float) -> float | None:
-    """Return a share corrected for chance: 0 is what chance scores, 1 is perfect, below 0 is worse.
+    """Return a share corrected for chance: 0 is the chance level, 1 is perfect, negative is worse than chance.
 
     Source: the form of J. Cohen's kappa, Educ. Psychol. Meas. 20 (1960).
     """

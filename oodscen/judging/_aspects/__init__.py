@@ -1,1 +1,1 @@
-"""Comparison of an open answer with the aspect that a path is about."""
+"""Scores open answers against the aspect that a path is about."""

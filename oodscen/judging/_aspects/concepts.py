@@ -1,4 +1,4 @@
-"""What a text names: the table of concepts, and where its expressions stand in a text."""
+"""The table of concepts, and the search for its expressions in a text."""
 
 import re
 import tomllib
@@ -9,37 +9,37 @@ from importlib import resources
 from typing import Literal, get_args
 
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
-"""Kinds of concepts, as `concepts.toml` explains them."""
+"""The kinds of concept; `concepts.toml` explains them."""
 
 WIDEST_GAP = 3
-"""How many words "*" in an expression stands for at most."""
+"""The most words that "*" in an expression can match."""
 
 
 @dataclass(frozen=True)
 class Concept:
-    """A line of the table."""
+    """One entry of the table."""
 
     name: str
     kind: Kind
     expressions: tuple[str, ...]
     wider: tuple[str, ...] = ()
-    """Concepts that it is a kind of."""
+    """The broader concepts that this one is a kind of."""
     implied: str = ""
-    """The thing that a state is about where none is named."""
+    """For a state: the thing that it describes when the text names none."""
 
 
 @dataclass(frozen=True)
 class Naming:
-    """What a text names."""
+    """The concepts and words found in a text."""
 
     concepts: tuple[Concept, ...]
-    """In the order of their first words; what is denied is left out."""
+    """Every concept named, ordered by its first word; denied ones are excluded."""
     heads: tuple[Concept, ...]
-    """The things that the text is about: those named before its first preposition, or first act."""
+    """The things that the text is about: those named before its first preposition, state or act."""
     words: tuple[str, ...]
-    """All words, in the form the table has of them."""
+    """All words, normalised to the forms used in the table."""
     rest: tuple[str, ...]
-    """The words that belong to no expression, without prepositions."""
+    """The words outside any expression, without prepositions."""
 
 
 @cache
@@ -47,7 +47,7 @@ def concepts() -> Mapping[str, Concept]:
     """Return the table of concepts, by name.
 
     Raises:
-        ValueError: When a line refers to a concept that is not in the table.
+        ValueError: If an entry refers to a concept that is not in the table.
     """
     source = resources.files("oodscen.judging._aspects").joinpath("concepts.toml")
     table = tomllib.loads(source.read_text(encoding="utf-8"))
@@ -72,7 +72,7 @@ def concepts() -> Mapping[str, Concept]:
 
 @cache
 def widened(name: str) -> frozenset[str]:
-    """Return a concept's name and those of everything that it is a kind of."""
+    """Return the names of a concept and of all its broader concepts."""
     found, ahead = set[str](), [name]
     while ahead:
         one = ahead.pop()
@@ -84,7 +84,7 @@ def widened(name: str) -> frozenset[str]:
 
 @lru_cache(maxsize=4096)
 def named(text: str) -> Naming:
-    """Find what a text names; of expressions that begin at the same word, the longest counts."""
+    """Return what a text names; if several expressions start at the same word, the longest wins."""
     words, parts = _split(text)
     found: list[tuple[int, Concept]] = []
     used: set[int] = set()
@@ -110,7 +110,7 @@ def named(text: str) -> Naming:
 
 
 def _places(expression: Sequence[str], words: Sequence[str], start: int) -> tuple[int, ...]:
-    """Return where the words of an expression stand when it begins at `start`, or nothing."""
+    """Return the positions of an expression's words when it begins at `start`; empty if it does not match."""
     places: list[int] = []
     at, gap = start, 0
     for word in expression:
@@ -128,7 +128,7 @@ def _places(expression: Sequence[str], words: Sequence[str], start: int) -> tupl
 def _denied(
     words: Sequence[str], parts: Sequence[int], used: set[int], starts: Sequence[int]
 ) -> set[int]:
-    """Return where something begins that is denied: "no deer", "a deer is not there"."""
+    """Return the start positions of denied concepts, as in "no deer" or "a deer is not there"."""
     first: dict[int, int] = {}
     wholly: set[int] = set()
     last = {parts[start]: start for start in starts}
@@ -172,7 +172,7 @@ _LINKS = frozenset(
 
 
 def _split(text: str) -> tuple[list[str], list[int]]:
-    """Return a text's words in the table's form, and the number of the part each stands in."""
+    """Return a text's words in the table's form, and the number of the clause that holds each word."""
     text = text.casefold().replace("\u2019", "'").replace("n't", " not").replace("'s", "")
     words: list[str] = []
     parts: list[int] = []
@@ -185,7 +185,7 @@ def _split(text: str) -> tuple[list[str], list[int]]:
 
 @cache
 def _forms() -> Mapping[str, str]:
-    """Return the table's word for each of its forms: "stopping" is "stop"."""
+    """Map every inflected form to the table's word: "stopping" to "stop"."""
     vocabulary = {
         word
         for concept in concepts().values()
@@ -215,12 +215,12 @@ def _inflected(word: str) -> Iterator[str]:
 
 
 _RIGID = frozenset({"stag", "its", "was", "all", "the", "not", "red", "two", "box", "men"})
-"""Words whose forms are other words, or none."""
+"""Words that must not be inflected: their inflected forms are other words, or do not exist."""
 
 
 @cache
 def _index() -> Mapping[str, Sequence[tuple[tuple[str, ...], Concept]]]:
-    """Return the expressions by their first word, the longest first."""
+    """Return the expressions by their first word, longest first."""
     found: dict[str, list[tuple[tuple[str, ...], Concept]]] = {}
     for concept in concepts().values():
         for expression in concept.expressions:

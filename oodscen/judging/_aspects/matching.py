@@ -1,4 +1,4 @@
-"""Whether an open answer names what a path is about: a matcher whose rules anyone can check."""
+"""A rule-based matcher that decides whether an open answer names what a path is about."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -6,31 +6,33 @@ from collections.abc import Iterable, Sequence
 from oodscen.judging._aspects.concepts import Concept, Naming, concepts, named, widened
 
 MOST_THINGS = 6
-"""A list of more parts than this names nothing in particular."""
+"""The most parts an answer may list; a longer list names nothing in particular."""
 
 GENERAL = frozenset({"vehicle", "person"})
-"""Things so common that a mere act of theirs, such as standing, tells nothing."""
+"""Things too common for an ordinary act, such as standing, to single them out."""
 
 
 def names_aspect(aspect: str, path: Sequence[str]) -> bool:
-    """Whether an open answer names what a path is about.
+    """Return whether an open answer names what a path is about.
 
     The leaf's label decides. Both texts are read as concepts of `concepts.toml`: odd and ordinary
-    things, states and acts. The label's heads are the things it is about. An answer is right when
+    things, states and acts. The label's heads are the things it is about. An answer is right in any
+    of these cases:
 
-    1. it is the label itself, or
-    2. it names a head that is odd in itself, or a wider word for it ("an animal" for a dog) and
-       nothing else of that wider kind, or
-    3. it names a head, or a wider or narrower word for it, or leaves the thing out, and also a
-       state of the label ("a car on its roof") or another odd thing of it. If the thing is more
-       than just one of `GENERAL`, a wider state ("stopped" for "broken down"), an act or a place
-       is enough, or
-    4. the label has no state and no other odd thing, and the answer names its head with an act, a
-       place or a word of its own; of places, those of the label count first, or
-    5. the label is made of words that the table does not have, and it names their head word.
+    1. It is the label itself.
+    2. It names a head that is odd in itself, or a broader word for it ("an animal" for a dog) and
+       nothing else of that broader kind.
+    3. It names a head, or a broader or narrower word for it, or omits the thing, and also names a
+       state of the label ("a car on its roof") or another odd thing of the label. If the answer names
+       the thing more precisely than `GENERAL` does, a broader state ("stopped" for "broken down"), an
+       act or a place is enough.
+    4. The label has no state and no other odd thing, and the answer names its head together with an
+       act, a place or another word of the label. For a head in `GENERAL`, it must name a place of
+       the label if the label has any.
+    5. None of the label's words are in the table, and the answer contains the label's head word.
 
-    What is denied does not count, and an answer that lists more than `MOST_THINGS` things names
-    none. Modifiers such as "heavy" and "night" are set aside: alone they make no answer right.
+    Denied concepts do not count, and an answer that lists more than `MOST_THINGS` things matches
+    nothing. Modifiers such as "heavy" and "night" are ignored: alone they make no answer right.
 
     Args:
         aspect: The answer.
@@ -50,7 +52,7 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
 
 
 def _names_oddity(said: Naming, head: Concept) -> bool:
-    """Rule 2: whether an answer names a thing that is odd in itself."""
+    """Rule 2: return whether an answer names a thing that is odd in itself."""
     if head.kind != "odd":
         return False
     if any(head.name in widened(one.name) for one in said.concepts):
@@ -63,7 +65,7 @@ def _names_oddity(said: Naming, head: Concept) -> bool:
 
 
 def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
-    """Rules 3 and 4: whether an answer names a thing with what makes it unusual."""
+    """Rules 3 and 4: return whether an answer names a thing and what makes it unusual."""
     things = _things(said)
     kinds = widened(head.name)
     is_narrow = any(head.name in widened(one.name) for one in things)
@@ -91,25 +93,25 @@ def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
 
 
 ENOUGH_SHARED = 2
-"""So many acts, places and words make up for a thing that is named by a wider word only."""
+"""The number of shared acts, places and words that makes up for naming a thing by a broader word only."""
 
 
 def _is_just(things: Iterable[Concept], head: Concept) -> bool:
-    """Whether a thing of a general kind is named, and not one that is odd in itself."""
+    """Return whether an ordinary thing of the head's kind is named."""
     return any(one.kind == "ordinary" and head.name in widened(one.name) for one in things)
 
 
 def _names_circumstance(
     shared: set[str], mere: set[str], places: set[str], words: set[str], head: Concept
 ) -> bool:
-    """Whether what is shared tells a person or a vehicle from any other."""
+    """Return whether the shared details distinguish this person or vehicle from any other."""
     if places:
         return bool(places & shared) and (head.name == "person" or not mere or bool(mere & shared))
     return bool(shared) or not (mere | words)
 
 
 def _things(said: Naming) -> list[Concept]:
-    """Return the things named; where there are none and no unknown word, those that are implied."""
+    """Return the things named; without any, and without unknown words, the things that states imply."""
     found = [one for one in said.concepts if one.kind in ("odd", "ordinary")]
     is_clear = not telling_words(" ".join(said.rest))
     return found or (_implied(said.concepts) if is_clear else [])
@@ -126,12 +128,12 @@ def _names_state(said: Naming, label: Naming) -> bool:
 
 
 def _implied(found: Iterable[Concept]) -> list[Concept]:
-    """Return the things that states are about though none is named."""
+    """Return the things that the named states describe."""
     return [concepts()[one.implied] for one in found if one.implied]
 
 
 def _names_word(aspect: str, label: str) -> bool:
-    """Rule 5: whether an answer has the last word of the label's first phrase."""
+    """Rule 5: return whether an answer contains the last word of the label's first phrase."""
     phrase = _PHRASE_END.split(label.casefold(), maxsplit=1)[0]
     head = [word for word in re.findall(r"[a-z]+", phrase) if word not in COMMON][-1:]
     return bool(head) and stem(head[0]) in affirmed_words(aspect)
@@ -145,7 +147,7 @@ def _words(text: str) -> list[str]:
 
 
 def affirmed_words(text: str) -> set[str]:
-    """Return the telling words of those parts of a text that deny nothing ("no deer")."""
+    """Return the telling words of the clauses of a text that deny nothing (unlike "no deer")."""
     said: set[str] = set()
     for part in _parts(text):
         if not _DENIAL.search(part):
@@ -165,7 +167,7 @@ def _parts(text: str) -> list[str]:
 
 
 def telling_words(text: str) -> set[str]:
-    """Return the stems of a text's words that are not common in driving texts."""
+    """Return the stems of a text's words, without words that are common in driving texts."""
     words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("bour", "bor"))
     return {stem(word) for word in words if word not in COMMON and len(word) > 2}
 
@@ -178,11 +180,11 @@ COMMON = frozenset(
     another someone something object scene situation across where none
     """.split()
 )
-"""Words that two descriptions share without meaning the same."""
+"""Words too common for a match on them to mean anything."""
 
 
 def stem(word: str) -> str:
-    """Cut the ending off an English word."""
+    """Return an English word without its ending."""
     for ending, rest in _ENDINGS:
         if word.endswith(ending) and len(word) - len(ending) >= 3:
             return _undoubled(word.removesuffix(ending) + rest)
@@ -194,6 +196,6 @@ _ENDINGS = (("ies", "y"), ("ings", ""), ("ing", ""), ("ed", ""), ("es", ""), ("l
 
 
 def _undoubled(word: str) -> str:
-    """Return what the forms of a word share: "stopp" and "stop", "merg" and "merge"."""
+    """Return the common stem of a word's forms: "stopp" and "stop", "merg" and "merge"."""
     is_doubled = len(word) > 3 and word[-1] == word[-2] and word[-1] not in "sl"
     return word[:-1] if is_doubled else word.removesuffix("e")

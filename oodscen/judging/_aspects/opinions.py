@@ -1,4 +1,4 @@
-"""Whether open aspects are right in a judge model's opinion: one question per distinct answer and path."""
+"""Scores open aspects with a judge model, asked once per distinct answer and path."""
 
 import hashlib
 import re
@@ -16,20 +16,20 @@ from oodscen.protocols import LLM
 
 
 class Opinion(Data):
-    """What a judge says about one aspect and one path."""
+    """A judge's opinion on whether one aspect names what one path is about."""
 
     noun: ClassVar[str] = "opinion"
 
     id: str
-    """Of judge, aspect and path: `opinion_id`."""
+    """Identifies the judge, aspect and path; see `opinion_id`."""
     judge: str
-    """`<model>@<prompt version>`."""
+    """The judge, as `<model>@<prompt version>`."""
     aspect: str
     path: tuple[str, ...]
     """Labels from the root to the leaf."""
     status: Literal["ok", "failed"] = "ok"
     is_same: bool | None = None
-    """Whether the aspect names the leaf; `None` where the judge gave no usable answer."""
+    """True if the aspect names the leaf; `None` if the judge gave no usable answer."""
     reasoning: str = ""
     error: str | None = None
     error_type: str = ""
@@ -37,29 +37,29 @@ class Opinion(Data):
 
 
 def judge_label(judge: LLM) -> str:
-    """Return what verdicts call a judge: its name, and the version of its question."""
+    """Return the judge's label in verdicts: its name and the version of its question."""
     return f"{judge.name}@{JudgeAspect.version()}"
 
 
 def is_open(verdict: Verdict) -> bool:
-    """Whether a verdict holds an aspect that somebody has to compare with the path's label."""
+    """Return whether a verdict holds an aspect that must be compared with the path's label."""
     return not verdict.is_twin and verdict.is_ood is True and bool(verdict.aspect.strip())
 
 
 def opinion_id(label: str, aspect: str, path: Sequence[str]) -> str:
-    """Return the id of a judge's opinion: equal answers about equal paths are judged once."""
+    """Return the id of a judge's opinion; equal answers about equal paths share one."""
     return hashlib.sha256(canonical_json([label, aspect, list(path)]).encode()).hexdigest()[:20]
 
 
 def opinion(judge: LLM, aspect: str, path: Sequence[str]) -> Opinion:
     """Ask a judge whether an aspect names what a path is about.
 
-    An aspect that repeats the leaf's label word for word names it, and is not asked about. A judge that
-    gives no usable answer leaves a failed opinion, not an exception.
+    An aspect that repeats the leaf's label word for word names it, so the judge is not asked. If the judge gives
+    no usable answer, the opinion is marked as failed and no exception is raised.
 
     Args:
-        judge: Whom to ask.
-        aspect: What was answered.
+        judge: The judge model.
+        aspect: The answer to score.
         path: Labels from the root to the leaf.
     """
     label = judge_label(judge)
@@ -95,10 +95,10 @@ def rescored(
     """Return a verdict with its open aspect scored by a judge, or by the matcher without one.
 
     Args:
-        verdict: Of a model or a reference, on a scene or a twin.
+        verdict: The verdict of a model or a reference, on a scene or a twin.
         path: Labels from the root to the leaf of its scene.
-        opinions: By id.
-        label: Of the judge; empty for the matcher alone.
+        opinions: The judge's opinions, by id.
+        label: The judge's label; empty for the matcher alone.
     """
     if not is_open(verdict):
         return verdict

@@ -1,4 +1,4 @@
-"""What a leaderboard holds: rates, figures, and who does better than whom."""
+"""The data of a leaderboard: rates, figures and comparisons."""
 
 from collections.abc import Sequence
 from typing import ClassVar, Literal
@@ -9,10 +9,10 @@ from oodscen.statistics._tests import Bounds, PairedTest
 
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
-"""What two answerers are compared in; each is a family of its own for Holm's correction."""
+"""The tasks in which answerers are compared; Holm's correction treats each as one family."""
 
 PRIVILEGED = "oracle"
-"""The reference that is told the truth: a ceiling, and no yardstick."""
+"""The reference that is told the truth: a ceiling, never a baseline to beat."""
 
 
 class Rate(Data):
@@ -22,20 +22,20 @@ class Rate(Data):
 
     hits: int = 0
     n: int = 0
-    """Items with an answer; the others are in `missing`, and never counted as wrong."""
+    """Items with an answer; the others are in `missing` and never count as wrong."""
     missing: int = 0
-    """Items without an answer: refused, not understood, timed out, failed."""
+    """Items without an answer: refused, not understood, timed out or failed."""
     value: float | None = None
-    """In [0, 1]; `None` where n is 0."""
+    """In [0, 1]; `None` if `n` is 0."""
     worst: float | None = None
-    """The share with every missing answer counted as wrong; `None` where nothing was asked."""
+    """The share with every missing answer counted as wrong; `None` if nothing was asked."""
     interval: Bounds | None = None
     paths: int = 0
-    """Over how many paths the items spread."""
+    """Number of paths that the items cover."""
 
 
 class Figure(Data):
-    """A figure that is no plain count."""
+    """A figure other than a plain count."""
 
     noun: ClassVar[str] = "figure"
 
@@ -45,63 +45,64 @@ class Figure(Data):
 
 
 class Detection(Data):
-    """Task 1: is anything here out of the ordinary? Asked of scenes and of their ordinary twins."""
+    """Task 1, detection: is anything out of the ordinary? Asked about scenes and their ordinary twins."""
 
     noun: ClassVar[str] = "detection"
 
     sensitivity: Rate = Rate()
     """Scenes that were called out of the ordinary."""
     specificity: Rate = Rate()
-    """Twins that were not."""
+    """Twins that were not called out of the ordinary."""
     balanced_accuracy: Figure = Figure()
-    """Mean of both: 0.5 for whoever always says the same."""
+    """Mean of sensitivity and specificity; 0.5 for an answerer that always says the same."""
     worst: Figure = Figure()
     """Balanced accuracy with every missing answer counted as wrong."""
     auroc: Figure = Figure()
-    """How often a scene is rated above a twin, by the stated confidence; 0.5 is chance."""
+    """Probability that a scene is rated above a twin by the stated confidence; 0.5 is chance."""
     d_prime: Figure = Figure()
-    """0 where scenes and twins are called OOD equally often."""
+    """Sensitivity index d'; 0 if scenes and twins are called OOD equally often."""
     stated: int = 0
-    """Answers that came with a confidence; the others count as sure."""
+    """Answers with a stated confidence; answers without one count as certain."""
 
 
 class Identification(Data):
-    """Task 1: which aspect is it? Asked of scenes."""
+    """Task 1, identification: which aspect is unusual? Asked about scenes."""
 
     noun: ClassVar[str] = "identification"
 
     open: Rate = Rate()
-    """In own words, scored by the matcher or a judge."""
+    """Answers in the model's own words, scored by the matcher or a judge."""
     open_shown: Rate = Rate()
-    """`open` under the paper's protocol, of the scenes whose frames show the hazard."""
+    """`open` under the paper's protocol, over the scenes whose frames show the hazard."""
     closed: Rate = Rate()
-    """One of the listed leaves."""
+    """Answers chosen from a list of leaves."""
     judged: int = 0
-    """Open aspects that a judge model scored."""
+    """Open aspects scored by a judge model."""
     unjudged: int = 0
-    """Open aspects about which it gave no usable answer, so that the matcher scored them."""
+    """Open aspects on which the judge gave no usable answer, so that the matcher scored them."""
 
 
 class Control(Data):
-    """Task 2: choose an action; it was executed in the simulator."""
+    """Task 2, control: choose an action, which the simulator executed."""
 
     noun: ClassVar[str] = "control"
 
     safe: Rate = Rate()
-    """Of all scenes: the ego touched nothing and stayed on the road."""
+    """Over all scenes: the ego touched nothing and stayed on the road."""
     collision_free: Rate = Rate()
-    """The paper's success: the action could be executed, and the ego touched nothing."""
+    """The paper's success: the action could be executed and the ego touched nothing."""
     decidable: Rate = Rate()
-    """Of the scenes in which one action is safe and another is not: a safe one was chosen."""
+    """Over the scenes in which one action is safe and another is not: a safe one was chosen."""
     chance: float | None = None
-    """What a random action scores on those decidable scenes."""
+    """The score of a random action on those decidable scenes."""
     above_chance: Figure = Figure()
     """`decidable` corrected for chance: 0 is a random choice, 1 is always safe."""
     twin_safe: Rate = Rate()
-    """Of the ordinary twins: a safe action was chosen."""
+    """Over the ordinary twins: a safe action was chosen."""
     needless: Rate = Rate()
-    """Of the twins in which keeping the speed is safe with enough margin
-    (`oodscen.judging._safety.has_enough_margin`): it braked hard, stopped or pulled over."""
+    """Over the twins in which keeping the speed is safe with enough margin
+    (`oodscen.judging._safety.has_enough_margin`): the action braked hard, stopped or pulled over.
+    """
 
 
 class Group(Data):
@@ -118,11 +119,11 @@ class Group(Data):
     closed: Rate = Rate()
     safe: Rate = Rate()
     chance: float | None = None
-    """How often a random action is safe in these scenes."""
+    """Probability that a random action is safe in these scenes."""
 
 
 class Confusion(Data):
-    """How often one path was taken for another, in the closed question."""
+    """The number of times that the closed question took one path for another."""
 
     noun: ClassVar[str] = "confusion"
 
@@ -143,29 +144,29 @@ class Standing(Data):
     protocol: Protocol = "ours"
     asked: int = 0
     outcomes: dict[str, int] = {}
-    """How judging ended, by `oodscen.data._verdict.Outcome`."""
+    """Number of verdicts by `oodscen.data._verdict.Outcome`."""
     contradictions: int = 0
-    """Answers whose reasoning says something else."""
+    """Answers whose reasoning contradicts them."""
     outdated: int = 0
     """Answers to other versions of the questions than those of the last run."""
     detection: Detection = Detection()
     identification: Identification = Identification()
     control: Control = Control()
     actions: dict[str, int] = {}
-    """How often every action was chosen in scenes."""
+    """Number of times each action was chosen in scenes."""
     groups: tuple[Group, ...] = ()
     confusions: tuple[Confusion, ...] = ()
     """Wrong closed choices, most frequent first."""
 
 
 class Comparison(Data):
-    """Two answerers on the same items."""
+    """The comparison of two answerers on the same items."""
 
     noun: ClassVar[str] = "comparison"
 
     task: Task
     against: Literal["model", "floor"]
-    """Another model, or the best reference that sees no scene's secret."""
+    """Another model, or the best reference that does not know the truth."""
     first: str
     second: str
     test: PairedTest
@@ -174,7 +175,7 @@ class Comparison(Data):
     p_clustered_holm: float
     """The path-clustered permutation's p after Holm: the one to quote."""
     missing: int = 0
-    """Items that the first was asked about and did not answer: against the floor only."""
+    """Items that the first answerer was asked about and did not answer; against the floor only."""
     worst_difference: float | None = None
     """The difference with those counted as wrong; `None` between models."""
     p_worst_holm: float | None = None
@@ -182,7 +183,7 @@ class Comparison(Data):
 
 
 class ActionTally(Data):
-    """What one action leads to over the scenes."""
+    """The outcomes of one action over the scenes."""
 
     noun: ClassVar[str] = "action tally"
 
@@ -193,7 +194,7 @@ class ActionTally(Data):
 
 
 class Leaderboard(Data):
-    """Everything that the verdicts of a study come to."""
+    """The evaluation of all verdicts of a study."""
 
     noun: ClassVar[str] = "leaderboard"
 
@@ -207,33 +208,33 @@ class Leaderboard(Data):
     all_safe: int = 0
     none_safe: int = 0
     chance: float | None = None
-    """How often a random action is safe, over all scenes that ran."""
+    """Probability that a random action is safe, over all scenes that ran."""
     icc: float | None = None
-    """Largest correlation of safe choices within a path, over the models (references without any)."""
+    """Largest correlation of safe choices within a path, over the models (over the references without any)."""
     judge: str = ""
-    """Who scored the open aspects, `<model>@<prompt version>`; empty for the matcher."""
+    """The judge that scored the open aspects, as `<model>@<prompt version>`; empty for the matcher."""
     whole: int = 0
     """Scenes whose whole trace was shown under the paper's protocol."""
     whole_shown: int = 0
-    """Those in which the hazard can be seen in one of the three frames."""
+    """Scenes among `whole` whose hazard is visible in one of the three frames."""
     actions: tuple[ActionTally, ...] = ()
     standings: tuple[Standing, ...] = ()
-    """Models first, then references, each by safe action."""
+    """Models first, then references, each sorted by safe actions."""
     comparisons: tuple[Comparison, ...] = ()
     level: float = 0.95
     seed: int = 0
 
     def standing(self, model: str) -> Standing | None:
-        """Return the row of a model."""
+        """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
 
     def floor(self, task: Task) -> Standing | None:
-        """Return the reference that does best in a task without knowing the truth."""
+        """Return the best reference in a task that does not know the truth."""
         return best_floor(self.standings, task)
 
 
 def best_floor(standings: Sequence[Standing], task: Task) -> Standing | None:
-    """Return the best reference in a task that is not told the truth."""
+    """Return the best reference in a task that does not know the truth."""
     seen = [
         (value, row)
         for row in standings
@@ -246,7 +247,7 @@ def best_floor(standings: Sequence[Standing], task: Task) -> Standing | None:
 
 
 def score(row: Standing, task: Task) -> float | None:
-    """Return the figure by which a task is judged."""
+    """Return the figure that ranks a task."""
     if task == "detection":
         return row.detection.balanced_accuracy.value
     rates = {
@@ -258,7 +259,7 @@ def score(row: Standing, task: Task) -> float | None:
 
 
 def worst_score(row: Standing, task: Task) -> float | None:
-    """Return the figure by which a task is judged, every missing answer counted as wrong."""
+    """Return the figure that ranks a task, with every missing answer counted as wrong."""
     if task == "detection":
         return row.detection.worst.value
     rates = {
@@ -270,7 +271,7 @@ def worst_score(row: Standing, task: Task) -> float | None:
 
 
 def missing_share(row: Standing, task: Task) -> float:
-    """Return the share of the items of a task that were asked about and not answered."""
+    """Return the share of a task's items that were asked about and not answered."""
     rates = {
         "detection": (row.detection.sensitivity, row.detection.specificity),
         "open": (row.identification.open,),

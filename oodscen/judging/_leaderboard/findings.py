@@ -1,4 +1,4 @@
-"""What a leaderboard comes to in plain sentences: who can be trusted with what, and how surely."""
+"""Plain-language findings of a leaderboard: which model to trust with which task, and how certainly."""
 
 from collections.abc import Sequence
 from typing import ClassVar, Literal
@@ -17,24 +17,26 @@ from oodscen.judging._leaderboard.leaderboard import (
 
 ALPHA = 0.05
 MOST_MISSING = 0.2
-"""With a larger share of the items unanswered a model is not recommended in a task, nor called the best."""
+"""The largest share of unanswered items with which a model can be recommended in a task, or called the best."""
 _GAP = "\N{NO-BREAK SPACE}"
 _TO = "\N{WORD JOINER}–\N{WORD JOINER}"
-"""A dash at which no line is broken."""
+"""A dash without a line break around it."""
 
 Grade = Literal["yes", "no", "unclear", "unknown", "incomplete"]
 
 
 class Finding(Data):
-    """Whether one model does better in one task than can be had without looking."""
+    """The finding whether one model beats the references in one task."""
 
     noun: ClassVar[str] = "finding"
 
     model: str
     task: Literal["notice", "name", "act"]
     grade: Grade
-    """`yes`: shown to be better; `no`: shown not to be; `unclear`: not shown, or not with the missing answers
-    counted as wrong; `unknown`: not measured; `incomplete`: more than `MOST_MISSING` was left unanswered."""
+    """`yes`: shown to be better; `no`: shown not to be; `unclear`: not shown, or not with missing answers counted
+    as
+    wrong; `unknown`: not measured; `incomplete`: more than `MOST_MISSING` unanswered.
+    """
     text: str
 
 
@@ -49,7 +51,7 @@ def findings(board: Leaderboard) -> list[Finding]:
 
 
 def answer(board: Leaderboard) -> list[str]:
-    """Say in a few sentences which model to trust, with what, and how surely."""
+    """Return a few sentences on which model to trust with what, and how certainly."""
     models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
     if not models:
         return _without_models(board)
@@ -64,7 +66,7 @@ def answer(board: Leaderboard) -> list[str]:
 
 
 def called(reference: str) -> str:
-    """Say in words what a reference does that is known by a short name."""
+    """Return what a reference does, in words, given its short name."""
     name, _, action = reference.partition(":")
     if name == "constant" and action:
         return f"always answering the same (“{reference}”)"
@@ -76,17 +78,17 @@ def called(reference: str) -> str:
 
 
 def is_shown(comparison: Comparison) -> bool:
-    """Whether a difference is significant after all corrections, with whole paths as the units."""
+    """Return whether a difference is significant after all corrections, with whole paths as the units."""
     return comparison.p_clustered_holm < ALPHA
 
 
 def percent(value: float | None) -> str:
-    """Write a share in whole per cent."""
+    """Return a share in whole per cent."""
     return "–" if value is None else f"{100 * value:.0f}{_GAP}%"
 
 
 def spread(value: Rate | Figure) -> str:
-    """Write an interval of a share."""
+    """Return the interval of a share as text."""
     if value.interval is None:
         return ""
     low, high = 100 * value.interval.low, 100 * value.interval.high
@@ -102,7 +104,7 @@ _AIMS: dict[Task, str] = {
 
 
 def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
-    """Say whether the best model in a task can be trusted with it, and whether it leads."""
+    """Return sentences on whether the best model in a task can be trusted with it, and whether it leads."""
     scored = [row for row in models if score(row, task) is not None]
     silent = [row for row in scored if missing_share(row, task) > MOST_MISSING]
     ranked = sorted(
@@ -139,7 +141,7 @@ def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
 
 
 def _is_ahead_of_floor(board: Leaderboard, row: Standing, task: Task) -> bool:
-    """Whether a model is shown to beat not looking, missing answers left out."""
+    """Return whether a model is shown to beat not looking, with missing answers left out."""
     if task == "detection" and row.detection.balanced_accuracy.interval is not None:
         return _against(row.detection.balanced_accuracy, 0.5) == "yes"
     found = _floor_comparison(board, row, task)
@@ -147,7 +149,7 @@ def _is_ahead_of_floor(board: Leaderboard, row: Standing, task: Task) -> bool:
 
 
 def _at_worst(row: Standing, task: Task) -> str:
-    """Say what a score would be if every missing answer were wrong."""
+    """Return the sentence on the score with every missing answer counted as wrong."""
     worst = worst_score(row, task)
     if not missing_share(row, task) or worst is None:
         return ""
@@ -155,7 +157,7 @@ def _at_worst(row: Standing, task: Task) -> str:
 
 
 def _score(board: Leaderboard, row: Standing, task: Task) -> str:
-    """Say what a model scored, and what is to be had without looking."""
+    """Return the sentence on a model's score and the best score without looking."""
     if task == "detection":
         balanced = row.detection.balanced_accuracy
         return (
@@ -179,7 +181,7 @@ def _score(board: Leaderboard, row: Standing, task: Task) -> str:
 
 
 def _lead(board: Leaderboard, ranked: Sequence[Standing], task: Task) -> str:
-    """Say whether the first of the models ranked in a task is shown to beat the others."""
+    """Return the sentence on whether the first of the ranked models is shown to beat the others."""
     best, others = ranked[0].model, {row.model for row in ranked[1:]}
     open_, behind, ahead = list[str](), list[str](), list[str]()
     for one in board.comparisons:
@@ -200,7 +202,7 @@ def _lead(board: Leaderboard, ranked: Sequence[Standing], task: Task) -> str:
 
 
 def _unfinished(board: Leaderboard, row: Standing) -> str:
-    """Say which of the items stayed without an answer."""
+    """Return the sentence on the items that stayed unanswered."""
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
     )
@@ -289,7 +291,7 @@ def _acts(board: Leaderboard, row: Standing) -> Finding:
 
 
 def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
-    """Grade a model by its comparison with the best reference, also with its missing answers as wrong."""
+    """Return the grade of a model against the best reference, also with its missing answers counted as wrong."""
     if missing_share(row, task) > MOST_MISSING:
         return "incomplete"
     found = _floor_comparison(board, row, task)
@@ -316,9 +318,9 @@ def _floor_comparison(board: Leaderboard, row: Standing, task: Task) -> Comparis
 
 
 def _detection_grade(board: Leaderboard, row: Standing) -> Grade:
-    """Grade a model by its balanced accuracy, which guessing would bring to one half.
+    """Return the grade of a model's balanced accuracy against one half, the score of a guess.
 
-    Where that has no interval (few paths, or the same everywhere), by the comparison with the best reference.
+    Without an interval (few paths, or equal scores everywhere), the comparison with the best reference decides.
     """
     if missing_share(row, "detection") > MOST_MISSING:
         return "incomplete"

@@ -1,4 +1,4 @@
-"""The leaderboard: what every model and every reference scored, with n, intervals and tests."""
+"""The leaderboard: the scores of every model and reference, with n, intervals and tests."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -61,19 +61,19 @@ def leaderboard(
     whole: Iterable[Episode] = (),
     seed: int = 0,
 ) -> Leaderboard:
-    """Work out what verdicts come to.
+    """Return the leaderboard of some verdicts.
 
     Intervals resample whole paths (`oodscen.statistics._tests.share_bounds`); comparisons are
-    paired over common items and corrected by Holm within a task. An item without an answer is
-    counted as missing, never as wrong; what it would come to if all of them were wrong stands beside
-    (`Rate.worst`). Open aspects that different judges scored are not compared.
+    paired over common items and corrected by Holm within a task. An item without an answer counts as
+    missing, never as wrong; `Rate.worst` gives the score with all of them counted as wrong. Open aspects
+    scored by different judges are not compared.
 
     Args:
-        verdicts: Of any models, on scenes and twins; failed ones included.
-        episodes: Of the scenes and twins; they say which actions are safe.
-        scenarios: They say which path a scene belongs to.
-        whole: Episodes of the paper's protocol; they say in which of its frames the hazard is seen.
-        seed: Of the resampling.
+        verdicts: Verdicts of any models, on scenes and twins, including failed ones.
+        episodes: Episodes of the scenes and twins, which give the safe actions.
+        scenarios: The scenarios, which give the path of each scene.
+        whole: Episodes of the paper's protocol, which tell whether its frames show the hazard.
+        seed: Seed of the resampling.
     """
     items = Items.of(list(episodes), list(scenarios))
     resampler = Resampler(items.clusters, seed=seed)
@@ -123,7 +123,7 @@ def leaderboard(
 
 
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
-    """Return who scored most of the open aspects; empty for the matcher."""
+    """Return the judge that scored most of the open aspects; empty for the matcher."""
     count = Counter(verdict.judge for found in grouped for verdict in found if verdict.judge)
     return count.most_common(1)[0][0] if count else ""
 
@@ -136,7 +136,7 @@ def _standing(
     groups: Sequence[tuple[Group, NDArray[np.bool_]]],
     shown: NDArray[np.bool_],
 ) -> Standing:
-    """Return one row; `shown` are [n] the scenes whose hazard is seen under the paper's protocol."""
+    """Return one row; `shown` marks the [n] scenes whose hazard is visible under the paper's protocol."""
     scene, twin = items.is_scene, ~items.is_scene
     columns = {
         "sensitivity": Column(sheet.called, scene),
@@ -186,7 +186,7 @@ def _standing(
 
 
 def _group(group: Group, mask: NDArray[np.bool_], sheet: Sheet, resampler: Resampler) -> Group:
-    """Fill in what one answerer scored in the scenes of a group."""
+    """Return a group with the scores of one answerer in its scenes."""
     columns = {
         "detected": sheet.called,
         "open": sheet.open,
@@ -201,7 +201,7 @@ def _group(group: Group, mask: NDArray[np.bool_], sheet: Sheet, resampler: Resam
 
 
 def _outcome(verdict: Verdict) -> str:
-    """Return how judging ended; verdicts of the first version say only whether it failed."""
+    """Return how judging ended; verdicts of the first schema version tell only whether it failed."""
     if verdict.status == "failed" and verdict.outcome == "answered":
         return "error"
     return verdict.outcome
@@ -221,7 +221,7 @@ def _rate(
     *,
     is_fault: bool = False,
 ) -> Rate:
-    """Return a share; of a fault, the worst case is that every missing answer was one."""
+    """Return a share; if it counts faults, the worst case counts every missing answer as one."""
     there = column.is_there
     hits, n = float(column.above.sum()), int(there.sum())
     units = resampler.count(there)
@@ -250,11 +250,11 @@ def _control(
     """Return the figures of task 2.
 
     Args:
-        items: Of the study.
-        sheet: What one answerer said.
-        resampler: Over the items.
-        rates: By name, those of `Control` among them.
-        replicates: [r] of `above_chance`.
+        items: The items of the study.
+        sheet: The answers of one answerer.
+        resampler: Resampler over the items.
+        rates: Rates by name, including those of `Control`.
+        replicates: [r] replicates of `above_chance`.
     """
     reach = items.is_decidable & np.isfinite(sheet.safe)
     chance, decidable = items.chance_over(reach), rates["decidable"]
@@ -415,7 +415,7 @@ def _family(
     sheets: Mapping[Key, Sheet],
     seed: int,
 ) -> list[Comparison]:
-    """Compare pairs in one task; p-values are corrected for all of them together."""
+    """Return the comparisons of pairs in one task, with p-values corrected for all of them together."""
     tests, worst = [], []
     for first, second in pairs:
         sheet, other = (sheets[row.model, row.protocol] for row in (first, second))

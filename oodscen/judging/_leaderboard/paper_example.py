@@ -1,4 +1,4 @@
-"""The paper's own table, worked through: what its numbers show, and what they cannot."""
+"""A reanalysis of the paper's table: what its numbers show, and what they cannot show."""
 
 from typing import ClassVar, Literal
 
@@ -26,19 +26,19 @@ class PaperRow(Data):
     n: int = N
     value: float
     low: float
-    """Wilson, 95 %, as if all scenes were independent."""
+    """Wilson interval, 95 %, with all scenes taken as independent."""
     high: float
     clustered_low: float
-    """Wilson with the effective number of scenes, at the assumed likeness within a path."""
+    """Wilson interval with the effective number of scenes, at the assumed correlation within a path."""
     clustered_high: float
 
 
 class PaperComparison(Data):
     """Two of the paper's models in one task.
 
-    The paper prints totals and not who was right where, so the paired test that its design calls
-    for cannot be computed. It lies between two ends: in one the weaker model was right only where
-    the stronger was too, in the other they disagree as often as the totals allow.
+    The paper prints totals and not the answers per scene, so the paired test that its design calls for
+    cannot be computed. It lies between two extremes: either the weaker model was right only where the
+    stronger was too, or the two disagree as often as the totals allow.
     """
 
     noun: ClassVar[str] = "comparison"
@@ -48,16 +48,16 @@ class PaperComparison(Data):
     second: str
     difference: float
     p: float
-    """Of two independent samples: neither pairing nor paths are accounted for."""
+    """For two independent samples: accounts for neither pairing nor paths."""
     p_holm: float
     """Corrected for the three pairs of the task."""
     p_clustered: float
     """`p` with the effective number of scenes."""
     p_clustered_holm: float
     p_paired_least: float
-    """McNemar's mid-p where disagreements are as few as the totals allow."""
+    """McNemar's mid-p with as few disagreements as the totals allow."""
     p_paired_most: float
-    """Likewise, as many."""
+    """McNemar's mid-p with as many disagreements as the totals allow."""
 
 
 class PaperExample(Data):
@@ -66,34 +66,34 @@ class PaperExample(Data):
     noun: ClassVar[str] = "worked example"
 
     icc: float
-    """Intraclass correlation within a path that was assumed."""
+    """Assumed intraclass correlation within a path."""
     design_effect: float
     effective_scenes: float
     rows: tuple[PaperRow, ...]
     comparisons: tuple[PaperComparison, ...]
     always_ood_accuracy: float
-    """Detection without twins, for whoever always answers "out of the ordinary"."""
+    """Detection accuracy without twins of an answerer that always says "out of the ordinary"."""
     always_ood_balanced: float
     """Balanced accuracy of the same answerer once every scene has a twin."""
     always_ood_d_prime: float
     independent: SampleSize
-    """Scenes to tell 66 % from 51 %, if all were independent."""
+    """Scenes needed to tell 66 % from 51 %, if all are independent."""
     clustered: SampleSize
-    """The same in paths of ten."""
+    """The same with scenes in paths of ten."""
     shows: tuple[str, ...]
     shows_not: tuple[str, ...]
 
 
 def paper_example(*, icc: float = 0.2) -> PaperExample:
-    """Work through the paper's table (section V-C, table II).
+    """Return a reanalysis of the paper's table (section V-C, table II).
 
     Args:
-        icc: Likeness of the ten scenes of a path, which the paper does not report. 0 takes them
-            as independent. Its bar charts range from nearly none to all right between paths, which
-            speaks for a high one.
+        icc: Correlation of the ten scenes of a path, which the paper does not report; 0 takes them as
+            independent. The paper's bar charts range from nearly none to all right between paths, which
+            suggests a high one.
 
     Raises:
-        UsageError: When `icc` lies outside 0 to 1.
+        UsageError: If `icc` lies outside 0 to 1.
     """
     independent = scenes_needed(0.66, 0.51)
     clustered = scenes_needed(0.66, 0.51, per_path=paper.PER_PATH, icc=icc)
@@ -167,7 +167,7 @@ def _not_shown(
 def _lead(
     comparisons: tuple[PaperComparison, ...], field: Literal["p_holm", "p_clustered_holm"]
 ) -> tuple[str, float]:
-    """Return who leads in choosing an action, and the largest p of that lead."""
+    """Return the leader in choosing an action, and the largest p of that lead."""
     first = comparisons[-len(comparisons) // 2].first
     lead = [c for c in comparisons if c.task == "control" and c.first == first]
     return first, max(getattr(c, field) for c in lead)
@@ -220,7 +220,7 @@ def _pairs(
 
 
 def _disagreements(first: int, second: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Return the fewest and the most scenes on which just one of two models can be right."""
+    """Return the fewest and the most scenes on which exactly one of two models can be right."""
     least_both, most_both = max(first + second - N, 0), min(first, second)
     return (
         (first - most_both, second - most_both),

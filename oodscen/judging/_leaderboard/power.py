@@ -1,4 +1,4 @@
-"""How many scenes are needed to tell one success rate from another, and how well so many do."""
+"""Sample sizes for telling two success rates apart, and the power of a given number of scenes."""
 
 import math
 from statistics import NormalDist
@@ -10,35 +10,36 @@ from oodscen.errors import UsageError
 
 _NORMAL = NormalDist()
 _LEAST = 1e-9
-"""Rates and levels nearer to 0 or 1, or to each other, are beyond what scenes can tell."""
+"""The smallest usable distance of a rate or level from 0 or 1, and of two rates from each other."""
 
 
 class SampleSize(Data):
-    """An answer to "how many scenes?"."""
+    """The number of scenes that a comparison needs."""
 
     noun: ClassVar[str] = "sample size"
 
     first: float
     second: float
     is_paired: bool
-    """Both models judge the same scenes."""
+    """True if both models judge the same scenes."""
     agreement: float
-    """Paired only: correlation of their answers that was assumed; the nearest to the one asked for that
-    the rates allow."""
+    """Paired only: the assumed correlation of their answers, the closest to the requested one that the rates
+    allow.
+    """
     discordant: float
-    """Paired only: share of scenes on which just one of them is right."""
+    """Paired only: share of scenes on which exactly one of them is right."""
     alpha: float
-    """Chance of seeing a difference that is none, before division by the comparisons."""
+    """Probability of a false positive, before division by the number of comparisons."""
     power: float
-    """Chance of seeing the one that is there."""
+    """Probability of detecting the difference."""
     comparisons: int
     independent: int
     """Scenes per model if every scene were a path of its own."""
     per_path: int
     icc: float
-    """Intraclass correlation that was assumed."""
+    """Assumed intraclass correlation."""
     design_effect: float
-    """By how much clustering inflates the number."""
+    """Factor by which clustering inflates the number of scenes."""
     scenes: int
     """Scenes per model, in whole paths."""
     paths: int
@@ -76,7 +77,7 @@ def scenes_needed(
     per_path: int = 1,
     icc: float = 0.0,
 ) -> SampleSize:
-    """Return how many scenes it takes to tell two success rates apart.
+    """Return the number of scenes needed to tell two success rates apart.
 
     Paired (McNemar): R. J. Connor, Biometrics 43 (1987). Unpaired: J. L. Fleiss, Statistical
     Methods for Rates and Proportions (1981), without continuity correction. Clustering:
@@ -85,18 +86,18 @@ def scenes_needed(
 
     Args:
         first: Success rate of one model, between 0 and 1.
-        second: Of the other.
+        second: Success rate of the other model.
         paired: Whether both judge the same scenes.
-        agreement: Correlation of right and wrong between the models on the same scenes: 0 takes
-            them as independent, which asks for most scenes; models usually fail on the same ones.
-        power: Chance of finding the difference.
+        agreement: Correlation of right and wrong between the models on the same scenes. 0 takes them as
+            independent, which needs the most scenes; models usually fail on the same ones.
+        power: Probability of detecting the difference.
         alpha: Two-sided level.
-        comparisons: How many are made; alpha is divided by it (Holm's first step).
+        comparisons: Number of comparisons; alpha is divided by it (Holm's first step).
         per_path: Scenes per path.
         icc: Intraclass correlation within a path.
 
     Raises:
-        UsageError: When no number of scenes can do, or an argument is out of range.
+        UsageError: If no number of scenes suffices, or an argument is out of range.
     """
     _check(first, second, agreement, alpha, comparisons, per_path, icc)
     finite_number("power", power, _LEAST, 1 - _LEAST)
@@ -139,21 +140,21 @@ def power_of(
     per_path: int = 1,
     icc: float = 0.0,
 ) -> float:
-    """Return the chance that so many scenes show the difference between two success rates.
+    """Return the probability that a number of scenes shows the difference between two success rates.
 
     Args:
         first: Success rate of one model, between 0 and 1.
-        second: Of the other.
-        scenes: Per model.
-        paired: As in `scenes_needed`, with all that follows.
-        agreement: Likewise.
-        alpha: Likewise.
-        comparisons: Likewise.
-        per_path: Likewise.
-        icc: Likewise.
+        second: Success rate of the other model.
+        scenes: Scenes per model.
+        paired: As in `scenes_needed`.
+        agreement: As in `scenes_needed`.
+        alpha: As in `scenes_needed`.
+        comparisons: As in `scenes_needed`.
+        per_path: As in `scenes_needed`.
+        icc: As in `scenes_needed`.
 
     Raises:
-        UsageError: When an argument is out of range.
+        UsageError: If an argument is out of range.
     """
     _check(first, second, agreement, alpha, comparisons, per_path, icc)
     whole_number("scenes", scenes, 1)
@@ -165,7 +166,7 @@ def power_of(
 
 
 def _spreads(first: float, second: float, paired: bool, discordant: float) -> tuple[float, float]:
-    """Return the deviation of one scene's difference, if there were none and as it is."""
+    """Return the standard deviation of one scene's difference under no difference, and as it is."""
     if paired:
         return math.sqrt(discordant), math.sqrt(max(discordant - (first - second) ** 2, 0.0))
     pooled = (first + second) / 2
@@ -176,14 +177,14 @@ def _spreads(first: float, second: float, paired: bool, discordant: float) -> tu
 
 
 def _discordant(first: float, second: float, agreement: float) -> float:
-    """Return how often just one of two models is right, where they agree as much as the rates allow."""
+    """Return the probability that exactly one of two models is right, at a given agreement."""
     both = first * second + agreement * _spread(first, second)
     both = min(max(both, first + second - 1, 0.0), first, second)
     return first + second - 2 * both
 
 
 def _possible(first: float, second: float, agreement: float) -> float:
-    """Return the correlation nearest to the one asked for that two rates allow."""
+    """Return the correlation closest to the requested one that two rates allow."""
     ends = (max(first + second - 1, 0.0), min(first, second))
     low, high = ((both - first * second) / _spread(first, second) for both in ends)
     return min(max(agreement, low), high)

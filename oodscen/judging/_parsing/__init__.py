@@ -1,6 +1,7 @@
-"""Read what judged models answer: JSON first, then the one option that plain English prose states.
+"""Parses the answers of judged models: JSON first, then the one option that plain English prose states.
 
-Nothing is guessed. An answer that two people could read differently is `unparsed`; the model is then asked once more.
+The parser never guesses. An answer that two people could read differently is `unparsed`, and the model is asked
+once more.
 """
 
 from oodscen.judging._parsing.aspects import Detected, names_nothing, read_aspect, read_named_aspect

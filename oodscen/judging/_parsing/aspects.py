@@ -1,4 +1,4 @@
-"""Read whether a scene was called out of the ordinary, what it is that is, and how surely."""
+"""Parses whether a scene was called out of the ordinary, which aspect was named, and the confidence."""
 
 import re
 from collections.abc import Mapping
@@ -17,31 +17,31 @@ from oodscen.judging._parsing.reading import (
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded
 
 LONGEST_ASPECT = 300
-"""Prose longer than this is no name of an aspect, in characters."""
+"""The longest prose that can be the name of an aspect, in characters."""
 
 
 @dataclass(frozen=True)
 class Detected:
-    """An answer to whether something is out of the ordinary."""
+    """The parsed answer to whether something is out of the ordinary."""
 
     is_ood: bool
     aspect: str = ""
     confidence: float | None = None
-    """In `is_ood`, 0 to 1."""
+    """Confidence in `is_ood`, 0 to 1."""
 
 
 def read_aspect(text: str) -> Reading[Detected]:
-    """Read whether something was called out of the ordinary, what, and how surely."""
+    """Return whether something was called out of the ordinary, the aspect and the confidence."""
     return read(text, _detected, _detected_in_prose)
 
 
 def read_named_aspect(text: str) -> Reading[str]:
-    """Read the aspect that was named, as the paper asks for it; empty where the answer says that there is none."""
+    """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
     return read(text, _named, _named_in_prose)
 
 
 def names_nothing(aspect: str) -> bool:
-    """Whether an aspect is empty, or says that there is none."""
+    """Return whether an aspect is empty or says that there is none."""
     return not aspect.strip() or _NOTHING.search(aspect) is not None
 
 
@@ -115,7 +115,7 @@ _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0
 
 
 def probability(value: object) -> float | None:
-    """Return a stated probability, 0 to 1: 0.8, "80 %", 80 and "8/10" are understood."""
+    """Return a stated probability in [0, 1]; accepts 0.8, "80 %", 80 and "8/10"."""
     if isinstance(value, bool):
         return None
     found = _NUMBER.fullmatch(str(value)) if isinstance(value, (int, float, str)) else None
@@ -138,7 +138,7 @@ _CONFIDENT = re.compile(
 
 
 def _confidence_in(prose: str) -> float | None:
-    """Return the probability that prose states; `None` where it states none, or two."""
+    """Return the probability that prose states; `None` if it states none, or two."""
     found = {
         probability(one["after"] or one["alone"] or one["before"])
         for one in _CONFIDENT.finditer(prose)
@@ -150,7 +150,7 @@ def _confidence_in(prose: str) -> float | None:
 
 
 def _detected_in_prose(prose: str) -> Detected | None:
-    """Read a "yes" or "no" that is marked as the answer, or opens the text with words that go with it."""
+    """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
     plain = folded(prose)
     marked = {_TRUTHS[one[1]] for one in _MARKED.finditer(plain)}
     opening = _OPENING.match(plain)
@@ -225,4 +225,4 @@ _OPEN = re.compile(
     r"|hard to|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
     r"|(?:don't|not) know|no idea|either|would be|if)\b"
 )
-"""Takes an answer back, or leaves it open."""
+"""Matches words that retract an answer or leave it open."""

@@ -1,4 +1,4 @@
-"""Read which of several options was chosen: an action, or an answer to the closed question."""
+"""Parses the option chosen in an answer: an action, or an answer to the closed question."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -16,14 +16,14 @@ from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, stated
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded, tidied
 
 Marking = Callable[[str], str]
-"""Puts a character of `stating.OPTION` in place of every option that folded prose names."""
+"""Replaces every option that folded prose names with a character of `stating.OPTION`."""
 
 
 def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
-    """Read which of the offered actions was chosen.
+    """Return which of the offered actions was chosen.
 
     Args:
-        text: A model's words.
+        text: A model's answer.
         offered: Ids of the actions.
     """
     words = {name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered}
@@ -31,10 +31,10 @@ def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
 
 
 def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
-    """Read which option of the closed question was chosen, by its number or its label.
+    """Return the chosen option of the closed question, given by its number or its label.
 
     Args:
-        text: A model's words.
+        text: A model's answer.
         labels: Text of every option by id, in the order in which they were offered.
     """
     words = {name: re.escape(folded(tidied(label))) for name, label in labels.items()}
@@ -42,7 +42,7 @@ def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
 
 
 def contradiction(reasoning: str, action: str, offered: Sequence[str]) -> str:
-    """Say where a chain of thought states another action than the answer; empty where not."""
+    """Return a sentence if the reasoning states another action than the answer; else an empty string."""
     found = read_action(tidied(reasoning), offered).value
     if found is None or found == action:
         return ""
@@ -100,12 +100,12 @@ def _read(
 
 
 def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
-    """Return what puts characters for the options that prose names, given a pattern of each.
+    """Return a function that replaces the options that prose names with characters.
 
     Args:
         words: Pattern by name, in the order in which the options were offered.
-        is_numbered: Whether they were offered with numbers. The longest label counts then; else the first pattern
-            in the order of `_ACTION_WORDS`.
+        is_numbered: Whether they were offered with numbers. If so, the longest label matches first; otherwise the
+            patterns match in the order of `_ACTION_WORDS`.
     """
     places = {name: place for place, name in enumerate(list(words)[:_MOST])}
     rank = {name: place for place, name in enumerate(_ACTION_WORDS)}
@@ -140,7 +140,7 @@ def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
 
 
 _MOST = 2_000
-"""Options beyond this many are known by their number in JSON alone; also the place of no option."""
+"""The most options found in prose; later ones count only by number in JSON. Also the place of no option."""
 _GERUND = re.compile(r"\w+ing\b|.*\bbraking$")
 _MARK = r"(?P<mark>\(?(?<![-.,\d])(?P<number>\d{1,3})(?![\d%]|[.,]\d)\)?)"
 _NUMBERS = (
@@ -153,7 +153,7 @@ _NUMBERS = (
         re.MULTILINE,
     ),
 )
-"""A number that stands for an option, and neither counts nor measures."""
+"""Match a number that stands for an option, and not for a count or a measurement."""
 
 # ------------------------------------------------------------------ words for the actions
 
@@ -200,4 +200,4 @@ _ACTION_WORDS = {
         r"|keep(?:ing)? (?:going|driving)|continu(?:e|ing) (?:driving|straight|ahead)"
     ),
 }
-"""By action: what it is called, as a pattern over folded prose; of two that begin together the first one counts."""
+"""Names of each action as a pattern over folded prose; if two start together, the first one wins."""

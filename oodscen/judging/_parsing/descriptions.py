@@ -1,4 +1,4 @@
-"""Read what a model said that it sees in a frame."""
+"""Parses a model's description of a frame."""
 
 import re
 from collections.abc import Mapping
@@ -16,11 +16,11 @@ from oodscen.judging._parsing.text import UnusableError, folded
 
 _DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
 _LONGEST_REFUSAL = 300
-"""Prose longer than this that cannot see something is a description, in characters."""
+"""The longest prose that counts as a refusal, in characters; longer prose is a description."""
 
 
 def read_description(text: str) -> Reading[str]:
-    """Read a description of a frame: any prose will do, a refusal or nothing will not."""
+    """Return a description of a frame; any prose is accepted except a refusal or nothing."""
     return read(text, _in_object, _in_prose)
 
 

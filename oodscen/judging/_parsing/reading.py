@@ -1,4 +1,4 @@
-"""The JSON objects in an answer, what becomes of an answer, and refusals."""
+"""Finds the JSON objects in an answer, parses the answer from them or its prose, and detects refusals."""
 
 import json
 import re
@@ -22,13 +22,13 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Reading(Generic[Value]):
-    """What an answer came to."""
+    """A parsed answer."""
 
     value: Value | None
     """`None` unless the outcome is `answered`."""
     outcome: Literal["answered", "refused", "unparsed"]
     note: str
-    """How it was found, or why there is none: `JSON`, `prose`, `two answers`."""
+    """The source of the value, or the reason for its absence: `JSON`, `prose`, `two answers`."""
 
 
 def read(
@@ -38,13 +38,13 @@ def read(
     *,
     is_closed: bool = False,
 ) -> Reading[Value]:
-    """Read an answer from its JSON, else from its prose.
+    """Parse an answer from its JSON, else from its prose.
 
     Args:
-        text: A model's words.
-        pick: Returns what one object answers; `None` where it lacks the member that was asked for. Raises
+        text: A model's answer.
+        pick: Returns the answer in one object; `None` if it lacks the requested member. Raises
             `UnusableError`.
-        prose: Returns what tidied prose answers, `None` where nothing. Raises `UnusableError`.
+        prose: Returns the answer in tidied prose; `None` if there is none. Raises `UnusableError`.
         is_closed: Whether prose after an object that answers something else contradicts it.
     """
     if len(text) > LONGEST:
@@ -71,7 +71,7 @@ def read(
 
 
 def spoken_json(text: str) -> str:
-    """Return what is said outside the reasoning, taken out of the one JSON string that it may be."""
+    """Return the text outside the reasoning, unwrapped if all of it is one JSON string."""
     said = cleaned(spoken(text))
     if said.startswith('"'):
         try:
@@ -85,7 +85,7 @@ def spoken_json(text: str) -> str:
 def _in_objects(
     said: str, pick: Callable[[Mapping[str, Any]], Value | None]
 ) -> tuple[Value | None, str]:
-    """Return what the last object with the member that was asked for answers, and the text after it."""
+    """Return the answer in the last object with the requested member, and the text after that object."""
     found, broken_off = scan(said)
     if broken_off is not None:
         raise UnusableError("the answer is cut off before its end")
@@ -129,7 +129,7 @@ _QUOTED_BEFORE = re.compile(
     r"|\"\s*:\s*$",
     re.IGNORECASE,
 )
-"""Stands before an object that is not given as the answer."""
+"""Matches words before an object that is not given as the answer."""
 _QUOTED_AFTER = re.compile(
     r"[\s`'\")]*(?:is|isn't|was|wasn't|would|wouldn't|could|might|may|if|unless|or)\b",
     re.IGNORECASE,
@@ -141,11 +141,11 @@ _CORRECTED = re.compile(
     r"|disregard|disagree|(?:do not|don't) do (?:this|that)|ignore (?:that|this)|reconsider\w*|just kidding|joking|opposite of)\b",
     re.IGNORECASE,
 )
-"""Takes back what was said before it, or announces what counts."""
+"""Matches words that retract the text before them, or announce the real answer."""
 
 
 def _lost_words(one: Found, said: str) -> bool:
-    """Whether mending an object dropped words of it, such as one of two values."""
+    """Return whether repairing an object dropped some of its words, such as one of two values."""
     source = _COMMENT.sub(" ", said[one.start : one.start + one.width])
     kept = json.dumps(one.value, ensure_ascii=False, default=str)
     return bool(_words(source) - _words(kept))
@@ -167,15 +167,15 @@ def _without_objects(said: str) -> str:
 
 
 def spelt(name: str) -> str:
-    """Return the name of a member without regard to how it is spelt."""
+    """Return the name of a member in a canonical spelling."""
     return re.sub(r"[\W_]+", "", name).casefold()
 
 
 def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
-    """Return the values of the members of such a name.
+    """Return the values of the members whose names match.
 
     Raises:
-        UnusableError: When one of them is there twice with different values.
+        UnusableError: If one of them occurs twice with different values.
     """
     repeated = getattr(value, "repeated", ())
     if any(names.fullmatch(spelt(name)) for name in repeated):
@@ -186,7 +186,7 @@ def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
 def unwrapped(
     value: Mapping[str, Any], names: re.Pattern[str], depth: int = 4
 ) -> Mapping[str, Any]:
-    """Return the object that has members of such a name: this one, or the one that it wraps."""
+    """Return the object whose member names match: this one, or the one that it wraps."""
     held = members(value, names)
     inner = [one for one in members(value, _WRAPPERS) if isinstance(one, dict)]
     if depth and len(inner) == 1 and (not held or held == inner):
@@ -201,12 +201,12 @@ _WRAPPERS = re.compile(
 
 
 def is_placeholder(value: object) -> bool:
-    """Whether a value is that of the question's example: `"..."`."""
+    """Return whether a value is a placeholder from the question's example, such as `"..."`."""
     return isinstance(value, str) and bool(re.fullmatch(r"\s*(?:\.\.\.|\u2026|<[^<>]*>)\s*", value))
 
 
 def words_in(value: object, depth: int = 3) -> str:
-    """Return the words in a value, whatever they are arranged in."""
+    """Return the words in a value, whatever its structure."""
     if isinstance(value, str):
         return value.strip()
     inner = list(value.values()) if isinstance(value, dict) else value
@@ -216,7 +216,7 @@ def words_in(value: object, depth: int = 3) -> str:
 
 
 def reasoning_in(text: str) -> str:
-    """Return the reasons given with an answer: the member of its JSON, else all that is said."""
+    """Return the reasons given with an answer: that member of its JSON, else the whole text."""
     if len(text) > LONGEST:
         return ""
     said = spoken_json(text)
@@ -231,7 +231,7 @@ def reasoning_in(text: str) -> str:
 
 
 def is_refusal(text: str) -> bool:
-    """Whether a model declines to answer, or cannot see what it is asked about."""
+    """Return whether a model declines to answer, or cannot see the picture."""
     return bool(_REFUSAL.search(folded(tidied(spoken(text[:20_000])))))
 
 

@@ -1,8 +1,8 @@
-"""The one option that a text of plain English states as its answer, if it plainly states one.
+"""Finds the one option that plain English prose states as its answer, if it clearly states one.
 
-The options that a text names are single characters here (`OPTION`), so that a sentence is a short pattern. A
-sentence counts only where all of it has one of a few forms: "I would X", "the safest action is X because ...",
-"Answer: X", "X". What is denied, conditional, asked, reported or said of others has none of them.
+Every option in the text is a single character here (`OPTION`), which keeps the patterns short. A sentence counts
+only if all of it has one of a few forms: "I would X", "the safest action is X because ...", "Answer: X", "X".
+Denials, conditions, questions, reports and statements about others match none of them.
 """
 
 import re
@@ -10,16 +10,16 @@ import re
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError
 
 FIRST, GERUNDS = 0xE000, 0x800
-"""The character of the first option, and how much higher that of a gerund is ("stopping", not "stop")."""
+"""The character of the first option, and the offset of an option named as a gerund ("stopping", not "stop")."""
 OPTION = f"[{chr(FIRST)}-{chr(FIRST + 2 * GERUNDS - 1)}]"
 _BASE = f"[{chr(FIRST)}-{chr(FIRST + GERUNDS - 1)}]"
 
 
 def stated(plain: str) -> int | None:
-    """Return the number of the option that folded prose states, `None` where it states none.
+    """Return the number of the option that folded prose states; `None` if it states none.
 
     Raises:
-        UnusableError: When it states two, or one and then something against it.
+        UnusableError: If it states two, or one and then something against it.
     """
     if _UNREAL.search(plain):
         return None
@@ -44,7 +44,7 @@ def _number(option: str) -> int:
 
 
 def _sentences(plain: str) -> list[str]:
-    """Return the sentences, each with the mark that ends it; what has the heading "reasons" is dropped."""
+    """Return the sentences with their end marks; text under the heading "reasons" is dropped."""
     plain = _HEADING.sub(r"\1: ", _REASONS.sub("", plain))
     plain = _READY.sub("", plain.replace(":\n", ": "))
     plain = re.sub(rf"({OPTION})(?:[\s(:,=.\u2013-]{{1,3}}\1)+\)?", r"\1", plain)
@@ -116,7 +116,7 @@ _GOES_ON = re.compile(
     r"|[,;]? ?\(?(?:because|since|as (?=the |there |it |this |we |i )|due to|so that|in order to|which"
     r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield)|given|and (?:wait|let|yield|stay))\b)"
 )
-"""Adds a place or a reason to an option."""
+"""Matches the rest of a sentence if it adds only a place or a reason to an option."""
 _AGAINST = re.compile(
     r"\b(?:but|however|though|although|unless|if|instead|otherwise|wait|actually|would have|when|once|opposite"
     r"|wrong|worst|worse|incorrect|mistake\w*|jok(?:e|ing)|kidding|example|theory|supposed|had|were|provided|as long as"
@@ -124,7 +124,7 @@ _AGAINST = re.compile(
     r"|reconsider\w*|second (?:best|safest)|riskiest|disregard|ignore|i (?:lied|misspoke|meant)"
     r"|not (?:my|the|an?) (?:answer|choice|option)|(?:not|n't) (?:do|choose|pick) (?:that|this|it|so))\b|\bno[,:]|\?"
 )
-"""Takes back what a sentence states, or makes it depend on something."""
+"""Matches words that retract the statement of a sentence or make it conditional."""
 _NO = re.compile(r"\W*(?:or|not|no|nope|hmm+|oops|sorry|only|never ?mind)\b")
 _DENIED = re.compile(rf"(?:\bnot|n't|\bnever|\bcannot) (?:to |a )?({OPTION})")
 _FINITE = re.compile(rf"\b(?:is|are|was|would|could|might|may|will|can|has|have|then)\b|{OPTION}")
@@ -137,13 +137,13 @@ _UNREAL = re.compile(
     r"|\w+ (?:says|said|shouts?|shouted|yells?|yelled|asks|asked|told)|(?:they|people|some|others|rules) say"
     r"|opposite (?!(?:lane|direction|side|traffic|vehicle|car)\b))\b"
 )
-"""Makes a text one about what is not, or about what others say."""
+"""Matches words that make a text hypothetical or a report of what others say."""
 _LONGEST_SENTENCE = 600
-"""Longer sentences state nothing, in characters."""
+"""The longest sentence that can state an option, in characters."""
 
 
 def _stated_in(sentences: list[str], index: int) -> str:
-    """Return the option that a sentence states, empty where it states none."""
+    """Return the option that a sentence states; empty if it states none."""
     sentence = sentences[index]
     if len(sentence) > _LONGEST_SENTENCE:
         return ""
@@ -161,7 +161,7 @@ def _stated_in(sentences: list[str], index: int) -> str:
 
 
 def _ends_well(sentence: str, found: re.Match[str]) -> bool:
-    """Whether what follows an option in its sentence is a place or a reason, and nothing is against it."""
+    """Return whether only a place or a reason follows the option and nothing in the sentence contradicts it."""
     end = _GOES_ON.match(sentence, found.end())
     if not end or _AGAINST.search(sentence):
         return False
@@ -172,11 +172,11 @@ def _ends_well(sentence: str, found: re.Match[str]) -> bool:
 
 
 def _count(noun: str, sentences: list[str]) -> int:
-    """Return how many road users a text may speak of: where there are two, "the car" may be the other."""
+    """Return the number of road users a text may mention; if there are two, "the car" may be the other one."""
     others = rf"\b(?:{noun}|truck|lorry|bus|van|motorcycle|bicycle|cyclist|he|she)s?\b"
     return sum(len(re.findall(others, one)) for one in sentences)
 
 
 def _leads_to_an_answer(before: str) -> bool:
-    """Whether an option alone may answer after this sentence: it is no question, heading or list."""
+    """Return whether a bare option can answer after this sentence: not after a question, heading or list."""
     return bool(re.search(r"[^\d\s][.!;]$", before)) and not _REJECTS.search(before)

@@ -1,4 +1,4 @@
-"""A model's words without what is no answer: reasoning, control tokens, markup."""
+"""Removes reasoning, control tokens and markup from a model's answer."""
 
 import re
 import unicodedata
@@ -6,22 +6,22 @@ import unicodedata
 from oodscen.llm._json_objects import cleaned
 
 LONGEST = 200_000
-"""Longer answers are not read, in characters."""
+"""The longest answer that is parsed, in characters."""
 
 TWO_ANSWERS = "two answers"
 
 
 class UnusableError(ValueError):
-    """What was asked for has its place in an answer, and nothing usable, or two things, are in it."""
+    """An answer has the requested member, but with no usable value or with two."""
 
 
 def spoken(text: str) -> str:
-    """Return what stands outside the reasoning; reasoning that never ends holds no answer."""
+    """Return the text outside the reasoning; reasoning that never ends leaves no answer."""
     text = _CONTROL_TOKENS.sub(" ", _FINAL_CHANNEL.sub("</think>", text))
     kept: list[str] = []
     depth = start = 0
     for mark in _THINKING.finditer(text):
-        if mark[1]:  # an end; without a beginning, all before it was reasoning
+        if mark[1]:  # an end tag without a start tag: everything before it was reasoning
             kept, depth = kept if depth else [], 0
         else:
             kept += [] if depth else [text[start : mark.start()]]
@@ -41,7 +41,7 @@ _CONTROL_TOKENS = re.compile(r"<\|[a-z_]{1,30}\|>|</?s>|\[/?INST\]")
 def tidied(text: str) -> str:
     """Return prose without markup: one form of quotes and spaces, `name: value` for XML elements.
 
-    What is struck through is dropped. Characters for private use are, too: they stand for options elsewhere.
+    Text that is struck through is dropped, and so are private-use characters, which stand for options elsewhere.
     """
     text = unicodedata.normalize("NFKC", cleaned(text))
     text = _INVISIBLE.sub("", text)

@@ -1,10 +1,14 @@
-"""Sentences that say in general words that something is ordinary, or that it is not.
+"""Sentences that call something ordinary, or not ordinary, in general words.
 
-They give directions in an encoder's space, from *ordinary* to *not ordinary*. Most are one frame with two words of
-opposite judgement in it. `_KINDS` says what is wrong, or as it should be, with weather, loads, structures, signals and so
-on: kinds of events, so a detector that uses them knows these kinds beforehand. No sentence was taken from an OOD text;
-they were written by hand, for English encoders trained on sentences, by someone who had read the *tune* half of the
-controls.
+They give directions in an encoder's space, from *ordinary* to *not ordinary*. Most pairs are one frame filled
+with two
+words of opposite judgement. `_KINDS` describes weather, loads, structures, signals and so on, as they should be
+and gone
+wrong. These are kinds of events, so a detector that uses them knows these kinds beforehand. No sentence was taken
+from
+an OOD text. All were written by hand, for English encoders trained on sentences, by an author who had read the
+*tune*
+half of the controls.
 """
 
 from functools import cache
@@ -121,12 +125,12 @@ _KINDS = (
 )
 
 Pairs = tuple[tuple[str, str], ...]
-"""What is ordinary, and what is not, in the same frame."""
+"""Pairs of an ordinary and a not ordinary text in the same frame."""
 
 
 @cache
 def anchors() -> tuple[Pairs, Pairs, Pairs, Pairs]:
-    """Return the pairs of four sorts: judgements, conduct of things on the road, sentences, kinds of events."""
+    """Return the four sorts of pairs: judgements, conduct of things on the road, sentences, kinds of events."""
     words = [pair.split() for pair in _JUDGEMENTS.split("|")]
     judgements = tuple(
         (_filled(frame, calm), _filled(frame, odd)) for calm, odd in words for frame in _FRAMES

@@ -1,16 +1,16 @@
-"""What a score means: where it lies among those of ordinary texts that the baseline did not hold.
+"""Calibrates scores against those of ordinary texts that are held out of the baseline.
 
-A text of the baseline scored against the baseline finds itself, and scored against all others finds its
-near-duplicates. So whole groups of like texts are held out: the texts are grouped by the first text that
-they resemble (cosine of 0.8 or more), and each is scored against the texts of all other groups.
+A text of the baseline scored against the whole baseline finds itself, and scored against all others finds its
+near-duplicates. Whole groups of similar texts are therefore held out: each text joins the first text that it
+resembles (cosine of 0.8 or more), and is scored against the texts of all other groups.
 
     percentile     share of held-out texts that score below, in percent. In [0, 100].
     conformal p    (1 + number of held-out texts that score at least as high) / (1 + number). In (0, 1]. If a text
-                   came from where the baseline comes from, p is at most a with a probability of at most a
+                   has the same source as the baseline, p is at most a with a probability of at most a
                    (Vovk et al., *Algorithmic learning in a random world*, 2005).
 
-What fools it: style. Ordinary text worded unlike the baseline has a small p, too: p speaks of the baseline's
-texts, not of driving.
+Pitfall: style. Ordinary text worded unlike the baseline has a small p, too; p compares with the baseline's
+texts, not with driving in general.
 """
 
 from collections.abc import Sequence
@@ -31,34 +31,34 @@ _STEP = 512
 
 
 class Calibration(Data):
-    """The OOD-ness of a set among that of held-out groups of the baseline."""
+    """The OOD-ness of a set relative to that of held-out groups of the baseline."""
 
     noun: ClassVar[str] = "calibration"
 
     percentiles: tuple[float, ...]
     """One per text, in [0, 100]."""
     p_values: tuple[float, ...]
-    """One per text: the conformal p-value, in (0, 1]."""
+    """One conformal p-value per text, in (0, 1]."""
     median_percentile: float
     share_below_5_percent: float
     """Share of texts with p at most 0.05; about 0.05 for text like the baseline."""
     held_out: int = Field(ge=1)
     """Number of held-out texts."""
     groups: int = Field(ge=1)
-    """Number of groups of like texts that were held out one at a time."""
+    """Number of groups of similar texts, held out one at a time."""
     held_out_mean: float
     """Mean OOD-ness of the held-out texts."""
 
 
 def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64], int]:
-    """Score each text of a baseline against the groups of texts that it is not in.
+    """Return the scores of a baseline's texts against all groups but their own.
 
     Args:
         vectors: [N, d], rows of unit length or zero; at least two.
-        seed: Of the sample that stands for a baseline of more than 20,000 texts.
+        seed: Seed of the sample that represents a baseline of more than 20,000 texts.
 
     Returns:
-        OOD-ness (`tabulated`) of up to 2,000 texts, and the number of groups. Where all texts are of one
+        OOD-ness (`tabulated`) of up to 2,000 texts, and the number of groups. If all texts fall into one
         group, each text is a group of its own.
     """
     if len(vectors) > _MOST:
@@ -80,7 +80,7 @@ def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64
 
 
 def like_groups(vectors: Vectors, threshold: float = _ALIKE) -> NDArray[np.int64]:
-    """Group rows by the first row that they resemble: each joins it, or starts a group of its own.
+    """Group rows by similarity: each row joins the first group leader that it resembles, or becomes one.
 
     Returns:
         [n], number of the group, in order of appearance.
@@ -114,7 +114,7 @@ def like_groups(vectors: Vectors, threshold: float = _ALIKE) -> NDArray[np.int64
 def calibrate(
     values: Sequence[float] | NDArray[np.float64], held_out: NDArray[np.float64], groups: int
 ) -> Calibration:
-    """Place scores among those of held-out texts."""
+    """Return where scores lie among those of held-out texts."""
     scores = np.asarray(values, np.float64)
     order = np.sort(held_out)
     below = np.searchsorted(order, scores - 1e-9, "left")

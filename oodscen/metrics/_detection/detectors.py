@@ -1,29 +1,35 @@
-r"""Detectors: other answers than OOD-ness to how far each text lies from a baseline, behind one signature.
+r"""Detectors: alternatives to OOD-ness that score how far a text lies from a baseline, behind one signature.
 
 All are fitted to ordinary text alone; higher is more OOD. Let e be the embedding of a text, b those of
 the baseline, mu and Sigma their mean and covariance.
 
     kth           -(k-th largest cos(b, e)), k = 10. In [-1, 1]. Sun et al., *Out-of-distribution
-                  detection with deep nearest neighbors*, 2022. Fooled by style, as OOD-ness is; one
+                  detection with deep nearest neighbors*, 2022. Sensitive to style, like OOD-ness; a single
                   odd baseline text no longer hides an OOD one.
     mahalanobis   sqrt((e - mu)^T S^-1 (e - mu)), S = Sigma shrunk to a multiple of the identity by Ledoit
-                  and Wolf's formula (2004). At least 0. Lee et al., 2018. Fooled by long and mixed texts, whose
+                  and Wolf's formula (2004). At least 0. Lee et al., 2018. Misled by long and mixed texts, whose
                   vectors lie near mu.
-    density       mean distance 1 - cos to the 10 nearest baseline texts, over what these have to their own 10
-                  nearest. At least 0; about 1 for ordinary text. After Breunig et al., *LOF*, 2000. Fooled by
-                  near-duplicates in the baseline, next to which everything is sparse.
-    whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: what varies much among ordinary texts (place,
-                  wording) counts less. In [-1, 1]. Fooled by rare words in ordinary texts.
+    density       mean distance 1 - cos to the 10 nearest baseline texts, divided by their own mean distance to
+                  their 10 nearest. At least 0; about 1 for ordinary text. After Breunig et al., *LOF*, 2000.
+                  Misled by near-duplicates in the baseline, next to which everything is sparse.
+    whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: features that vary much among ordinary texts
+                  (place, wording) weigh less. In [-1, 1]. Misled by rare words in ordinary texts.
     events        judgement + novelty + leaning / 2, each in standard deviations of the baseline about its mean.
-                  *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on S^-1 a,
-                  where a points from ordinary to not ordinary (`oodscen.metrics._detection.anchors`) and S is Sigma shrunk by
-                  0.3; *novelty* the largest distance of a clause to the nearest clause of another baseline text;
-                  *leaning* how much nearer the nearest anchor for a kind of event is than the nearest one for its
-                  absence, for the text and its clauses (averaged). About 0 for ordinary text, unbounded. Its
-                  own, not from the paper. Fooled by ordinary text that mentions danger ("a fire engine returns to
-                  its station"), by OOD text in mild words, and by kinds of events that no anchor speaks of.
+                  *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on S^-1
+                  a,
+                  where a points from ordinary to not ordinary (`oodscen.metrics._detection.anchors`) and S is
+                  Sigma
+                  shrunk by 0.3. *Novelty* is the largest distance of a clause to the nearest clause of another
+                  baseline text. *Leaning* is the cosine to the nearest anchor for a kind of event minus that to
+                  the
+                  nearest anchor for its absence, for the text and its clauses (averaged). About 0 for ordinary
+                  text,
+                  unbounded. Specific to this library, not from the paper. Misled by ordinary text that mentions
+                  danger ("a fire engine returns to its station"), by OOD text in mild words, and by kinds of
+                  events
+                  that no anchor covers.
 
-Which of them is best, with their errors, is in `docs/metrics.md`.
+`docs/metrics.md` reports which is best, with error rates.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,7 +47,7 @@ DetectorName = Literal["kth", "mahalanobis", "density", "whitened", "events"]
 DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
 
 Encode = Callable[[Sequence[str]], Vectors]
-"""Gives vectors of unit length or zero."""
+"""Encodes texts to vectors of unit length or zero."""
 Scores = NDArray[np.float64]
 
 _K = 10
@@ -51,12 +57,12 @@ _STEP = 2048
 
 
 class Detectors:
-    """The detectors of one baseline, each fitted when it is first asked for.
+    """The detectors of one baseline, each fitted on first use.
 
     Args:
-        texts: Of the baseline.
-        vectors: [N, d] of the baseline, rows of unit length or zero.
-        encode: Encodes other texts by the same encoder.
+        texts: Texts of the baseline.
+        vectors: [N, d] vectors of the baseline, rows of unit length or zero.
+        encode: Encodes other texts with the same encoder.
     """
 
     def __init__(self, texts: Sequence[str], vectors: Vectors, encode: Encode) -> None:
@@ -67,15 +73,15 @@ class Detectors:
         self._fitted: dict[str, Callable[[Sequence[str], Vectors], Scores]] = {}
 
     def score(self, name: DetectorName, texts: Sequence[str], vectors: Vectors) -> Scores:
-        """Return one score per text, higher for what is more OOD.
+        """Return one score per text; higher is more OOD.
 
         Args:
-            name: Of the detector.
-            texts: At least one.
-            vectors: [n, d] of the texts, rows of unit length or zero.
+            name: Name of the detector.
+            texts: At least one text.
+            vectors: [n, d] vectors of the texts, rows of unit length or zero.
 
         Raises:
-            UnknownComponent: When there is no such detector.
+            UnknownComponent: If there is no such detector.
         """
         if name not in DETECTORS:
             raise UnknownComponent("definition", str(name), DETECTORS)
@@ -185,10 +191,10 @@ def shrunk(covariance: NDArray[np.float64], share: float) -> NDArray[np.float64]
 
 
 def ledoit_wolf(apart: NDArray[np.floating]) -> float:
-    """Return the share by which to shrink the covariance of [n, d] rows about their mean.
+    """Return the shrinkage intensity for the covariance of [n, d] rows about their mean.
 
     Source: Ledoit and Wolf, *A well-conditioned estimator for large-dimensional covariance matrices*,
-    2004. In [0, 1]; 1 where rows do not differ.
+    2004. In [0, 1]; 1 if all rows are equal.
     """
     rows = np.asarray(apart, np.float64)
     n, size = rows.shape
@@ -203,7 +209,7 @@ def ledoit_wolf(apart: NDArray[np.floating]) -> float:
 
 
 class _Standard:
-    """Values in standard deviations of a sample about its mean."""
+    """Expresses values in standard deviations of a sample about its mean."""
 
     def __init__(self, sample: NDArray[np.floating]) -> None:
         self._mean = float(np.mean(sample))
@@ -215,7 +221,7 @@ class _Standard:
 
 
 def _cut(texts: Sequence[str]) -> tuple[list[str], NDArray[np.int64]]:
-    """Return all clauses, and for each the place of its text."""
+    """Return all clauses, and for each the index of its text."""
     found = [clauses(text) for text in texts]
     owner = np.repeat(np.arange(len(texts)), [len(parts) for parts in found])
     return [part for parts in found for part in parts], owner
@@ -224,7 +230,7 @@ def _cut(texts: Sequence[str]) -> tuple[list[str], NDArray[np.int64]]:
 def _by_text(
     values: NDArray[np.floating], owner: NDArray[np.int64], how: Literal["mean", "max"]
 ) -> Scores:
-    """Sum up the values of clauses by text; clauses of a text follow each other."""
+    """Return the mean or maximum of clause values by text; clauses of a text must be adjacent."""
     starts = np.flatnonzero(np.r_[True, owner[1:] != owner[:-1]])
     wide = np.asarray(values, np.float64)
     if how == "max":

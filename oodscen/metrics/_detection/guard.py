@@ -1,18 +1,23 @@
-"""The off-topic guard: which texts are not about driving a car on a road.
+"""The off-topic guard: flags texts that are not about driving a car on a road.
 
-OOD-ness ranks a recipe above every accident, so a set must be cleared before it is scored. The guard is fitted to
-what is shipped: the ordinary driving texts on one side, `elsewhere.txt` and the *tune* half of `load_off_topic` on
-the other. No OOD text takes part. A text is flagged below a threshold that was set on *tune*, each subject scored
+OOD-ness ranks a recipe above every accident, so off-topic texts must be removed before a set is scored. The guard
+is
+fitted to bundled data: the ordinary driving texts on one side, `elsewhere.txt` and the *tune* half of
+`load_off_topic`
+on the other. It uses no OOD text. A text is flagged below a threshold that was set on *tune*, with each subject
+scored
 without its own texts, and on the public OOD sets.
 
     score    f(e) + near(e, driving) - near(e, elsewhere): f is a linear function of the embedding by
              class-balanced ridge regression, near the mean of the 3 largest cosines. About 1.5 for ordinary
              driving, -1.5 for other texts; flagged below the threshold
 
-Its error rates, on texts that took no part, are in `docs/metrics.md` and come with every result. What fools it: a
-text about driving in another language is flagged (the default encoder does not read it), racing games and car trade
-may pass, and a terse OOD text without a vehicle in it may be flagged. The threshold holds for all-MiniLM-L6-v2; for
-another encoder `calibrated` is false, and the flags are a hint.
+Its error rates on unseen texts are in `docs/metrics.md` and come with every result. Pitfalls: texts about driving
+in
+another language are flagged (the default encoder does not read it), texts about racing games and car trade may
+pass,
+and a terse OOD text without a vehicle in it may be flagged. The threshold holds for all-MiniLM-L6-v2; for another
+encoder `calibrated` is false, and the flags are only a hint.
 """
 
 from collections.abc import Sequence
@@ -37,23 +42,23 @@ _CALIBRATED = "all-MiniLM-L6-v2@"
 
 
 class OffTopicFlags(Data):
-    """Which texts of a set are not about driving a car."""
+    """The texts of a set that are not about driving a car."""
 
     noun: ClassVar[str] = "off-topic flags"
 
     flagged: tuple[int, ...]
-    """Places of the texts that are not about driving, in order."""
+    """Indices of the texts that are not about driving, in order."""
     scores: tuple[float, ...]
     """One per text; lower is further from driving."""
     threshold: float
     share: float
-    """Of texts that are flagged, in [0, 1]."""
+    """Share of flagged texts, in [0, 1]."""
     calibrated: bool
-    """Whether the threshold was set for this encoder."""
+    """True if the threshold was set for this encoder."""
 
 
 class Guard:
-    """A fitted guard; see the module for what it is.
+    """A fitted off-topic guard; the module docstring describes it.
 
     Args:
         encode: Encodes texts to vectors of unit length.
@@ -77,7 +82,7 @@ class Guard:
         return np.asarray(linear + _WEIGHT * (inside - outside), np.float64)
 
     def flags(self, vectors: Vectors, threshold: float = THRESHOLD) -> OffTopicFlags:
-        """Return which of the texts with these vectors, [n, d], are off-topic."""
+        """Return the flags of the texts with these vectors, [n, d]."""
         values = self.scores(vectors)
         return OffTopicFlags(
             flagged=tuple(np.flatnonzero(values < threshold).tolist()),
@@ -95,7 +100,7 @@ def is_calibrated(encoder: str) -> bool:
 
 @cache
 def elsewhere() -> tuple[str, ...]:
-    """Return the shipped texts that are not about driving and that the guard is fitted to."""
+    """Return the bundled texts, not about driving, that the guard is fitted to."""
     file = resources.files("oodscen.metrics._detection") / "elsewhere.txt"
     lines = file.read_text(encoding="utf-8").splitlines()
     return tuple(line for line in lines if line and not line.startswith("# "))

@@ -1,12 +1,12 @@
-"""How well scores tell two sets apart: area under the ROC curve, and tests of a difference.
+"""Separation of two sets of scores: area under the ROC curve, and tests of a difference.
 
-    auroc             share of pairs (x, y) with x < y, ties half. In [0, 1]; 0.5 tells nothing, 1 is a perfect
-                      order. The Mann-Whitney statistic over n m. Fooled by sets that differ in something
-                      else than what is asked: style, length.
-    permutation test  two-sided p-value that the means of two sets differ by this much if labels play no part.
-    sign-flip test    the same for matched pairs: each difference may have had either sign.
+    auroc             share of pairs (x, y) with x < y, ties half. In [0, 1]; 0.5 is no separation, 1 is a perfect
+                      order. The Mann-Whitney statistic over n m. Misled by sets that also differ in something
+                      irrelevant: style, length.
+    permutation test  two-sided p-value of a difference in means this large if labels are exchangeable.
+    sign-flip test    the same for matched pairs: the sign of each difference is exchangeable.
 
-p-values are (1 + count) / (1 + draws), never 0. Units that belong together (the texts of one path) are moved
+p-values are (1 + count) / (1 + draws), never 0. Units that belong together (the texts of one path) are permuted
 together.
 """
 
@@ -31,19 +31,19 @@ class Auroc(Data):
     noun: ClassVar[str] = "AUROC"
 
     value: float
-    """In [0, 1]; 0.5 tells nothing, 1 puts every text of the second set above all of the first."""
+    """In [0, 1]; 0.5 is no separation, 1 puts every text of the second set above all of the first."""
     low: float | None
-    """2.5 % of the replicates; `None` where either set has fewer than two units."""
+    """2.5 % of the replicates; `None` if either set has fewer than two units."""
     high: float | None
     replicates: int
     n_ordinary: int
     n_ood: int
     is_paired: bool
-    """Matched texts were resampled together."""
+    """True if matched texts were resampled together."""
 
 
 def auroc(ordinary: Values, ood: Values) -> float:
-    """Return the share of pairs in which the OOD score is the higher, ties counted half."""
+    """Return the share of pairs in which the OOD score is the higher; ties count half."""
     order = np.sort(ordinary)
     below = np.searchsorted(order, ood, "left") + np.searchsorted(order, ood, "right")
     return float(below.sum() / (2.0 * len(ordinary) * len(ood)))
@@ -63,9 +63,9 @@ def auroc_interval(
     Args:
         ordinary: [m] scores.
         ood: [n] scores.
-        clusters: [n] labels of the OOD texts; those of one label are resampled together.
-        is_paired: The i-th of both belong together, and are resampled so.
-        seed: Of the draws.
+        clusters: [n] labels of the OOD texts; texts with the same label are resampled together.
+        is_paired: Whether the i-th scores of both sets belong together and are resampled together.
+        seed: Seed of the draws.
         replicates: Number of resampled sets.
     """
     member = members(len(ood), clusters)
@@ -97,11 +97,11 @@ def auroc_interval(
 
 
 def sign_flip_test(differences: Values, *, seed: int = 0, draws: int = _DRAWS) -> float:
-    """Return the two-sided p-value that the mean of paired differences is this far from 0.
+    """Return the two-sided p-value of a mean of paired differences this far from 0.
 
     Args:
         differences: [n], one per pair (or per cluster of pairs).
-        seed: Of the draws.
+        seed: Seed of the draws.
         draws: Number of random assignments of signs.
     """
     n = len(differences)
@@ -124,13 +124,13 @@ def permutation_test(
     seed: int = 0,
     draws: int = _DRAWS,
 ) -> float:
-    """Return the two-sided p-value that the means of two sets differ by this much.
+    """Return the two-sided p-value of a difference this large between the means of two sets.
 
     Args:
         a: [n] scores.
         b: [m] scores.
         clusters: Labels of either set; whole clusters change sides.
-        seed: Of the draws.
+        seed: Seed of the draws.
         draws: Number of random assignments.
     """
     parts = []

@@ -1,8 +1,9 @@
-"""The same cosines through torch, on a graphics processor where there is one.
+"""Nearest-neighbour search in torch, on a GPU if there is one.
 
-`nearest` gives what `oodscen.metrics._vectors.similarity.nearest` gives, to the last few bits: sums are taken in
-float32 (never TF32) and in another order, so two references that are equally near to 1e-6 may change
-places. torch is imported when a device is asked for.
+`nearest` returns what `oodscen.metrics._vectors.similarity.nearest` returns, to the last few bits. Sums are taken
+in
+float32 (never TF32) and in another order, so two references whose cosines agree to 1e-6 may swap
+places. torch is imported only when a device is requested.
 """
 
 from typing import Any
@@ -17,11 +18,11 @@ _COLUMNS = 8192
 
 
 def chosen_device(name: str) -> str:
-    """Return `cpu`, or the torch device that `name` asks for; `auto` is CUDA where there is one.
+    """Return `cpu`, or the torch device that `name` asks for; `auto` is CUDA if available.
 
     Raises:
-        MissingExtra: When torch is not installed and a device was asked for by name.
-        UsageError: When torch has no such device here.
+        MissingExtra: If torch is not installed and a device was requested by name.
+        UsageError: If torch has no such device here.
     """
     if name == "cpu":
         return name
@@ -42,12 +43,12 @@ def chosen_device(name: str) -> str:
 
 
 def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
-    """Find the nearest reference of each query on a torch device.
+    """Return the nearest reference of each query, computed on a torch device.
 
     Args:
         queries: [n, d], rows of unit length or zero.
-        references: [m, d], likewise; read once, in blocks.
-        device: `cuda`, `cuda:1`, ..., or `cpu` for torch's own product on the processor.
+        references: [m, d], rows of unit length or zero; read once, in blocks.
+        device: `cuda`, `cuda:1`, ..., or `cpu` for torch's own product on the CPU.
     """
     import torch
 
@@ -74,5 +75,5 @@ def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
 def _sent(rows: Vectors, device: str) -> Any:
     import torch
 
-    # A memory map is read-only, which torch.from_numpy warns of: an array of its own is not.
+    # torch.from_numpy warns about read-only arrays such as memory maps, so those are copied.
     return torch.from_numpy(np.array(rows, np.float32)).to(device)

@@ -11,7 +11,7 @@ def principal_axes(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return the mean [d], the principal axes [count, d] and the shares of variance [count].
 
-    The sign of an axis is such that its largest component is positive; axes beyond the rank are zero.
+    The largest component of each axis is positive, which fixes its sign. Axes beyond the rank are zero.
     """
     wide = np.asarray(vectors, np.float64)
     mean = wide.mean(axis=0)

@@ -1,6 +1,6 @@
-"""Meanings of labels, centred: what all of them share is taken away before they are compared.
+"""Centred embeddings of labels: the part common to all labels is subtracted before they are compared.
 
-Texts about driving share a frame ("a vehicle on the road ...") that makes all of them near to each
+Texts about driving share a frame ("a vehicle on the road ...") that brings all of them close to each
 other. Without it the cosine of two labels tells whether they mean the same kind of scenario.
 """
 
@@ -16,10 +16,10 @@ Vector = NDArray[np.float64]
 
 
 def unit_rows(encoder: Encoder, texts: Iterable[str]) -> Vector:
-    """Encode texts: [n, d] unit rows in double precision; a zero row stays zero.
+    """Return the embeddings of texts: [n, d] unit rows in double precision; a zero row stays zero.
 
     Raises:
-        EncoderError: When the encoder fails.
+        EncoderError: If the encoder fails.
     """
     from oodscen.encoders import encode
 
@@ -29,20 +29,20 @@ def unit_rows(encoder: Encoder, texts: Iterable[str]) -> Vector:
 
 
 def label_rows(encoder: Encoder, labels: Sequence[str]) -> tuple[Vector, Vector]:
-    """Encode labels, and find their centre.
+    """Return the embeddings of labels, and their centre.
 
-    The centre is the mean of the labels and of the kinds that the paper names, so that few labels of
-    one sort are not taken for what all have in common.
+    The centre is the mean of the labels and of the kinds that the paper names. A few labels of one sort
+    then do not pass for what all labels have in common.
 
     Args:
         encoder: Turns texts into vectors.
-        labels: Of one tree, or of all that are compared.
+        labels: Labels of one tree, or of all trees that are compared.
 
     Returns:
         [n, d] unit rows, not centred; and [d], the centre to subtract.
 
     Raises:
-        EncoderError: When the encoder fails.
+        EncoderError: If the encoder fails.
     """
     rows = unit_rows(encoder, [*labels, *(item.name for item in ATTESTED)])
     return rows[: len(labels)], rows.mean(axis=0)

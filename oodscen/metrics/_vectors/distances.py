@@ -2,12 +2,13 @@ r"""Distances between two sets of texts, and measures of one set, from embedding
 
     mmd            unbiased squared maximum mean discrepancy with the kernel exp(-|x - y|^2 / 2 s^2), s the median
                    distance within the reference. About 0 for two draws of one source (may be negative), at
-                   most 2. Gretton et al., *A kernel two-sample test*, 2012. Fooled by style; needs some
+                   most 2. Gretton et al., *A kernel two-sample test*, 2012. Sensitive to style; needs some
                    dozens of texts.
     frechet        |m1 - m2|^2 + tr(S1 + S2 - 2 (S1 S2)^1/2). At least 0; 0 for equal sets. Dowson and Landau, 1982;
-                   Heusel et al., 2017. Grows as a set shrinks below some thousand texts: compare equal sizes only.
+                   Heusel et al., 2017. Grows as a set shrinks below some thousand texts: compare equal sizes
+                   only.
     vendi          exp of the entropy of the eigenvalues of K / n, K the cosines of the set. In [1, n]; the
-                   effective number of different texts. Friedman and Dieng, 2023. Fooled by off-topic text.
+                   effective number of different texts. Friedman and Dieng, 2023. Raised by off-topic text.
     remote_clique  mean distance 1 - cos over all pairs: 1 + `pairwise` diversity. In [0, 2].
 
 Sets of different size are not comparable by `vendi` and `frechet`.
@@ -25,11 +26,11 @@ _MEDIAN = 1000
 
 
 def mmd(a: Vectors, b: Vectors) -> float:
-    """Return the unbiased squared maximum mean discrepancy of two sets, `b` being the reference.
+    """Return the unbiased squared maximum mean discrepancy of two sets; `b` is the reference.
 
     Args:
         a: [n, d], rows of unit length or zero, n at least 2.
-        b: [m, d], likewise.
+        b: [m, d], rows of unit length or zero, m at least 2.
     """
     _need(2, a, b)
     some = b[:: max(1, len(b) // _MEDIAN)].astype(np.float64)
@@ -40,7 +41,7 @@ def mmd(a: Vectors, b: Vectors) -> float:
 
 
 def frechet(a: Vectors, b: Vectors) -> float:
-    """Return the Fréchet distance of two normal distributions fitted to two sets of at least 2."""
+    """Return the Fréchet distance between normal distributions fitted to two sets of at least 2 rows."""
     _need(2, a, b)
     (mean_a, cov_a), (mean_b, cov_b) = _moments(a), _moments(b)
     values, axes = np.linalg.eigh(cov_a)
@@ -51,12 +52,12 @@ def frechet(a: Vectors, b: Vectors) -> float:
 
 
 def vendi(vectors: Vectors) -> float:
-    """Return the Vendi score of a set; a zero vector counts as one that is unlike all others."""
+    """Return the Vendi score of a set; a zero vector counts as unlike all others."""
     _need(1, vectors)
     wide = vectors.astype(np.float64)
     n, size = wide.shape
     empty = int((np.square(wide).sum(axis=1) == 0.0).sum())
-    # K and the d x d matrix have the same eigenvalues besides zeros: the smaller one is enough.
+    # K and the d x d matrix share their non-zero eigenvalues: the smaller one is enough.
     gram = wide.T @ wide if n > size else wide @ wide.T
     values = np.concatenate([np.linalg.eigvalsh(gram), np.ones(empty)]) / n
     positive = values[values > 1e-12]
@@ -64,7 +65,7 @@ def vendi(vectors: Vectors) -> float:
 
 
 def remote_clique(vectors: Vectors) -> float:
-    """Return the mean distance 1 - cos over all pairs of a set of at least 2."""
+    """Return the mean distance 1 - cos over all pairs of a set of at least 2 rows."""
     _need(2, vectors)
     return 1.0 - mean_pairwise(vectors)
 

@@ -1,6 +1,6 @@
-"""Cosines between sets of vectors, in blocks: memory stays bounded whatever the sizes.
+"""Cosines between sets of vectors, computed in blocks so that memory stays bounded.
 
-Everything here is exact: each pair is looked at, in float32, and values agree with float64 to 1e-5. A
+The search is exact: it compares every pair, in float32, and values agree with float64 to 1e-5. A
 block of cosines is at most 16 MB. References may lie on disk and are read once, in order.
 """
 
@@ -24,38 +24,38 @@ class Rows(Protocol):
     """Vectors that can be read a slice at a time: an array, a memory map, or a file's reader."""
 
     def __len__(self) -> int:
-        """Return their number."""
+        """Return the number of rows."""
         ...
 
     def __getitem__(self, rows: slice, /) -> Vectors:
-        """Return some of them, rows of unit length or zero."""
+        """Return a slice of the rows, each of unit length or zero."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Nearest:
-    """For each query its nearest reference."""
+    """The nearest reference of each query."""
 
     cosine: NDArray[np.float64]
     """[n], in [-1, 1]."""
     index: NDArray[np.int64]
-    """[n], row of the nearest reference; the first of equals."""
+    """[n], row of the nearest reference; the first of several equally near."""
 
 
 def unit(vectors: Vectors) -> Vectors:
-    """Scale rows to unit length; a zero row stays zero, so its cosine to anything is 0."""
+    """Return rows scaled to unit length; a zero row stays zero, so its cosine to anything is 0."""
     lengths = np.sqrt(np.square(vectors, dtype=np.float64).sum(axis=1, keepdims=True))
     scaled = vectors / np.where(lengths > 0.0, lengths, 1.0)
     return np.ascontiguousarray(scaled, dtype=np.float32)
 
 
 def nearest(queries: Vectors, references: Rows, skip: NDArray[np.int64] | None = None) -> Nearest:
-    """Find the nearest reference of each query.
+    """Return the nearest reference of each query.
 
     Args:
         queries: [n, d], rows of unit length or zero.
-        references: [m, d], likewise.
-        skip: [n], for each query the one reference that does not count; negative for none.
+        references: [m, d], rows of unit length or zero.
+        skip: [n], for each query the one reference to ignore; negative for none.
     """
     best = _Best(len(queries))
     for rows, first, cosines in _blocks(queries, references):
@@ -68,9 +68,9 @@ def nearest(queries: Vectors, references: Rows, skip: NDArray[np.int64] | None =
 
 
 def nearest_other(vectors: Vectors) -> Nearest:
-    """Find for each row the nearest other row of the same set; at least two rows.
+    """Return, for each row, the nearest other row of the same set; needs at least two rows.
 
-    The cosine of a pair is computed once and offered to both: half the work of `nearest`.
+    The cosine of a pair is computed once and used for both rows, which halves the work of `nearest`.
     """
     best = _Best(len(vectors))
     space = np.empty(_ROWS * _COLUMNS, np.float32)
@@ -98,16 +98,16 @@ def smallest(queries: Vectors, references: Rows) -> NDArray[np.float64]:
 def largest(
     queries: Vectors, references: Rows, k: int, skip: NDArray[np.int64] | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the cosines and the rows of the k nearest references, the nearest first.
+    """Return the cosines and the rows of the k nearest references, nearest first.
 
     Args:
         queries: [n, d], rows of unit length or zero.
-        references: [m, d], likewise, with at least k rows that count.
+        references: [m, d], rows of unit length or zero, at least k of which are not skipped.
         k: At least 1.
-        skip: [n], for each query the one reference that does not count; negative for none.
+        skip: [n], for each query the one reference to ignore; negative for none.
 
     Returns:
-        [n, k] float64 and [n, k] int64; of equal cosines the first row comes first.
+        [n, k] float64 and [n, k] int64; ties keep the order of the rows.
     """
     values = np.full((len(queries), k), -np.inf, np.float32)
     places = np.full((len(queries), k), -1, np.int64)
@@ -127,26 +127,26 @@ def largest(
 
 
 class _Best:
-    """The largest cosine so far of each of n rows, and where it was."""
+    """The largest cosine so far of each of n rows, and its column."""
 
     def __init__(self, n: int) -> None:
         self._cosine = np.full(n, -np.inf, np.float32)
         self._index = np.zeros(n, np.int64)
 
     def offer(self, row: int, first: int, cosines: Vectors) -> None:
-        """Take note of the cosines of rows `row` on to references `first` on."""
+        """Update with the cosines of rows `row` onwards to references `first` onwards."""
         if not cosines.size:
             return
         values = cosines.max(axis=1)
         better = np.flatnonzero(values > self._cosine[row : row + len(values)])
-        # Few rows are bettered by a late block: looking for the place in these alone is cheap.
+        # A late block improves few rows, so finding the column for these alone is cheap.
         for place in better.tolist():
             self._index[row + place] = first + int(cosines[place].argmax())
         self._cosine[row + better] = values[better]
 
     def offer_columns(self, row: int, first: int, cosines: Vectors) -> None:
-        """Take note of the cosines of references `first` on to rows `row` on."""
-        # Going down a column of a large block is slow: its place is first found among groups of rows.
+        """Update with the cosines of references `first` onwards to rows `row` onwards."""
+        # Scanning a column of a large block is slow, so the search first narrows to a group of rows.
         whole, columns = len(cosines) // _GROUP, cosines.shape[1]
         groups = cosines[: whole * _GROUP].reshape(whole, _GROUP, columns).max(axis=1)
         if len(cosines) % _GROUP:
@@ -163,7 +163,7 @@ class _Best:
 
 
 def _blocks(queries: Vectors, references: Rows) -> Iterator[tuple[slice, int, Vectors]]:
-    """Yield rows of the queries, first row of the references, and their cosines, to be used at once."""
+    """Yield row slices of the queries, the first reference row, and their cosines, valid until the next step."""
     tall = max(min(len(queries), _ROWS), 1)
     wide = min(max(_COLUMNS, _ROWS * _COLUMNS // tall), _MOST_COLUMNS)
     space = np.empty(tall * min(wide, max(len(references), 1)), np.float32)

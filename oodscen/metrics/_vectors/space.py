@@ -1,4 +1,4 @@
-"""The vectors that metrics need, each computed once: of texts, the baseline, controls, anchors."""
+"""The vectors that the metrics need, each computed once: texts, baseline, controls, anchors."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -24,7 +24,7 @@ from oodscen.metrics._vectors.similarity import Nearest, Rows, Vectors, nearest,
 from oodscen.protocols import Encoder
 
 _SHIPPED = "shipped"
-"""Folder of the vectors of this library's own texts, its baseline included."""
+"""Cache folder for the vectors of this library's own texts, including its baseline."""
 _PARTS = 4
 _ASKED = 300
 _MOST_GROUPED = 20_000
@@ -34,11 +34,11 @@ class Space:
     """An encoder's space with a baseline in it.
 
     Args:
-        encoder: Texts are encoded once each; those of the baseline and of this library are kept in the
-            user's cache folder for encoders whose name decides their values (`cacheable`).
+        encoder: Encodes each text once. Vectors of the baseline and of this library's texts are kept in the
+            user's cache folder if the encoder's name determines its values (`cacheable`).
         baseline: Texts, or embeddings on disk.
-        seed: Of random draws.
-        device: `cpu`, or where torch shall look for the nearest.
+        seed: Seed of random draws.
+        device: `cpu`, or the torch device that searches for nearest vectors.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Space:
         self._memory = encoder if isinstance(encoder, CachedEncoder) else CachedEncoder(encoder)
 
     def vectors(self, texts: Sequence[str]) -> Vectors:
-        """Encode texts that are scored; they are kept in memory."""
+        """Return the vectors of texts to score; they are kept in memory."""
         return unit(encode(self._memory, texts))
 
     @cached_property
@@ -71,7 +71,7 @@ class Space:
         """The baseline's vectors, in memory.
 
         Raises:
-            UsageError: When they are on disk.
+            UsageError: If they are on disk.
         """
         if isinstance(self.baseline, EmbeddedBaseline):
             raise UsageError(
@@ -83,7 +83,7 @@ class Space:
         return found
 
     def nearest(self, vectors: Vectors) -> Nearest:
-        """Find the nearest baseline vector of each."""
+        """Return the nearest baseline vector of each row."""
         if self.device == "cpu":
             return nearest(vectors, self.reference)
         return accelerated.nearest(vectors, self.reference, self.device)
@@ -98,12 +98,12 @@ class Space:
         return self.detectors.score(measure, texts, vectors)
 
     def neighbour_text(self, index: int) -> str:
-        """Return a baseline text; empty where only its embedding is known."""
+        """Return a baseline text; empty if only its embedding is known."""
         return "" if isinstance(self.baseline, EmbeddedBaseline) else self.baseline.texts[index]
 
     @cached_property
     def detectors(self) -> Detectors:
-        """Detectors fitted to the baseline."""
+        """The detectors fitted to the baseline."""
         whole = self.whole
         texts = self.baseline.texts if isinstance(self.baseline, Baseline) else ()
         return Detectors(texts, whole, self._kept)
@@ -115,14 +115,15 @@ class Space:
 
     @cached_property
     def held_out(self) -> tuple[NDArray[np.float64], int]:
-        """OOD-ness of held-out baseline texts, and the number of groups."""
+        """The OOD-ness of held-out baseline texts, and the number of groups."""
         return held_out_scores(self.whole, self.seed)
 
     def held_out_by(self, measure: Measure) -> tuple[NDArray[np.float64], int]:
-        """Scores of held-out baseline texts by any definition or detector, and the number of groups.
+        """Return scores of held-out baseline texts by any definition or detector, and the number of groups.
 
-        For all but `tabulated` the groups of like texts are dealt into 4 parts, and what is fitted to three of them
-        scores up to 300 texts of the fourth: with a smaller baseline, texts look a little further out.
+        For all but `tabulated`, the groups of similar texts are split into 4 parts; a detector fitted to three of
+        them
+        scores up to 300 texts of the fourth. The baseline is smaller then, so texts appear slightly more OOD.
         """
         if measure == "tabulated":
             return self.held_out
@@ -152,7 +153,7 @@ class Space:
         return np.concatenate(found), int(group.max()) + 1
 
     def control_scores(self, measure: Measure) -> NDArray[np.float64]:
-        """OOD-ness of the ordinary controls that are for reporting."""
+        """Return the OOD-ness of the ordinary controls reserved for reporting."""
         texts = [control.text for control in load_controls("frozen")[::2]]
         vectors = self._shipped(texts)
         if measure == "tabulated":

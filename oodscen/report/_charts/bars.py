@@ -1,4 +1,4 @@
-"""Bars per scenario type and the confusion of aspects, as inline SVG."""
+"""Bar charts by scenario type and the confusion matrix of aspects, as inline SVG."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -12,7 +12,7 @@ _BAR, _GAP = 11.0, 3.0
 
 
 class Bar(NamedTuple):
-    """What one model scored in one group."""
+    """The score of one model in one group."""
 
     hits: int
     n: int
@@ -26,7 +26,7 @@ class Row(NamedTuple):
     label: str
     bars: Sequence[Bar | None]
     chance: float | None = None
-    """Marked by a tick across the bars."""
+    """Chance level, drawn as a tick across the bars."""
 
 
 def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Markup:
@@ -35,7 +35,7 @@ def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Markup:
     Args:
         rows: The scenario types.
         models: Names, in the order of the bars; the n-th has the class `series-n`.
-        what: For who cannot see the chart.
+        what: Text alternative for screen readers.
     """
     parts: list[Markup] = []
     y = 4.0
@@ -93,11 +93,11 @@ def _bar(bar: Bar | None, index: int, model: str, y: float) -> list[Markup]:
 
 
 def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], nothing: int) -> Markup:
-    """Draw what was taken for what: a row per true type, a column per chosen one.
+    """Draw the confusion matrix: a row per true type, a column per chosen one.
 
     Args:
-        labels: Of rows and columns; columns have one more for whatever is not among them.
-        counts: By row and column.
+        labels: Labels of rows and columns; columns have an extra one for all other answers.
+        counts: Counts by row and column.
         nothing: Column of "nothing unusual".
     """
     size = min(24.0, 300.0 / (nothing + 1))

@@ -1,20 +1,20 @@
-"""What all pictures of the report are made of."""
+"""Basic elements of the report's pictures."""
 
 from collections.abc import Sequence
 
 from markupsafe import Markup
 
 WIDTH = 480
-"""Of a picture's own coordinates; the page scales it."""
+"""Width of a picture in its own coordinates; the page scales it."""
 
 
 def svg(label: str, height: float, parts: Sequence[Markup], *, kind: str = "chart") -> Markup:
     """Return a picture of `WIDTH` by `height`.
 
     Args:
-        label: What it shows, for those who cannot see it.
-        height: In its own coordinates.
-        parts: Drawn in order.
+        label: Text alternative for screen readers.
+        height: Height in the picture's own coordinates.
+        parts: Elements, drawn in order.
         kind: Classes of the style sheet.
     """
     return Markup('<svg class="{}" viewBox="0 0 {} {}" role="img" aria-label="{}">{}</svg>').format(
@@ -23,5 +23,5 @@ def svg(label: str, height: float, parts: Sequence[Markup], *, kind: str = "char
 
 
 def px(value: float) -> str:
-    """Write a coordinate in as few characters as a tenth of a pixel needs."""
+    """Return a coordinate as short text, rounded to a tenth of a pixel."""
     return f"{value:.1f}".removesuffix(".0")

@@ -14,15 +14,15 @@ class Picture:
     href: str = ""
     """Relative address; empty if there is none."""
     problem: str = ""
-    """Why there is no picture."""
+    """The reason why there is no picture."""
 
 
 def picture(folder: Path, name: str | None) -> Picture:
     """Return the address of a frame.
 
     Args:
-        folder: Of the study.
-        name: File relative to the study; anything outside the study is refused.
+        folder: Folder of the study.
+        name: File relative to the study; a path outside the study is rejected.
     """
     if not name:
         return Picture(problem="no frame")
@@ -36,6 +36,6 @@ def picture(folder: Path, name: str | None) -> Picture:
 
 
 def _looks_like_one(name: str) -> bool:
-    """Whether an address with this name leads a browser to a picture."""
+    """Return whether a browser would find a picture under an address with this name."""
     suffixes = (".jpg", ".jpeg", ".png")
     return not any(char in name for char in ":\\?#\n\r") and name.lower().endswith(suffixes)

@@ -1,6 +1,6 @@
-"""Pictures of the metrics as inline SVG: distributions, how diversity depends on size, a map of the space.
+"""Pictures of the metrics as inline SVG: distributions, diversity over the size, a map of the space.
 
-They are the three panels of the paper's figure of metrics. What they show was computed when the study was measured
+They are the three panels of the paper's figure of metrics. Their data were computed when the study was measured
 (`pictures` in `metrics.json`, see `oodscen.metrics._pictured`); colours come from the page's style sheet.
 """
 
@@ -23,11 +23,11 @@ _MAP = 300
 
 
 def part(study: Study, found: Material) -> Markup:
-    """Draw all pictures that the study's measurements allow; empty where there are none.
+    """Draw all pictures that the study's measurements allow; empty if there are none.
 
     Args:
-        study: Not read; parts of the page are all called alike.
-        found: What was read of the study.
+        study: Unused; all parts of the page share one signature.
+        found: The material read from the study.
     """
     metrics = found.metrics
     names = set_names(metrics)

@@ -1,4 +1,4 @@
-"""Trees as outlines that fold: where each node came from, and what became of it."""
+"""Trees as collapsible outlines, with the origin and the pruning decision of each node."""
 
 from collections.abc import Collection, Sequence
 
@@ -15,12 +15,12 @@ def outline(
     decisions: Sequence[PruneDecision] = (),
     anchors: Collection[str] = (),
 ) -> Markup:
-    """Return a tree as a list that folds.
+    """Return a tree as a collapsible list.
 
     Args:
         tree: Any tree.
-        decisions: What pruning decided about its nodes, where that is to be shown.
-        anchors: Places of the page; a leaf whose `path-<id>` is among them leads there.
+        decisions: Pruning decisions about its nodes, if they are to be shown.
+        anchors: Anchors of the page; a leaf whose `path-<id>` is among them links there.
     """
     return Markup(tree_html(tree, remarks(tree, decisions, anchors)))
 
@@ -30,7 +30,7 @@ def remarks(
     decisions: Sequence[PruneDecision] = (),
     anchors: Collection[str] = (),
 ) -> dict[str, Remark]:
-    """Return by node what the outline says beyond labels."""
+    """Return the details that the outline shows beside each label, by node."""
     fates = {decision.id: decision for decision in decisions}
     origins = origin_words(tree)
     found = {}

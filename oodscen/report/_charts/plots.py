@@ -1,6 +1,6 @@
-"""Pictures of the metrics as matplotlib figures: distributions, how diversity depends on size, a map.
+"""Pictures of the metrics as matplotlib figures: distributions, diversity over the size, a map.
 
-Needs the extra `plots`. Figures are made without pyplot: nothing global is touched, and no window opens.
+Needs the extra `plots`. Figures are made without pyplot, so that no global state changes and no window opens.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +28,7 @@ def distributions(sets: Named, label: str = "OOD-ness") -> "Figure":
 
     Args:
         sets: Scores by the name of the set, at least one each; drawn from top to bottom.
-        label: Of the axis.
+        label: Label of the axis.
     """
     known = {name: np.asarray(values, np.float64) for name, values in _filled(sets).items()}
     figure, axes = _figure(1.2 + 0.75 * len(known))
@@ -54,12 +54,12 @@ def distributions(sets: Named, label: str = "OOD-ness") -> "Figure":
 
 
 def size_curve(sets: Mapping[str, Vectors], *, repeats: int = 20, seed: int = 0) -> "Figure":
-    """Draw both diversities of random subsets of growing size: why sizes must be equal to compare.
+    """Draw both diversities of random subsets of growing size; shows why only equal sizes compare.
 
     Args:
         sets: [n, d] vectors of unit length by the name of the set, at least two rows each.
         repeats: Subsets per size; the band is their standard deviation.
-        seed: Of the subsets.
+        seed: Seed of the subsets.
     """
     figure, axes = _figure(4.2)
     for place, (name, vectors) in enumerate(_filled(sets).items()):
@@ -86,11 +86,11 @@ def size_curve(sets: Mapping[str, Vectors], *, repeats: int = 20, seed: int = 0)
 def embedding_map(sets: Mapping[str, Vectors], *, reference: str | None = None) -> "Figure":
     """Draw all texts on the first two principal axes of one set.
 
-    Distances on it are not those of the space: the two axes hold only the share of variance that their labels give.
+    Distances on the map are not those of the space: its two axes hold only the share of variance on their labels.
 
     Args:
         sets: [n, d] vectors by the name of the set.
-        reference: The set whose axes are taken, e.g. the baseline; by default all sets together.
+        reference: The set that determines the axes, e.g. the baseline; by default all sets together.
     """
     known = _filled(sets)
     if reference is not None and reference not in known:
@@ -137,7 +137,7 @@ def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:
 
 
 def _density(values: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a Gaussian smoothing of values, by Silverman's width, scaled to a height of 1."""
+    """Return a Gaussian kernel density of values, with Silverman's bandwidth, scaled to a height of 1."""
     width = 1.06 * float(values.std()) * len(values) ** -0.2
     width = max(width, float(grid[-1] - grid[0]) / 150.0)
     height = np.exp(-0.5 * np.square((grid[:, None] - values) / width)).sum(axis=1)

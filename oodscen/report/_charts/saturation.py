@@ -1,4 +1,4 @@
-"""The saturation chart: how many new kinds the rounds brought, and how many may be left."""
+"""The saturation chart: the new kinds that each round found, and the estimate of those left."""
 
 from markupsafe import Markup
 
@@ -12,14 +12,14 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 34, WIDTH - 58, 14, 160
 def saturation_chart(found: Saturation) -> Markup:
     """Draw new kinds and Good-Turing coverage over the rounds.
 
-    The line counts the new kinds; dot and bar at its end are the estimated total and its interval, as
-    far as they lie inside the chart. The dotted line is the coverage, on the axis at the right.
+    The line counts the new kinds. The dot and bar at its end are the estimated total and its interval, as
+    far as they lie inside the chart. The dotted line is the coverage, on the right axis.
 
     Args:
         found: The estimates; without rounds the chart is empty.
 
     Returns:
-        Inline SVG that the page's style sheet colours.
+        Inline SVG, coloured by the page's style sheet.
     """
     if not found.curve:
         return Markup("")

@@ -1,4 +1,4 @@
-"""Charts as inline SVG, coloured by the page's style sheet so that they follow light and dark."""
+"""Charts as inline SVG, coloured by the page's style sheet to follow its light and dark themes."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -17,7 +17,7 @@ class Point(NamedTuple):
 
 
 class Strip(NamedTuple):
-    """One row of a histogram: a set of values, with what is to be marked on it."""
+    """One row of a histogram: a set of values and the mean to mark."""
 
     label: str
     values: Sequence[float]
@@ -87,7 +87,7 @@ def histogram(strips: Sequence[Strip], marker: float | None = None, marked: str 
     Args:
         strips: The sets; each has at least one value.
         marker: A value to mark across all of them.
-        marked: What that value is.
+        marked: Label of that value.
     """
     left, right, row, gap = 104, WIDTH - 18, 40, 10
     values = [value for strip in strips for value in strip.values]
@@ -186,7 +186,7 @@ def whisker(share: float, low: float, high: float) -> Markup:
 
 
 def shares(counts: Sequence[tuple[str, int]]) -> Markup:
-    """Draw counts by kind as one stacked bar; the kind is the class of its part."""
+    """Draw counts by kind as one stacked bar; each part has its kind as class."""
     width, total, start = 220.0, sum(count for _, count in counts), 0.0
     parts = []
     for kind, count in counts:
@@ -204,7 +204,7 @@ def shares(counts: Sequence[tuple[str, int]]) -> Markup:
 
 
 def signed(value: float, digits: int = 3) -> str:
-    """Write a number with a true minus sign."""
+    """Return a number as text, with a true minus sign."""
     text = f"{value:.{digits}f}"
     if not float(text):
         text = text.removeprefix("-")
