@@ -103,7 +103,7 @@ class Recording:
         self._end = 0
         """Offset of that line's end."""
         self._is_ended = True
-        """Whether that line ends with a newline."""
+        """True if that line ends with a newline."""
         self._torn = b""
         """The torn line after it."""
         self._lock = threading.Lock()

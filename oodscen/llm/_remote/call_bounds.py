@@ -59,7 +59,7 @@ class Bounds:
         self.url = ""
         """Address of the last request sent."""
         self.is_sent = False
-        """Whether any request passed through these bounds; some providers have their own clients."""
+        """True once a request has passed through these bounds; some providers have their own clients."""
         self.status: int | None = None
         """Status of the response; `None` before there is one."""
         self.head = b""
@@ -79,7 +79,7 @@ class Bounds:
 
     @property
     def is_over(self) -> bool:
-        """Whether the time is up."""
+        """True once the time is up."""
         return self._clock() >= self._ends
 
     @property

@@ -69,13 +69,13 @@ class Failure:
 
     @property
     def is_no_response(self) -> bool:
-        """Whether a response arrived but was unusable: empty, a web page, too large."""
+        """True if a response arrived but was unusable: empty, a web page, too large."""
         is_error = self.status is not None and self.status >= 400
         return self.kind == "erring" and self.retryable and not is_error
 
     @property
     def is_free(self) -> bool:
-        """Whether the server certainly billed nothing, since it refused the request."""
+        """True if the server certainly billed nothing, since it refused the request."""
         return self.status is not None and self.status >= 400
 
 

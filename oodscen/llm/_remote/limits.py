@@ -222,7 +222,7 @@ class Endpoint:
             raise EndpointDown(fault.endpoint, fault.reason)
 
     def is_doubted(self, model: str = "") -> bool:
-        """Return whether a model has failed so often in a row that each call gets one attempt only."""
+        """Return whether a model's recent failures limit each call to one attempt."""
         failed = self._given_up.get(model)
         return self.leniency > 1 and failed is not None and failed.total() >= self.strikes
 

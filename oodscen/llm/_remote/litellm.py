@@ -115,7 +115,7 @@ class LiteLLM:
             self._model, provider, address = _resolve(sdk, model, api_base)
             _permit(model, api_base, address)
             self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
-            """`None` if the price is not known."""
+            """`None` where it is not known."""
             self._json = _json_ability(sdk, self._model)
         _afford(model, self.price, self.traffic)
         self._endpoint = self.traffic.endpoint(redact(api_base) if api_base else provider)
