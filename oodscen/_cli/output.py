@@ -140,7 +140,7 @@ def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = Fal
     Args:
         found: The saturation of its rounds.
         stop: The rule that ended it.
-        closed: Whether the loop was closed, in which case the estimates are biased.
+        closed: True if the loop was closed, in which case the estimates are biased.
     """
     rule = {
         "rounds": "all rounds are played",

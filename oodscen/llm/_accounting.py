@@ -8,8 +8,9 @@ from oodscen.data._base import Data
 from oodscen.llm._call_log import Call
 
 MOST = 1e15
-"""Upper bound of a valid amount. Larger, negative, infinite or missing numbers count as missing, since a file
-may hold anything.
+"""Upper bound of a valid amount; others count as missing.
+
+Negative, infinite and missing numbers do too, since a file may hold anything.
 """
 
 

@@ -39,8 +39,9 @@ class StudyConfig(Data):
     judge: str | None = None
     """Model that decides whether an open aspect is right; the documented matcher if left out."""
     context: int | None = Field(default=None, ge=2_048)
-    """Context window of `llm` in tokens, input and output; longer questions are shortened. If left out,
-    questions take the tokens that they need, some 8,000.
+    """Context window of `llm` in tokens, input and output; longer questions are shortened.
+
+    If left out, questions take the tokens that they need, some 8,000.
     """
     api_base: str | None = None
     """Address of an OpenAI-compatible server for the models."""
@@ -48,8 +49,9 @@ class StudyConfig(Data):
     """Address by model, for models on another server than `api_base`."""
     simulator: str = DEFAULT_SIMULATOR
     catalogues: tuple[str, ...] | None = None
-    """Other simulators' catalogues to prune the diverse tree for and compare. If left out: CARLA's if the
-    built-in author judges, none where comparing would cost calls.
+    """Other simulators' catalogues to prune the diverse tree for and compare.
+
+    If left out: CARLA's if the built-in author judges, none where comparing would cost calls.
     """
     encoder: str = DEFAULT_ENCODER
     baseline: str | None = None
@@ -59,9 +61,7 @@ class StudyConfig(Data):
     iterations: int = Field(default=paper.ITERATIONS, ge=0, le=100_000)
     """Rounds of red teaming."""
     closed_loop: bool = True
-    """Show the red-LLM what is covered and refuse proposals that are too similar to it; `False` is the paper's
-    open loop.
-    """
+    """Show the red-LLM what is covered and refuse what is too similar; `False` is the paper's open loop."""
     red_budget: int | None = Field(default=None, ge=0)
     """Maximum number of model calls for red teaming."""
     red_patience: int | None = Field(default=None, ge=1)
@@ -146,7 +146,7 @@ class StudyConfig(Data):
         return tuple(name for name in self.catalogues if name != self.simulator)
 
     def judging_too(self, other: Self) -> Self:
-        """Return this configuration plus another's models, protocols and servers; its own judge wins."""
+        """Return this configuration plus everything about another's judging; its own judge wins."""
         return self.model_copy(
             update={
                 "vlms": tuple(dict.fromkeys((*other.vlms, *self.vlms))),
@@ -169,6 +169,8 @@ JUDGING = ("vlms", "protocols", "judge", "servers")
 """Fields that may change in a finished study: the judge, the judged models and how they are judged."""
 
 Status = Literal["running", "stopped", "success", "incomplete"]
-"""`stopped`: a cap was reached, an author's endpoint was given up, or the run was interrupted; `incomplete`: the
+"""The state of a run.
+
+`stopped`: a cap was reached, an author's endpoint was given up, or the run was interrupted. `incomplete`: the
 run ended, but some items failed.
 """

@@ -58,7 +58,7 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
 
 
 def authors(config: StudyConfig) -> dict[str, str]:
-    """Return who wrote the texts, with the built-in author in words that no model's name resembles."""
+    """Return who wrote the texts; the built-in author is worded so that it cannot pass for a model."""
     names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
     return {role: _BUILTIN if is_builtin(name) else name for role, name in names.items()}
 

@@ -22,8 +22,10 @@ KEPT = 20_000
 
 
 Break = Literal["time", "size", "encoding", "silence", "closed", "redirect", "proxy", "offline"]
-"""The reason why a call was ended: it took too long, its response was too large or compressed, the server fell
-silent, the caller stopped waiting, or the request would have gone to a forbidden address.
+"""The reason why a call was ended.
+
+It took too long, its response was too large or compressed, the server fell silent, the caller stopped
+waiting, or the request would have gone to a forbidden address.
 """
 
 

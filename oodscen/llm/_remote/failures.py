@@ -10,10 +10,12 @@ from oodscen._redaction import redact
 from oodscen.llm._remote.call_bounds import Bounds
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
-"""The meaning of a failure. `item`: the request is refused, which says nothing about other items; `filtered`:
-the provider's content filter declines the item; `limit`: too many calls; `late`: the time is up, whether or
-not the server is alive; `unreachable`: no response at all; `erring`: an unusable response (server errors, web
-pages, empty or endless bodies); `denied`: every call will be refused (no valid key, no quota).
+"""The meaning of a failure.
+
+`item`: the request is refused, which says nothing about other items. `filtered`: the provider's content
+filter declines the item. `limit`: too many calls. `late`: the time is up, whether or not the server is alive.
+`unreachable`: no response at all. `erring`: an unusable response (server errors, web pages, empty or endless
+bodies). `denied`: every call will be refused (no valid key, no quota).
 """
 
 _SHOWN = 500

@@ -21,8 +21,9 @@ TIMEOUT_S = 120.0
 """Longest time for one attempt, from its start to the last byte, in seconds."""
 
 PATIENCE_S = 40.0
-"""Seconds without a response to any request after which an endpoint is given up; a slow server that responds to
-other requests is waited for.
+"""Seconds without a response to any request after which an endpoint is given up.
+
+A slow server that responds to other requests is waited for.
 """
 
 STRIKES = 5

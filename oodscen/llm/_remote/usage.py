@@ -9,7 +9,7 @@ IMAGE_TOKENS = 1_500
 """Upper estimate of the tokens of a study's picture with the known providers."""
 
 MOST_ADDED = 10_000
-"""Maximum number of tokens that a provider adds to a question."""
+"""Maximum number of tokens that a provider adds to a question by itself."""
 
 MOST_PER_IMAGE = 100_000
 """Maximum number of tokens that any provider counts for a picture; some inflate the count to adjust the price."""
