@@ -1,6 +1,6 @@
 """The command line: each command is a thin call of one public function.
 
-`EXIT_CODES` is what every command ends with. Modules in the current folder can be named, as in
+`EXIT_CODES` lists the exit codes of every command. Commands can name modules of the current folder, as in
 `--driver my_stack:Driver`.
 """
 
@@ -34,16 +34,17 @@ from oodscen._version import __version__
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llm._remote.offline import enforce
 
-# Threads that wait for work by spinning make a busy machine many times slower; read when torch is loaded.
+# Idle threads that spin slow a busy machine down many times. torch reads this setting when it is
+# loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 
 _ORDER = "oodscen.order"
-"""Key of the words behind the program's name in a context."""
+"""The key in a click context for the arguments after the program's name."""
 
 
 class _Group(click.Group):
-    """Turns errors of the library into one friendly line and an exit code."""
+    """Turns the library's errors into one friendly line and an exit code."""
 
     def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
         try:
@@ -78,7 +79,7 @@ class _Group(click.Group):
             if ctx.invoked_subcommand in ("run", "evaluate"):
                 command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
                 again = f"; what is done is written, and this command continues: {command}"
-            with suppress(OSError):  # of a terminal that has hung up
+            with suppress(OSError):  # the terminal has hung up
                 say(f"oodscen: interrupted{again}", err=True)
             ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
         except OodscenError as error:
@@ -91,7 +92,7 @@ class _Group(click.Group):
 
 
 class _Interrupt(KeyboardInterrupt):
-    """A signal asked the command to end."""
+    """A signal that asks the command to end."""
 
     def __init__(self, number: int) -> None:
         self.signal = number
@@ -100,9 +101,9 @@ class _Interrupt(KeyboardInterrupt):
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; the second signal ends the process at once.
+    """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; a second signal ends the process at once.
 
-    A signal that the process was started to ignore, as `nohup` does, stays ignored.
+    A signal that the process was started to ignore, as under `nohup`, stays ignored.
     """
     before: dict[int, Any] = {}
 
@@ -124,7 +125,7 @@ def _interruptible() -> Iterator[None]:
 
 
 def _without(order: list[str], option: str) -> list[str]:
-    """Leave out an option that is done once and for all, with its value."""
+    """Return the arguments without an option, and its value, that must not be repeated."""
     kept: list[str] = []
     words = iter(order)
     for word in words:

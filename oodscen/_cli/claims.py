@@ -1,4 +1,4 @@
-"""Whether scenes hold to their texts."""
+"""The command that compares scenes with their texts."""
 
 import sys
 from collections.abc import Iterator
@@ -36,11 +36,11 @@ def faithful(
     simulator: str,
     as_json: bool,
 ) -> None:
-    """Compare every scene of the file SCENES, whoever wrote it, with what its text says.
+    """Compare every scene of the file SCENES, whatever wrote it, with what its text says.
 
-    A line that holds no scene, a scene without a text and one that cannot be staged are told and
-    counted; the rest is compared. The exit code is 1 if there is one of these, or a scene that
-    contradicts its text.
+    A malformed line, a scene without a text and a scene that cannot be staged are reported and counted; all
+    other scenes are compared. The exit code is 1 if there is one of these, or a scene that contradicts its
+    text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
     from oodscen.claims import check_faithful
@@ -92,10 +92,10 @@ def faithful(
 
 
 def _values(kind: type[Value], path: Path) -> Iterator[tuple[int, Value | tuple[str, ...]]]:
-    """Read one value per line, or what is wrong with the line.
+    """Yield one value per line with the line's number, or the faults of a malformed line.
 
     Raises:
-        DataError: When the file has no line, or is no text.
+        DataError: When the file has no line, or is not text.
     """
     lines = read_text(path, kind.noun).split("\n")
     if not any(map(str.strip, lines)):

@@ -1,4 +1,4 @@
-"""Commands about what is installed: list it, check it."""
+"""Commands that list and check installed components."""
 
 import json
 import sys
@@ -32,11 +32,11 @@ def plugins(as_json: bool) -> None:
 def doctor(
     what: str | None, name: str | None, api_base: str | None, quick: bool, as_json: bool
 ) -> None:
-    """Check that everything the default run needs is here; or judge one component.
+    """Check that everything the default run needs is installed, or check one component.
 
     `doctor llm NAME` asks a language model two small questions, one with a picture. `doctor knowledge [FILE]`
-    inspects what the built-in author knows, or a file of your own. `doctor SIMULATOR` judges an adapter by what
-    oodscen.testing.check_simulator looks at.
+    inspects the knowledge base of the built-in author, or a file of your own. `doctor SIMULATOR` checks an
+    adapter with oodscen.testing.check_simulator.
     """
     from oodscen._doctor import examine, examine_knowledge, examine_llm, examine_simulator
 

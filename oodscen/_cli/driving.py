@@ -1,4 +1,4 @@
-"""The command that lets driving stacks drive a study's scenes."""
+"""The command that runs driving stacks in a study's scenes."""
 
 import json
 import sys
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool) -> None:
     """Let driving stacks drive the scenes and twins of the study in the folder OUT.
 
-    Writes drives.jsonl beside the other files, prints what all drivers in it come to, and writes the report anew,
-    which shows the same. The exit code is 1 if a driver named here failed on an item, which a collision is not.
+    Writes drives.jsonl beside the other files, prints the results of all drivers in it and updates the
+    report, which shows the same results. The exit code is 1 if a driver named here failed on an item; a
+    collision is not a failure.
     """
     from oodscen._registry import driver_maker, make_simulator
     from oodscen.data._twins import scene_of
@@ -69,7 +70,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
 
 
 def _line(row: "DriveRow") -> str:
-    """Say in a few lines what became of one driver in the scenes, or in the twins."""
+    """Summarise one driver's results in the scenes, or in the twins, in a few lines."""
     share, mean = row.shares, row.means
     lines = [
         f"{row.driver}, {row.items}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "

@@ -1,4 +1,4 @@
-"""Commands about how surely models are judged."""
+"""Commands about the statistical power of comparing models."""
 
 import json
 
@@ -50,7 +50,7 @@ def power(
     scenes: int | None,
     as_json: bool,
 ) -> None:
-    """Say how many scenes it takes to tell the success rates FIRST and SECOND apart (0.66 0.51)."""
+    """Print how many scenes it takes to tell the success rates FIRST and SECOND apart (0.66 0.51)."""
     from oodscen.judging._leaderboard.power import power_of, scenes_needed
 
     needed = scenes_needed(

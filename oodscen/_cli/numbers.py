@@ -1,4 +1,4 @@
-"""Types of options that are numbers."""
+"""Option types for numbers."""
 
 import math
 from typing import Any
@@ -7,12 +7,12 @@ import click
 
 
 class Finite(click.types.FloatParamType):
-    """A number that is finite."""
+    """A finite number."""
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Return the number, or fail with one line."""
+        """Return the number, or fail with a one-line message."""
         number = super().convert(value, param, ctx)
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
@@ -20,9 +20,9 @@ class Finite(click.types.FloatParamType):
 
 
 class FiniteRange(Finite, click.FloatRange):
-    """A finite number in a range; `click.FloatRange` lets not-a-number through."""
+    """A finite number in a range; `click.FloatRange` alone would accept NaN."""
 
 
 FINITE = Finite()
 SHARE = FiniteRange(0.0, 1.0, min_open=True, max_open=True)
-"""A share of something: neither none nor all of it."""
+"""A share strictly between 0 and 1."""

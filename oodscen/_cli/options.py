@@ -1,4 +1,4 @@
-"""Options that several commands share."""
+"""Options shared by several commands."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -157,7 +157,7 @@ traffic_options = _options(
 
 
 def traffic_from(choices: dict[str, Any]) -> "Traffic":
-    """Take what `traffic_options` gave out of a command's arguments.
+    """Remove the options of `traffic_options` from a command's arguments and return them as `Traffic`.
 
     Raises:
         UsageError: When a price is malformed.

@@ -1,4 +1,4 @@
-"""What commands read, write and show."""
+"""Input and output of the commands."""
 
 import os
 import stat
@@ -28,7 +28,7 @@ _LONGEST = 1_000
 
 
 def summary(info: dict[str, Any]) -> str:
-    """Say in a few lines what a study has come to."""
+    """Summarise the results of a study in a few lines."""
     counts = info["counts"]
     nodes = counts["nodes"]
     lines = [
@@ -50,7 +50,7 @@ def summary(info: dict[str, Any]) -> str:
 
 
 def estimated(rows: Sequence["Account"]) -> str:
-    """Say what a run would ask, one line per stage and model."""
+    """List the model calls that a run would make, one line per stage and model."""
     if not rows:
         return "nothing is left to be asked of a model"
     lines = []
@@ -68,7 +68,7 @@ def estimated(rows: Sequence["Account"]) -> str:
 
 
 def standings(board: "Leaderboard") -> str:
-    """Say in a line per model and protocol how it was judged, with the floor and the ceiling below it."""
+    """Tabulate the results, one line per model and protocol, with the floor and ceiling references below."""
     head = ("", "safe action", "balanced accuracy", "names it", "picks it", "incomplete")
     rows = [head]
     for one in board.standings:
@@ -94,7 +94,7 @@ def standings(board: "Leaderboard") -> str:
 
 
 def _notes(board: "Leaderboard") -> list[str]:
-    """Say who scored the open aspects, and in how many of the paper's items the hazard can be seen."""
+    """State who scored the open aspects, and in how many of the paper's items the hazard is visible."""
     notes = []
     if board.judge:
         unjudged = sum(row.identification.unjudged for row in board.standings)
@@ -112,7 +112,7 @@ def _notes(board: "Leaderboard") -> list[str]:
 
 
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
-    """Say in a line per model how many items it was not asked about since it was given up, and why."""
+    """State, one line per model, how many items it was not asked about after it was given up, and why."""
     found: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         if verdict.outcome == "unasked":
@@ -135,12 +135,12 @@ def _share(found: "Rate | Figure") -> str:
 
 
 def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = False) -> str:
-    """Say in a few lines what a red team has come to, and how much it has left to find.
+    """Summarise the results of red teaming, and how much it has left to find, in a few lines.
 
     Args:
         found: The saturation of its rounds.
         stop: The rule that ended it.
-        closed: Whether the loop was closed, in which case the estimates are biased.
+        closed: True if the loop was closed, in which case the estimates are biased.
     """
     rule = {
         "rounds": "all rounds are played",
@@ -165,12 +165,12 @@ def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = Fal
 
 
 def say(text: str, *, err: bool = False) -> None:
-    """Print words, some of which a model may have written: nothing in them can steer a terminal."""
+    """Print text that a model may have written, without any control characters that steer a terminal."""
     click.echo(plain(text), err=err)
 
 
 def shortened(text: str) -> str:
-    """Leave out the middle of very long lines of a message: somebody gave a very long name."""
+    """Cut the middle out of very long lines of a message, such as one that quotes a very long name."""
     return "\n".join(
         line if len(line) <= _LONGEST else f"{line[: _LONGEST - 200]} ... {line[-200:]}"
         for line in text.split("\n")
@@ -178,7 +178,7 @@ def shortened(text: str) -> str:
 
 
 def drop_output() -> None:
-    """Drop what an output that is full or gone did not take, or it is tried again, and fails, at exit."""
+    """Discard output that a full or closed stream did not accept; Python would retry it, and fail, at exit."""
     for stream in filter(None, (sys.stdout, sys.stderr)):
         try:
             stream.flush()
@@ -192,12 +192,12 @@ def drop_output() -> None:
 def write(out: Path | None, text: str) -> None:
     """Write a document to a file, or to standard output.
 
-    A regular file is replaced in one step, where a symbolic link leads too, and keeps its mode; a device or a
-    pipe is written through. What belongs to a study is not replaced.
+    A regular file, or the target of a symbolic link, is replaced in one step and keeps its mode; a device or
+    a pipe is written through. A study's own files are never replaced.
 
     Raises:
-        FolderTaken: When it is a file of a study.
-        OodscenError: When it cannot be written.
+        FolderTaken: When the file belongs to a study.
+        OodscenError: When the file cannot be written.
     """
     if out is None:
         click.echo(text)
@@ -219,14 +219,14 @@ def write(out: Path | None, text: str) -> None:
 
 
 def _is_written_through(out: Path) -> bool:
-    """Whether a name is of a device or a pipe, or of a file that somebody holds open, as `/dev/stdout` is."""
+    """Return whether a path is a device, a pipe, or a file that is already open, such as `/dev/stdout`."""
     if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
         return True
     return out.exists() and not stat.S_ISREG(out.stat().st_mode)
 
 
 def _refuse_study(target: Path) -> None:
-    """Refuse to replace a file of a study; what compares its catalogues may be added to it."""
+    """Refuse to replace a study's own file; a missing comparison of catalogues may be added."""
     from oodscen.study._study import CATALOGUES, is_own
 
     if target.name == CATALOGUES and not target.exists():
@@ -244,7 +244,7 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
     """Read one value per line.
 
     Raises:
-        DataError: With every malformed line, or when there is none at all.
+        DataError: With every malformed line, or when the file has no lines.
     """
     rows, issues = [], []
     for number, line in enumerate(read_text(path, kind.noun).split("\n"), start=1):
@@ -264,10 +264,10 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
 
 @contextmanager
 def bars(ledger: object = "") -> Iterator[Callable[[str, int, int], None]]:
-    """Show one progress bar per stage on standard error, where that is a terminal.
+    """Show one progress bar per stage on standard error, if that is a terminal.
 
     Args:
-        ledger: Shown behind the bar as text.
+        ledger: Shown after the bar as text.
     """
     bars: dict[str, tqdm[Any]] = {}
 

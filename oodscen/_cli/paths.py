@@ -1,4 +1,4 @@
-"""Types of options and arguments that are paths."""
+"""Option and argument types for paths."""
 
 import os
 from pathlib import Path
@@ -8,16 +8,16 @@ import click
 
 
 class PathName(click.Path):
-    """A path; what must exist must be a regular file or a folder, not a pipe or a device."""
+    """A path; one that must exist must be a regular file or a folder, not a pipe or a device."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path, or fail with one line."""
+        """Return the path, or fail with a one-line message."""
         if not str(value):
             self.fail("the name is empty.", param, ctx)
         try:
             os.stat(value)
         except (FileNotFoundError, NotADirectoryError, PermissionError):
-            pass  # Told below, or by whoever makes the folder.
+            pass  # Reported below, or by the code that makes the folder.
         except OSError as error:
             self.fail(f"{value!r}: {error.strerror}.", param, ctx)
         found = super().convert(value, param, ctx)

@@ -1,4 +1,4 @@
-"""The command that prunes a tree, for one simulator or for several side by side."""
+"""The command that prunes a tree for one simulator, or compares several."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -56,9 +56,9 @@ def prune(
 ) -> None:
     """Prune the tree in the file TREE to what a simulator can show.
 
-    Writes the simulatable tree, and says on standard error what it came to. Branches that need substitute
-    assets stay unless --exact is given; a study drops them, as with --exact. With several --catalogue it compares them instead and writes a table of
-    all branches, or with --json the comparison.
+    Writes the simulatable tree, and a summary on standard error. Branches that need substitute assets stay
+    unless --exact is given; a study drops them, as with --exact. Several --catalogue options compare the
+    catalogues instead, and write a table of all branches, or the comparison as JSON with --json.
     """
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue

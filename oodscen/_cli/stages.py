@@ -1,4 +1,4 @@
-"""Commands that are one stage each."""
+"""Commands that run one stage each."""
 
 import sys
 from collections import Counter
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from oodscen.data._scene import Scene
 
 _SIMULATED = ("study.json", "episodes.jsonl", "frames", "traces", "videos")
-"""A folder that holds one of these is not simulated into."""
+"""Files and folders whose presence makes `simulate` refuse a folder."""
 
 
 @click.command()
@@ -163,8 +163,8 @@ def describe(
 ) -> None:
     """Describe every path of the tree in the file TREE: one scenario per line.
 
-    A path of which too few texts lie inside --band, or about which the model gives no answer, is named on
-    standard error; the others are written, and the exit code is 1.
+    A path with too few texts inside --band, or for which the model gives no answer, is reported on standard
+    error; all other paths are written, and the exit code is 1.
     """
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
     from oodscen.baselines import load_baseline
@@ -224,7 +224,8 @@ def augment(
 ) -> None:
     """Stage every scenario of the file SCENARIOS: one scene per line.
 
-    A text that cannot be staged is named on standard error; the others are written, and the exit code is 1.
+    A text that cannot be staged is reported on standard error; all other texts are written as scenes, and the
+    exit code is 1.
     """
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
@@ -262,8 +263,8 @@ def simulate(
 ) -> None:
     """Run every scene of the file SCENES; episodes and frames go into the folder OUT.
 
-    A scene that cannot be run gives a failed episode, and the exit code is 1. A folder that holds a study, or
-    what was simulated before, is refused.
+    A scene that cannot be run gives a failed episode, and the exit code is 1. A folder that already holds a
+    study or simulation results is refused.
     """
     from oodscen import Scene, make_simulator
     from oodscen._pipeline.sweep import Extras, Job, sweep

@@ -204,9 +204,9 @@ def evaluate(
 ) -> None:
     """Judge further vision-language models on the study in the folder OUT.
 
-    Prints the leaderboard, or with --json what leaderboard.json holds. The exit code is 1 if a model judged
-    here left an item without a usable answer. What no answer came to is asked again, of earlier models
-    too, after all that is new; a model that is given up costs its own items only. With --drop alone nobody is
+    Prints the leaderboard, or leaderboard.json with --json. The exit code is 1 if a model judged here left an
+    item without a usable answer. After all new items, items without an answer are asked again, those of
+    earlier models included; a model that is given up costs its own items only. With --drop alone no model is
     asked. --judge scores the open aspects of all models and references, those of earlier runs too.
     """
     from oodscen._pipeline import run_study
@@ -259,7 +259,7 @@ def evaluate(
 @click.command()
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 def report(out: Path) -> None:
-    """Write the report of the study in the folder OUT anew."""
+    """Rewrite the report of the study in the folder OUT."""
     from oodscen.report import write_report
     from oodscen.study import Study
 

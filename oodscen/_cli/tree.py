@@ -41,7 +41,7 @@ def _encoder_options(command: Any) -> Any:
 
 @click.group()
 def tree() -> None:
-    """Look into scenario trees: files, or the trees of a study."""
+    """Inspect scenario trees: files, or the trees of a study."""
 
 
 @tree.command()
@@ -78,7 +78,7 @@ def diff(
     which: str,
     as_json: bool,
 ) -> None:
-    """Say what the tree OTHER adds to the tree ONE, lacks, calls otherwise and keeps elsewhere."""
+    """Print what the tree OTHER adds to the tree ONE, lacks, renames and moves."""
     from oodscen.tree import diff as compare
 
     found = compare(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
@@ -109,7 +109,7 @@ def merge(
     which: str,
     out: Path | None,
 ) -> None:
-    """Write the tree ONE with what only the tree OTHER has added in its place."""
+    """Write the tree ONE together with everything that only the tree OTHER has, in its place."""
     from oodscen.tree import merge as merged
 
     trees = _read(one, which), _read(other, which)
@@ -125,7 +125,7 @@ def merge(
 @click.option("--exit-code", is_flag=True, help="Exit with 1 where a leaf lacks something.")
 @json_option
 def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
-    """Count texts, scenes, episodes and outcomes of the study FOLDER per node, leaves too; list the holes."""
+    """Count texts, scenes, episodes and outcomes of the study FOLDER per node, leaves included; list the holes."""
     from oodscen.study import Study
     from oodscen.tree import study_coverage
 
@@ -148,7 +148,7 @@ def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
 @_which_option
 @out_option
 def export(place: Path, form: str, which: str, out: Path | None) -> None:
-    """Write a tree for another tool."""
+    """Export a tree for another tool."""
     from oodscen import tree as trees
 
     found = _read(place, which)
@@ -183,7 +183,7 @@ def replay(
     as_json: bool,
     out: Path | None,
 ) -> None:
-    """Print the log of a tree up to a moment; with --out, write the tree as it stood then."""
+    """Print the log of a tree up to a given point; with --out, write the tree as it was at that point."""
     from oodscen.tree import replay as played
 
     found = _read(place, which)
@@ -211,7 +211,7 @@ def replay(
 
 
 def _read(place: Path, which: str) -> ScenarioTree:
-    """Read the tree in a file, or one of a study's."""
+    """Read a tree from a file or from a study's folder."""
     if place.is_dir():
         from oodscen.study import Study
 

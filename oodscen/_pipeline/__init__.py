@@ -1,4 +1,4 @@
-"""Running and resuming a study."""
+"""Running and resuming studies."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What the stages of one run share: the folder, the components, and how items are kept."""
+"""The context that the stages of one run share: its folder, components and stored items."""
 
 import time
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
@@ -23,7 +23,7 @@ from oodscen.study._study import Study
 Item = TypeVar("Item")
 
 Progress = Callable[[str, int, int], None]
-"""Told about every finished item of long work: the stage, how many are done, of how many."""
+"""Called after every finished item of a long task with the stage, the items done and their total."""
 
 
 class Context:
@@ -32,14 +32,14 @@ class Context:
     Args:
         out: The study's folder.
         config: What to run.
-        workers: Processes that simulate, 0 for this one.
+        workers: Simulation processes; 0 simulates in this process.
         executor: Runs the simulation jobs instead of local processes.
-        progress: Told about finished items.
-        models: Objects that answer for model names of the configuration.
-        extras: What else is kept of the episodes.
+        progress: Called after every finished item.
+        models: Models to use for names in the configuration.
+        extras: Further outputs to keep for each episode.
         traffic: Caps, prices and concurrency of the models.
         ledger: Keeps running totals of the calls.
-        retry: Do failed items again; without it, only those that may succeed at another time.
+        retry: Redo all failed items; otherwise only those marked as retryable.
     """
 
     def __init__(
@@ -72,13 +72,13 @@ class Context:
             is_retry=retry,
         )
         self.cancel = self.models.traffic.close
-        """Called when the wait for answers is interrupted, so that what is under way ends soon."""
+        """Called when waiting for answers is interrupted, so that pending calls end soon."""
         self.extras = extras or Extras()
         self.seconds: dict[str, float] = {}
-        """By stage, of this run."""
+        """Wall-clock seconds of this run, by stage."""
 
     def prepare(self) -> None:
-        """Make simulator, encoder and models.
+        """Create the simulator, the encoder and the models.
 
         Raises:
             UsageError: For an unknown component or a missing extra.
@@ -101,18 +101,18 @@ class Context:
         made_from: Callable[[str], str] | None = None,
         is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
     ) -> list[dict[str, Any]]:
-        """Append one line per item that has none that fits; leave the file in the items' order.
+        """Append a line for every item without a valid one, then sort the file in the items' order.
 
-        A line fits where it was made from what it would be made from now, and all that belongs to it is there.
-        Where the work is interrupted, items that failed and were to be done again keep their old line.
+        A line is valid if its inputs have not changed since it was written and everything that belongs to it
+        exists. If the work is interrupted, failed items that were to be redone keep their old line.
 
         Args:
-            stage: Named in the progress.
-            file: One line per item, with its `id`.
-            items: By id, in the order of the file.
-            work: Yields the lines of the items that it is given, in any order.
-            made_from: Returns the digest of what the line of an id is made from; lines keep it as `made_from`.
-            is_whole: Whether everything that belongs to a line is there.
+            stage: Stage shown in the progress.
+            file: File with one line per item, each with its `id`.
+            items: Items by id, in the order of the file.
+            work: Yields the lines of the given items, in any order.
+            made_from: Returns the digest of the inputs of an id's line; lines keep it as `made_from`.
+            is_whole: Returns whether everything that belongs to a line exists.
 
         Returns:
             The lines of all items, in their order.
@@ -147,7 +147,7 @@ class Context:
         made_from: Callable[[str], str] | None,
         is_whole: Callable[[Mapping[str, Any]], bool] = lambda line: True,
     ) -> dict[str, dict[str, Any]]:
-        """Return the lines of items that need not be made again, by id, those that failed included."""
+        """Return the lines that are still valid, by id, including those of failed items."""
         return {
             line["id"]: line
             for line in self.store.lines(file)
@@ -157,16 +157,16 @@ class Context:
         }
 
     def has(self, file: str) -> bool:
-        """Whether a file of the study is there; an empty one is as good as none."""
+        """Return whether a file of the study exists and is not empty."""
         return self.store.has(file) and self.store.path(file).stat().st_size > 0
 
     def is_again(self, line: Mapping[str, Any]) -> bool:
-        """Whether a line is of an item that is done again."""
+        """Return whether the item of a line must be redone."""
         return line.get("status") == "failed" and (self.retry or line.get("retryable") is True)
 
     @contextmanager
     def timed(self, stage: str) -> Iterator[None]:
-        """Note how long a stage takes, and that calls are made for it."""
+        """Record how long a stage takes, and attribute its model calls to it."""
         began = time.perf_counter()
         self.models.stage = stage
         yield
@@ -174,6 +174,6 @@ class Context:
 
 
 def failed(name: str, error: Exception, **more: Any) -> dict[str, Any]:
-    """Return the line of an item that failed."""
+    """Return the line of a failed item."""
     is_retryable = {"retryable": True} if getattr(error, "retryable", False) else {}
     return {"id": name, **more, "status": "failed", "error": redact(str(error)), **is_retryable}

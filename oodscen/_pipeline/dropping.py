@@ -1,4 +1,4 @@
-"""Take judged models out of a study again."""
+"""Removing judged models from a study."""
 
 from collections.abc import Sequence
 
@@ -14,16 +14,16 @@ from oodscen.study._study import Study
 def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
     """Remove judged models: their verdicts, and their place in the configuration and the leaderboard.
 
-    Nobody is asked. Their answers stay in `answers.jsonl`, so judging one again asks only what it did not
-    answer, and their calls in `calls.jsonl`, since they were paid for. Reference answerers that every study has
-    keep their verdicts.
+    No model is asked. Answers stay in `answers.jsonl`, so judging a dropped model again asks only what it has
+    not answered; calls stay in `calls.jsonl`, since they were paid for. The reference answerers of every
+    study keep their verdicts.
 
     Args:
-        study: On disk.
-        names: As given to `vlms`, or as verdicts call them.
+        study: The study on disk.
+        names: Names as in `vlms`, or as in verdicts.
 
     Returns:
-        How many verdicts each name had.
+        The number of removed verdicts by name.
 
     Raises:
         UnknownComponent: When a name was never judged, with close matches.
@@ -44,7 +44,8 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     gone = {name for name in called if name in names or called[name] in names}
     models = {called.get(name, name) for name in (*names, *gone)}
     if all(made[name] for name in called if name not in gone):
-        # One that cannot be made any more may have judged under another name: nobody else's are left.
+        # A model that can no longer be made may have judged under another name, so drop every
+        # verdict that no remaining model accounts for.
         judging = {called[name] for name in called if name not in gone}
         models |= {one.model for one in verdicts} - judging
     models -= {*ALWAYS}
@@ -85,7 +86,7 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
 
 
 def _called(name: str, config: StudyConfig) -> str | None:
-    """Return what verdicts call a model of the configuration; `None` where it cannot be made any more."""
+    """Return a model's name in verdicts, or `None` if the model can no longer be made."""
     try:
         return make_llm(name, api_base=config.servers.get(name, config.api_base)).name
     except OodscenError:

@@ -1,4 +1,4 @@
-"""What a run will ask and cost, from the prompts that it would send."""
+"""Estimates of the calls and cost of a run, from the prompts that it would send."""
 
 import shutil
 from collections.abc import Iterator, Mapping
@@ -25,10 +25,10 @@ from oodscen.study._store import Store
 from oodscen.study._study import Study
 
 CHARACTERS = 4
-"""Per token of English text."""
+"""Characters per token of English text."""
 
 DESCRIPTION = "word " * 60
-"""As long as a model's description of a frame."""
+"""A text as long as a model's description of a frame."""
 
 _FRAMES = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in ("first", "middle", "last"))
 
@@ -38,19 +38,19 @@ def estimate(
 ) -> list[Account]:
     """Return the calls, tokens and cost that a run into a folder still needs, per stage and model.
 
-    The text stages are played through in a temporary folder with what the folder holds already; the built-in author
-    stands in for every model that would be asked, so the prompts are those that would be sent, of the size they will
-    have, and the answers are as long as its answers. Faults that are repaired or retried come on top. Nothing is asked,
-    nothing is simulated and nothing is written to the folder.
+    The text stages run in a temporary folder that starts with a copy of the folder's files. The built-in
+    author stands in for every model that would be asked, so the prompts have the size of the real ones and
+    the answers are as long as the author's. Repairs and retries come on top. No model is asked, nothing is
+    simulated and the folder is not changed.
 
     Args:
         out: The study's folder, which need not exist.
         config: What would be run.
-        prices: By model name, where litellm knows none.
+        prices: Prices by model name, for models whose price litellm does not know.
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
-        FolderTaken: When it holds no study, but files that one would write.
+        FolderTaken: When the folder holds no study, but files that a study would write.
     """
     study = Study(out)
     study.check()
@@ -80,7 +80,7 @@ def estimate(
 
 
 def _is_asked(name: str) -> bool:
-    """Whether a name is of a model that somebody else runs."""
+    """Return whether a name belongs to an external model, which is asked for its answers."""
     return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")
 
 
@@ -94,7 +94,7 @@ def _copy(study: Study, target: Path) -> None:
 
 
 def _judging() -> Iterator[Request]:
-    """Return the questions of the evaluation of one scene, as long as they will be."""
+    """Yield the questions of one scene's evaluation, at their expected length."""
     seen = (DESCRIPTION,) * 3
     prompts: tuple[Prompt[Any], ...] = (
         *(DescribeFrame(frames=_FRAMES[:n], descriptions=seen[: n - 1]) for n in (1, 2, 3)),
@@ -107,7 +107,7 @@ def _judging() -> Iterator[Request]:
 
 
 class _StandIn:
-    """The built-in author under another model's name, with that model's price."""
+    """The built-in author under another model's name and price."""
 
     def __init__(self, name: str, seed: int, prices: Mapping[str, Price] | None) -> None:
         self.name = name

@@ -1,4 +1,4 @@
-"""The models of one run: made by name, metered, recorded, accounted for."""
+"""The models of one run: made by name, metered, recorded and accounted for."""
 
 from collections.abc import Mapping
 
@@ -15,22 +15,22 @@ from oodscen.study._config import StudyConfig
 from oodscen.study._store import Store
 
 ANSWERS = "answers.jsonl"
-"""The recording of a study: what is in it is not asked again."""
+"""The recording of a study; questions answered in it are not asked again."""
 
 
 class Models:
-    """Makes the models that a study asks; each is made once.
+    """Makes the models that a study asks, each of them once.
 
-    A model that is neither built in nor a reference answerer nor a replay is recorded in `answers.jsonl`, so
-    that a run that was stopped asks nothing twice, and its calls are held to the run's caps.
+    Every model other than the built-in author, reference answerers and replays is recorded in
+    `answers.jsonl`, so that a resumed run repeats no question; its calls count towards the run's caps.
 
     Args:
-        config: Names, seed and address.
-        store: Of the study.
+        config: Provides names, seed and address.
+        store: The study's files.
         traffic: Caps, prices and endpoints of the run.
-        given: Objects that answer for names.
-        ledger: Told about every call.
-        is_retry: Ask anew what failed, whatever is recorded.
+        given: Models to use for names in the configuration.
+        ledger: Receives every call.
+        is_retry: Repeat failed questions even where an answer is recorded.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Models:
         is_retry: bool = False,
     ) -> None:
         self.stage = ""
-        """Of the study, named in every line of `calls.jsonl`."""
+        """The study's current stage, written to every line of `calls.jsonl`."""
         self.traffic = traffic
         self._config = config
         self._store = store
@@ -55,21 +55,21 @@ class Models:
         self._recorder: Recorder | None = None
 
     def author(self, name: str) -> LLM:
-        """Return the model that writes under this name, with the fallback of the configuration."""
+        """Return the model of this name as a writer, with the configuration's fallback."""
         fallback = self._config.fallback
         return self.get(name) if fallback is None else self._get(name, fallback)
 
     def get(self, name: str) -> LLM:
-        """Return the model of this name alone."""
+        """Return the model of this name, without a fallback."""
         return self._get(name, None)
 
     def close(self) -> None:
-        """Let go of the recording; the next question opens it again."""
+        """Close the recording; the next question opens it again."""
         if self._recorder is not None:
             self._recorder.close()
 
     def threads(self, name: str) -> int:
-        """Return how many questions may be put to a model at once."""
+        """Return how many questions a model may be asked at once."""
         return 1 if is_builtin(name) else self.traffic.concurrency
 
     def _get(self, name: str, fallback: str | None) -> LLM:

@@ -1,4 +1,4 @@
-"""The whole paper as one resumable run: stage after stage, from wherever the folder stands."""
+"""The whole paper as one resumable run, stage after stage."""
 
 import time
 from collections.abc import Mapping
@@ -26,32 +26,32 @@ from oodscen.tree._scenario_tree import ScenarioTree
 
 
 class Texts(NamedTuple):
-    """What the stages before staging came to."""
+    """The results of the stages before staging."""
 
     initial: ScenarioTree
     diverse: ScenarioTree
     simulatable: ScenarioTree
     scenarios: list[Scenario]
-    """Of the simulatable tree."""
+    """Texts of the simulatable tree."""
     sets: dict[int, list[Scenario]]
-    """Of the diverse tree, by size."""
+    """Text sets of the diverse tree, by size."""
 
 
 _LASTING = ("counts", "failures", "usage")
-"""Parts of `study.json` that a run which is not finished leaves as they were."""
+"""Parts of `study.json` that an unfinished run leaves unchanged."""
 
 
 class Pipeline:
-    """Runs a study to its end, from wherever it stands.
+    """Runs a study to its end, resuming from the state of its folder.
 
     Args:
         out: The study's folder.
         config: What to run.
-        options: Of `Context`: none of them is part of the study's identity.
+        options: Options of `Context`; none of them is part of the study's identity.
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
-        FolderTaken: When it holds no study, but files that one would write.
+        FolderTaken: When the folder holds no study, but files that a study would write.
         StudyError: When the folder cannot be written.
     """
 
@@ -62,12 +62,12 @@ class Pipeline:
         self.config = config
 
     def run(self) -> Study:
-        """Run every stage; items that fail are recorded and the rest goes on.
+        """Run every stage; failed items are recorded and do not stop the run.
 
         Raises:
             InUse: When another process writes the folder.
-            RunStopped: When a cap is reached or an endpoint given up; running again continues.
-            KeyboardInterrupt: When it is interrupted; running again continues as well.
+            RunStopped: When a cap is reached or an endpoint is given up; running again continues.
+            KeyboardInterrupt: When the run is interrupted; running again continues as well.
         """
         with self.store.writing():
             return self._run()
@@ -99,7 +99,7 @@ class Pipeline:
         return self.study
 
     def prepare(self) -> None:
-        """Make simulator, encoder and models, and claim the folder."""
+        """Create the simulator, the encoder and the models, and check the folder."""
         self.context.prepare()
         self._claim()
 
@@ -158,7 +158,7 @@ class Pipeline:
         return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
     def _claim(self) -> None:
-        """Check that what the folder holds belongs to this run and is whole."""
+        """Check that the folder belongs to this run and that its files are intact."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
             for name in JUDGING:
@@ -171,7 +171,7 @@ class Pipeline:
         self.study.check()
 
     def _save(self, status: Status, **more: Any) -> None:
-        """Write `study.json`; what it was last counted to be stays in it until it is counted anew."""
+        """Write `study.json`; earlier counts stay until new ones replace them."""
         if self.store.has("study.json"):
             before = self.study.info
             more = {name: before[name] for name in _LASTING if name in before} | more

@@ -1,4 +1,4 @@
-"""A whole study in one call."""
+"""Running a whole study in one call."""
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
@@ -27,27 +27,25 @@ def run_study(
     ledger: Ledger | None = None,
     retry: bool = False,
 ) -> Study:
-    """Run the whole paper into a folder, or continue where a run into it stopped.
+    """Run the whole paper into a folder, or continue a run that stopped.
 
     Args:
-        out: The folder; made if it does not exist.
-        config: What to run; the paper's numbers on the embedded defaults if left out.
-        workers: Processes that simulate; 0 simulates in this one. They never import the script that runs, so it
-            needs no main guard, but a simulator of one's own must be in a module.
+        out: The folder; created if it does not exist.
+        config: What to run; by default the paper's numbers on the embedded defaults.
+        workers: Simulation processes; 0 simulates in this process. Workers never import the calling script,
+            so it needs no main guard, but a custom simulator must be in a module.
         executor: Runs the simulation jobs instead of local processes.
-        progress: Told about finished items.
-        models: Objects that answer for model names of the configuration; other names are looked
-            up by `make_llm`.
-        extras: What else is kept of the episodes that this run simulates: traces, annotations,
-            videos.
+        progress: Called after every finished item.
+        models: Models to use for names in the configuration; other names are looked up by `make_llm`.
+        extras: Further outputs to keep for each newly simulated episode: traces, annotations, videos.
         traffic: Caps, prices and concurrency of the models.
         ledger: Keeps running totals of the calls.
-        retry: Do every failed item again. Without it, only those are that failed because no answer came.
+        retry: Redo every failed item; otherwise only those that failed because no answer came.
 
     Raises:
-        UsageError: For an unknown component, a missing extra, a simulator that workers cannot import, or a folder
-            of another study.
-        RunStopped: When a cap is reached or an endpoint given up; running again continues.
+        UsageError: For an unknown component, a missing extra, a simulator that workers cannot import, or a
+            folder of another study.
+        RunStopped: When a cap is reached or an endpoint is given up; running again continues.
         StudyError: When the folder cannot be written.
     """
     config = config or StudyConfig()

@@ -1,4 +1,4 @@
-"""Many scenes in many processes: picklable jobs go out, bytes come back."""
+"""Sweeps over many scenes in worker processes: picklable jobs go out, bytes come back."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
@@ -25,7 +25,7 @@ from oodscen.stages._video import View, record
 from oodscen.study._store import Store
 
 CHUNK = 16
-"""Most scenes per job. Each job starts one simulator, and all its scenes are on one map."""
+"""Maximum number of scenes per job. A job starts one simulator, and all its scenes share one map."""
 
 JPEG_QUALITY = 90
 
@@ -34,48 +34,48 @@ Chunk = tuple[Scene, ...]
 
 @dataclass(frozen=True)
 class Extras:
-    """What is kept of every episode besides its record and its frames."""
+    """Outputs to keep for every episode besides its record and frames."""
 
     traces: bool = False
-    """`traces/<scene>.parquet`: the ground truth of the approach and of every action."""
+    """Keep `traces/<scene>.parquet`: the ground truth of the approach and of every action."""
     annotations: bool = False
-    """`frames/<scene>/<moment>.json` with pictures of ids, classes and depth."""
+    """Keep `frames/<scene>/<moment>.json` with images of ids, classes and depth."""
     video: View | None = None
-    """`videos/<scene>.mp4`: the approach, then the first safe action."""
+    """Keep `videos/<scene>.mp4`: the approach, then the first safe action."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker must know besides the scenes."""
+    """The settings of a worker that apply to all its scenes."""
 
     simulator: str
     """Registered name, or `module:attr`."""
     seed: int = 0
     extras: Extras = Extras()
     twins: bool = False
-    """Run every scene's ordinary twin right after it; the map's scenery is built then."""
+    """Run every scene's ordinary twin right after it, while the map's scenery is built."""
     protocol: Literal["ours", "paper"] = "ours"
-    """As for `simulate`; frames of the paper's whole trace are `whole-<moment>.jpg`."""
+    """Protocol as in `simulate`; frames of the paper's whole trace are named `whole-<moment>.jpg`."""
     restages: bool = False
     """Re-stage scenes in which all or none of the actions are safe."""
 
 
 @dataclass(frozen=True)
 class SweepResult:
-    """What comes back for one scene, or for one twin."""
+    """The result of one scene or twin."""
 
     episode: Episode
     frames: dict[str, bytes] = field(default_factory=dict)
-    """JPEG by moment."""
+    """JPEG data by moment."""
     files: dict[str, bytes] = field(default_factory=dict)
-    """What else was asked for, by its path in the study."""
+    """Further requested files, by path in the study."""
     restaged: Scene | None = None
-    """The scene that was run instead of the one that was given."""
+    """The scene that was run instead of the given one."""
     tried: tuple[Attempt, ...] = ()
-    """Other stagings of the scene that were tried in vain."""
+    """Other stagings that were tried without success."""
 
     def save(self, store: Store) -> None:
-        """Write the frames, and what else was asked for, to the files that the episode names."""
+        """Write the frames and all further files to the paths that the episode names."""
         for moment, file in self.episode.frames.items():
             store.write(file, self.frames[moment])
         for file, data in self.files.items():
@@ -91,18 +91,18 @@ def sweep(
 ) -> Iterator[SweepResult]:
     """Run scenes and yield results as they finish, in any order.
 
-    A scene that fails is an episode with its error, and so is one that breaks the simulator or
-    kills its process; the others go on with a fresh one. When a worker process dies, the scenes
-    that it took with it are run once more, one after the other.
+    A scene that fails, breaks the simulator or kills its process becomes a failed episode with its error; the
+    others continue in a fresh simulator. When a worker process dies, the scenes it was running are retried
+    once, one at a time.
 
     Args:
-        job: What the workers must know.
-        scenes: What to run.
-        workers: Local processes; 0 runs here, where a scene that kills its process ends the sweep.
+        job: Settings for the workers.
+        scenes: The scenes to run.
+        workers: Local processes; 0 runs in this process, where a scene that kills its process ends the sweep.
         executor: Used instead of local processes.
 
     Raises:
-        UsageError: When local processes cannot import the simulator, or nobody can make it.
+        UsageError: When local processes cannot import the simulator, or it is unknown.
         RunStopped: When no process can be started.
     """
     check_workers(job.simulator, workers, executor)
@@ -122,7 +122,7 @@ def sweep(
 
 
 def check_workers(simulator: str, workers: int, executor: Executor | None) -> None:
-    """Refuse what local processes could not do, before any work.
+    """Check before any work that local processes can run the simulator.
 
     Raises:
         UsageError: When they cannot import the simulator.
@@ -140,9 +140,9 @@ def check_workers(simulator: str, workers: int, executor: Executor | None) -> No
 
 
 def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
-    """Run some scenes in one simulator; what a worker executes.
+    """Run some scenes in one simulator, inside a worker.
 
-    After a breakdown the rest is run in a fresh simulator.
+    After a crash the remaining scenes run in a fresh simulator.
     """
     results: list[SweepResult] = []
     waiting = list(reversed(scenes))
@@ -168,14 +168,14 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
 
 
 def _twin_of_none(episode: Episode) -> Episode:
-    """Return the record of a twin whose scene could not be run."""
+    """Return the failed record of a twin whose scene could not be run."""
     name = twin_id(episode.id)
     error = f"its scene could not be run: {episode.error}"
     return episode.model_copy(update={"id": name, "scene_id": name, "error": error})
 
 
 def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
-    """Return the record of a scene that could not be run."""
+    """Return the failed record of a scene."""
     return Episode(
         id=scene.id,
         scene_id=scene.id,
@@ -217,7 +217,7 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
 def _extra_files(
     job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
 ) -> dict[str, bytes]:
-    """Return what is kept besides the frames, by its path in the study."""
+    """Return the requested outputs besides the frames, by path in the study."""
     files: dict[str, bytes] = {}
     catalogue = simulator.catalogue()
     if job.extras.traces:
@@ -239,7 +239,7 @@ def _extra_files(
 
 
 def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:
-    """Encode a frame's colours."""
+    """Encode a frame's colours as JPEG."""
     try:
         import cv2
     except ImportError:
@@ -249,7 +249,7 @@ def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:
 
 
 def _chunks(scenes: Sequence[Scene]) -> list[Chunk]:
-    """Gather the scenes of each map: building a map's scenery costs more than running a scene."""
+    """Group the scenes by map, since building a map's scenery costs more than running a scene."""
     by_map: dict[str, list[Scene]] = {}
     for scene in scenes:
         by_map.setdefault(scene.map, []).append(scene)
@@ -263,7 +263,7 @@ def _chunks(scenes: Sequence[Scene]) -> list[Chunk]:
 def _collect(
     executor: Executor, job: Job, chunks: Sequence[Chunk], lost: list[Chunk]
 ) -> Iterator[SweepResult]:
-    """Yield results as they finish; note the chunks that went down with their process."""
+    """Yield results as they finish, and collect the chunks whose process died."""
     futures = {executor.submit(run_chunk, job, chunk): chunk for chunk in chunks}
     try:
         for future in as_completed(futures):
@@ -279,7 +279,7 @@ def _collect(
 
 
 def _recover(job: Job, scenes: Iterable[Scene]) -> Iterator[SweepResult]:
-    """Run scenes whose process died one at a time; one that kills its own is a failed episode."""
+    """Retry scenes one at a time after their process died; one that kills its own process fails."""
     with Processes(1) as pool:
         for scene in scenes:
             try:

@@ -6,7 +6,7 @@ from oodscen.data._base import Data
 
 
 class DriveResult(Data):
-    """What became of one driver in one scene or twin."""
+    """The result of one driver in one scene or twin."""
 
     noun: ClassVar[str] = "drive result"
 
@@ -20,33 +20,33 @@ class DriveResult(Data):
     error_type: str = ""
     is_twin: bool = False
     collisions: tuple[str, ...] = ()
-    """Ids of the actors that the ego touched; the drive ends there."""
+    """Ids of the actors that the ego touched; a collision ends the drive."""
     off_road: bool = False
-    """The ego left the drivable road; the drive ends there."""
+    """True if the ego left the drivable road, which ends the drive."""
     passed: bool = False
-    """Neither."""
+    """True without a collision and without leaving the road."""
     seconds: float = 0.0
     min_gap_m: float | None = None
     min_ttc_s: float | None = None
-    """Least time to collision with anything; `None` where there was none."""
+    """Minimum time to collision with anything, in seconds; `None` if there was none."""
     ttc_below_1_5_s: float = 0.0
     """Share of the steps with a time to collision below 1.5 s."""
     min_headway_s: float | None = None
-    """Least time headway to anything ahead in the ego's path."""
+    """Minimum time headway to anything ahead in the ego's path, in seconds."""
     median_headway_s: float | None = None
     progress_m: float = 0.0
-    """How far the ego came along its road."""
+    """Distance that the ego covered along its road, in metres."""
     progress: float = 0.0
-    """That, as a share of how far a driver comes who keeps the first speed for as long."""
+    """`progress_m` as a share of the distance at constant initial speed over the same time."""
     peak_deceleration: float = 0.0
-    """m/s^2."""
+    """Hardest braking, in m/s^2."""
     peak_jerk: float | None = None
-    """m/s^3, over 0.2 s."""
+    """Largest jerk, in m/s^3, measured over 0.2 s."""
     twin_passed: bool | None = None
-    """How the same driver fared in the twin; `None` where it was not driven."""
+    """True if the same driver passed the twin; `None` if the twin was not driven."""
     progress_lost: float | None = None
-    """Progress in the twin less progress here: what the hazard cost."""
+    """Progress in the twin minus progress here: the cost of the hazard."""
     brakes_needlessly: bool | None = None
-    """In the twin, where keeping the speed is safe, it braked harder than 4 m/s^2."""
+    """True if it braked harder than 4 m/s^2 in the twin, where keeping the speed is safe."""
     made_from: str = ""
-    """SHA-256 of the scene, also for its twin."""
+    """SHA-256 digest of the scene, for its twin too."""

@@ -1,4 +1,4 @@
-"""Language models: any provider through litellm, recordings, limits, and typed questions."""
+"""Language models: any provider through litellm, recordings, limits and typed questions."""
 
 import lazy_loader
 

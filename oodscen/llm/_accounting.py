@@ -1,4 +1,4 @@
-"""What the calls of a run took: per stage and model, and as one line while it runs."""
+"""The resources that a run's calls used, per stage and model, and as one progress line."""
 
 import threading
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,33 +8,36 @@ from oodscen.data._base import Data
 from oodscen.llm._call_log import Call
 
 MOST = 1e15
-"""A number beyond this, below 0, infinite or none counts as missing: a file may hold anything."""
+"""Upper bound of a valid amount; others count as missing.
+
+Negative, infinite and missing numbers do too, since a file may hold anything.
+"""
 
 
 class Account(Data):
-    """All calls of one group, e.g. of one stage to one model."""
+    """The totals of a group of calls, e.g. of one stage to one model."""
 
     noun: ClassVar[str] = "account"
 
     group: tuple[str, ...]
-    """The values that the calls share, e.g. stage and model."""
+    """The values that the group's calls share, e.g. stage and model."""
     calls: int
     requests: int
     """HTTP requests."""
     retries: int
     """HTTP requests beyond the first of their call."""
     repairs: int
-    """Calls that asked to mend an answer."""
+    """Calls that asked for a repaired answer."""
     failed: int
     input_tokens: int
     output_tokens: int
     cached_tokens: int
     cost_usd: float | None
-    """`None` where the price of a call that used tokens is not known."""
+    """Cost in USD; `None` if the price of a call that used tokens is not known."""
     seconds: float
-    """Sum over all calls, of which several may have been under way at once."""
+    """Sum over all calls, some of which may have overlapped."""
     p50_s: float
-    """Median of a call's time."""
+    """Median duration of a call, in seconds."""
     p95_s: float
 
 
@@ -54,7 +57,7 @@ def accounts(
 
 
 def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
-    """Sum up the calls of one group; fields that are missing or no amounts count as 0."""
+    """Sum up the calls of one group; missing and invalid amounts count as 0."""
     requests = [max(1, int(_number(call, "requests"))) for call in calls]
     costs = [call.get("cost_usd") for call in calls if call.get("status") != "failed"]
     known = [float(cost) for cost in costs if _is_amount(cost)]
@@ -83,7 +86,7 @@ class Ledger:
         self.calls = self.retries = self.repairs = self.failed = self.tokens = 0
         self.cost_usd = 0.0
         self.is_priced = True
-        """Whether the price of every call is known."""
+        """True while the price of every call is known."""
         self._lock = threading.Lock()
 
     def add(self, call: Call) -> None:
@@ -98,7 +101,7 @@ class Ledger:
             self.is_priced &= call.cost_usd is not None or call.status == "failed"
 
     def __str__(self) -> str:
-        """Return the totals in a few words; empty before the first call."""
+        """Return the totals as a short line; empty before the first call."""
         if not self.calls:
             return ""
         cost = f"${self.cost_usd:.2f}" if self.is_priced else "price not known"
@@ -117,7 +120,7 @@ def _is_amount(value: object) -> TypeGuard[int | float]:
 
 
 def _quantile(ordered: Sequence[float], share: float) -> float:
-    """Return the smallest value that at least this share does not exceed."""
+    """Return the smallest value with at least this share of all values at or below it."""
     if not ordered:
         return 0.0
     return ordered[min(len(ordered) - 1, max(0, -int(-share * len(ordered) // 1) - 1))]

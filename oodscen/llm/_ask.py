@@ -1,4 +1,4 @@
-"""Ask a language model one typed question and get a typed answer."""
+"""Asking a language model one typed question for a typed answer."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeVar, cast
@@ -17,16 +17,16 @@ from oodscen.protocols import LLM, Request
 Answer = TypeVar("Answer", bound=BaseModel)
 
 ATTEMPTS = 3
-"""How often a question is put before its answer counts as invalid, the first time included."""
+"""Maximum number of attempts, including the first, before an answer counts as invalid."""
 
 SHOWN_ISSUES = 12
-"""How many faults are fed back at once."""
+"""Maximum number of faults that are fed back at once."""
 
 MAX_ANSWER = 200_000
 """Longest answer that is read, in characters."""
 
 QUOTED = 8_000
-"""How much of an invalid answer is put before the model again, in characters."""
+"""Maximum length of an invalid answer that is quoted back to the model, in characters."""
 
 Check = Callable[[Answer], Sequence[Issue]]
 Read = Callable[[str], tuple[Answer | None, list[Issue]]]
@@ -41,20 +41,20 @@ def ask(
     attempts: int = ATTEMPTS,
     read: Read[Answer] | None = None,
 ) -> Answer:
-    """Put a question; parse and validate the answer; feed faults back until it is valid.
+    """Ask a question, parse and validate the answer, and feed faults back until it is valid.
 
     Args:
-        llm: Who is asked.
+        llm: The model to ask.
         prompt: The typed question.
-        sample: Which of several independent draws this is.
+        sample: Index of the draw, for several independent draws.
         check: Further requirements, beyond those of the prompt itself.
-        attempts: Largest number of calls, at least 1.
-        read: Reads the words instead of `read_answer` and the checks; it may raise `AnswerError` where
-            asking again is of no use.
+        attempts: Maximum number of calls, at least 1.
+        read: Parses the text instead of `read_answer` and the checks; it may raise `AnswerError` if asking
+            again would be useless.
 
     Raises:
-        AnswerError: When the last answer is still invalid; it keeps the raw text and the faults.
-        LLMError: When the model cannot be reached, or its object raises something else.
+        AnswerError: When the last answer is still invalid; the error keeps the raw text and the faults.
+        LLMError: When the model cannot be reached, or its implementation raises anything else.
     """
     checks: list[Check[Answer]] = [prompt.check, *([check] if check else [])]
     kind = cast(type[Answer], prompt.answer)
@@ -72,20 +72,19 @@ def ask(
 
 
 def speaker(llm: LLM) -> str:
-    """Return the name of the model whose words one hears: a replay speaks for the one recorded."""
+    """Return the name of the model that produced the words; for a replay, the recorded model."""
     return str(getattr(llm, "speaks_for", llm.name))
 
 
 def read_answer(
     raw: str, kind: type[Answer], checks: Sequence[Check[Answer]] = ()
 ) -> tuple[Answer | None, list[Issue]]:
-    """Find the answer in a model's words.
+    """Find the answer in a model's text.
 
-    Among the JSON objects in the text the last one that is valid counts, since models that think
-    aloud answer at the end.
+    The last valid JSON object in the text wins, since models that think aloud answer at the end.
 
     Returns:
-        The answer and no issues; or `None` and the faults of the object that came nearest.
+        The answer and no issues, or `None` and the faults of the object that came closest.
     """
     if len(raw) > MAX_ANSWER:
         return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]

@@ -1,4 +1,4 @@
-"""A wrapper that accounts for every call of a language model."""
+"""A wrapper that logs every call of a language model."""
 
 import threading
 import time
@@ -14,41 +14,41 @@ from oodscen.protocols import LLM, Completion, Request, Usage
 
 
 class Call(Data):
-    """One call, as a line of `calls.jsonl`. It holds neither texts nor pictures nor credentials."""
+    """One call, as a line of `calls.jsonl`, without texts, pictures or credentials."""
 
     noun: ClassVar[str] = "call"
 
     stage: str = ""
-    """Of the study, e.g. `augment`."""
+    """The study's stage, e.g. `augment`."""
     purpose: str
-    """Of the prompt, e.g. `stage-scene`."""
+    """The prompt's purpose, e.g. `stage-scene`."""
     prompt_version: str
     """Hash of template and answer schema."""
     model: str
     sample: int
     attempt: int
-    """1 for the question itself, 2 and more for requests to mend the answer."""
+    """1 for the question itself, higher for repair requests."""
     status: Literal["ok", "failed"]
-    """`ok` where text came back, whether or not it was a valid answer."""
+    """`ok` if text came back, whether or not it was a valid answer."""
     error: str | None = None
     input_tokens: int = 0
     output_tokens: int = 0
     cached_tokens: int = 0
-    """Of the input, what the provider had cached."""
+    """Input tokens that the provider had cached."""
     cost_usd: float | None = None
-    """`None` where the price is not known."""
+    """`None` if the price is not known."""
     requests: int = 1
-    """HTTP requests, retries included; 0 where none was needed or allowed."""
+    """HTTP requests, retries included; 0 if none was needed or allowed."""
     seconds: float = 0.0
-    """Until the answer, waiting and retries included."""
+    """Time until the answer, including waiting and retries."""
 
 
 class LoggedLLM(Wrapper):
-    """Reports every `complete` of another model, also those that fail.
+    """Reports every `complete` of another model, including failed ones.
 
     Args:
-        llm: Who really answers; its other attributes are reachable through this object.
-        log: Called once per call, never by two threads at a time.
+        llm: The wrapped model; its other attributes are reachable through this object.
+        log: Called once per call, never from two threads at a time.
     """
 
     def __init__(self, llm: LLM, log: Callable[[Call], None]) -> None:
@@ -57,7 +57,7 @@ class LoggedLLM(Wrapper):
         self._lock = threading.Lock()
 
     def complete(self, request: Request) -> Completion:
-        """Pass the request on and report what it took."""
+        """Pass the request on and report the call."""
         started = time.perf_counter()
         completion: Completion | None = None
         failure: BaseException | None = None

@@ -1,4 +1,4 @@
-"""Caps for models that are not asked through litellm."""
+"""Caps for models that are not called through litellm."""
 
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import Spent, Traffic
@@ -11,8 +11,8 @@ class MeteredLLM(Wrapper):
     """Holds another model to the caps of a run; every call counts as one request.
 
     Args:
-        llm: Who answers; its other attributes are reachable through this object.
-        traffic: The caps, and how many calls may be under way at once.
+        llm: The wrapped model; its other attributes are reachable through this object.
+        traffic: The caps, and the limit on concurrent calls.
 
     Raises:
         UsageError: When the cost is capped and no price is given for the model.

@@ -6,11 +6,11 @@ from oodscen.protocols import LLM, Completion, Request
 
 
 def complete(llm: LLM, request: Request) -> Completion:
-    """Ask a model and check what came back.
+    """Ask a model and check that it returns a completion.
 
     Raises:
-        UsageError: When it is no model.
-        LLMError: When it fails or breaks its contract.
+        UsageError: When the object is not a model.
+        LLMError: When the model fails or breaks its contract.
     """
     name = conforming("llm", llm).name
     with working("llm", name):

@@ -1,4 +1,4 @@
-"""A model that is given up costs the items that need it, and does not end the run."""
+"""The circuit breaker: a model that is given up fails its own items and does not end the run."""
 
 from oodscen.errors import EndpointDown, NotAskedError
 from oodscen.llm._wrapper import Wrapper
@@ -6,10 +6,10 @@ from oodscen.protocols import Completion, Request
 
 
 class ContainedLLM(Wrapper):
-    """Fails the question instead of the run where another model is given up.
+    """Fails the question instead of the run when the wrapped model is given up.
 
     Args:
-        llm: Who answers; its other attributes are reachable through this object.
+        llm: The wrapped model; its other attributes are reachable through this object.
     """
 
     def complete(self, request: Request) -> Completion:
@@ -17,7 +17,7 @@ class ContainedLLM(Wrapper):
 
         Raises:
             NotAskedError: When the model is given up.
-            LLMError: When it gives no answer.
+            LLMError: When the model gives no answer.
             BudgetExceeded: When a cap is reached.
         """
         try:

@@ -1,17 +1,17 @@
-"""A second model for what the first does not answer."""
+"""A second model for questions that the first does not answer."""
 
 from oodscen.errors import EndpointDown, LLMError
 from oodscen.protocols import LLM, Completion, Request
 
 
 class FallbackLLM:
-    """Asks a second model where the first gives no answer, and only the second once the first is down.
+    """Asks a second model when the first gives no answer, and only the second once the first is down.
 
-    An answer that is there but not valid is fed back to the first model as usual.
+    An invalid answer is fed back to the first model as usual.
 
     Args:
-        first: Who is asked.
-        second: Who is asked instead.
+        first: The preferred model.
+        second: The fallback model.
     """
 
     def __init__(self, first: LLM, second: LLM) -> None:
@@ -24,7 +24,7 @@ class FallbackLLM:
         """Return the first model's answer, or else the second's.
 
         Raises:
-            LLMError: When neither answers.
+            LLMError: When neither model answers.
             RunStopped: When a cap is reached, or both endpoints are given up.
         """
         if not self._is_down:

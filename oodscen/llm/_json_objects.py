@@ -1,4 +1,4 @@
-"""Find JSON objects in the words of a language model."""
+"""A search for JSON objects in the text of a language model."""
 
 import json
 import re
@@ -11,10 +11,10 @@ from oodscen._text import whole
 
 
 class Members(dict[str, Any]):
-    """An object in which members occur twice with different values; the later ones are its items."""
+    """An object with repeated members of different values; it holds the later ones."""
 
     repeated: frozenset[str] = frozenset()
-    """Their names."""
+    """Names of the repeated members."""
 
 
 class Found(NamedTuple):
@@ -22,22 +22,22 @@ class Found(NamedTuple):
 
     value: dict[str, Any]
     width: int
-    """Characters of text that it was read from; 0 for what another object or a string holds."""
+    """Number of characters it was read from; 0 for objects nested in another object or a string."""
     is_complete: bool = True
-    """False where the closing brace is missing, so that members may be missing too."""
+    """False if the closing brace is missing, so that members may be missing too."""
     start: int = 0
-    """Where it begins, for those that `scan` returns."""
+    """Offset of its first character, set by `scan`."""
     is_mended: bool = False
-    """Whether it had faults, so that the mending may have dropped words."""
+    """True if it had faults, in which case the repair may have dropped words."""
 
 
 def find_objects(text: str) -> Iterator[Found]:
-    """Yield the JSON objects in a text, the likeliest answer first: from the last to the first.
+    """Yield the JSON objects in a text, likeliest answer first: from the last to the first.
 
-    They may stand in a fence, in prose, after a chain of thought, inside one wrapping key or a JSON
-    string, and may have small faults: trailing commas, single quotes, bare keys, comments, line breaks in
-    strings. The closing brace may be missing, but nothing is yielded that is cut short in a text, a
-    number, a list or an inner object. Halves of surrogate pairs are replaced.
+    Objects may stand in a code fence, in prose, after a chain of thought, inside one wrapping key or a JSON
+    string. Small faults are repaired: trailing commas, single quotes, bare keys, comments, line breaks in
+    strings. The closing brace may be missing, but an object cut off within a string, a number, a list or an
+    inner object is skipped. Lone surrogates are replaced.
     """
     text = cleaned(text)
     tail = text.rpartition("</think>")[2]
@@ -57,12 +57,12 @@ def find_objects(text: str) -> Iterator[Found]:
 
 
 def is_cut_off(text: str) -> bool:
-    """Whether an object begins in a text and does not end."""
+    """Return whether the text ends in the middle of an object."""
     return scan(text)[1] is not None
 
 
 def cleaned(text: str) -> str:
-    """Replace halves of surrogate pairs, escaped or not."""
+    """Replace lone surrogates, escaped or not."""
     return _ESCAPE.sub(lambda found: "\\ufffd" if found[1] else found[0], whole(text))
 
 
@@ -70,7 +70,7 @@ _ESCAPE = re.compile(
     r"\\(?:u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|u([dD][89a-fA-F][0-9a-fA-F]{2})|.)",
     re.DOTALL,
 )
-"""An escape in a JSON string; its group is half of a surrogate pair that stands alone."""
+"""An escape in a JSON string; its group matches a lone surrogate."""
 
 
 def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -88,25 +88,25 @@ def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 _DECODER = json.JSONDecoder(strict=False, object_pairs_hook=_members)
 
 _STARTS = 20
-"""How many things that begin like an object and are none are tried before the rest is given up."""
+"""Maximum number of false object starts before the scan gives up."""
 
 _MENDED = 100
-"""How many objects with faults are mended before the rest is given up."""
+"""Maximum number of faulty objects to repair before the scan gives up."""
 
 _MENDABLE = 20_000
-"""Longest object with faults that is mended, in characters: the mending takes quadratic time."""
+"""Length of the longest faulty object to repair, in characters; repairing takes quadratic time."""
 
 _OBJECT = re.compile(r"""\{\s*(?:["'}]|[A-Za-z_]\w*\s*:|//|/\*)""")
-"""How an object begins, with some licence; braces in prose and formulas do not look like it."""
+"""The start of an object, leniently; braces in prose and formulas do not match."""
 
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]"]', re.DOTALL)
-"""Strings, brackets, and a quotation mark that opens a string without an end."""
+"""Strings, brackets, and a quotation mark that opens an unterminated string."""
 
 _TRAILING_COMMA = re.compile(r'("(?:[^"\\]|\\.)*")|,(?=\s*[}\]])', re.DOTALL)
 
 
 def scan(text: str) -> tuple[list[Found], int | None]:
-    """Return the objects that have an end, none inside another, and where the first without begins."""
+    """Return the closed outermost objects, and the offset of the first object without an end."""
     found: list[Found] = []
     broken_off: int | None = None
     position = failed = mended = 0
@@ -129,7 +129,7 @@ def scan(text: str) -> tuple[list[Found], int | None]:
 
 
 def _matching_brace(text: str, position: int) -> int:
-    """Return the position after the brace that closes the one at `position`; 0 if none does."""
+    """Return the position after the brace that closes the one at `position`, or 0 if there is none."""
     depth = 0
     for token in _TOKEN.finditer(text, position):
         mark = token.group()
@@ -142,10 +142,10 @@ def _matching_brace(text: str, position: int) -> int:
 
 
 def _ended(text: str) -> dict[str, Any] | None:
-    """Return the object that a text breaks off in, if only its closing brace is missing."""
+    """Return the object that a text ends in, if only its closing brace is missing."""
     text = re.sub(r"\s*(?:```)?\s*$", "", text)
     if text.endswith("}") and re.match(r"\{\s*'", text):
-        # Quotation marks inside single-quoted strings make the brackets uncountable.
+        # Quotation marks inside single-quoted strings make brackets uncountable.
         return _mended(text)
     marks = [token.group() for token in _TOKEN.finditer(text)]
     is_missing_a_brace = (
@@ -165,7 +165,7 @@ def _mended(text: str) -> dict[str, Any] | None:
         return value
     try:
         value = json_repair.loads(text, skip_json_loads=True)
-    # Written for broken input, and itself broken by some of it.
+    # json_repair is made for broken input, but some of it makes it raise.
     except Exception:
         return None
     return value if isinstance(value, dict) and value else None

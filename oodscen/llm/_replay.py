@@ -1,7 +1,7 @@
-"""Recordings: every question and its answer as a line of JSON, and models that answer from them.
+"""Recordings of questions and answers as lines of JSON, and models that answer from them.
 
-A recording is a JSONL file, one exchange per line, as `Exchange` describes it. It can be made by
-`RecordingLLM`, or elsewhere, by any model: what a line needs is `purpose`, `messages` and `answer`.
+A recording is a JSONL file with one exchange per line, as `Exchange` describes it. `RecordingLLM` writes it,
+or any other tool with any model: a line needs `purpose`, `messages` and `answer`.
 """
 
 import hashlib
@@ -26,37 +26,37 @@ from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request, Usage
 
 SHOWN = 60
-"""How much of two texts is quoted where they differ, in characters."""
+"""Number of characters quoted from each of two texts where they first differ."""
 
 
 class Exchange(Data):
-    """One question and its answer, as a line of a recording. It holds no credentials."""
+    """One question and its answer, as a line of a recording, without credentials."""
 
     noun: ClassVar[str] = "exchange"
 
     purpose: str
-    """Of the prompt, e.g. `stage-scene`."""
+    """The prompt's purpose, e.g. `stage-scene`."""
     messages: tuple[Message, ...]
-    """The conversation as it was sent; pictures by name and SHA-256."""
+    """The conversation as it was sent, with pictures by name and SHA-256."""
     answer: str
-    """Raw, as it came."""
+    """The raw answer."""
     sample: int = 0
-    """Which of several independent draws of the same question this is."""
+    """Index of the draw, for several independent draws of the same question."""
     attempt: int = 1
-    """Above 1 the last turns ask for repair."""
+    """Above 1 if the last turns ask for a repair."""
     model: str = ""
-    """Who answered."""
+    """Name of the model that answered."""
     prompt_version: str = ""
     """Hash of template and answer schema."""
     usage: Usage = Usage()
     seconds: float = 0.0
-    """Until the answer, waiting and retries included."""
+    """Time until the answer, including waiting and retries."""
     requests: int = 1
     """HTTP requests, retries included."""
 
     @classmethod
     def of(cls, request: Request, completion: Completion, model: str, seconds: float) -> "Exchange":
-        """Put a question and its answer together."""
+        """Return the exchange of a question and its answer."""
         return cls(
             purpose=request.prompt.purpose,
             messages=request.messages,
@@ -71,7 +71,7 @@ class Exchange(Data):
         )
 
     def key(self) -> str:
-        """Return what decides whether this answers a request."""
+        """Return the key by which a request is matched to this exchange."""
         return _key(self.purpose, self.sample, self.attempt, self.messages)
 
 
@@ -83,29 +83,29 @@ class _Place(NamedTuple):
 
 
 class Recording:
-    """A file of exchanges, for reading: found by content and sample, read when needed.
+    """A read-only file of exchanges, found by content and sample and loaded on demand.
 
-    The file is never written. A last line that is torn is passed over; one that merely lacks its line break
-    counts. Lines end at line feeds and nowhere else.
+    The file is never written. A torn last line is skipped; a complete one without its newline counts. Only
+    line feeds end lines.
 
     Args:
-        path: The file; there is nothing in it if it does not exist.
+        path: The file; a missing file is an empty recording.
 
     Raises:
-        DataError: When a line is no exchange, with its number, or the file cannot be read.
+        DataError: When a line is not an exchange, with its number, or the file cannot be read.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         self._places: dict[str, list[_Place]] = {}
         self._line = 0
-        """Number of the last line that was read."""
+        """Number of the last line read."""
         self._end = 0
-        """Where it ends."""
+        """Offset of that line's end."""
         self._is_ended = True
-        """Whether there is a line break behind it."""
+        """True if that line ends with a newline."""
         self._torn = b""
-        """What follows it and is no whole line."""
+        """The torn line after it."""
         self._lock = threading.Lock()
         self._read()
 
@@ -116,8 +116,8 @@ class Recording:
         """Return the exchange that answers a request, the latest if there are several.
 
         Args:
-            request: What is asked.
-            model: Who must have answered; anybody if left out.
+            request: The question.
+            model: Name of the model that must have answered; any model if left out.
 
         Raises:
             UsageError: When several models answered and none is chosen.
@@ -139,11 +139,11 @@ class Recording:
 
     @property
     def models(self) -> set[str]:
-        """Names of the models that were recorded."""
+        """Names of the recorded models."""
         return {place.model for places in self._places.values() for place in places}
 
     def differences(self, request: Request, model: str | None = None) -> list[Issue]:
-        """Say how the most similar recorded question differs from a request."""
+        """Return the differences between a request and the most similar recorded question."""
         purpose = request.prompt.purpose
         best: tuple[tuple[int, int], list[Issue]] | None = None
         others: set[str] = set()
@@ -193,7 +193,7 @@ class Recording:
         self._end += length
 
     def _state(self) -> tuple[int, int, int] | None:
-        """Return what changes with the file's content; `None` where there is no file."""
+        """Return a fingerprint that changes with the file's content, or `None` if there is no file."""
         try:
             found = self.path.stat()
         except FileNotFoundError:
@@ -219,13 +219,13 @@ class Recording:
 
 
 class Recorder(Recording):
-    """A recording that is appended to, by one process at a time.
+    """A recording that one process at a time appends to.
 
-    Its file is locked from the first question that it has no answer to until this object is closed or
-    forgotten. Recorders of one file in one process are best shared: `Recorder.at`.
+    Its file is locked from the first unanswered question until this object is closed or garbage-collected.
+    Within a process, share one recorder per file with `Recorder.at`.
 
     Args:
-        path: The file; made with the first exchange if it does not exist. A torn last line is cut off then.
+        path: The file, which the first exchange creates if it does not exist. A torn last line is cut off then.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -238,7 +238,7 @@ class Recorder(Recording):
 
     @classmethod
     def at(cls, path: str | Path) -> "Recorder":
-        """Return the recorder that this process has for a file already, or else a new one."""
+        """Return this process's recorder of a file, or a new one if there is none."""
         place = Path(path).resolve()
         with _sharing:
             recorder = _recorders.get(place)
@@ -250,11 +250,11 @@ class Recorder(Recording):
             return recorder
 
     def open(self) -> None:
-        """Lock the file, and take in what others have added meanwhile.
+        """Lock the file and read what other processes have added.
 
         Raises:
-            InUse: When another process is recording there.
-            DataError: When there is something in the file and it is no recording; it is left alone.
+            InUse: When another process is recording to it.
+            DataError: When the file holds anything but a recording; it is left alone.
         """
         with self._opening:
             if self._is_open:
@@ -275,7 +275,7 @@ class Recorder(Recording):
             self._is_open = True
 
     def close(self) -> None:
-        """Let go of the file; the next addition opens it again."""
+        """Release the file; the next addition opens it again."""
         with self._opening, self._lock:
             self._file = None
             self._is_open = False
@@ -286,8 +286,8 @@ class Recorder(Recording):
         """Append an exchange and hand it to the operating system.
 
         Raises:
-            InUse: When another process is recording there.
-            StudyError: When the file cannot be written; what was in it stays.
+            InUse: When another process is recording to the file.
+            StudyError: When the file cannot be written; its content stays.
         """
         self.open()
         messages = tuple(
@@ -316,12 +316,12 @@ class Recorder(Recording):
             while rest:
                 rest = rest[self._file.write(rest) :]
         except OSError:
-            # What is left of the line is cut off when the file is opened again.
+            # Reopening the file cuts off the partial line.
             self._file = None
             raise
 
     def _is_outdated(self) -> bool:
-        """Whether somebody else has changed the file since it was read, or put another in its place."""
+        """Return whether another process has changed or replaced the file since it was read."""
         found = self._state()
         if self._file is None:
             return found != self._seen
@@ -332,19 +332,19 @@ class Recorder(Recording):
 
 
 _BEGINNING = b'{"answer":'
-"""Of every line that a recorder writes."""
+"""The first bytes of every line that a recorder writes."""
 
 _recorders: weakref.WeakValueDictionary[Path, Recorder] = weakref.WeakValueDictionary()
 _sharing = threading.Lock()
 
 
 class RecordingLLM(Wrapper):
-    """Records every answer of another model; what is recorded already is not asked again.
+    """Records every answer of another model, and answers recorded questions from the recording.
 
     Args:
-        llm: Who really answers; its other attributes are reachable through this object.
-        recorder: Where to; several models may share one.
-        is_reading: Whether recorded answers of this model are given again.
+        llm: The wrapped model; its other attributes are reachable through this object.
+        recorder: The recording; several models may share one.
+        is_reading: Answer from the recording if it holds an answer of this model.
     """
 
     def __init__(
@@ -355,10 +355,10 @@ class RecordingLLM(Wrapper):
         self._is_reading = is_reading
 
     def complete(self, request: Request) -> Completion:
-        """Give the recorded answer, or ask and record.
+        """Return the recorded answer, or ask the model and record its answer.
 
         Raises:
-            InUse: When another process is recording there; nobody is asked.
+            InUse: When another process is recording to the file; the model is not asked.
         """
         if (found := self._found(request)) is not None:
             return found
@@ -377,13 +377,13 @@ class RecordingLLM(Wrapper):
 
 
 class ReplayLLM:
-    """Answers from a recording and asks nobody: `replay:FILE`, or `replay:FILE#MODEL`.
+    """Answers from a recording without asking any model: `replay:FILE`, or `replay:FILE#MODEL`.
 
     Args:
-        source: The file; behind a `#` the model whose answers are given, if there are several.
+        source: The file, and after a `#` the model whose answers to give, if there are several.
 
     Raises:
-        DataError: When there is no such file, or it is no recording.
+        DataError: When the file does not exist or is not a recording.
     """
 
     def __init__(self, source: str | Path) -> None:
@@ -406,7 +406,7 @@ class ReplayLLM:
 
     @property
     def speaks_for(self) -> str:
-        """Name of the model that was recorded; this object's own where there are several."""
+        """Name of the recorded model, or this object's own if there are several."""
         names = {self._model} if self._model else self._recording.models
         return str(*names) if len(names) == 1 else self.name
 
@@ -414,7 +414,7 @@ class ReplayLLM:
         """Return the recorded answer.
 
         Raises:
-            ReplayMiss: When there is none; it says what differs from the most similar question.
+            ReplayMiss: When there is none, with the differences from the most similar question.
         """
         found = self._recording.find(request, self._model)
         if found is None:
@@ -436,7 +436,7 @@ def _key(purpose: str, sample: int, attempt: int, messages: tuple[Message, ...])
 
 
 def _is_whole(line: bytes) -> bool:
-    """Whether a line that has no line break is complete: whatever else is in it, it is JSON."""
+    """Return whether a line without a newline is complete, i.e. valid JSON."""
     try:
         json.loads(line)
     except (ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""The base of language models that stand in front of another one."""
+"""The base class of language models that wrap another one."""
 
 from typing import Any
 
@@ -6,10 +6,10 @@ from oodscen.protocols import LLM
 
 
 class Wrapper:
-    """Takes the name and the attributes of the model behind it.
+    """Takes over the name and the attributes of the wrapped model.
 
     Args:
-        llm: The model that really answers.
+        llm: The wrapped model.
     """
 
     def __init__(self, llm: LLM) -> None:

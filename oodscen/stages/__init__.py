@@ -1,4 +1,4 @@
-"""The stages in the order in which data flows: grow, red-team, prune, describe, augment, simulate, evaluate."""
+"""The stages in data-flow order: grow, red-team, prune, describe, augment, simulate, evaluate."""
 
 import lazy_loader
 

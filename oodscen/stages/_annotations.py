@@ -1,4 +1,4 @@
-"""Annotations of a frame: boxes, visibility and classes of everything that is in the scene."""
+"""Annotations of a frame: boxes, visibility and classes of everything in the scene."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -33,18 +33,18 @@ CLASSES: dict[str, int] = {
     "vegetation": 11,
     "signal": 12,
 }
-"""Semantic ids; from 5 on they are the catalogue's categories."""
+"""Semantic ids by name; from 5 on the names are the catalogue's categories."""
 
 DEPTH_STEP_M = 0.01
-"""Metres per grey level of a depth picture; 0 is the sky, 65535 is 655.35 m and more."""
+"""Metres per grey level of a depth image; 0 is the sky, 65535 is 655.35 m or more."""
 
 _ON_ROAD_M = 0.3
-"""A point this close to the road's surface, m, belongs to it."""
+"""Maximum distance, in metres, of a point of the road surface from the modelled surface."""
 _CHUNK = 20_000
-"""Points that are located on the road at once."""
+"""Number of points that are located on the road at once."""
 
 Box = tuple[float, float, float, float]
-"""Left, top, right, bottom in pixels; the picture's corner is (0, 0)."""
+"""Left, top, right, bottom in pixels; the image's top left corner is (0, 0)."""
 
 
 class ActorAnnotation(Data):
@@ -54,36 +54,36 @@ class ActorAnnotation(Data):
 
     id: str
     instance: int
-    """Its value in `Frame.ids`."""
+    """The actor's value in `Frame.ids`."""
     asset: str
     category: str
     is_hazard: bool
-    """It is (part of) what makes the scene OOD."""
+    """True if the actor is (part of) what makes the scene OOD."""
     box: Box | None
-    """Around its visible pixels; `None` where there are none."""
+    """Box around the visible pixels; `None` if there are none."""
     box_projected: Box | None
-    """Around the projection of its 3-D box, cut at the picture's edge; `None` outside of it."""
+    """Box around the projection of the 3-D box, clipped to the image; `None` if it lies outside."""
     centre_world: tuple[float, float, float]
-    """Of the 3-D box, m."""
+    """Centre of the 3-D box in world coordinates, in metres."""
     yaw: float
-    """In the world, rad."""
+    """Yaw in world coordinates, in radians."""
     size: tuple[float, float, float]
     """Length, width and height of the 3-D box, m."""
     centre_camera: tuple[float, float, float]
-    """Of the 3-D box: m to the right, downwards and along the optical axis."""
+    """Centre of the 3-D box, in metres to the right, downwards and along the optical axis."""
     visible_px: int
     unhidden_px: int | None
-    """Pixels that it would fill if nothing stood before it; `None` where nobody can tell."""
+    """Pixels that the actor would fill without occlusion; `None` if the simulator cannot tell."""
     visible_share: float | None
-    """Visible pixels per unhidden one, 0 to 1; `None` where it is not in the picture."""
+    """Visible pixels per unoccluded one, 0 to 1; `None` if the actor is not in the image."""
     occlusion: float | None
     """1 - `visible_share`."""
     truncation: float
-    """Share of its projection that is outside the picture, 0 to 1."""
+    """Share of the projection that lies outside the image, 0 to 1."""
 
 
 class FrameAnnotations(Data):
-    """Everything that is known about one frame."""
+    """All annotations of one frame."""
 
     noun: ClassVar[str] = "frame annotations"
 
@@ -93,30 +93,30 @@ class FrameAnnotations(Data):
     width: int
     height: int
     focal_px: float
-    """Of both axes; the principal point is the picture's middle."""
+    """Focal length on both axes, in pixels; the principal point is the image centre."""
     camera_position: tuple[float, float, float]
-    """In the world, m."""
+    """Camera position in world coordinates, in metres."""
     camera_yaw: float
-    """rad"""
+    """Camera yaw in world coordinates, in radians."""
     camera_pitch_deg: float
-    """Downwards positive."""
+    """Camera pitch in degrees, positive downwards."""
     classes: dict[str, int] = CLASSES
     """Semantic ids by name."""
     actors: tuple[ActorAnnotation, ...]
-    """In the scene's order."""
+    """Annotations of the actors, in the scene's order."""
 
 
 def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
 ) -> FrameAnnotations:
-    """Describe what a frame shows.
+    """Annotate a frame.
 
     Args:
-        frame: As rendered.
-        state: Of the world when it was.
-        scene: To which they belong.
-        catalogue: Of the simulator.
-        camera: With which it was rendered; the ego's dash camera if left out.
+        frame: The rendered frame.
+        state: State of the world at that moment.
+        scene: The scene they belong to.
+        catalogue: The simulator's catalogue.
+        camera: The camera that rendered the frame; by default the ego's dash camera.
     """
     camera = camera or Camera()
     cast = bodies(scene, catalogue, state.poses)
@@ -171,16 +171,16 @@ def annotate(
 def semantic_map(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
 ) -> NDArray[np.uint8]:
-    """Return the class of every pixel, by `CLASSES`: [height, width].
+    """Return the class of every pixel, by `CLASSES`: [height, width] uint8.
 
-    Road and pavement are found by their place: what is on the surface of a strip of the road.
+    Road and pavement are found by position: pixels on the surface of a strip of the road.
 
     Args:
-        frame: As rendered.
-        state: Of the world when it was.
-        scene: To which they belong.
-        catalogue: Of the simulator.
-        camera: With which it was rendered; the ego's dash camera if left out.
+        frame: The rendered frame.
+        state: State of the world at that moment.
+        scene: The scene they belong to.
+        catalogue: The simulator's catalogue.
+        camera: The camera that rendered the frame; by default the ego's dash camera.
     """
     camera = camera or Camera()
     cast = bodies(scene, catalogue, state.poses)
@@ -218,11 +218,11 @@ def save_annotations(
     """Write `NAME.json`, `NAME.ids.png`, `NAME.classes.png` and `NAME.depth.png`.
 
     Args:
-        folder: Made if it does not exist.
-        name: Of the frame, e.g. `last`.
-        frame: For ids and depth.
-        annotations: Of the frame.
-        classes: Its semantic map.
+        folder: The folder; created if it does not exist.
+        name: Name of the frame, e.g. `last`.
+        frame: Provides ids and depth.
+        annotations: The frame's annotations.
+        classes: The frame's semantic map.
 
     Raises:
         MissingExtra: When OpenCV is not installed.
@@ -239,7 +239,7 @@ def save_annotations(
 def encode_annotations(
     name: str, frame: Frame, annotations: FrameAnnotations, classes: NDArray[np.uint8]
 ) -> dict[str, bytes]:
-    """Return the files that `save_annotations` writes, by name."""
+    """Return the files of `save_annotations` as data by name."""
     levels = np.where(np.isfinite(frame.depth), np.rint(frame.depth / DEPTH_STEP_M), 0.0)
     depth = np.clip(levels, 0.0, 65535.0).astype(np.uint16)
     return {
@@ -253,7 +253,7 @@ def encode_annotations(
 def _ground(
     corridor: Corridor, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]
 ) -> NDArray[np.uint8]:
-    """Return the class of points on a road's surface, 0 for others."""
+    """Return the class of points on a road's surface, and 0 for all others."""
     kinds = np.zeros(len(x), np.uint8)
     for start in range(0, len(x), _CHUNK):
         part = slice(start, start + _CHUNK)
@@ -272,7 +272,7 @@ def _ground(
 
 
 def _extents(ids: NDArray[np.int32], count: int) -> list[tuple[int, Box | None]]:
-    """Return every body's pixels and the box around them, the ego first."""
+    """Return every body's pixel count and bounding box, the ego first."""
     found: list[tuple[int, Box | None]] = []
     for row in range(count):
         mask = ids == row + 1

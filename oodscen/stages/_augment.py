@@ -1,4 +1,4 @@
-"""Augment a text with everything a simulator needs: the scene (paper, section III-B)."""
+"""The augmenter, which turns a text into a complete scene for a simulator (paper, section III-B)."""
 
 from collections.abc import Callable, Sequence
 
@@ -17,20 +17,20 @@ from oodscen.protocols import LLM
 
 
 class Augmenter:
-    """Asks the augmenter-LLM to stage texts; what it returns has passed validation and runs.
+    """Asks the augmenter-LLM to stage texts; every scene it returns is valid and runs.
 
-    Before a text is staged, its claims are read from the text alone, and every scene is compared with them; what
-    a scene contradicts is fed back to the model, claim by claim.
+    Before staging, the claims of a text are extracted from the text alone. Every scene is checked against
+    them, and each contradicted claim is fed back to the model.
 
     Args:
         llm: The augmenter-LLM.
-        catalogue: What the simulator offers.
-        check: Finds faults in a scene; they are fed back to the model. The default checks the
+        catalogue: The assets and abilities of the simulator.
+        check: Returns the faults of a scene, which are fed back to the model. The default checks the
             catalogue's vocabulary, places on the road, overlap and reachability.
-        attempts: Largest number of calls per scene.
-        claims: Whether scenes must hold to what their texts say.
-        reader: Reads the claims; the augmenter-LLM if left out.
-        context: Tokens that the model can read and write, where the whole catalogue is too long for it.
+        attempts: Maximum number of calls per scene.
+        claims: Require scenes to satisfy the claims of their texts.
+        reader: Model that extracts the claims; the augmenter-LLM if left out.
+        context: Context window of the model in tokens, if the whole catalogue is too long for it.
     """
 
     def __init__(
@@ -58,10 +58,10 @@ class Augmenter:
         self.context = context
 
     def read(self, scenario: Scenario) -> tuple[Claim, ...]:
-        """Return what a text says, none where claims are not asked for.
+        """Return the claims of a text, or none if claims are switched off.
 
         Raises:
-            AnswerError: When the model does not arrive at valid claims; it lists the faults.
+            AnswerError: When the model gives no valid claims; the error lists the faults.
             LLMError: When the model cannot be reached.
         """
         if not self.claims:
@@ -71,15 +71,15 @@ class Augmenter:
         return extract_claims(self.reader, scenario.text, attempts=self.attempts)
 
     def run(self, scenario: Scenario, claims: Sequence[Claim] | None = None) -> Scene:
-        """Return the scene for one text; its id is the scenario's.
+        """Return the scene of one text, with the scenario's id.
 
         Args:
-            scenario: With the text.
-            claims: What the text says, where that has been read before.
+            scenario: The scenario with the text.
+            claims: Claims of the text, if already extracted.
 
         Raises:
-            AnswerError: When the model does not arrive at a scene that runs and holds to the text;
-                it lists the faults, and every claim that is contradicted.
+            AnswerError: When the model gives no scene that runs and satisfies the claims; the error lists the
+                faults and every contradicted claim.
             LLMError: When the model cannot be reached.
         """
         told = self.read(scenario) if claims is None else tuple(claims)
@@ -109,7 +109,7 @@ class Augmenter:
 
 
 def _staged(scenario: Scenario, draft: SceneDraft) -> Scene:
-    """Make the scene; a decision that names no actor is measured to the first of the hazard's."""
+    """Return the scene; a decision without an actor refers to the first actor of the hazard."""
     decision = draft.decision
     if decision.kind != "time" and decision.actor is None:
         first = next(iter(draft.hazard.actors), None)

@@ -1,4 +1,4 @@
-"""Describe the paths of a tree: distinct texts for each (paper, section III-B), and their twins."""
+"""The describer, which writes distinct texts, and their twins, for the paths of a tree (paper, section III-B)."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from oodscen.metrics import Metrics
 
 NEAREST = 0.93
-"""Cosine from which on two texts of a path count as one, by default."""
+"""Default cosine from which two texts of a path count as near duplicates."""
 
 
 class Describer:
@@ -29,20 +29,20 @@ class Describer:
 
     Args:
         llm: The tree-LLM.
-        encoder: Measures how near two texts of a path are; without one only equal words count.
+        encoder: Measures the similarity of two texts of a path; without one only identical texts are duplicates.
         per_path: Texts per path.
         style: `natural`, `paper`, `terse`, `verbose` or `first-person`.
         nearest: Largest cosine between two texts of one path.
-        redraws: How often near duplicates and off-topic texts are replaced before they are accepted.
-        candidates: Texts that are written for each that is kept; of more than one, those are kept
-            that differ most from one another.
-        band: Lowest and highest OOD-ness of the texts among which is chosen.
-        metrics: Measures OOD-ness, chooses, and flags what is off-topic; needed for `candidates` above
-            1 and for a `band`.
-        twins: Whether every text gets its ordinary twin; one whose answer is never valid has none.
-        batch: Largest number of texts asked for in one call.
+        redraws: Maximum number of redraws of near duplicates and off-topic texts before they are accepted.
+        candidates: Texts written for each one that is kept; of several, those that differ most from one
+            another are kept.
+        band: Lowest and highest OOD-ness of the candidates.
+        metrics: Measures OOD-ness, selects texts and flags off-topic ones; required for `candidates` above 1
+            and for a `band`.
+        twins: Write the ordinary twin of every text; a text whose twin's answers are never valid gets none.
+        batch: Maximum number of texts per call.
         sample: Keeps independent sets of texts apart.
-        threads: How many paths may be under way at once.
+        threads: Number of paths to work on at once.
 
     Raises:
         UsageError: For an unknown style, or a selection without metrics.
@@ -86,10 +86,10 @@ class Describer:
         self.threads = threads
 
     def run(self, tree: ScenarioTree) -> list[Scenario]:
-        """Return `per_path` scenarios for every leaf, in tree order, no two with the same words.
+        """Return `per_path` scenarios for every leaf, in tree order, all with different texts.
 
         Raises:
-            LLMError: When the model fails on one path.
+            LLMError: When the model fails on a path.
             UsageError: When too few candidates lie inside the band.
         """
         paths = tree.paths
@@ -129,7 +129,7 @@ class Describer:
         ]
 
     def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
-        """Write those scenarios again whose words an earlier one has, case and punctuation aside.
+        """Return new versions of scenarios that repeat an earlier text, ignoring case and punctuation.
 
         Raises:
             LLMError: When the model fails.
@@ -174,7 +174,7 @@ class Describer:
         avoid: tuple[str, ...],
         taken: set[str] | None = None,
     ) -> list[str]:
-        """Ask for texts until enough are not `taken`; those that are, are avoided from then on."""
+        """Ask for texts until enough are not `taken`; later questions avoid the ones that are."""
         texts: list[str] = []
         refused: list[str] = []
         while len(texts) < count:
@@ -187,7 +187,7 @@ class Describer:
         return texts
 
     def _off_topic(self, texts: list[str]) -> set[int]:
-        """Return the positions of texts that are not about driving, where that can be told."""
+        """Return the positions of texts that are not about driving, if the encoder can tell."""
         from oodscen.metrics._detection.guard import is_calibrated
 
         if self.metrics is None or not is_calibrated(self.metrics.encoder.name):
@@ -195,7 +195,7 @@ class Describer:
         return set(self.metrics.off_topic(texts).flagged)
 
     def _near_duplicates(self, texts: list[str]) -> set[int]:
-        """Return the positions of texts that are too near an earlier one."""
+        """Return the positions of texts that are too similar to an earlier one."""
         if self.encoder is None or len(texts) < 2:
             return set()
         vectors = encode(self.encoder, texts)
@@ -206,7 +206,7 @@ class Describer:
 
 
 def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:
-    """Share out `total` texts over the paths as evenly as possible, earlier paths first."""
+    """Distribute `total` texts over the paths as evenly as possible, earlier paths first."""
     base, rest = divmod(total, len(paths))
     return {leaf: base + (index < rest) for index, leaf in enumerate(paths)}
 
@@ -214,8 +214,8 @@ def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:
 def spread_subset(scenarios: Sequence[Scenario], size: int) -> list[Scenario]:
     """Choose `size` scenarios that cover the paths as evenly as possible.
 
-    The first text of every path comes first, then the second, and so on; of the last level that
-    is needed, evenly spaced paths are taken. The order of the scenarios is kept.
+    The first text of every path comes first, then the second, and so on; the last level needed contributes
+    evenly spaced paths. The order of the scenarios is kept.
     """
     by_leaf: dict[str, list[Scenario]] = {}
     for scenario in scenarios:

@@ -1,4 +1,4 @@
-"""Driving stacks in closed loop: over scenes and their ordinary twins, with what a test engineer asks."""
+"""Closed-loop runs of driving stacks over scenes and their ordinary twins, with safety metrics."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -31,22 +31,22 @@ def drive(
 ) -> list[DriveResult]:
     """Let a driver drive every scene, and its ordinary twin, from the start to the horizon.
 
-    The driver drives all the way; where a scene's decision point lies only sets how long it is watched. A
-    driver with a method `look(state)` is shown the state before every step; one with a true attribute
-    `wants_frames` finds the camera's picture in its observations. What cannot be run, and a driver that
-    raises, is a failed result, and the rest goes on.
+    The driver controls the ego all the way; the scene's decision point only determines how long the drive
+    lasts. A driver with a method `look(state)` is given the state before every step; one with a true
+    attribute `wants_frames` finds the camera image in its observations. A scene that cannot be run, or a
+    driver that raises, gives a failed result, and the other drives continue.
 
     Args:
-        scenes: What to drive; twins among them are driven as they are.
+        scenes: Scenes to drive; twins among them are driven as they are.
         driver: Makes a fresh driver for every drive.
-        simulator: Where to drive.
-        name: What results call the driver; the class's name if left out.
-        seed: Of the simulator's random streams.
+        simulator: The simulator to drive in.
+        name: The driver's name in the results; by default the name of its class.
+        seed: Seed of the simulator's random streams.
         twins: Drive the twins as well, right after their scenes.
-        camera: For drivers that want frames; the ego's dash camera if left out.
+        camera: Camera for drivers that want frames; by default the ego's dash camera.
 
     Returns:
-        In the order of the scenes, each followed by its twin.
+        The results in the order of the scenes, each followed by its twin's.
     """
     results: list[DriveResult] = []
     for scene in scenes:
@@ -75,20 +75,20 @@ def drive(
 
 
 class RuleBasedDriver:
-    """Keeps its lane behind whatever is ahead, and brakes hard when it gets close.
+    """Keeps its lane, follows whatever is ahead, and brakes hard when it gets close.
 
     The intelligent-driver model (Treiber, Hennecke and Helbing, "Congested traffic states in empirical
-    observations and microscopic simulations", 2000) with emergency braking below a time to collision. It is told
-    the true positions of everybody: a stack with perfect perception and no plan but to follow.
+    observations and microscopic simulations", 2000) with emergency braking below a time to collision. It
+    knows the true positions of all actors: a stack with perfect perception and no plan but to follow.
     """
 
     headway_s = 1.5
     standing_m = 2.5
     comfortable = 2.0
-    """m/s^2"""
+    """Comfortable acceleration and deceleration, in m/s^2."""
     emergency_ttc_s = 1.6
     corridor_m = 2.1
-    """Half the width of what counts as ahead."""
+    """Half the width of the region that counts as ahead, in metres."""
 
     def __init__(self) -> None:
         self._keep = Cruise()
@@ -96,7 +96,7 @@ class RuleBasedDriver:
         self._gap, self._closing = math.inf, 0.0
 
     def look(self, state: State) -> None:
-        """Find the nearest body ahead, also one that will step into the path within a second."""
+        """Find the nearest body ahead, including one that will step into the path within a second."""
         self._gap, self._closing = math.inf, 0.0
         if state.places is None:
             return
@@ -134,7 +134,7 @@ class RuleBasedDriver:
 def _horizon(
     scene: Scene, simulator: Simulator, seed: int, steps: int | None = None
 ) -> tuple[int, float, Trace]:
-    """Return how many steps a scene lasts, when its decision falls, and a blind drive through it."""
+    """Return a scene's duration in steps, its decision time, and the trace of a blind drive."""
     state = simulator.reset(scene, seed)
     corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
     driver = Cruise()
@@ -222,7 +222,7 @@ def _driven(
 
 
 def _paired(one: DriveResult, other: DriveResult, ordinary: Trace) -> list[DriveResult]:
-    """Note in both results how the same driver fared in the other."""
+    """Add to both results how the same driver fared in the other."""
     is_clear = not (ordinary["contact"][-1, 0] or ordinary["off_road"][-1, 0])
     needless = bool(is_clear and other.peak_deceleration > 4.0) if other.status == "ok" else None
     if other.status == "ok":

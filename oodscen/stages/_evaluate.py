@@ -1,4 +1,4 @@
-"""Judge a model on an episode: the paper's two tasks (section V-C), with what makes them mean more."""
+"""Evaluation of a model on an episode: the paper's two tasks (section V-C), with further questions."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -77,20 +77,20 @@ OPTIONS = tuple(
 NOTHING_UNUSUAL = AspectOption(id=NOTHING, label="Nothing is out of the ordinary")
 NO_DESCRIPTION = "(no usable description)"
 KEPT_DESCRIPTION = 6_000
-"""So much of a description is kept, and shown to the model again, in characters."""
+"""Maximum length of a description that is stored and shown to the model again, in characters."""
 KEPT_REASONING = 600
-"""So much of a model's reasoning is kept, in characters."""
+"""Maximum length of a model's reasoning that is stored, in characters."""
 ATTEMPTS = 2
-"""How often a question is put: an answer that cannot be read is asked for once more."""
+"""Maximum number of attempts per question; an unreadable answer is asked for once more."""
 
 
 def aspect_options(leaves: Mapping[str, str], *, seed: int, item: str) -> tuple[AspectOption, ...]:
     """Return the options of the closed question: the leaves and "nothing", shuffled for one item.
 
     Args:
-        leaves: Label by id.
-        seed: Of the study.
-        item: Scene or twin; each has its own order.
+        leaves: Labels by id.
+        seed: Seed of the study.
+        item: Id of the scene or twin; each has its own order.
     """
     options = [AspectOption(id=name, label=label) for name, label in sorted(leaves.items())]
     options.append(NOTHING_UNUSUAL)
@@ -111,23 +111,23 @@ def evaluate(
 ) -> Verdict:
     """Ask a model about one episode; a failure of the model is a verdict, not an exception.
 
-    The frames are described in turn. Task one: the model says whether anything is out of the ordinary,
-    how surely, and what (open), and chooses it among `options` (closed). Task two: it chooses one of
-    the discrete actions, which was executed in the simulator. An answer that cannot be read (see
-    `oodscen.judging._parsing`) is asked for once more, and then counted apart; the other questions are asked all
-    the same.
+    The model describes the frames in turn. Task one: it says whether anything is out of the ordinary, with a
+    confidence, and names it (open), then chooses it among `options` (closed). Task two: it chooses one of the
+    discrete actions, whose outcome in the simulator is known. An unreadable answer (see
+    `oodscen.judging._parsing`) is asked for once more and then counted separately; the other questions are
+    asked in any case.
 
     Args:
-        episode: What happened, with the outcome of every action. Twins are told by their id.
-        frames: The pictures by moment.
-        vlm: Who is judged. A `Reference` is asked directly.
+        episode: The episode, with the outcome of every action. The ids of twins mark them.
+        frames: The images by moment.
+        vlm: The model to judge. A `Reference` is asked directly.
         path: Labels from the root to the leaf: the ground truth of task one.
         leaf: Id of that leaf.
-        options: Of the closed question; it is left out without any, and in the paper's protocol.
-        protocol: `paper` asks as the paper did: which aspect is OOD, without a word on how likely that is and
-            without a confidence; no closed question, collisions only.
-        judge: Decides whether an open aspect is right, a reference's too, instead of the documented
-            matcher; where it gives no usable answer, the matcher decides and `judge_error` says why.
+        options: Options of the closed question, which is skipped without them and in the paper's protocol.
+        protocol: `paper` asks as the paper did: which aspect is OOD, without mentioning how likely that is
+            and without a confidence; no closed question, collisions only.
+        judge: Decides whether an open aspect is right, for references too, instead of the documented matcher.
+            If it gives no usable answer, the matcher decides and `judge_error` records the reason.
     """
     if protocol == "paper":
         options = ()
@@ -197,7 +197,7 @@ def unjudged(
 
 @dataclass
 class _Asked:
-    """Puts the questions about one item; keeps what went wrong and how answers were read."""
+    """Asks the questions about one item, and keeps failures and notes on how answers were read."""
 
     llm: LLM
     notes: list[str] = field(default_factory=list)
@@ -211,13 +211,13 @@ class _Asked:
         make: Callable[[str, Value], Answer],
         form: str,
     ) -> Answer | None:
-        """Return the answer, or `None` where none can be read; the failure is kept.
+        """Return the answer, or `None` if none can be read; the failure is kept.
 
         Args:
             prompt: The question.
-            read: Reads a model's words.
-            make: Makes the answer of the words and what was read in them.
-            form: What a model is told that cannot be understood.
+            read: Parses the model's text.
+            make: Makes the answer from the text and the parsed value.
+            form: The expected format, as told to a model whose answer is unreadable.
         """
         self.versions[prompt.purpose] = prompt.version()
 
@@ -241,7 +241,7 @@ class _Asked:
     def aspect(
         self, images: tuple[Image, ...], descriptions: tuple[str, ...], protocol: Protocol
     ) -> dict[str, Any]:
-        """Put the first task; return the verdict's fields about it, none without an answer."""
+        """Ask the first task and return the verdict's fields about it, empty without an answer."""
         if protocol == "paper":
             named = self.put(
                 NameOodAspect(frames=images, descriptions=descriptions),
@@ -275,7 +275,7 @@ class _Asked:
         descriptions: tuple[str, ...],
         options: tuple[AspectOption, ...],
     ) -> str | None:
-        """Put the closed question; return the id of the option."""
+        """Ask the closed question and return the id of the chosen option."""
         labels = {option.id: option.label for option in options}
         names = list(labels)
         answer = self.put(
@@ -321,7 +321,7 @@ def _scored(
     judge: LLM | None,
     is_closed_asked: bool = False,
 ) -> Verdict:
-    """Compare what was said with the truth."""
+    """Compare the answers with the ground truth."""
     is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
     if is_ood is not None and not episode.is_twin:
         fields["aspect_is_right"] = is_ood and names_aspect(fields["aspect"], path)

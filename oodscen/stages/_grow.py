@@ -1,4 +1,4 @@
-"""Grow the initial tree: few-shot chain of thought in three turns (paper, section III-A)."""
+"""The tree grower: few-shot chain of thought in three turns (paper, section III-A)."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ class TreeGrower:
 
     Args:
         llm: The tree-LLM.
-        nodes: Size of the tree, the root and the two classes included.
-        examples: How many examples are asked for in the first turn.
-        shown: The few shots.
+        nodes: Size of the tree, including the root and the two classes.
+        examples: Number of examples requested in the first turn.
+        shown: The few-shot examples.
     """
 
     def __init__(
@@ -37,10 +37,10 @@ class TreeGrower:
         """Return a tree of exactly `nodes` nodes.
 
         Args:
-            sample: Which of several independent trees this is.
+            sample: Index of the draw, for several independent trees.
 
         Raises:
-            AnswerError: When the model does not arrive at a valid tree.
+            AnswerError: When the model gives no valid tree.
         """
         give = GiveExamples(shown=self.shown, count=self.examples)
         given = tuple(ask(self.llm, give, sample).examples)
@@ -62,7 +62,7 @@ class TreeGrower:
 def _planted(
     proposed: ProposedTree, given: Sequence[str], *, model: str, prompt: str
 ) -> ScenarioTree:
-    """Turn the numbered list of an answer into a tree with ids."""
+    """Return the tree, with ids, of the numbered list in an answer."""
     tree = ScenarioTree()
     ids: dict[int, str] = {}
     for node in proposed.nodes:

@@ -1,4 +1,4 @@
-"""Re-stage scenes in which every choice, or no choice, is safe: they say nothing about a driver."""
+"""Re-staging of scenes in which all or no actions are safe, which tell nothing about a driver."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -11,24 +11,24 @@ from oodscen.protocols import Simulator
 from oodscen.stages._simulate import Simulated, simulate
 
 COMPANION = "companion"
-"""Id of the car that re-staging puts beside or behind the ego."""
+"""Id of the car that re-staging adds beside or behind the ego."""
 
 
 class Attempt(NamedTuple):
-    """One variant of a scene that was tried, and why it was not taken."""
+    """A rejected variant of a scene, and the reason."""
 
     how: str
     why: str
 
 
 class Restaging(NamedTuple):
-    """What re-staging a scene came to."""
+    """The outcome of re-staging a scene."""
 
     scene: Scene
-    """The variant that was taken, or the scene as it was."""
+    """The variant that was taken, or the original scene."""
     simulated: Simulated
     tried: tuple[Attempt, ...] = ()
-    """What was tried before, or in vain."""
+    """Variants that were rejected."""
 
 
 def restaged(
@@ -36,15 +36,15 @@ def restaged(
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
-    Others behave as they did: nobody yields who did not. Where no variant helps, the scene and its
-    run are returned as they were, with what was tried and why it did not help.
+    Other actors keep their behaviour: none yields that did not before. If no variant helps, the scene and its
+    run are returned unchanged, with the rejected variants and the reasons.
 
     Args:
-        scene: In which all or none of the actions are safe.
+        scene: A scene in which all or none of the actions are safe.
         simulated: Its run.
-        simulator: Where to run the variants.
-        seed: Of the simulator's random streams.
-        traces: Whether the ground truth of every action's rollout is kept.
+        simulator: The simulator for the variants.
+        seed: Seed of the simulator's random streams.
+        traces: Keep the ground truth of every action's rollout.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
@@ -72,7 +72,7 @@ def restaged(
 
 
 def _refusal(probe: Episode, before: Episode) -> str:
-    """Say why a variant does not help; empty where it does."""
+    """Return the reason why a variant does not help, or an empty string if it does."""
     if not probe.is_decidable:
         if not probe.is_deterministic:
             return "replaying the approach gave another trace"
@@ -83,12 +83,12 @@ def _refusal(probe: Episode, before: Episode) -> str:
 
 
 def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
-    """Yield changed scenes, the smallest change first, each with what was changed.
+    """Yield changed scenes, the smallest change first, each with a description of the change.
 
     Args:
-        scene: To be changed.
-        catalogue: For the car that follows.
-        is_too_easy: Every action is safe; otherwise none is.
+        scene: The scene to change.
+        catalogue: The simulator's catalogue, which may have a car to add.
+        is_too_easy: True if every action is safe, false if none is.
     """
     later = scene.decision.kind == "time"
     factors = (0.85, 0.7, 0.55) if is_too_easy is not later else (1.2, 1.4, 1.7)

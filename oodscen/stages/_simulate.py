@@ -1,4 +1,4 @@
-"""Simulate a scene: the approach up to the decision point, and every action from there."""
+"""Simulation of a scene: the approach up to the decision point, and every action from there."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -23,28 +23,28 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 MAX_APPROACH_S = 15.0
-"""When the decision is taken at the latest, although its trigger has not fired."""
+"""Latest time of the decision, in seconds, even if its trigger has not fired."""
 FOLLOWING_S = 4.0
-"""Up to this time headway somebody behind the ego is its follower."""
+"""Maximum time headway of a follower behind the ego, in seconds."""
 JERK_S = 0.2
-"""Over which a change of acceleration is measured."""
+"""Interval over which a change of acceleration is measured, in seconds."""
 VISIBLE_PX = 40
-"""So many pixels of a picture of 640 x 480 make an actor visible; in proportion in others."""
+"""Minimum pixels of a visible actor in a 640 x 480 image; scaled for other sizes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """What `simulate` returns."""
+    """The result of `simulate`."""
 
     episode: Episode
     states: tuple[State, ...]
-    """The approach, from the start to the decision point."""
+    """States of the approach, from the start to the decision point."""
     frames: dict[str, Frame]
-    """By moment: `first`, `middle`, `last`."""
+    """Frames by moment: `first`, `middle`, `last`."""
     trace: Trace
     """The approach with all ground truth, as a table."""
     rollouts: Mapping[str, Trace] = field(default_factory=dict)
-    """By action id, if asked for: from the decision point to the action's end."""
+    """Traces by action id, if requested, from the decision point to the action's end."""
 
     def state_of(self, moment: str) -> State:
         """Return the state that a frame shows: `first`, `middle` or `last`."""
@@ -73,28 +73,28 @@ def simulate(
 ) -> Simulated:
     """Run one scene.
 
-    A lane-keeping driver that is blind to the hazard drives up to the decision point. The approach
-    is run twice: once to find that point, once to show it; both traces must be the same. (A twin's
-    is run once where the simulator can go back to a snapshot: its scene's was checked.) Then each
-    action is rolled out from the same state, unrendered, up to the scene's horizon; what an action
-    leads to does not depend on which others were rolled out before.
+    A lane-keeping driver that is blind to the hazard drives up to the decision point. The approach is run
+    twice: once to find that point, once to render it; both traces must be identical. (A twin's approach is
+    run once if the simulator can restore snapshots, since its scene's was checked.) Then each action is
+    rolled out from the same state, unrendered, up to the scene's horizon; the outcome of an action does not
+    depend on earlier rollouts.
 
     Args:
-        scene: What to run.
-        simulator: Where to run it.
-        seed: Of the simulator's random streams.
-        camera: The ego's dash camera if left out.
-        actions: Which actions are rolled out.
-        render: Whether the three frames are taken.
-        traces: Whether the ground truth of every action's rollout is kept.
-        protocol: `paper` shows the first, middle and last frame of the whole trace, on which the
-            blind driver goes on beyond the decision point until it touches something or the horizon
-            ends, and counts collisions only: leaving the road is neither unsafe nor an end.
+        scene: The scene to run.
+        simulator: The simulator to run it in.
+        seed: Seed of the simulator's random streams.
+        camera: By default the ego's dash camera.
+        actions: The actions to roll out.
+        render: Render the three frames.
+        traces: Keep the ground truth of every action's rollout.
+        protocol: `paper` shows the first, middle and last frame of the whole trace, on which the blind driver
+            continues beyond the decision point until a collision or the horizon, and counts collisions only:
+            leaving the road neither is unsafe nor ends the run.
 
     Raises:
         SceneError: When the simulator refuses the scene.
-        SimulatorError: When it fails, whatever it raises.
-        UsageError: For what is no simulator, or an unknown action.
+        SimulatorError: When the simulator fails, whatever it raises.
+        UsageError: When the object is not a simulator, or an action is unknown.
     """
     conforming("simulator", simulator)
     whole_number("seed", seed, 0, MAX_SEED)
@@ -171,9 +171,9 @@ def _simulated(
 
 
 def followers(trace: Trace) -> tuple[str, ...]:
-    """Return who drives behind the ego in its lane at the end of a trace, near enough to matter.
+    """Return the actors close behind the ego in its lane at the end of a trace.
 
-    Near enough is less than `FOLLOWING_S` behind at the actor's own speed, centre to centre.
+    A follower is less than `FOLLOWING_S` behind at its own speed, centre to centre.
     """
     s, lane, speed = (trace[name][-1] for name in ("s", "lane", "speed"))
     return tuple(
@@ -190,7 +190,7 @@ def _shown_again(
     controls: Sequence[Control],
     camera: Camera | None,
 ) -> tuple[dict[str, Frame], list[State]]:
-    """Replay controls; return the frames and the states."""
+    """Replay controls and return the frames and the states."""
     frames: dict[str, Frame] = {}
     states: list[State] = []
     steps = _steps_shown(len(controls))
@@ -203,7 +203,7 @@ def _shown_again(
 
 
 def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
-    """Drive on blindly until something is touched or the horizon ends; return the controls."""
+    """Continue blindly until a collision or the horizon, and return the controls."""
     driver = Cruise()
     controls: list[Control] = []
     for _ in range(round(scene.horizon_s / simulator.dt)):
@@ -215,12 +215,12 @@ def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
 
 
 def _steps_shown(last: int) -> dict[str, int]:
-    """Return which steps the three frames show, by moment."""
+    """Return the steps that the three frames show, by moment."""
     return dict(zip(MOMENTS, (0, last // 2, last), strict=True))
 
 
 class _Snapshots:
-    """Goes back to the steps of one approach in a simulator that can."""
+    """Returns to the steps of one approach in a simulator with snapshots."""
 
     def __init__(self, simulator: Any) -> None:
         self.simulator = simulator
@@ -228,15 +228,15 @@ class _Snapshots:
 
     @staticmethod
     def can(simulator: Simulator) -> bool:
-        """Whether the simulator can go back."""
+        """Return whether the simulator can restore snapshots."""
         return hasattr(simulator, "snapshot") and hasattr(simulator, "restore")
 
     def keep(self) -> None:
-        """Remember the current step."""
+        """Take a snapshot of the current step."""
         self.kept.append(self.simulator.snapshot())
 
     def frames(self, camera: Camera | None) -> dict[str, Frame]:
-        """Return the three frames; the simulator stands at the last step afterwards."""
+        """Return the three frames, and leave the simulator at the last step."""
         frames = {}
         for moment, step in _steps_shown(len(self.kept) - 1).items():
             self.simulator.restore(self.kept[step])
@@ -246,7 +246,7 @@ class _Snapshots:
 
 
 def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:
-    """Count the pixels of every actor in a frame; actors that cannot be seen are left out."""
+    """Count the pixels of every visible actor in a frame."""
     counts = np.bincount(frame.ids.ravel(), minlength=len(ids) + 1)
     return {name: int(counts[2 + row]) for row, name in enumerate(ids[1:]) if counts[2 + row]}
 
@@ -254,7 +254,7 @@ def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:
 def _shows_hazard(
     scene: Scene, frames: Mapping[str, Frame], visible: Mapping[str, Mapping[str, int]]
 ) -> bool | None:
-    """Tell whether the hazard can be seen in a frame; `None` without frames or without hazard."""
+    """Return whether a frame shows the hazard; `None` without frames or in a twin."""
     hazard = scene.hazard
     if not frames or scene.is_twin:
         return None
@@ -270,7 +270,7 @@ def _shows_hazard(
 def _approach(
     scene: Scene, simulator: Simulator, seed: int, snapshots: _Snapshots | None = None
 ) -> tuple[list[State], list[Control], bool]:
-    """Drive blindly until the decision's trigger fires, something is touched, or time is up."""
+    """Drive blindly until the decision's trigger fires, a collision or leaving the road, or the time limit."""
     state = simulator.reset(scene, seed)
     corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
     driver = Cruise()
@@ -318,7 +318,7 @@ class _Rollouts:
         self.snapshot = snapshot() if snapshot and self.restore else None
 
     def outcome(self, action: str) -> tuple[ActionOutcome, Trace | None, bool]:
-        """Return what an action leads to, and whether the approach was the same as before."""
+        """Return the outcome and trace of an action, and whether the approach was the same as before."""
         first, same = self._rewind()
         observation = self.simulator.observe()
         if not is_available(action, observation):
@@ -344,7 +344,7 @@ def _executed(
     observation: Observation,
     collisions_only: bool,
 ) -> list[State]:
-    """Drive to the scene's horizon, or until something is touched or the road is left."""
+    """Drive to the scene's horizon, or until a collision or leaving the road."""
     states: list[State] = []
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
         state = simulator.step(driver.act(observation))
@@ -356,7 +356,7 @@ def _executed(
 
 
 def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
-    """Return what an action led to, its margins taken from the first step on."""
+    """Return the outcome of an action, with margins from the first step on."""
     last = states[-1]
     margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
     met = trace.summary().values()
@@ -374,7 +374,7 @@ def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False
 
 
 def _millimetres(gap: float) -> float:
-    """Round a gap, m, so that 0 stays the mark of contact."""
+    """Round a gap in metres to millimetres; only contact becomes 0."""
     return max(round(gap, 3), 0.001) if gap > 0.0 else 0.0
 
 
@@ -384,10 +384,10 @@ def peak_deceleration(trace: Trace) -> float:
 
 
 def peak_jerk(trace: Trace) -> float | None:
-    """Return the fastest change of the ego's acceleration along its path, m/s^3.
+    """Return the largest change rate of the ego's acceleration along its path, m/s^3.
 
-    Differences are taken over `JERK_S`, since within one step every change looks infinite; `None`
-    for traces shorter than that.
+    Differences are taken over `JERK_S`, since within one step every change looks infinite; `None` for shorter
+    traces.
     """
     time = trace["time"][:, 0]
     along = trace["acceleration"][1:, 0]

@@ -26,7 +26,7 @@ Colour = tuple[int, int, int]
 
 FRAMES_PER_SECOND = 10
 AFTERMATH_S = 1.0
-"""How long a video goes on after the ego has touched something or left the road."""
+"""Duration of a video after a collision or leaving the road, in seconds."""
 
 _SIZE = 480
 _SPAN_M = 72.0
@@ -57,7 +57,7 @@ _BODIES: dict[str, Colour] = {
 
 
 class _Map:
-    """A piece of the ground, the ego's heading upwards."""
+    """A map section in image coordinates, with the ego heading upwards."""
 
     def __init__(self, ego: Body, size: int, span: float) -> None:
         self.size, self.scale = size, size / span
@@ -65,7 +65,7 @@ class _Map:
         self.cos, self.sin = math.cos(ego.solid.yaw), math.sin(ego.solid.yaw)
 
     def pixels(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.int32]:
-        """Return points as OpenCV takes them: [n, 2], 1/16 pixels."""
+        """Return points in OpenCV's fixed-point format: [n, 2], 1/16 pixels."""
         dx, dy = x - self.x, y - self.y
         along, aside = dx * self.cos + dy * self.sin, dy * self.cos - dx * self.sin
         columns = 0.5 * self.size - aside * self.scale
@@ -82,16 +82,16 @@ def birds_eye(
     size: int = _SIZE,
     span_m: float = _SPAN_M,
 ) -> Image:
-    """Draw the road and everybody on it from above, the ego's heading upwards.
+    """Draw the road and all actors from above, with the ego heading upwards.
 
-    The ego is red, what makes the scene OOD has an amber outline.
+    The ego is red; the actors that make the scene OOD have an amber outline.
 
     Args:
-        state: Of the world.
-        scene: To which it belongs.
-        catalogue: Of the simulator.
-        size: Of the square picture, pixels.
-        span_m: Metres that it shows.
+        state: State of the world.
+        scene: The scene it belongs to.
+        catalogue: The simulator's catalogue.
+        size: Side of the square image, in pixels.
+        span_m: Side of the shown area, in metres.
 
     Returns:
         uint8 [size, size, 3], red first.
@@ -132,11 +132,11 @@ def birds_eye(
 
 
 class Video:
-    """An MP4 file that grows picture by picture; a context manager.
+    """An MP4 file that grows frame by frame; a context manager.
 
     Args:
-        path: The file; its folder is made.
-        fps: Pictures per second.
+        path: The file; its folder is created.
+        fps: Frames per second.
 
     Raises:
         MissingExtra: When OpenCV is not installed.
@@ -151,7 +151,7 @@ class Video:
         self.path.parent.mkdir(parents=True, exist_ok=True)
 
     def add(self, picture: Image) -> None:
-        """Append one picture; all must have the size of the first.
+        """Append one frame; all must have the size of the first.
 
         Raises:
             OodscenError: When the file cannot be written.
@@ -197,23 +197,23 @@ def record(
 ) -> Path:
     """Run a scene and write a video of it.
 
-    It goes on to the scene's horizon after the decision, or until the ego has touched something
-    or left the road.
+    The video continues to the scene's horizon after the decision, or until shortly after a collision or
+    leaving the road.
 
     Args:
-        scene: What to run.
-        simulator: Where to run it.
-        path: Of the MP4 file.
-        driver: Drives from the start; or the id of an action, executed from the decision on after
-            a driver that is blind to the hazard, which also drives if this is left out.
+        scene: The scene to run.
+        simulator: The simulator to run it in.
+        path: Path of the MP4 file.
+        driver: Drives from the start; or the id of an action, executed from the decision on after a driver
+            that is blind to the hazard, which also drives if this is left out.
         view: The ego's camera, a bird's-eye view, or both side by side.
-        seed: Of the simulator's random streams.
-        camera: The ego's dash camera if left out.
-        fps: Pictures per second of the scene's time.
-        progress: Told the share that is done, 0 to 1.
+        seed: Seed of the simulator's random streams.
+        camera: By default the ego's dash camera.
+        fps: Frames per second of the scene's time.
+        progress: Called with the share that is done, 0 to 1.
 
     Raises:
-        UnknownComponent: When there is no such view or action.
+        UnknownComponent: When the view or the action is unknown.
         MissingExtra: When OpenCV is not installed.
         SceneError: When the simulator refuses the scene.
     """
@@ -270,7 +270,7 @@ def _picture(
 def _road(
     cv2: Any, picture: Image, ground: _Map, road: Corridor, span: float, *, has_marks: bool = True
 ) -> None:
-    """Draw a road's strips and, outside junctions, its marks."""
+    """Draw a road's strips and, if `has_marks`, its lane marks outside junctions."""
     near = (road.x - ground.x) ** 2 + (road.y - ground.y) ** 2 < (1.5 * span) ** 2
     if not near.any():
         return
@@ -299,7 +299,7 @@ def _road(
 
 
 def _runs(holds: NDArray[np.bool_]) -> Sequence[slice]:
-    """Return where a condition holds, as slices."""
+    """Return the runs of true values as slices."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]).astype(np.int8)))
     return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
@@ -307,7 +307,7 @@ def _runs(holds: NDArray[np.bool_]) -> Sequence[slice]:
 def _body(
     cv2: Any, picture: Image, ground: _Map, body: Body, colour: Colour, outline: Colour
 ) -> None:
-    """Draw a footprint with an arrow-head at its front; small things are drawn larger."""
+    """Draw a footprint with an arrow-head at its front; small bodies are enlarged."""
     one = body.solid
     least = 1.2
     half_length, half_width = 0.5 * max(one.length, least), 0.5 * max(one.width, least)

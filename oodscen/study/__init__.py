@@ -1,4 +1,4 @@
-"""A study on disk: its files, tables and configuration."""
+"""Studies on disk: files, tables and configuration."""
 
 import lazy_loader
 

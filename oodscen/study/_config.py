@@ -1,4 +1,4 @@
-"""What defines a study; two runs with equal configurations give the same bytes."""
+"""The configuration of a study; equal configurations give the same bytes."""
 
 from typing import Any, ClassVar, Literal, Self
 
@@ -22,33 +22,37 @@ from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEARE
 
 
 class StudyConfig(Data):
-    """Every choice that the results depend on; the number of workers is none of them."""
+    """Every choice that affects the results; the number of workers does not."""
 
     noun: ClassVar[str] = "study configuration"
 
     llm: str = DEFAULT_LLM
-    """Tree-LLM and augmenter-LLM: `builtin`, or any name that litellm knows."""
+    """Tree-LLM and augmenter-LLM: `builtin`, or any name known to litellm."""
     red_llm: str | None = None
-    """The red-LLM; the same as `llm` if left out."""
+    """The red-LLM; `llm` if left out."""
     fallback: str | None = None
-    """Asked where `llm` or `red_llm` gives no answer."""
+    """Model that is asked when `llm` or `red_llm` gives no answer."""
     vlms: tuple[str, ...] = ()
     """Vision-language models to judge; reference answerers always run."""
     protocols: tuple[Literal["ours", "paper"], ...] = ("ours",)
-    """How models are judged: `paper` adds the paper's protocol beside ours."""
+    """Judging protocols: `paper` adds the paper's protocol to ours."""
     judge: str | None = None
     """Model that decides whether an open aspect is right; the documented matcher if left out."""
     context: int | None = Field(default=None, ge=2_048)
-    """Tokens that `llm` can read and write; longer questions are shortened. Left out: as many as they
-    need, some 8,000."""
+    """Context window of `llm` in tokens, input and output; longer questions are shortened.
+
+    If left out, questions take the tokens that they need, some 8,000.
+    """
     api_base: str | None = None
     """Address of an OpenAI-compatible server for the models."""
     servers: dict[str, str] = Field(default_factory=dict)
-    """Address by model, for those that are on another server than `api_base`."""
+    """Address by model, for models on another server than `api_base`."""
     simulator: str = DEFAULT_SIMULATOR
     catalogues: tuple[str, ...] | None = None
-    """Other simulators' catalogues for which the diverse tree is pruned as well, to be compared; left out:
-    CARLA's where the built-in author judges, none where it would cost calls."""
+    """Other simulators' catalogues to prune the diverse tree for and compare.
+
+    If left out: CARLA's if the built-in author judges, none where comparing would cost calls.
+    """
     encoder: str = DEFAULT_ENCODER
     baseline: str | None = None
     """File of ordinary-driving texts; the shipped corpus if left out."""
@@ -57,22 +61,21 @@ class StudyConfig(Data):
     iterations: int = Field(default=paper.ITERATIONS, ge=0, le=100_000)
     """Rounds of red teaming."""
     closed_loop: bool = True
-    """Show the red-LLM what is covered and refuse what is too near to it; `False` is the paper's open
-    loop."""
+    """Show the red-LLM what is covered and refuse what is too similar; `False` is the paper's open loop."""
     red_budget: int | None = Field(default=None, ge=0)
-    """Model calls of the red teaming, at most."""
+    """Maximum number of model calls for red teaming."""
     red_patience: int | None = Field(default=None, ge=1)
-    """Stop red teaming after so many rounds in a row without a new kind."""
+    """Stop red teaming after this many rounds in a row without a new kind."""
     red_coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
-    """Stop red teaming when the Good-Turing coverage is above this."""
+    """Stop red teaming when the Good-Turing coverage exceeds this."""
     in_flight: int = Field(default=1, ge=1, le=256)
-    """Proposals under way at once; each sees the tree as it was so many rounds ago."""
+    """Proposals in flight at once; each sees the tree as it was this many rounds ago."""
     nearest: float = Field(default=NEAREST_TEXT, ge=-1.0, le=1.01)
-    """Similarity to an earlier proposal from which on a proposal is refused."""
+    """Minimum similarity to an earlier proposal at which a proposal is refused."""
     nearest_label: float = Field(default=NEAREST_LABEL, ge=-1.0, le=1.01)
-    """Similarity to a leaf's label from which on a proposal is refused."""
+    """Minimum similarity to a leaf's label at which a proposal is refused."""
     broadenings: int = Field(default=BROADENINGS, ge=0)
-    """So often a leaf is broadened before it is split."""
+    """Number of broadenings of a leaf before it is split."""
     per_path: int = Field(default=paper.PER_PATH, ge=1, le=999)
     """Texts per path of the simulatable tree."""
     sets: tuple[int, ...] = paper.SETS
@@ -80,11 +83,11 @@ class StudyConfig(Data):
     style: Style = "natural"
     """Register of the texts."""
     candidates: int = Field(default=1, ge=1, le=100)
-    """Texts written for each that is kept; of more than one, the most diverse are kept."""
+    """Texts written for each one that is kept; of several, the most diverse are kept."""
     twins: bool | None = None
-    """Write every text's ordinary twin as well; left out: where the built-in author writes."""
+    """Write every text's ordinary twin as well; by default only if the built-in author writes."""
     max_paths: int | None = Field(default=None, ge=1)
-    """Simulate at most this many paths; all if left out."""
+    """Maximum number of paths to simulate; all if left out."""
     band: tuple[float, float] | None = None
     """OOD-ness band (paper, remark 1): scenarios outside it are not staged."""
     seed: int = Field(default=0, ge=0, le=MAX_SEED)
@@ -108,7 +111,7 @@ class StudyConfig(Data):
     @model_validator(mode="wrap")
     @classmethod
     def _typed(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Raise this library's error, also where somebody makes a configuration in a script."""
+        """Raise this library's error, also for configurations made in a script."""
         try:
             return handler(value)
         except ValidationError as error:
@@ -124,7 +127,7 @@ class StudyConfig(Data):
 
     @classmethod
     def quick(cls, **changes: Any) -> Self:
-        """Return a complete small study that takes seconds."""
+        """Return a small but complete configuration that runs in seconds."""
         small = {
             "nodes": 24,
             "iterations": 10,
@@ -136,14 +139,14 @@ class StudyConfig(Data):
 
     @property
     def compared(self) -> tuple[str, ...]:
-        """The catalogues that are compared with the simulator's."""
+        """The catalogues to compare with the simulator's."""
         if self.catalogues is None:
             there = set(names("catalogue"))
             return tuple(n for n in DEFAULT_CATALOGUES if is_builtin(self.llm) and n in there)
         return tuple(name for name in self.catalogues if name != self.simulator)
 
     def judging_too(self, other: Self) -> Self:
-        """Return this configuration with whom and how another one judges as well; its own judge wins."""
+        """Return this configuration plus everything about another's judging; its own judge wins."""
         return self.model_copy(
             update={
                 "vlms": tuple(dict.fromkeys((*other.vlms, *self.vlms))),
@@ -154,7 +157,7 @@ class StudyConfig(Data):
         )
 
     def differences(self, other: Self) -> dict[str, tuple[object, object]]:
-        """Return the fields in which two configurations differ: this one's value, the other's."""
+        """Return the fields that differ, each with this configuration's value and the other's."""
         return {
             name: (getattr(self, name), getattr(other, name))
             for name in type(self).model_fields
@@ -163,7 +166,11 @@ class StudyConfig(Data):
 
 
 JUDGING = ("vlms", "protocols", "judge", "servers")
-"""Fields that a finished study may be given anew: who judges and who is judged."""
+"""Fields that may change in a finished study: the judge, the judged models and how they are judged."""
 
 Status = Literal["running", "stopped", "success", "incomplete"]
-"""`stopped`: a cap was reached, an author's endpoint given up, or it was interrupted; `incomplete`: the run ended, but some items failed."""
+"""The state of a run.
+
+`stopped`: a cap was reached, an author's endpoint was given up, or the run was interrupted. `incomplete`: the
+run ended, but some items failed.
+"""

@@ -1,4 +1,4 @@
-"""What `study.json` says about a study: who wrote it, with what, in which versions."""
+"""The content of `study.json`: authors, configuration and versions."""
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
@@ -20,7 +20,7 @@ _PACKAGES = ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", 
 
 
 class Info(Data):
-    """What every reader of `study.json` may rely on; other fields are let through."""
+    """The fields of `study.json` that every reader may rely on; other fields are allowed."""
 
     noun: ClassVar[str] = "study"
     model_config = ConfigDict(extra="allow")
@@ -42,8 +42,8 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
     """Return the content of `study.json`.
 
     Args:
-        config: What is run.
-        status: How far the run is.
+        config: The configuration of the run.
+        status: The state of the run.
         more: Counts, failures and times, once there are any.
     """
     return {
@@ -58,7 +58,7 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
 
 
 def authors(config: StudyConfig) -> dict[str, str]:
-    """Say who wrote the texts, in words that cannot be mistaken for a model."""
+    """Return who wrote the texts; the built-in author is worded so that it cannot pass for a model."""
     names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
     return {role: _BUILTIN if is_builtin(name) else name for role, name in names.items()}
 

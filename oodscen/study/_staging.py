@@ -1,4 +1,4 @@
-"""A scene as it was staged, and what running it came to: a line of `staged.jsonl`."""
+"""One scene as it was staged, with the outcome of running it: a line of `staged.jsonl`."""
 
 from typing import Any, ClassVar
 
@@ -7,29 +7,29 @@ from oodscen.data._scene import Scene
 
 
 class Staging(Data):
-    """One scene, from the augmenter or from whoever changed it by hand, to what was run in the end."""
+    """One scene as staged by the augmenter or edited by hand, and the scene that was finally run."""
 
     noun: ClassVar[str] = "staging"
 
     id: str
     made_from: str = ""
-    """SHA-256 of the text and its claims."""
+    """SHA-256 digest of the text and its claims."""
     scene: Scene
-    """As it was staged."""
+    """The scene as it was staged."""
     how: str | None = None
-    """How it was re-staged, empty where it was not; `None` until it has been run."""
+    """The re-staging that was applied, empty if none; `None` until the scene has been run."""
     run: Scene | None = None
-    """What was run instead, where it was re-staged."""
+    """The scene that was run instead, if it was re-staged."""
     tried: tuple[dict[str, str], ...] = ()
-    """What was tried in vain, and why: `how`, `why`."""
+    """Failed attempts to re-stage the scene, each with `how` and `why`."""
 
     @property
     def ran(self) -> Scene:
-        """The scene that was run, or will be."""
+        """The scene that was run, or will be run."""
         return self.run or self.scene
 
     def after(self, how: str, run: Scene | None, tried: tuple[dict[str, str], ...]) -> "Staging":
-        """Return the same with the outcome of running the scene, by the fields of those names."""
+        """Return a copy with the outcome of running the scene, by the fields of those names."""
         return Staging(
             id=self.id,
             made_from=self.made_from,
@@ -40,7 +40,7 @@ class Staging(Data):
         )
 
     def restaging(self) -> dict[str, Any] | None:
-        """Return the line of `restaged.jsonl`; `None` where the scene tells actions apart as it is."""
+        """Return the line of `restaged.jsonl`, or `None` if the scene needed no re-staging."""
         if not self.how and not self.tried:
             return None
         line = {"id": self.id, "how": self.how, "tried": list(self.tried)}

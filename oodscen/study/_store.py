@@ -1,4 +1,4 @@
-"""Files of a study: atomic replacement, append-only lines, tolerant of a torn last line."""
+"""The files of a study: atomic replacement, append-only lines, tolerant of a torn last line."""
 
 import os
 import threading
@@ -15,36 +15,36 @@ from oodscen.errors import StudyError
 
 
 class Store:
-    """One folder; everything in it is valid at any moment.
+    """One folder whose files are valid at any moment.
 
-    Reading changes nothing. Whoever writes holds `writing` meanwhile, so that nobody else does.
+    Reading changes nothing. A writer holds `writing` to exclude other writers.
 
     Args:
-        folder: Made if it does not exist.
+        folder: The folder; created if it does not exist.
     """
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         self._appending = threading.Lock()
         self._whole: set[str] = set()
-        """Files that are known to end with the end of a line."""
+        """Files that are known to end with a newline."""
 
     def prepare(self) -> None:
-        """Make the folder.
+        """Create the folder.
 
         Raises:
-            StudyError: When it cannot be made.
+            StudyError: When it cannot be created.
         """
         with self._guard(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
 
     @contextmanager
     def writing(self) -> Iterator[None]:
-        """Be the only one who writes the folder, which is made; one that stays empty is removed again.
+        """Hold the folder as its only writer; it is created, and removed again if it stays empty.
 
         Raises:
-            InUse: When somebody else writes it.
-            StudyError: When it cannot be made or locked.
+            InUse: When another process writes it.
+            StudyError: When it cannot be created or locked.
         """
         missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
         self.prepare()
@@ -59,11 +59,11 @@ class Store:
                     path.rmdir()
 
     def path(self, name: str) -> Path:
-        """Return where a file of the study is."""
+        """Return the path of a file of the study."""
         return self.folder / name
 
     def inside(self, name: str) -> Path:
-        """Return where a file is that is named in the study.
+        """Return the path of a file that the study's data names.
 
         Raises:
             StudyError: When the name leads outside the folder.
@@ -74,7 +74,7 @@ class Store:
             raise StudyError(f"{self.folder}: {error}") from None
 
     def has(self, name: str) -> bool:
-        """Whether a file exists."""
+        """Return whether a file exists."""
         return self.path(name).is_file()
 
     def write(self, name: str, content: str | bytes) -> None:
@@ -94,9 +94,9 @@ class Store:
         self.write(name, "".join(map(_line, items)))
 
     def append(self, name: str, item: Data | Mapping[str, Any]) -> None:
-        """Add one line and hand it to the operating system.
+        """Append one line and hand it to the operating system.
 
-        A torn line before it, of a writer that was killed, is cut off; a whole one is ended.
+        A torn last line, left by a writer that was killed, is cut off; a complete one without a newline gets one.
         """
         target = self.path(name)
         line = _line(item).encode()
@@ -109,7 +109,7 @@ class Store:
             self._whole.add(name)
 
     def remove(self, name: str) -> None:
-        """Delete a file if it is there."""
+        """Delete a file if it exists."""
         with self._guard(self.path(name)):
             self.path(name).unlink(missing_ok=True)
 
@@ -117,7 +117,7 @@ class Store:
         """Return the JSON object that a file holds.
 
         Raises:
-            StudyError: When it cannot be read or holds something else.
+            StudyError: When the file cannot be read or holds anything else.
         """
         path = self.path(name)
         try:
@@ -128,16 +128,16 @@ class Store:
             raise StudyError(f"{path}: {error}") from None
 
     def lines(self, name: str) -> Iterator[dict[str, Any]]:
-        """Read a file of lines; a torn last line is left out, a missing file is empty.
+        """Yield the lines of a file; a torn last line is skipped, and a missing file is empty.
 
         Raises:
-            StudyError: When it cannot be read, or a line is no JSON object.
+            StudyError: When the file cannot be read, or a line is not a JSON object.
         """
         for _, line in self.numbered(name):
             yield line
 
     def numbered(self, name: str) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Read a file of lines as `lines` does, each line with its number from 1."""
+        """Yield lines as `lines` does, each with its number from 1."""
         target = self.path(name)
         if not os.path.lexists(target):
             return
@@ -166,7 +166,7 @@ def _line(item: Data | Mapping[str, Any]) -> str:
 
 
 def _mend(file: int) -> None:
-    """Let a file end with the end of a line."""
+    """Make a file end with a newline, and cut off a torn last line."""
     end = os.lseek(file, 0, os.SEEK_END)
     tail = b""
     while end and b"\n" not in tail:

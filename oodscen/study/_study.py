@@ -1,4 +1,4 @@
-"""A study on disk, for reading: every table in one call."""
+"""Reading a study from disk: every table in one call."""
 
 import os
 import re
@@ -59,11 +59,11 @@ TABLES: Mapping[str, str] = {
     "verdicts": "verdicts.jsonl",
     "calls": "calls.jsonl",
 }
-"""File of every table."""
+"""File of each table."""
 
 
 class _Failed(Data):
-    """A line that stands for an item that failed, in a file whose items have no status of their own."""
+    """The line of a failed item in a file whose items have no status of their own."""
 
     noun: ClassVar[str] = "failed item"
     model_config = ConfigDict(extra="allow")
@@ -109,7 +109,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "opinions.jsonl": Opinion,
     "calls.jsonl": Call,
 }
-"""What the lines of every file are that a run goes on from, besides the text sets."""
+"""Types of the lines of every file that a run resumes from, besides the text sets."""
 
 _OTHERS = (
     "study.json",
@@ -128,7 +128,7 @@ _TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
 
 
 def is_own(name: str) -> bool:
-    """Whether a study's folder has a file, or a folder, of this name that a run or a command writes."""
+    """Return whether this is the name of a file or folder that a run or a command writes into a study."""
     trees = {f"tree.{tree}.json" for tree in TREES}
     return name in {*_OTHERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
 
@@ -145,7 +145,7 @@ class Study:
         """Open an existing study.
 
         Raises:
-            StudyMissing: When the folder holds none.
+            StudyMissing: When the folder holds no study.
         """
         study = cls(folder)
         if not study.store.has("study.json"):
@@ -153,7 +153,7 @@ class Study:
         return study
 
     def own(self) -> list[str]:
-        """Return the names in the folder, in order, that a study writes."""
+        """Return the sorted names of the study's own files in the folder."""
         try:
             return sorted(filter(is_own, os.listdir(self.folder)))
         except FileNotFoundError:
@@ -162,10 +162,10 @@ class Study:
             raise StudyError(f"cannot read {self.folder}: {error.strerror or error}") from None
 
     def check(self) -> None:
-        """Make sure that a run can go on from what the folder holds, or begin in it.
+        """Check that a run can resume from the folder, or start in it.
 
         Raises:
-            FolderTaken: When there is no study, but something that one would write.
+            FolderTaken: When the folder holds no study, but files that a study would write.
             DataError: When a line, or a tree, is malformed.
             StudyError: When a file cannot be read.
         """
@@ -195,7 +195,7 @@ class Study:
 
     @property
     def metrics(self) -> dict[str, Any]:
-        """Content of `metrics.json`; empty while there is none."""
+        """Content of `metrics.json`; empty if there is none yet."""
         return self.store.read("metrics.json") if self.store.has("metrics.json") else {}
 
     def tree(self, name: str) -> ScenarioTree:
@@ -211,17 +211,17 @@ class Study:
 
     @property
     def decisions(self) -> list[PruneDecision]:
-        """What became of every node of the diverse tree."""
+        """The pruning decision for every node of the diverse tree."""
         return self._rows(PruneDecision, "pruned.jsonl")
 
     @property
     def restoration(self) -> Restoration:
-        """What would restore the branches that pruning dropped, ranked."""
+        """The additions that would restore the branches that pruning dropped, ranked."""
         return Restoration.load(self.folder / "restore.json")
 
     @property
     def comparison(self) -> Comparison:
-        """What other simulators' catalogues make of the diverse tree."""
+        """The comparison of other simulators' catalogues on the diverse tree."""
         return Comparison.load(self.folder / "catalogues.json")
 
     @property
@@ -240,17 +240,17 @@ class Study:
 
     @property
     def episodes(self) -> list[Episode]:
-        """Every episode, the failed ones included."""
+        """Every episode, including failed ones."""
         return self._rows(Episode, "episodes.jsonl")
 
     @property
     def verdicts(self) -> list[Verdict]:
-        """Every verdict, the failed ones included."""
+        """Every verdict, including failed ones."""
         return self._rows(Verdict, "verdicts.jsonl")
 
     @property
     def drives(self) -> "list[DriveResult]":
-        """What `oodscen drive` found."""
+        """The results of `oodscen drive`."""
         from oodscen.data._drive_result import DriveResult
 
         return self._rows(DriveResult, "drives.jsonl")
@@ -259,7 +259,7 @@ class Study:
         """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
 
         Raises:
-            StudyError: When the run that simulated it did not keep traces.
+            StudyError: When the run that simulated the episode did not keep traces.
             MissingExtra: When pyarrow is not installed.
         """
         name = f"traces/{scene_id}.parquet"
@@ -275,14 +275,14 @@ class Study:
             raise StudyError(f"cannot read {self.folder / name}: {error}") from None
 
     def failures(self, table: str) -> list[dict[str, Any]]:
-        """Return the lines of a table that failed, each with its `error`."""
+        """Return the failed lines of a table, each with its `error`."""
         return [row for row in self.table(table) if row.get("status") == "failed"]
 
     def table(self, name: str) -> list[dict[str, Any]]:
         """Return the lines of a table as plain data.
 
         Raises:
-            UnknownComponent: With close matches.
+            UnknownComponent: When the table is unknown, with close matches.
         """
         if name not in TABLES:
             raise UnknownComponent("table", name, TABLES)
@@ -292,7 +292,7 @@ class Study:
         """Return a table as an Arrow table, one row per line; mappings become structs.
 
         Raises:
-            StudyError: When values of one field are of several types.
+            StudyError: When the values of a field have several types.
         """
         try:
             import pyarrow as pa
@@ -304,7 +304,7 @@ class Study:
             raise StudyError(f"{self.folder / TABLES[name]} is no table: {error}") from None
 
     def to_pandas(self, name: str) -> "pd.DataFrame":
-        """Return a table as a data frame, one row per line; fields of mappings are joined by dots."""
+        """Return a table as a data frame, one row per line; nested field names are joined by dots."""
         try:
             import pandas as pd
         except ImportError:

@@ -1,1 +1,1 @@
-"""One function per stage of a study: each reads what is there and adds what is missing."""
+"""One function per stage of a study; each reads existing results and adds the missing ones."""

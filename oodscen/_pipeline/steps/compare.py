@@ -1,4 +1,4 @@
-"""The stage that puts other simulators beside the study's own."""
+"""The stage that compares other simulators with the study's own."""
 
 from oodscen._pipeline.context import Context
 from oodscen._registry import make_catalogue
@@ -9,10 +9,10 @@ from oodscen.tree._scenario_tree import ScenarioTree
 
 
 def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
-    """Prune the diverse tree for other catalogues too, and keep the comparison.
+    """Prune the diverse tree for other catalogues too, and store the comparison.
 
-    Branches that substitutes show are kept here, and marked. The questions about the study's own
-    simulator are those of the pruning, so a recorded model is not asked them again.
+    Branches that only substitutes can show are kept and marked. The questions about the study's own simulator
+    equal those of the pruning stage, so a recorded model is not asked them again.
     """
     names = run.config.compared
     if not names or _is_compared(run, tree):
@@ -36,7 +36,7 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
 
 
 def _is_compared(run: Context, tree: ScenarioTree) -> bool:
-    """Whether the comparison is there, and of this tree."""
+    """Return whether a comparison of this tree is stored."""
     if not run.has(CATALOGUES):
         return False
     return {line.id: line.path for line in run.study.comparison.lines} == tree.paths

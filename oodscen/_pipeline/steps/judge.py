@@ -35,14 +35,14 @@ from oodscen.stages._evaluate import aspect_options, unjudged
 from oodscen.stages._evaluate import evaluate as judge_episode
 
 ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
-"""Reference answerers that are judged in every study."""
+"""Reference answerers of every study."""
 
 OPINIONS = "opinions.jsonl"
-"""One line per distinct open aspect and path that a judge model was asked about."""
+"""File with one line per distinct pair of open aspect and path that a judge model was asked about."""
 
 
 class Item(NamedTuple):
-    """One episode to be shown to one model."""
+    """One episode to show to one model."""
 
     episode: Episode
     model: str
@@ -57,12 +57,12 @@ def evaluate(
 ) -> list[Verdict]:
     """Judge the reference answerers and every named model on scenes and twins.
 
-    Writes `verdicts.jsonl` and, from it, `leaderboard.json`. A judge model scores the open aspects of
-    all verdicts in the end, those of earlier runs and of references too; `opinions.jsonl` holds what it said.
+    Writes `verdicts.jsonl` and, from it, `leaderboard.json`. At the end a judge model scores the open aspects
+    of all verdicts, including those of earlier runs and of references; `opinions.jsonl` holds its answers.
 
-    A model that is given up costs its own items only (`unasked`). What was never asked comes first, of all
-    models; then what a model that was given up left; last what failed before, which keeps its old verdict where
-    it is not asked again.
+    A model that is given up costs its own items only (`unasked`). New items of all models come first, then
+    items left by a model that was given up, and last items that failed before; these keep their old verdict
+    if they are not asked again.
     """
     models = _models(run, episodes, scenarios, scenes)
     shown: dict[Protocol, Sequence[Episode]] = {"ours": episodes}
@@ -114,9 +114,10 @@ def evaluate(
 def _truths(
     shown: Mapping[Protocol, Sequence[Episode]], scenarios: Sequence[Scenario]
 ) -> dict[tuple[Protocol, str], str]:
-    """Return the digest of all that judging goes by, by protocol and item.
+    """Return the digests of everything that verdicts depend on, by protocol and item.
 
-    The empty item stands for all, those of the protocols before included: references may look at every episode.
+    The empty item covers all items of this protocol and of those before it, since references may look at
+    every episode.
     """
     texts = {one.id: [one.leaf, one.path] for one in scenarios}
     leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
@@ -130,14 +131,14 @@ def _truths(
 
 
 def _turn(line: Mapping[str, Any] | None) -> str:
-    """Say when an item is due: what was never asked, what was left, what failed."""
+    """Return the turn in which an item is asked: new, left unasked, or failed."""
     if line is None:
         return "new"
     return "unasked" if line.get("outcome") == "unasked" else "failed"
 
 
 def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
-    """Count how judging ended, by model; `outdated` are answers to other versions of the prompts."""
+    """Count the outcomes by model; `outdated` counts answers to other versions of the prompts."""
     counts: dict[str, Counter[str]] = {}
     for verdict in verdicts:
         if verdict.kind == "model":
@@ -148,7 +149,7 @@ def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
 
 
 def judged(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
-    """Count the open aspects that a judge model scored, and those left to the matcher by its failures."""
+    """Count the open aspects scored by a judge model, and those left to the matcher after it failed."""
     counts = {
         "judged": sum(bool(verdict.judge) for verdict in verdicts),
         "matched": sum(bool(verdict.judge_error) for verdict in verdicts),
@@ -162,7 +163,7 @@ def _models(
     scenarios: Sequence[Scenario],
     scenes: Sequence[Scene],
 ) -> dict[str, tuple[LLM, int]]:
-    """Return who is judged, and how many questions may be put to each at once."""
+    """Return the models to judge, each with the number of questions it may be asked at once."""
     leaves = {one.id: (one.leaf, one.path[-1] if one.path else "") for one in scenarios}
     pictures = {}
     for episode in episodes:
@@ -186,7 +187,7 @@ def _models(
 
 
 def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, LLM], Verdict]:
-    """Return what judges one item."""
+    """Return the function that judges one item."""
     by_id = {scenario.id: scenario for scenario in scenarios}
     leaves = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
 
@@ -227,7 +228,7 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
 def _judged(
     run: Context, verdicts: Sequence[Verdict], scenarios: Sequence[Scenario]
 ) -> list[Verdict]:
-    """Score every open aspect alike: by the judge, or by the matcher where there is none."""
+    """Score every open aspect with the judge, or with the matcher if there is no judge."""
     paths = {scenario.id: scenario.path for scenario in scenarios}
 
     def path_of(verdict: Verdict) -> tuple[str, ...]:
@@ -261,7 +262,7 @@ def _judged(
 
 
 def _dated(verdict: Verdict) -> Verdict:
-    """Mark an answer to other versions of the prompts than this run's."""
+    """Mark a verdict whose answers belong to other versions of the prompts than this run's."""
     is_outdated = not verdict.prompts.items() <= prompt_versions().items()
     is_outdated |= verdict.protocol == "paper" and NameAspect.purpose in verdict.prompts
     if verdict.is_outdated is is_outdated:

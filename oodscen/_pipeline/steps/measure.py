@@ -15,7 +15,7 @@ from oodscen.metrics._pictured import picture_data
 def measure(
     run: Context, scenarios: list[Scenario], sets: Mapping[int, list[Scenario]]
 ) -> list[Scenario]:
-    """Compute the metrics; return the scenarios inside the OOD-ness band."""
+    """Compute the metrics and return the scenarios inside the OOD-ness band."""
     groups = {**{str(size): chosen for size, chosen in sets.items()}, "simulatable": scenarios}
     made_from = digest(
         {name: [[one.leaf, one.text] for one in chosen] for name, chosen in groups.items()}

@@ -17,24 +17,26 @@ from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
-"""One line per scenario: the scene as it was run."""
+"""File with one line per scenario: the scene that was run."""
 STAGED = "staged.jsonl"
-"""One `Staging` per scenario."""
+"""File with one `Staging` per scenario."""
 RESTAGED = "restaged.jsonl"
-"""Of the scenes that told no actions apart: how each was re-staged, the scene that was run, and what was tried."""
+"""File of the scenes in which all or none of the actions are safe: how each was re-staged, the scene that was
+run, and failed attempts.
+"""
 
 Line = dict[str, Any]
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
-    """Read what every text says, and stage it so that the scene holds to that.
+    """Extract the claims of every text and stage a scene that satisfies them.
 
     Returns:
         The scenes as they were staged.
 
     Raises:
-        StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two of one.
-        DataError: When what it holds is no scene.
+        StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two scenes of one text.
+        DataError: When a line of `scenes.jsonl` is malformed.
     """
     augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
     by_id = {scenario.id: scenario for scenario in scenarios}
@@ -58,7 +60,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         except LLMError as error:
             return failed(scenario.id, error, scenario_id=scenario.id)
 
-    # What was made of a text that is another now must go first: later it would look changed by hand.
+    # Remove the scenes of changed texts first; later they would look as if changed by hand.
     fits = run.fitting(STAGED, by_id, made_from)
     kept = {
         name: scene
@@ -75,7 +77,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
 
 
 def _lines(run: Context) -> dict[str, Line]:
-    """Return the lines of `staged.jsonl` by id; the last of a scene counts."""
+    """Return the lines of `staged.jsonl` by id; the last line of an id wins."""
     return {line["id"]: line for line in run.store.lines(STAGED)}
 
 
@@ -91,7 +93,7 @@ def _staged(lines: Mapping[str, Line]) -> dict[str, Staging]:
 def _written(
     run: Context, texts: Collection[str], staged: Mapping[str, Staging]
 ) -> dict[str, Scene]:
-    """Return the scenes in `scenes.jsonl` by id, where they may have been changed by hand."""
+    """Return the scenes of `scenes.jsonl`, which may have been edited by hand, by id."""
     found: dict[str, Scene] = {}
     for number, line in enumerate(run.store.lines(SCENES), start=1):
         if line.get("status") == "failed":
@@ -110,12 +112,12 @@ def _written(
 
 
 def _is_by_hand(scene: Scene, made: Staging | None) -> bool:
-    """Whether a scene in `scenes.jsonl` is neither what was staged nor what was run, as far as is known."""
+    """Return whether a scene of `scenes.jsonl` differs from the staged scene and from the one that was run."""
     return made is None or scene not in (made.scene, made.run)
 
 
 def _write_scenes(run: Context, lines: Mapping[str, Line], scenes: Mapping[str, Scene]) -> None:
-    """Write `scenes.jsonl`: every scene, and the failures of those that were not staged."""
+    """Write `scenes.jsonl`: every scene, and a failure line for each that was not staged."""
     failures = {
         name: {key: value for key, value in line.items() if key != "made_from"}
         for name, line in lines.items()
@@ -126,9 +128,9 @@ def _write_scenes(run: Context, lines: Mapping[str, Line], scenes: Mapping[str, 
 def _claims(
     run: Context, augmenter: Augmenter, scenarios: Sequence[Scenario]
 ) -> dict[str, tuple[Claim, ...] | LLMError]:
-    """Return what every text says, by its id; where nobody could read it, the error.
+    """Return the claims of every text by id, or the error if they could not be extracted.
 
-    A scene that lacks its claims can be made at another time exactly when they can be read then.
+    A scene without claims is retryable exactly if its claims are.
     """
     texts = {scenario.id: scenario.text for scenario in scenarios}
 
@@ -159,7 +161,7 @@ def _asked(
     work: Callable[[Scenario], Staging | Line],
     made_from: Callable[[str], str],
 ) -> list[Line]:
-    """Ask a model about every scenario, as many at once as it may be asked; return the lines."""
+    """Ask a model about every scenario, several at once if allowed, and return the lines."""
     return run.each(
         stage,
         file,
@@ -175,10 +177,9 @@ def _asked(
 def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     """Run every scene and its ordinary twin in worker processes; only this process writes.
 
-    Scenes in which all or none of the actions are safe say nothing about a choice: they are
-    re-staged where that helps. `restaged.jsonl` says which and how, and what was tried in vain;
-    `scenes.jsonl` then holds what was run. A scene that was changed there by hand takes the place of what was
-    staged, and is run.
+    Scenes in which all or none of the actions are safe do not test a decision, so they are re-staged if that
+    helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
+    holds the scenes that were run. A scene edited there by hand replaces the staged one, and is run.
 
     Returns:
         The scenes as they were run, and the episodes of scenes and twins.
@@ -205,7 +206,7 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
 
 
 def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
-    """Run the scenes that lack an episode, each with its twin; note in `staged` what they came to."""
+    """Run the scenes that lack an episode, each with its twin; update `staged` with the outcomes."""
     job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 
@@ -239,8 +240,8 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     """Run every scene as the paper did: frames of the whole trace, collisions only, no twins.
 
     Args:
-        run: The study.
-        scenes: As they were run for the episodes.
+        run: The run's context.
+        scenes: The scenes that were run for the episodes.
     """
     job = Job(run.config.simulator, run.config.seed, protocol="paper")
     items = {scene.id: scene for scene in scenes}

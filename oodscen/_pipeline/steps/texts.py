@@ -1,4 +1,4 @@
-"""The stages that write texts: of the simulatable tree, and the sets of the diverse tree."""
+"""The stages that write texts: for the simulatable tree, and the text sets of the diverse tree."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -28,7 +28,7 @@ def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
-    """Write the text sets of the diverse tree; smaller sets are spread over the largest."""
+    """Write the text sets of the diverse tree; smaller sets are spread subsets of the largest."""
     if not run.config.sets or not tree.paths:
         return {}
     largest = max(run.config.sets)
@@ -52,7 +52,7 @@ def _describe(
     *,
     sample: int,
 ) -> list[Scenario]:
-    """Write texts path by path; a path counts as done when all its lines are there."""
+    """Write texts path by path; a path is done once all its lines are written."""
     describer = _describer(run, sample)
     lines: dict[str, list[dict[str, Any]]] = {}
     for line in run.store.lines(file):
@@ -105,7 +105,7 @@ def _describer(run: Context, sample: int) -> Describer:
 
 
 def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Word those texts anew that say what a text of an earlier path says."""
+    """Reword texts that repeat a text of an earlier path."""
     scenarios = [Scenario.parse(row) for row in rows if "error" not in row]
     try:
         again = {one.id: one.model_dump(mode="json") for one in describer.reworded(scenarios)}
@@ -115,7 +115,7 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
 
 
 def _is_whole(rows: Sequence[Mapping[str, Any]], path: tuple[str, ...], count: int) -> bool:
-    """Whether the lines of a path are all there and about this path, or say that it failed."""
+    """Return whether the lines of a path are complete and about this path, or record its failure."""
     if any(tuple(row["path"]) != path for row in rows):
         return False
     return len(rows) == count or any(row.get("status") == "failed" for row in rows)

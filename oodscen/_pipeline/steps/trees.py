@@ -22,13 +22,13 @@ def grow(run: Context) -> ScenarioTree:
 def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
     """Grow the diverse tree, round by round.
 
-    A round builds on those before it: what comes after one that is missing is played again, and so is
-    everything where the initial tree is another.
+    A round builds on those before it, so every round after a missing one is played again; so is every round
+    if the initial tree has changed.
     """
     total = run.config.iterations
     played = run.study.rounds if _is_grown_from(run, tree) else []
     done = [item for number, item in enumerate(played, start=1) if item.round == number]
-    # What follows a failed round builds on it, so only the last ones can be played again.
+    # Later rounds build on a failed one, so only trailing failures can be played again.
     while done and run.is_again(done[-1].model_dump()):
         done.pop()
     run.store.write_lines("redteam.jsonl", done)
@@ -62,16 +62,16 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
 
 
 def _is_grown_from(run: Context, tree: ScenarioTree) -> bool:
-    """Whether the rounds were played on this initial tree, as far as that can be told."""
+    """Return whether the rounds were played on this initial tree, as far as the files tell."""
     if not run.has("tree.diverse.json"):
         return True
     return run.study.tree("diverse").edits[: len(tree.edits)] == tree.edits
 
 
 def prune(run: Context, tree: ScenarioTree) -> ScenarioTree:
-    """Prune to what the simulator's catalogue can show as the texts will say it.
+    """Prune the tree to what the simulator's catalogue can show exactly.
 
-    Branches that only substitutes can show go as well: a scene must have what its text names.
+    Branches that need substitutes are dropped as well: a scene must show what its text names.
     """
     total = len(tree.leaves)
     paths = tree.paths

@@ -1,1 +1,1 @@
-"""The litellm client: transport, bounds, limits, failures, redaction."""
+"""The litellm client: transport, bounds, limits and failures."""

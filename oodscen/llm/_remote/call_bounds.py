@@ -1,7 +1,7 @@
 """Bounds on one call: wall-clock time and bytes.
 
-A read timeout starts anew with every byte, so a server that sends a byte now and then is never timed
-out by it; and a body without an end fills the memory. Both are stopped below the HTTP client.
+A read timeout restarts with every byte, so it never ends a call whose server sends a byte now and then; and
+an endless body fills the memory. The bounds stop both below the HTTP client.
 """
 
 import math
@@ -12,35 +12,38 @@ from contextvars import ContextVar
 from typing import Literal
 
 LOOK_S = 0.5
-"""How often a call that can be closed looks whether it is, in seconds."""
+"""Interval at which an interruptible call checks whether it was interrupted, in seconds."""
 
 HEAD = 1_000_000
-"""Most that is read before the body, in bytes: headers, and responses that announce another one."""
+"""Maximum number of bytes before the body: headers, and informational responses."""
 
 KEPT = 20_000
-"""How much of a body is kept for the error that it may end in, in bytes."""
+"""Number of bytes of a body that are kept for an error message."""
 
 
 Break = Literal["time", "size", "encoding", "silence", "closed", "redirect", "proxy", "offline"]
-"""Why a call was ended: it took too long, or its response was too large or compressed, or the server fell
-silent, or nobody waits any more, or it would have gone where it must not."""
+"""The reason why a call was ended.
+
+It took too long, its response was too large or compressed, the server fell silent, the caller stopped
+waiting, or the request would have gone to a forbidden address.
+"""
 
 
 class BoundReached(Exception):
-    """A response is larger than allowed; no caller sees it, the client reports `Bounds.broken`."""
+    """Raised when a response exceeds its bound; callers never see it, as the client reports `Bounds.broken`."""
 
 
 class Bounds:
-    """How long one call may take and how much it may receive; and what arrived.
+    """The time and size limits of one call, and a record of what arrived.
 
     Args:
-        seconds: Until the end of the body.
+        seconds: Time until the end of the body.
         size: Largest body, in bytes.
-        clock: Monotonic seconds.
-        silence_s: After how long without a byte the server is looked at.
-        is_alive: Whether the server at an address still responds to anything, as far as can be found out
-            in so many seconds.
-        is_closed: Whether nobody waits for the answer any more.
+        clock: Returns monotonic seconds.
+        silence_s: Seconds without a byte after which the server is probed.
+        is_alive: Returns whether the server at an address responds to anything, as far as it can tell within
+            the given seconds.
+        is_closed: Returns whether the caller has stopped waiting for the answer.
     """
 
     def __init__(
@@ -56,19 +59,19 @@ class Bounds:
         self.size = size
         self.silence_s = silence_s
         self.url = ""
-        """Of the request that was sent last."""
+        """Address of the last request sent."""
         self.is_sent = False
-        """Whether a request went through here at all; some providers have clients of their own."""
+        """True once a request has passed through these bounds; some providers have their own clients."""
         self.status: int | None = None
-        """Of the response; `None` while there is none."""
+        """Status of the response; `None` before there is one."""
         self.head = b""
         """The beginning of the body."""
         self.received = 0
-        """Bytes of the body so far."""
+        """Bytes of the body received so far."""
         self.broken: Break | None = None
-        """Which bound was reached."""
+        """The bound that was reached."""
         self.detail = ""
-        """Where the call would have gone, or how many bytes were allowed."""
+        """The refused address, or the number of bytes allowed."""
         self._is_alive = is_alive
         self._is_closed = is_closed
         self._silent_since = clock()
@@ -78,27 +81,27 @@ class Bounds:
 
     @property
     def is_over(self) -> bool:
-        """Whether the time is up."""
+        """True once the time is up."""
         return self._clock() >= self._ends
 
     @property
     def pace_s(self) -> float:
-        """Longest time to read before `endure` is asked, in seconds."""
+        """Longest read before `endure` is called, in seconds."""
         return self.silence_s if self._is_closed is None else min(self.silence_s, LOOK_S)
 
     def stop(self, broken: Break, detail: str = "") -> None:
-        """Take note of the bound that ends the call."""
+        """Record the bound that ends the call."""
         self.broken, self.detail = broken, detail
 
     def sending(self, url: str) -> None:
-        """Take note that a request is about to be sent."""
+        """Record that a request is about to be sent."""
         self.is_sent, self.url, self.status, self._read = True, url, None, 0
 
     def heard(self, size: int) -> None:
-        """Take note that the server sent something.
+        """Record that the server sent bytes.
 
         Raises:
-            BoundReached: When there is too much of it and still no response.
+            BoundReached: When it sent too many of them and still no response.
         """
         self._silent_since = self._clock()
         self._read += size
@@ -107,7 +110,7 @@ class Bounds:
             raise BoundReached(f"more than {HEAD:,} bytes and no response")
 
     def left(self, timeout: float | None) -> float:
-        """Return the seconds that the next read or write may take; 0 or less when time is up."""
+        """Return the seconds that the next read or write may take; 0 or less if time is up."""
         if self._is_closed is not None and self._is_closed():
             self.broken = "closed"
             return 0.0
@@ -118,7 +121,7 @@ class Bounds:
         return left if timeout is None else min(timeout, left)
 
     def endure(self) -> bool:
-        """Say whether to go on waiting for a server that has sent nothing for `pace_s`."""
+        """Return whether to keep waiting for a server that has sent nothing for `pace_s`."""
         if self._clock() - self._silent_since < self.silence_s:
             return True
         if self._is_alive(self.url, self.left(None)):
@@ -128,7 +131,7 @@ class Bounds:
         return False
 
     def count(self, chunk: bytes) -> None:
-        """Take note of a piece of the body.
+        """Record a chunk of the body.
 
         Raises:
             BoundReached: When the body is too large.
@@ -139,7 +142,7 @@ class Bounds:
         self.refuse(self.received)
 
     def refuse(self, size: int) -> None:
-        """Raise `BoundReached` when a body of this size is too large."""
+        """Raise `BoundReached` if a body of this size is too large."""
         if size > self.size:
             self.stop("size", f"{self.size:,}")
             raise BoundReached(f"the response has more than {self.size:,} bytes")
@@ -150,7 +153,7 @@ _bounds: ContextVar[Bounds | None] = ContextVar("bounds", default=None)
 
 @contextmanager
 def bounded(bounds: Bounds) -> Iterator[Bounds]:
-    """Hold every request of this thread to these bounds while the context lasts."""
+    """Apply these bounds to every request of this thread while the context lasts."""
     token = _bounds.set(bounds)
     try:
         yield bounds
@@ -159,5 +162,5 @@ def bounded(bounds: Bounds) -> Iterator[Bounds]:
 
 
 def active() -> Bounds | None:
-    """Return the bounds of this thread's call, if there is one."""
+    """Return the bounds of this thread's call, or `None`."""
     return _bounds.get()

@@ -1,4 +1,4 @@
-"""What went wrong in one try to reach a model, and what it says about the item and the endpoint."""
+"""Failed attempts to reach a model, and their meaning for the item and the endpoint."""
 
 import re
 from dataclasses import dataclass
@@ -10,30 +10,32 @@ from oodscen._redaction import redact
 from oodscen.llm._remote.call_bounds import Bounds
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
-"""What a failure says: nothing beyond this item (`item`: the request is refused; `filtered`: the
-provider's content filter declines it); too many calls (`limit`); the time is up (`late`, and whether
-the server is there is another question); no response at all (`unreachable`); a response that is
-none (`erring`: server errors, web pages, empty or endless bodies); nobody will be answered (`denied`:
-no valid key, no quota)."""
+"""The meaning of a failure.
+
+`item`: the request is refused, which says nothing about other items. `filtered`: the provider's content
+filter declines the item. `limit`: too many calls. `late`: the time is up, whether or not the server is alive.
+`unreachable`: no response at all. `erring`: an unusable response (server errors, web pages, empty or endless
+bodies). `denied`: every call will be refused (no valid key, no quota).
+"""
 
 _SHOWN = 500
-"""Longest error text passed on, in characters; some servers answer with whole web pages."""
+"""Maximum length of an error text, in characters; some servers answer with whole web pages."""
 
 _READ = 20_000
-"""How much of an error text is looked at; far more than is passed on, so that no key is cut in two."""
+"""Length of an error text that is examined; far more than is passed on, so that no key is cut in two."""
 
 _RAW = 4_000
-"""How much of an unusable response is kept, in characters."""
+"""Number of characters of an unusable response that are kept."""
 
 _ABOUT_CONTENT = ("ContextWindowExceededError", "ContentPolicyViolationError")
-"""litellm's names of errors with status 400 that another answer format would not mend."""
+"""litellm's names of errors with status 400 that dropping the answer format would not fix."""
 
 _FILTER = re.compile(
     r"content[_ ]?policy|content[_ ]?filter|content management policy|responsible ?ai ?policy"
     r"|(?:safety|moderation) (?:system|filter|policy)|data_inspection_failed",
     re.IGNORECASE,
 )
-"""How providers call their content filter in an error."""
+"""Names of providers' content filters in error texts."""
 
 
 _BROKEN = {
@@ -44,48 +46,48 @@ _BROKEN = {
     "proxy": "a proxy is asked over http:// only; mend HTTPS_PROXY or ALL_PROXY",
     "offline": "OODSCEN_OFFLINE is set, and {detail} is not this machine",
 }
-"""What a call that was ended says, where nothing else about it matters."""
+"""Messages for ended calls whose other details do not matter."""
 
 
 class Filtered(Exception):
-    """A response says that a content filter withheld the answer; no caller sees it."""
+    """Raised when a content filter withheld the answer; callers never see it."""
 
 
 @dataclass(frozen=True)
 class Failure:
-    """One try that brought no answer."""
+    """One attempt without an answer."""
 
     message: str
     kind: Kind
     retryable: bool
     may_refuse_form: bool = False
-    """Whether the same request without an answer format may pass."""
+    """True if the same request may succeed without an answer format."""
     retry_after: float | None = None
     """Seconds that the server asks to wait."""
     status: int | None = None
-    """Of the HTTP response, if there was one."""
+    """Status of the HTTP response, if there was one."""
     raw: str = ""
-    """The beginning of a response that could not be read."""
+    """The beginning of an unreadable response."""
 
     @property
     def is_no_response(self) -> bool:
-        """Whether a response arrived and was none: empty, a web page, too large."""
+        """True if a response arrived but was unusable: empty, a web page, too large."""
         is_error = self.status is not None and self.status >= 400
         return self.kind == "erring" and self.retryable and not is_error
 
     @property
     def is_free(self) -> bool:
-        """Whether the server certainly billed nothing: it refused, or nothing was sent."""
+        """True if the server certainly billed nothing, since it refused the request."""
         return self.status is not None and self.status >= 400
 
 
 def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
-    """Say what an exception of litellm means; no credential is left in the texts.
+    """Classify an exception of litellm, without any credentials in the texts.
 
     Args:
-        model: Its name in the message.
-        error: What was raised.
-        bounds: Of the call: what really arrived, since litellm gives a status to everything.
+        model: The model's name for the message.
+        error: The exception.
+        bounds: The bounds of the call, which know what really arrived; litellm gives every error a status.
     """
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
     text = str(error)[:_READ].partition("Traceback (most recent call last)")[0]
@@ -142,7 +144,7 @@ def _kind(status: int | None, text: str, error: Exception) -> Kind:
 
 
 def retry_after(error: Exception) -> float | None:
-    """Read the seconds that a server asks to wait; both forms of the header are understood."""
+    """Return the seconds that a server asks to wait, from either form of the header."""
     headers: Any = getattr(error, "litellm_response_headers", None)
     if not headers:
         headers = getattr(getattr(error, "response", None), "headers", None) or {}

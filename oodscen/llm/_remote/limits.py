@@ -1,4 +1,4 @@
-"""What all models of one run share: caps on what is spent, and how each endpoint is treated."""
+"""The limits shared by all models of a run: caps on spending, and rate limits of endpoints."""
 
 import math
 import threading
@@ -15,41 +15,43 @@ from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
 from oodscen.llm._remote.failures import Failure
 
 CONCURRENCY = 8
-"""How many requests to one endpoint may be under way, unless told otherwise."""
+"""Default number of concurrent requests to one endpoint."""
 
 TIMEOUT_S = 120.0
-"""Longest time for one try, from its beginning to the last byte."""
+"""Longest time for one attempt, from its start to the last byte, in seconds."""
 
 PATIENCE_S = 40.0
-"""How long an endpoint may give no response to anybody before it is given up; a server that is slow but
-responds to other requests is waited for."""
+"""Seconds without a response to any request after which an endpoint is given up.
+
+A slow server that responds to other requests is waited for.
+"""
 
 STRIKES = 5
-"""How many calls of one model in a row may be given up before the model is."""
+"""Number of consecutive failed calls after which a model is given up."""
 
 JUDGING = 4.0
-"""Leniency with models that are judged: an item that fails says little about the next one."""
+"""Leniency with judged models, for which a failed item says little about the next one."""
 
 GRACE_S = 2.0
-"""How long requests that are under way may still take once a run is interrupted."""
+"""Seconds that pending requests may still take after a run is interrupted."""
 
 LONGEST_S = 1_000_000.0
-"""Longest time that can be set, in seconds: eleven days. Sockets take little more."""
+"""Longest time that can be set, in seconds: eleven days. Sockets accept little more."""
 
 DEAREST_USD = 1e6
-"""Highest price that is taken for one, per million tokens."""
+"""Highest price that is accepted, in USD per million tokens."""
 
 ANSWER_TOKENS = 4_096
-"""Answer that a call is expected to cost at most, where `max_tokens` does not say it."""
+"""Assumed upper bound of an answer, in tokens, if `max_tokens` does not set one."""
 
 
 class Price(NamedTuple):
-    """What a model costs."""
+    """The price of a model."""
 
     input_usd: float
-    """Per million tokens."""
+    """USD per million input tokens."""
     output_usd: float
-    """Per million tokens."""
+    """USD per million output tokens."""
 
     def of(self, input_tokens: int, output_tokens: int) -> float:
         """Return the cost of one call in USD."""
@@ -57,7 +59,7 @@ class Price(NamedTuple):
 
 
 def check_price(model: str, price: Price) -> Price:
-    """Return a price; raise `UsageError` when it is none: negative, infinite, not a number."""
+    """Return a price, or raise `UsageError` if it is negative, infinite, too high or NaN."""
     if not all(0 <= value <= DEAREST_USD for value in price):
         raise UsageError(
             f"{price[0]:g} and {price[1]:g} are no price of {model!r}: give USD per million tokens of input "
@@ -67,28 +69,28 @@ def check_price(model: str, price: Price) -> Price:
 
 
 def check_seconds(name: str, seconds: float) -> float:
-    """Return a time limit; raise `UsageError` when it is none: negative, infinite, not a number."""
+    """Return a time limit, or raise `UsageError` if it is not positive, infinite, too long or NaN."""
     if not 0 < seconds <= LONGEST_S:
         raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
     return seconds
 
 
 class Caps(Data):
-    """What one run may spend; `None` is no cap."""
+    """The spending limits of one run; `None` means no limit."""
 
     noun: ClassVar[str] = "caps"
 
     requests: int | None = Field(default=None, ge=0)
     """HTTP requests, retries included."""
     tokens: int | None = Field(default=None, ge=0)
-    """Input and output together."""
+    """Input and output tokens together."""
     cost_usd: float | None = Field(default=None, ge=0)
     seconds: float | None = Field(default=None, ge=0)
-    """Since the run began; no request is begun afterwards."""
+    """Seconds since the run began; no request starts afterwards."""
 
 
 class Spent(NamedTuple):
-    """What requests have used up, or may."""
+    """Resources used, or reserved, by requests."""
 
     requests: int = 0
     tokens: int = 0
@@ -104,7 +106,7 @@ class Spent(NamedTuple):
 
 
 class Budget:
-    """Refuses a request that could exceed a cap, counting those under way at what they may cost."""
+    """Refuses requests that could exceed a cap, counting pending ones at their maximum cost."""
 
     def __init__(
         self, caps: Caps | None = None, *, clock: Callable[[], float] = time.monotonic
@@ -119,11 +121,11 @@ class Budget:
 
     @property
     def answer_tokens(self) -> int:
-        """How long an answer may be expected to be: the longest so far, or the allowance."""
+        """Expected length of an answer: the longest so far, or the allowance if that is longer."""
         return max(ANSWER_TOKENS, self._longest)
 
     def reserve(self, most: Spent) -> None:
-        """Set aside what a request may cost, before it is sent.
+        """Reserve the maximum cost of a request before it is sent.
 
         Raises:
             BudgetExceeded: When the request could exceed a cap.
@@ -140,7 +142,7 @@ class Budget:
             self._reserved = self._reserved.plus(most)
 
     def settle(self, most: Spent, used: Spent, answer_tokens: int = 0) -> None:
-        """Replace what was set aside by what was used."""
+        """Replace a reservation by what was actually used."""
         with self._lock:
             self._reserved = self._reserved.plus(most, -1)
             self.spent = self.spent.plus(used)
@@ -148,17 +150,17 @@ class Budget:
 
 
 class Endpoint:
-    """One server: how many requests it gets at once, and whether it and its models are worth asking.
+    """One server, with its rate limit and its circuit breakers.
 
-    The number at once is halved when it says that there are too many, and grows by one with as many
-    answers as are allowed at once, so it follows the rate that the server grants. It is given up for good when no
-    request at all got a response for `patience_s`. One of its models is given up when `strikes` of its
-    calls in a row were, or when a key is refused. Every further request then raises `EndpointDown`. With
+    The number of concurrent requests is halved when the server reports too many, and grows by one after as
+    many answers as are allowed at once, so it follows the rate that the server grants. The server is given up
+    for good when no request got a response for `patience_s`. A model on it is given up when `strikes` of its
+    calls in a row failed, or when a key is refused. Every later request then raises `EndpointDown`. With
     `patience_s=None` nothing is given up.
 
-    `leniency` multiplies the strikes for failures that may be the item's own (server errors, time that is
-    up). Beyond 1, a model that has used up its plain strikes is in doubt: it gets one try per
-    call, until an answer clears it.
+    `leniency` multiplies the strikes for failures that may be the item's own fault (server errors, timeouts).
+    If it exceeds 1, a model that has used up its plain strikes is in doubt: each call gets one attempt, until
+    an answer clears the model.
     """
 
     def __init__(
@@ -174,12 +176,12 @@ class Endpoint:
         self.name = name
         self.concurrency = max(1, concurrency)
         self.window = float(self.concurrency)
-        """How many may be under way at present."""
+        """Number of requests allowed at once at present."""
         self.patience_s = patience_s
         self.strikes = strikes
         self.leniency = leniency
         self.silence_s = math.inf if patience_s is None else 0.75 * patience_s
-        """After how long without a byte it is worth looking whether the server is still there."""
+        """Seconds without a byte after which the server is probed."""
         self._clock = clock
         self._running = 0
         self._given_up: dict[str, Counter[str]] = {}
@@ -194,13 +196,13 @@ class Endpoint:
 
     @contextmanager
     def slot(self, model: str = "") -> Iterator[float]:
-        """Wait for a free place and yield the time at which it was taken.
+        """Wait for a free slot and yield the time at which it was taken.
 
         Args:
-            model: Who is asked there; each of them is given up for itself.
+            model: The model that is asked; each model is given up separately.
 
         Raises:
-            EndpointDown: When server or model is given up.
+            EndpointDown: When the server or the model is given up.
         """
         with self._free:
             self._free.wait_for(
@@ -216,29 +218,29 @@ class Endpoint:
                 self._free.notify_all()
 
     def check(self, model: str = "") -> None:
-        """Raise `EndpointDown` when the server or this model of it is given up."""
+        """Raise `EndpointDown` if the server or this model is given up."""
         if (fault := self._fault(model)) is not None:
             raise EndpointDown(fault.endpoint, fault.reason)
 
     def is_doubted(self, model: str = "") -> bool:
-        """Whether a model has failed so often in a row that a call gets one try only."""
+        """Return whether a model's recent failures limit each call to one attempt."""
         failed = self._given_up.get(model)
         return self.leniency > 1 and failed is not None and failed.total() >= self.strikes
 
     def pause(self) -> float:
-        """Return how long nobody should ask, since the server said so."""
+        """Return the seconds to wait before the next request, as the server demanded."""
         with self._free:
             return max(0.0, self._not_before - self._clock())
 
     def is_alive(
         self, url: str, probe: Callable[[str, float], bool], within_s: float = math.inf
     ) -> bool:
-        """Look whether the server responds to anything; calls that wait together look once.
+        """Probe whether the server responds to anything; calls that wait together share one probe.
 
         Args:
-            url: Where the call that waits was sent.
-            probe: Told the address and the seconds that it may take.
-            within_s: How long the call goes on at most; with too little for a look, the server passes.
+            url: Address of the waiting call.
+            probe: Takes the address and a time limit in seconds, and returns whether the server responds.
+            within_s: Remaining seconds of the call; with too few for a probe, the server counts as alive.
         """
         if self.patience_s is None:
             return True
@@ -254,7 +256,7 @@ class Endpoint:
             self._looking.release()
 
     def succeeded(self, model: str = "") -> None:
-        """Take note of an answer."""
+        """Record an answer."""
         with self._free:
             self._given_up.pop(model, None)
             self._hear()
@@ -262,12 +264,12 @@ class Endpoint:
             self._free.notify_all()
 
     def failed(self, failure: Failure, begun: float, model: str = "") -> None:
-        """Take note of a try that failed.
+        """Record a failed attempt.
 
         Args:
-            failure: What went wrong.
-            begun: When its place was taken.
-            model: Who was asked.
+            failure: The failure.
+            begun: Time at which the attempt took its slot.
+            model: The model that was asked.
         """
         with self._free:
             if failure.kind != "unreachable":
@@ -291,7 +293,7 @@ class Endpoint:
                     self._give_up(None, f"no response for {silence:.0f} s; {failure.message}")
 
     def given_up(self, failure: Failure, model: str = "") -> None:
-        """Take note of a call that will not be tried again."""
+        """Record a call that will not be retried."""
         with self._free:
             if failure.kind in _LENIENCY:
                 counts = self._given_up.setdefault(model, Counter())
@@ -324,23 +326,23 @@ _LENIENCY: Mapping[str, float] = {
     "erring": math.inf,
     "late": math.inf,
 }
-"""Failures that count against a model, and how far leniency goes with them."""
+"""Failures that count against a model, each with the maximum leniency for it."""
 
 
 class Traffic:
-    """The budget, the prices and the endpoints of one run, shared by all its models.
+    """The budget, prices and endpoints of one run, shared by all its models.
 
     Args:
-        caps: What the run may spend.
-        prices: By model name, where litellm knows none or another.
-        concurrency: Requests to one endpoint at once, at most.
+        caps: The spending limits of the run.
+        prices: Prices by model name, which override litellm's.
+        concurrency: Maximum number of concurrent requests to one endpoint.
         patience_s: As for `Endpoint`.
         strikes: As for `Endpoint`.
-        timeout_s: Longest time for one try, of models that have none of their own.
-        clock: Monotonic seconds.
+        timeout_s: Longest time for one attempt, for models without a limit of their own.
+        clock: Returns monotonic seconds.
 
     Raises:
-        UsageError: When a price or a time cannot be one.
+        UsageError: When a price or a time is invalid.
     """
 
     def __init__(
@@ -368,7 +370,7 @@ class Traffic:
         self._lock = threading.Lock()
 
     def endpoint(self, name: str) -> Endpoint:
-        """Return the endpoint of this name, the same one for every model that asks there."""
+        """Return the endpoint of this name, shared by every model there."""
         patience_s, strikes, clock = self._settings
         with self._lock:
             if name not in self._endpoints:
@@ -384,7 +386,7 @@ class Traffic:
 
     @contextmanager
     def lenient(self, leniency: float) -> Iterator[None]:
-        """Treat failures as the items' own for a while: see `Endpoint`."""
+        """Apply a leniency to failures while the context lasts; see `Endpoint`."""
         before = self._leniency
         self._set_leniency(leniency)
         try:
@@ -393,7 +395,7 @@ class Traffic:
             self._set_leniency(before)
 
     def close(self) -> None:
-        """Begin no further request, wait for nothing, and leave what is under way after `GRACE_S`."""
+        """Stop: start no request, end all waits, and abandon pending requests after `GRACE_S`."""
         with self._lock:
             self._closed_at = min(self._closed_at, self._settings[2]())
         self._closed.set()
@@ -404,16 +406,16 @@ class Traffic:
         self._closed.clear()
 
     def check(self) -> None:
-        """Raise `RunStopped` when nobody waits for answers any more."""
+        """Raise `RunStopped` if the run was interrupted."""
         if self._closed.is_set():
             raise RunStopped("the run was interrupted; the same command continues it")
 
     def is_over(self) -> bool:
-        """Whether requests that are under way are left."""
+        """Return whether pending requests are to be abandoned."""
         return self._settings[2]() - self._closed_at >= GRACE_S
 
     def sleep(self, seconds: float) -> None:
-        """Wait, but not beyond an interruption."""
+        """Wait, at most until an interruption."""
         self._closed.wait(seconds)
 
     def _set_leniency(self, leniency: float) -> None:

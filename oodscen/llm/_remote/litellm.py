@@ -29,16 +29,16 @@ from oodscen.llm._remote.usage import believed, count, estimate_tokens
 from oodscen.protocols import Completion, Request, Usage
 
 NO_KEY = "none"
-"""Sent as the key to an own address where no key is set: such servers seldom want one."""
+"""The key sent to a custom address if no key is set; such servers seldom require one."""
 
 ALONE = 1_000
-"""Requests at once of a model that is no part of a run: as many as its caller has threads."""
+"""Concurrent requests of a model outside a run: as many as its caller has threads."""
 
 LOOKUP_S = 10.0
-"""Longest time for what litellm asks a server about a model before anything is asked of the model itself."""
+"""Time limit of litellm's queries about a model's abilities, in seconds."""
 
 LATE_RETRIES = 1
-"""Further tries after one that was not answered in time; what hangs once hangs again, as a rule."""
+"""Retries after a timeout; a call that hangs once usually hangs again."""
 
 _import_lock = threading.Lock()
 
@@ -46,40 +46,39 @@ _import_lock = threading.Lock()
 class LiteLLM:
     """A model by its litellm name: `gpt-4o`, `anthropic/claude-...`, `gemini/...`, `ollama/llama3`.
 
-    Keys are read by litellm from the environment (`OPENAI_API_KEY`, `ANTHROPIC_API_KEY` ...); they are
-    never stored here and are removed from every error.
+    litellm reads keys from the environment (`OPENAI_API_KEY`, `ANTHROPIC_API_KEY` ...); they are never stored
+    here and are removed from every error.
 
-    The answer's JSON schema is sent natively where litellm knows that the model takes one, JSON mode
-    is asked for where the provider has it, and a server that refuses either is asked without;
-    the templates state the format in any case. Each call is sent with a `provider_seed` of its own where
-    the provider takes seeds: `(seed * 1_000_003 + sample) % 2**31` for the question itself.
+    The answer's JSON schema is sent natively if litellm knows that the model accepts one, and JSON mode is
+    requested if the provider has it; if a server refuses either, the request is sent without. The templates
+    state the format in any case. If the provider takes seeds, each call has its own `provider_seed`: `(seed *
+    1_000_003 + sample) % 2**31` for the question itself.
 
-    Rate limits, timeouts, lost connections, server errors and responses that are none (empty, a web
-    page, too large) are retried here and nowhere else, after the time the server names in `Retry-After`, or
-    1, 2, 4 ... seconds with jitter; what is not answered in time is tried once more only.
+    Rate limits, timeouts, lost connections, server errors and unusable responses (empty, a web page, too
+    large) are retried here and nowhere else, after the time in the server's `Retry-After`, or 1, 2, 4 ...
+    seconds with jitter; a timeout is retried only once.
 
     Args:
-        model: Name as litellm spells it. With `api_base`, a name without a provider litellm knows is taken to
-            be served by an OpenAI-compatible server.
+        model: Name as litellm spells it. With `api_base`, a name without a provider known to litellm is
+            assumed to be on an OpenAI-compatible server.
         api_base: Address of the server, e.g. `http://localhost:8000/v1`.
-        seed: Of the run.
-        timeout_s: Longest time for one try, from its beginning to the last byte; that of the traffic
-            if left out.
+        seed: Seed of the run.
+        timeout_s: Longest time for one attempt, from its start to the last byte; the traffic's if left out.
         temperature: Sampling temperature; `None` leaves it to the provider.
         max_tokens: Longest answer; `None` leaves it to the provider.
-        retries: Further tries after the first.
-        max_wait_s: Longest wait before one retry; a server that asks for more is given up.
+        retries: Maximum number of retries.
+        max_wait_s: Longest wait before a retry; a call is given up if the server asks for more.
         max_bytes: Largest response.
-        traffic: Caps, prices and endpoints, shared by the models of a run; alone, nothing is capped and
+        traffic: Caps, prices and endpoints, shared by the models of a run. Without it nothing is capped and
             no endpoint is given up.
         options: Further arguments of `litellm.completion`, e.g. `{"reasoning_effort": "low"}`.
-        sleep: Waits the given seconds; until then or an interruption of the run if left out.
+        sleep: Waits the given seconds; by default it returns early if the run is interrupted.
 
     Raises:
         MissingExtra: When litellm is not installed.
         UnknownComponent: When litellm knows neither model nor provider, with close matches.
-        UsageError: When `OODSCEN_OFFLINE=1` forbids the address, or the cost is capped and the
-            model's price is not known.
+        UsageError: When `OODSCEN_OFFLINE=1` forbids the address, or the cost is capped and the model's price
+            is not known.
     """
 
     def __init__(
@@ -111,7 +110,7 @@ class LiteLLM:
         self._sdk = sdk = load_litellm()
         settings = {name: value for name, value in vars(sdk).items() if name.islower()}
         hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
-        # Of some models litellm asks their server what they can do.
+        # litellm asks some models' servers what they can do.
         with bounded(Bounds(LOOKUP_S, max_bytes)):
             self._model, provider, address = _resolve(sdk, model, api_base)
             _permit(model, api_base, address)
@@ -137,10 +136,10 @@ class LiteLLM:
                 self._arguments.setdefault("api_key", NO_KEY)
 
     def complete(self, request: Request) -> Completion:
-        """Ask the model, retrying what is worth retrying.
+        """Ask the model, with retries after transient failures.
 
         Raises:
-            LLMError: When there is no answer; `retryable` where another time may bring one.
+            LLMError: When there is no answer; `retryable` if a later attempt may succeed.
             RunStopped: When a cap is reached or the endpoint is given up.
         """
         arguments = {
@@ -212,7 +211,7 @@ class LiteLLM:
         return failure
 
     def _is_there(self, bounds: Bounds) -> bool:
-        """Whether a server whose answer is late responds to anything."""
+        """Return whether a server whose answer is late responds to anything."""
         if not bounds.is_sent or bounds.status is not None:
             return True
         return self._endpoint.is_alive(bounds.url, _responds)
@@ -235,7 +234,7 @@ class LiteLLM:
         )
 
     def _most(self, request: Request) -> Spent:
-        """Return what one try may cost."""
+        """Return the maximum cost of one attempt."""
         asked = estimate_tokens(request)
         answered = self._arguments.get("max_tokens") or self.traffic.budget.answer_tokens
         cost = self.price.of(asked, answered) if self.price else 0.0
@@ -273,7 +272,7 @@ class LiteLLM:
             return given.of(asked, answered)
         try:
             return float(self._sdk.completion_cost(completion_response=response, model=self._model))
-        # litellm raises a bare Exception for a model that has no price.
+        # litellm raises a bare Exception for a model without a price.
         except Exception:
             return None
 
@@ -284,7 +283,7 @@ class LiteLLM:
         return {"type": "json_object"} if self._json == "mode" else None
 
     def _wait(self, failure: Failure, tries: int, request: Request) -> float | None:
-        """Return how long to wait before the next try; `None` to give up."""
+        """Return the seconds to wait before the next attempt, or `None` to give up."""
         most = min(self.retries, LATE_RETRIES) if failure.kind == "late" else self.retries
         most = 0 if self._endpoint.is_doubted(self.name) else most
         if not failure.retryable or tries >= most:
@@ -297,16 +296,16 @@ class LiteLLM:
 
 
 def load_litellm() -> ModuleType:
-    """Import litellm, quietly and without its download of a price list.
+    """Import litellm without output and without its download of a price list.
 
     Raises:
-        MissingExtra: When it is not installed.
-        UsageError: When it is, and cannot be loaded.
+        MissingExtra: When litellm is not installed.
+        UsageError: When litellm is installed but cannot be loaded.
     """
     enforce()
     with _import_lock:
         os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
-        # Its own type definitions make pydantic warn, some of them only when they are first used.
+        # litellm's type definitions make pydantic warn, some of them only on first use.
         warnings.filterwarnings(
             "ignore", message=r".*ReadOnly. qualifier", category=UserWarning, module=r"pydantic\."
         )
@@ -331,7 +330,7 @@ def load_litellm() -> ModuleType:
         litellm.suppress_debug_info = True
         litellm.telemetry = False
         install(http_handler, common_utils)
-        # litellm keeps one client that was made before.
+        # litellm keeps one client that it made on import.
         if (handler := getattr(litellm, "module_level_client", None)) is not None:
             guard(handler.client)
         module: ModuleType = litellm
@@ -339,19 +338,19 @@ def load_litellm() -> ModuleType:
 
 
 def known_price(sdk: ModuleType, model: str) -> Price | None:
-    """Return what litellm says a model costs; `None` where it does not know."""
+    """Return litellm's price of a model, or `None` if it knows none."""
     try:
         asked, answered = sdk.cost_per_token(
             model=model, prompt_tokens=1_000_000, completion_tokens=1_000_000
         )
-    # litellm raises a bare Exception for a model that has no price.
+    # litellm raises a bare Exception for a model without a price.
     except Exception:
         return None
     return Price(float(asked), float(answered))
 
 
 def _afford(model: str, price: Price | None, traffic: Traffic) -> None:
-    """Refuse a model without a price where the cost is capped."""
+    """Refuse a model without a price if the cost is capped."""
     if traffic.budget.caps.cost_usd is not None and price is None:
         raise UsageError(
             f"the cost of the run is capped and the price of {model!r} is not known; give it in USD per "
@@ -361,15 +360,15 @@ def _afford(model: str, price: Price | None, traffic: Traffic) -> None:
 
 
 def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
-    """Return the seed that a provider is given for one call: below 2**31, as some demand.
+    """Return the seed for one call to a provider: below 2**31, as some require.
 
-    A repair has another seed than the question, or a model might repeat its fault word for word.
+    A repair has another seed than the question, since a model might otherwise repeat its fault word for word.
     """
     return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003) % 2**31
 
 
 def wire_message(message: Message, model: str = "") -> dict[str, Any]:
-    """Write a message in OpenAI's format; pictures become base64 data URLs.
+    """Return a message in OpenAI's format; pictures become base64 data URLs.
 
     Raises:
         LLMError: When a picture cannot be read.
@@ -388,14 +387,14 @@ def wire_message(message: Message, model: str = "") -> dict[str, Any]:
 
 
 def data_url(image: Image) -> str:
-    """Return a picture as a data URL of its own format (JPEG or PNG)."""
+    """Return a picture as a data URL in its own format (JPEG or PNG)."""
     data = image.read()
     kind = "png" if data.startswith(b"\x89PNG") else "jpeg"
     return f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
 def _resolve(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, str, str | None]:
-    """Return the name for litellm, the provider, and the provider's address where litellm knows it."""
+    """Return the name for litellm, the provider, and the provider's address if litellm knows it."""
     providers = [str(getattr(name, "value", name)) for name in sdk.provider_list]
     head, slash, rest = model.partition("/")
     if api_base is not None:
@@ -416,7 +415,7 @@ def _responds(url: str, timeout_s: float) -> bool:
 
 
 def _permit(model: str, api_base: str | None, address: str | None) -> None:
-    """Refuse an address outside this machine where the environment forbids the network."""
+    """Refuse an address outside this machine if the environment forbids the network."""
     if not is_offline() or is_loopback(address):
         return
     where = redact(api_base) if api_base else "its provider"
@@ -427,7 +426,7 @@ def _permit(model: str, api_base: str | None, address: str | None) -> None:
 
 
 def _json_ability(sdk: ModuleType, model: str) -> str:
-    """Say whether a model takes a JSON `schema`, has a JSON `mode`, or neither (empty)."""
+    """Return `schema` if a model takes a JSON schema, `mode` if it has a JSON mode, else an empty string."""
     if sdk.supports_response_schema(model=model):
         return "schema"
     parameters = sdk.get_supported_openai_params(model=model) or ()

@@ -1,6 +1,6 @@
-"""Makes the HTTP clients of litellm heed the bounds of a call, whatever provider is asked.
+"""Guards that make litellm's HTTP clients obey the bounds of a call, for every provider.
 
-Outside `bounded` nothing changes for whoever else uses litellm in the same process.
+Outside `bounded` nothing changes for other users of litellm in the same process.
 """
 
 import socket
@@ -20,18 +20,18 @@ from oodscen.llm._remote.call_bounds import HEAD, BoundReached, Bounds, active, 
 from oodscen.llm._remote.offline import is_loopback, is_offline
 
 CONNECT_S = 10.0
-"""Longest time to find and reach a server, in seconds; what it takes to answer is another matter."""
+"""Longest time to find and connect to a server, in seconds; the time to answer is bounded elsewhere."""
 
 PIECE = 16_384
-"""How much is handed to a connection at once, in bytes: a piece is taken whole or not at all in time."""
+"""Bytes handed to a connection at once; a piece is sent whole within the time limit, or not at all."""
 
 _TOO_LONG = "the call took too long as a whole"
 
 
 def responds(url: str, timeout_s: float) -> bool:
-    """Whether a server says anything at all, be it an error, when its front page is asked for.
+    """Return whether a server answers a request for its front page with anything, even an error.
 
-    Nothing secret is sent, so its certificate does not matter, and the page itself is not read.
+    Nothing secret is sent, so its certificate is not verified, and the page itself is not read.
     """
     asked = httpx.URL(url)
     page = httpx.URL(scheme=asked.scheme, host=asked.host, port=asked.port, path="/")
@@ -45,10 +45,10 @@ def responds(url: str, timeout_s: float) -> bool:
 
 
 def guard(client: httpx.Client) -> httpx.Client:
-    """Make a client heed the bounds of whoever calls it; return it."""
+    """Make a client obey its caller's bounds, and return it."""
     transports: Iterable[Any] = (client._transport, *client._mounts.values())
     for transport in transports:
-        # httpx takes no network backend, httpcore does.
+        # httpx has no setting for the network backend, but httpcore has.
         pool: Any = getattr(transport, "_pool", None)
         backend = getattr(pool, "_network_backend", None)
         if backend is not None and not isinstance(backend, _Backend):
@@ -92,7 +92,7 @@ def install(handlers: ModuleType, openai: ModuleType) -> None:
 def _ask_for_plain_text(request: httpx.Request) -> None:
     if (bounds := active()) is not None:
         bounds.sending(str(request.url))
-        # What is compressed has no size before it is unpacked.
+        # The size of compressed data is unknown until it is unpacked.
         request.headers["accept-encoding"] = "identity"
 
 
@@ -114,7 +114,7 @@ def _watch(response: httpx.Response) -> None:
 
 
 def _elsewhere(response: httpx.Response) -> str:
-    """Return the origin that a redirect leads to; empty where it stays with the same one."""
+    """Return the origin of a redirect, or an empty string if it stays on the same origin."""
     origins = []
     try:
         for url in (response.request.url, response.request.url.join(response.headers["location"])):
@@ -126,9 +126,9 @@ def _elsewhere(response: httpx.Response) -> str:
 
 
 class _Tunnel(httpx.BaseTransport):
-    """A proxy that learns no more than the names of servers, and nothing while the network is forbidden.
+    """A proxy that learns only the names of servers, and nothing while the network is forbidden.
 
-    What is not encrypted on its way goes past it, or it would read questions and keys.
+    Unencrypted requests bypass it, since it could read their questions and keys.
     """
 
     def __init__(self, proxy: httpx.BaseTransport, direct: httpx.BaseTransport) -> None:
@@ -143,7 +143,7 @@ class _Tunnel(httpx.BaseTransport):
             return self._direct.handle_request(request)
         asked = getattr(getattr(self._proxy, "_pool", None), "_proxy_url", None)
         if getattr(asked, "scheme", b"http") == b"https":
-            # Encryption within encryption is read in records, for which no time can be set.
+            # TLS within TLS is read in records, on which no time limit can be set.
             bounds.stop("proxy")
             raise httpx.ProxyError("a proxy is asked over http:// only")
         return self._proxy.handle_request(request)
@@ -248,7 +248,7 @@ class _Backend(httpcore.NetworkBackend):
 
 
 def _addresses(host: str, port: int, seconds: float) -> list[str]:
-    """Return the addresses of a host; the system's look-up has no time limit of its own."""
+    """Return the addresses of a host within a time limit, which the system's look-up lacks."""
     found: SimpleQueue[list[str] | Exception] = SimpleQueue()
 
     def look() -> None:

@@ -1,4 +1,4 @@
-"""What a call takes: estimated before it is sent, and believed afterwards as far as it can be true."""
+"""Token usage and cost of calls: estimates before sending, and checks of reported values."""
 
 import json
 from typing import Any
@@ -6,29 +6,29 @@ from typing import Any
 from oodscen.protocols import Request, Usage
 
 IMAGE_TOKENS = 1_500
-"""What a picture of a study costs at most with the known providers."""
+"""Upper estimate of the tokens of a study's picture with the known providers."""
 
 MOST_ADDED = 10_000
-"""Most tokens that a provider adds to a question of its own."""
+"""Maximum number of tokens that a provider adds to a question by itself."""
 
 MOST_PER_IMAGE = 100_000
-"""Most tokens that any provider counts for a picture; some multiply what they count to adjust the price."""
+"""Maximum number of tokens that any provider counts for a picture; some inflate the count to adjust the price."""
 
 MOST_ANSWERED = 500_000
-"""Most tokens of one answer, hidden thoughts included; several times what any model writes."""
+"""Maximum number of tokens of one answer, hidden reasoning included; several times what any model writes."""
 
 MOST_USD = 500.0
-"""Highest cost of one call: the longest answer of the dearest model."""
+"""Highest cost of one call, in USD: the longest answer of the most expensive model."""
 
 
 def estimate_tokens(request: Request) -> int:
-    """Estimate the input tokens of a request from its characters, rather too many than too few."""
+    """Estimate the input tokens of a request from its characters, erring on the high side."""
     texts = sum(len(message.text) for message in request.messages)
     return (texts + len(json.dumps(request.schema))) // 3 + IMAGE_TOKENS * _images(request)
 
 
 def count(value: Any) -> int:
-    """Read a number of tokens from a response: 0 where there is none, -1 where it is no such number."""
+    """Return a number of tokens from a response: 0 if missing, -1 if invalid."""
     if value is None:
         return 0
     is_whole = (
@@ -38,10 +38,11 @@ def count(value: Any) -> int:
 
 
 def believed(usage: Usage, request: Request) -> Usage:
-    """Return what a model says that a call took; nothing at all where it cannot be true.
+    """Return the usage that a model reports, or an empty one if it cannot be true.
 
-    A token of the input is at least one byte of what was sent, the schema counted twice as some providers
-    get it in words as well; `MOST_ADDED`, `MOST_PER_IMAGE`, `MOST_ANSWERED` and `MOST_USD` bound the rest.
+    Every input token stands for at least one byte that was sent, with the schema counted twice, as some
+    providers also put it into words; `MOST_ADDED`, `MOST_PER_IMAGE`, `MOST_ANSWERED` and `MOST_USD` bound the
+    rest.
     """
     texts = sum(len(message.text.encode("utf-8", "replace")) for message in request.messages)
     schema = 2 * len(json.dumps(request.schema).encode())

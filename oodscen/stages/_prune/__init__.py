@@ -1,1 +1,1 @@
-"""What pruning found out: what would restore a branch, and two simulators side by side."""
+"""Pruning, the additions that would restore branches, and comparisons of simulators."""

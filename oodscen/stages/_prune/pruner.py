@@ -1,4 +1,4 @@
-"""Prune the diverse tree to what one simulator can show (paper, section III-B)."""
+"""The pruner, which reduces the diverse tree to what one simulator can show (paper, section III-B)."""
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from typing import ClassVar, Literal, TypeVar
@@ -17,63 +17,67 @@ from oodscen.protocols import LLM
 from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
 
 _LONGEST_REASON = 1_000
-"""Characters of a model's reason that are kept."""
+"""Maximum length of a model's reason that is stored, in characters."""
 
 Means = TypeVar("Means", bound=Hashable)
 
 Match = Literal["full", "substitute", "part", "none"]
-"""How well a catalogue shows a branch: as it is; with assets that stand in for others; only a part of
-what the label names, or below an inner node not every branch; not at all."""
+"""The quality of a match between a branch and a catalogue.
+
+`full`: shown as it is. `substitute`: with assets that stand in for others. `part`: only a part of what the
+label names, or below an inner node not every branch. `none`: not at all.
+"""
 
 
 class StandIn(Data):
-    """An asset that is shown instead of what the catalogue does not have."""
+    """An asset that replaces something the catalogue lacks."""
 
     asset: str
     stands_for: str
 
 
 class PruneDecision(Data):
-    """What becomes of one node, and why."""
+    """The decision about one node, with its reason."""
 
     noun: ClassVar[str] = "prune decision"
 
     id: str
-    """Of the node."""
+    """Id of the node."""
     path: tuple[str, ...]
     keep: bool
     status: Literal["ok", "failed"] = "ok"
     error: str | None = None
     retryable: bool = False
-    """Whether a failed question may be answered at another time."""
+    """True if a failed question may succeed later."""
     reason: str = ""
     match: Match | None = None
-    """`None` where the question failed."""
+    """`None` if the question failed."""
     label: str = ""
-    """The narrower label that the node gets, where only a part of it can be shown."""
+    """The node's narrower label, if only a part of it can be shown."""
     assets: tuple[str, ...] = ()
-    """Ids of the assets that realise it; of an inner node, those of all its kept branches."""
+    """Ids of the assets that realise the node; for an inner node, those of all its kept branches."""
     states: tuple[str, ...] = ()
-    """`asset: state`, where a state matters."""
+    """Required states, as `asset: state`."""
     behaviours: tuple[str, ...] = ()
     weather: tuple[str, ...] = ()
-    """`night`, `fog`, `rain`, `snow` or `ice`, where it needs them."""
+    """Required weather: `night`, `fog`, `rain`, `snow` or `ice`."""
     traits: tuple[str, ...] = ()
-    """What its map must have."""
+    """Required traits of the map."""
     substitutes: tuple[StandIn, ...] = ()
     missing: tuple[str, ...] = ()
-    """`lacks` in words."""
+    """The additions in `lacks` in words."""
     lacks: tuple[Addition, ...] = ()
-    """What the catalogue would have to get: of a dropped leaf all that restores it, of a kept one
-    what would replace its substitutes or show the rest of its label."""
+    """Additions to the catalogue: for a dropped leaf all that restore it, for a kept one those that would
+    replace its substitutes or show the rest of its label.
+    """
     same_as: tuple[str, ...] = ()
     """Ids of the other leaves that the simulator shows with exactly the same means."""
     catalogue: str = ""
-    """Simulator and version."""
+    """The simulator and its version."""
     model: str = ""
     """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
     prompt: str = ""
-    """The question it was asked: `purpose@version`."""
+    """The question that the model was asked: `purpose@version`."""
 
 
 class Pruner:
@@ -81,11 +85,11 @@ class Pruner:
 
     Args:
         llm: The tree-LLM.
-        catalogue: What the simulator offers.
-        threads: How many questions may be under way at once.
-        cancel: Called when the wait for answers is interrupted, so that what is under way ends soon.
-        substitutes: Whether a branch that is shown with substitute assets survives.
-        context: Tokens that the model can read and write, where the whole catalogue is too long for it.
+        catalogue: The simulator's catalogue.
+        threads: Maximum number of concurrent questions.
+        cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
+        substitutes: Keep branches that are shown with substitute assets.
+        context: Context window of the model in tokens, if the whole catalogue is too long for it.
     """
 
     def __init__(
@@ -107,15 +111,15 @@ class Pruner:
         self.context = context
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
-        """Return the simulatable tree; its edits tell the reason for every node."""
+        """Return the simulatable tree; its edits hold the reason for every node."""
         return pruned(tree, self.decisions(tree))
 
     def decisions(self, tree: ScenarioTree, done: Iterable[str] = ()) -> Iterator[PruneDecision]:
-        """Judge the leaves, in the order in which answers come.
+        """Yield a decision for every leaf, in the order of the answers.
 
         Args:
             tree: The diverse tree.
-            done: Ids of leaves that were judged before.
+            done: Ids of leaves that were already judged.
         """
         skip = set(done)
         leaves = [leaf for leaf in tree.leaves if leaf.id not in skip]
@@ -182,8 +186,8 @@ class Pruner:
 def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
     """Extend the decisions on leaves to every node, in tree order.
 
-    An inner node is kept exactly when one of its children is, and is realised by all that realises these. The root always stays. Leaves that
-    are realised by the same means name each other in `same_as`.
+    An inner node is kept exactly if one of its children is, and is realised by everything that realises
+    these. The root always stays. Leaves that are realised by the same means name each other in `same_as`.
     """
     judged = alike(tree, judged)
     leaves = {decision.id for decision in judged}
@@ -194,7 +198,7 @@ def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[P
 
 
 def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Extend the decisions on leaves to every node, without the paths of inner ones."""
+    """Extend the decisions on leaves to every node; inner nodes get no path."""
     by_id = {decision.id: decision for decision in judged}
     for node, _ in reversed(list(tree.walk())):
         if node.id in by_id:
@@ -225,7 +229,7 @@ def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
 
 
 def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Say of kept leaves which others the simulator shows by the same means; in the given order."""
+    """Set `same_as` of kept leaves that the simulator shows by the same means; keep the given order."""
     judged = list(judged)
     order = {node.id: number for number, node in enumerate(tree.nodes)}
     groups: dict[tuple[frozenset[str], ...], list[str]] = {}
@@ -265,7 +269,7 @@ def _edit(decision: PruneDecision) -> TreeEdit:
 
 
 def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
-    """Return all that a simulator is asked for."""
+    """Return everything that a decision demands of a simulator."""
     return tuple(
         frozenset(names)
         for names in (
@@ -283,14 +287,14 @@ def _unique(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _all(lists: Sequence[tuple[Means, ...]]) -> tuple[Means, ...]:
-    """Unite what realises the branches below a node."""
+    """Return the union of what realises the branches below a node."""
     if len(lists) == 1:
         return lists[0]
     return tuple(dict.fromkeys(one for means in lists for one in means))
 
 
 def _said(keep: bool, lacks: Sequence[Addition]) -> str:
-    """Return a reason for a model that gave none."""
+    """Return a reason for a decision whose model gave none."""
     if keep:
         return "the model says that it can be shown"
     return f"missing: {', '.join(one.words for one in lacks)}" if lacks else "no reason was given"

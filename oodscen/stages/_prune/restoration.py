@@ -1,4 +1,4 @@
-"""What would restore the pruned branches, ranked by how many paths each addition unlocks."""
+"""Additions that would restore the pruned branches, ranked by the number of paths that each unlocks."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar, Literal
@@ -10,19 +10,19 @@ from oodscen.stages._prune.pruner import PruneDecision
 
 
 class Unlocked(Data):
-    """What one addition, or several together, would restore."""
+    """One addition, or several together, and the leaves that it would restore."""
 
     additions: tuple[Addition, ...]
     category: Category | None = None
-    """Where all missing assets of one category are added at once."""
+    """The category whose missing assets are all added at once, if any."""
     paths: tuple[str, ...]
-    """Ids of the leaves that it restores, in tree order."""
+    """Ids of the restored leaves, in tree order."""
     helps: int
-    """Number of dropped leaves that need it, those included that need something else as well."""
+    """Number of dropped leaves that need it, including those that need further additions."""
 
     @property
     def words(self) -> str:
-        """What to add, for a reader."""
+        """Readable description of the additions."""
         if self.category is not None:
             listed = ", ".join(one.name.replace("_", " ") for one in self.additions)
             return f"{len(self.additions)} assets of the category {self.category}: {listed}"
@@ -33,43 +33,43 @@ class Step(Data):
     """One step of extending a catalogue."""
 
     additions: tuple[Addition, ...]
-    """Usually one; several where only together they restore anything."""
+    """Usually one; several if only all of them together restore a leaf."""
     paths: tuple[str, ...]
     """Ids of the leaves that this step restores."""
     total: int
-    """Leaves that are restored by this step and those before it."""
+    """Number of leaves restored by this step and all steps before it."""
 
 
 class Restoration(Data):
-    """The way back for everything that was dropped."""
+    """The additions that would restore everything that was dropped."""
 
     noun: ClassVar[str] = "restoration"
 
     schema_version: Literal[1] = 1
     catalogue: str = ""
     kept: int
-    """Leaves that the catalogue shows."""
+    """Number of leaves that the catalogue shows."""
     dropped: int
     single: tuple[Unlocked, ...]
-    """By what one addition restores alone, most first."""
+    """Single additions, ranked by the number of leaves that each restores alone."""
     categories: tuple[Unlocked, ...]
-    """By what all missing assets of a category restore together, most first."""
+    """Whole categories of missing assets, ranked by the number of leaves that each restores."""
     sequence: tuple[Step, ...]
-    """One after the other: each step restores the most that is left for the fewest additions."""
+    """Steps of a sequence in which each restores the most remaining leaves per addition."""
     beyond: tuple[str, ...]
     """Ids of dropped leaves that no addition to a catalogue restores."""
     unknown: tuple[str, ...] = ()
-    """Ids of leaves about which the model could not be asked."""
+    """Ids of leaves for which the model gave no answer."""
 
 
 def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
-    """Rank what would restore the branches that pruning dropped.
+    """Rank the additions that would restore the branches that pruning dropped.
 
-    A leaf is restored when all that it lacks is added. What is promised here holds for the same
-    judge: `extended` makes the catalogue to ask it again with.
+    A leaf is restored when everything that it lacks is added. This holds for the same judge: `extended` makes
+    the catalogue with which to ask it again.
 
     Args:
-        decisions: Of leaves, or of every node; inner nodes are left aside.
+        decisions: Decisions on leaves, or on every node; inner nodes are ignored.
     """
     everything = list(decisions)
     inner = {one.path[:-1] for one in everything}
@@ -94,7 +94,7 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
 
 
 def _key(addition: Addition) -> tuple[str, str]:
-    """Return what makes two additions one, whatever category a model gave them."""
+    """Return the key under which two additions are the same, ignoring the category from the model."""
     return addition.kind, addition.name.casefold()
 
 
@@ -145,7 +145,7 @@ Wanted = frozenset[Addition]
 
 
 def _sequence(needs: Needs) -> tuple[Step, ...]:
-    """Greedily: of what the leaves left still lack, the set that restores most per addition."""
+    """Build the sequence greedily: each step is the set of lacks that restores most leaves per addition."""
     order = {leaf: number for number, leaf in enumerate(needs)}
     groups: dict[Wanted, list[str]] = {}
     for leaf, lacks in needs.items():
@@ -181,7 +181,7 @@ def _sequence(needs: Needs) -> tuple[Step, ...]:
 
 
 def _closure(wanted: Wanted, users: Mapping[Addition, object]) -> Wanted:
-    """Return all that some additions bring: with a map every map of fewer traits."""
+    """Return everything that some additions bring; a map also brings every map with fewer traits."""
     if all(addition.kind != "map" for addition in wanted):
         return wanted
     maps = [addition for addition in wanted if addition.kind == "map"]
@@ -196,14 +196,14 @@ def _words(wanted: Wanted) -> list[str]:
 def restoration_rows(
     found: Restoration, labels: dict[str, str], *, limit: int = 10
 ) -> list[dict[str, str | int]]:
-    """Return the ranking as rows of a table: `addition`, `paths`, `helps` and the leaves' `labels`.
+    """Return the ranking as table rows: `addition`, `paths`, `helps` and the leaves' `labels`.
 
-    Everything in it may come from a model: escape it where it is shown.
+    All values may come from a model: escape them for display.
 
     Args:
         found: The ranking.
-        labels: Of the leaves, by id.
-        limit: Largest number of rows.
+        labels: Labels of the leaves by id.
+        limit: Maximum number of rows.
     """
     return [
         {

@@ -1,4 +1,4 @@
-"""The same tree pruned for several simulators, side by side."""
+"""Comparisons of one tree pruned for several simulators."""
 
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal, get_args
@@ -11,27 +11,27 @@ from oodscen.tree._scenario_tree import ScenarioTree
 
 
 class Side(Data):
-    """What one simulator makes of a branch."""
+    """The decision of one simulator about a branch."""
 
     keep: bool
     match: Match | None
     reason: str
     missing: tuple[str, ...] = ()
     label: str = ""
-    """The narrower label, where only a part of it can be shown."""
+    """The narrower label, if only a part of the branch can be shown."""
 
 
 class Line(Data):
-    """One leaf, and what becomes of it in every simulator."""
+    """One leaf with the decisions of all simulators."""
 
     id: str
     path: tuple[str, ...]
     sides: tuple[Side, ...]
-    """In the order of `Comparison.catalogues`."""
+    """The decisions, in the order of `Comparison.catalogues`."""
 
 
 class Tally(Data):
-    """One simulator, in figures."""
+    """Summary figures of one simulator."""
 
     catalogue: str
     kept: int
@@ -40,15 +40,15 @@ class Tally(Data):
     part: int
     dropped: int
     failed: int
-    """About which the model could not be asked; counted as dropped as well."""
+    """Leaves for which the model gave no answer; counted as dropped as well."""
     alone: int
-    """Leaves that only this simulator shows."""
+    """Number of leaves that only this simulator shows."""
     absent: tuple[str, ...]
-    """Whole kinds that the catalogue has nothing of: `animal`, `snow` ..."""
+    """Kinds that the catalogue lacks entirely: `animal`, `snow` ..."""
     restoration: Restoration
 
     def __str__(self) -> str:
-        """Return the figures and what would bring most back, for a terminal."""
+        """Return the figures and the best additions, for a terminal."""
         text = (
             f"{self.catalogue}: {self.kept} of {self.kept + self.dropped} branches ({self.full} as they "
             f"are, {self.substitute} with substitutes, {self.part} in part)"
@@ -65,7 +65,7 @@ class Tally(Data):
 
 
 class Comparison(Data):
-    """One tree in several simulators."""
+    """One tree pruned for several simulators."""
 
     noun: ClassVar[str] = "comparison"
 
@@ -73,12 +73,12 @@ class Comparison(Data):
     catalogues: tuple[str, ...]
     tallies: tuple[Tally, ...]
     lines: tuple[Line, ...]
-    """One for every leaf, in tree order."""
+    """One line for every leaf, in tree order."""
 
     def rows(self) -> list[dict[str, str]]:
-        """Return a table, one row per leaf: `branch`, then for each catalogue what it makes of it.
+        """Return a table with one row per leaf: `branch`, then the decision of each catalogue.
 
-        Labels and reasons may come from a model: escape them where they are shown.
+        Labels and reasons may come from a model: escape them for display.
         """
         return [
             {
@@ -92,7 +92,7 @@ class Comparison(Data):
         ]
 
     def __str__(self) -> str:
-        """Return figures, then one line per leaf, for a terminal."""
+        """Return the figures, then one line per leaf and catalogue, for a terminal."""
         parts = [
             f"{tally}\n  {tally.alone} branches that no other shows"
             if len(self.tallies) > 1
@@ -113,15 +113,15 @@ def compare(
     catalogues: Mapping[str, Catalogue],
     judged: Mapping[str, Sequence[PruneDecision]],
 ) -> Comparison:
-    """Put the decisions about one tree side by side.
+    """Compare the decisions of several catalogues about one tree.
 
     Args:
         tree: The diverse tree.
-        catalogues: By name.
+        catalogues: The catalogues by name.
         judged: The decisions about all leaves, by the same names.
 
     Raises:
-        ValueError: When a name has a catalogue and no decisions, or the other way round.
+        ValueError: When catalogues and decisions have different names.
     """
     if set(catalogues) != set(judged):
         raise ValueError("catalogues and decisions have different names")
@@ -161,7 +161,7 @@ def compare(
 
 
 def absent(catalogue: Catalogue) -> tuple[str, ...]:
-    """Return the whole kinds of assets, precipitation and light that a catalogue has nothing of."""
+    """Return the kinds of assets, precipitation and light that a catalogue lacks entirely."""
     offered = {asset.category for asset in catalogue.assets}
     found = [category for category in get_args(Category) if category not in offered]
     weather = catalogue.weather

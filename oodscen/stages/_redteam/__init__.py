@@ -1,6 +1,7 @@
-"""What closed-loop red teaming is made of.
+"""The parts of closed-loop red teaming.
 
-`rounds` has the lines of its log, `novelty` tells how near a proposal is to what exists, `excerpt`
-chooses what of a tree is shown, `changes` turns a decision into edits, `stopping` says when to stop, and
-`saturation` estimates how much is left to be found. Importing the package loads none of them.
+`rounds` defines the lines of the log, `novelty` measures the similarity of a proposal to what exists,
+`excerpt` chooses the part of a tree that a prompt shows, `changes` turns a decision into edits, `stopping`
+has the stopping rules, and `saturation` estimates how much is left to find. Importing the package loads none
+of them.
 """

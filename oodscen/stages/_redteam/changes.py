@@ -1,4 +1,4 @@
-"""From the tree-LLM's decision to edits of the tree."""
+"""Translation of the tree-LLM's decisions into edits of the tree."""
 
 from typing import Any
 
@@ -14,20 +14,19 @@ from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 def edits_of(
     tree: ScenarioTree, placed: PlacedScenario, **why: Any
 ) -> tuple[tuple[TreeEdit, ...], str | None]:
-    """Translate a decision that fits the tree.
+    """Translate a decision that fits the tree into edits.
 
-    Adding may bring a family and its leaf at once, and move leaves into that family; a family that is
-    emptied goes. Splitting widens a leaf's label, makes it a family and hangs two leaves below it: the
-    first has the present label, the second is new.
+    An addition may bring a new family together with its leaf, and move leaves into that family; a family left
+    empty is removed. A split widens a leaf's label, makes it a family and puts two leaves below it: the first
+    has the old label, the second is new.
 
     Args:
-        tree: The tree as it stands.
+        tree: The current tree.
         placed: The decision.
         why: Provenance, as fields of `TreeEdit`.
 
     Returns:
-        The edits, and the id of the leaf that stands for the text; no edits and `None` for a text that
-        is refused.
+        The edits, and the id of the leaf that stands for the text; no edits and `None` for a refused text.
     """
     if placed.decision in ("not-ood", "off-topic") or placed.node is None:
         return (), None
@@ -65,7 +64,7 @@ def edits_of(
 
 
 def misfits(tree: ScenarioTree, placed: PlacedScenario) -> list[Issue]:
-    """Find what is wrong with an answer that only the whole tree can tell, where a part was shown."""
+    """Return the faults of an answer that only the whole tree reveals, if just a part of it was shown."""
     issues = label_issues(placed, tree.nodes)
     if placed.decision == "add" and placed.category and placed.node in tree.by_id:
         own = _class_of(tree, placed.node)
@@ -78,7 +77,7 @@ def misfits(tree: ScenarioTree, placed: PlacedScenario) -> list[Issue]:
 
 
 def runners_up(tree: ScenarioTree, placed: PlacedScenario) -> tuple[RunnerUp, ...]:
-    """Return the leaves that a text would have fitted as well; what is no other leaf is dropped."""
+    """Return the other leaves that the text would also fit; ids of anything else are dropped."""
     leaves = {leaf.id for leaf in tree.leaves} - {placed.node}
     found: dict[str, RunnerUp] = {}
     for also in placed.also:

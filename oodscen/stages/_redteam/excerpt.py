@@ -1,4 +1,4 @@
-"""What of a tree a model is shown: all of a small one, the part that matters of a large one."""
+"""Excerpts of a tree for a prompt: all of a small tree, the relevant part of a large one."""
 
 import math
 import re
@@ -9,31 +9,31 @@ from oodscen.prompts._tree.place_scenario import Hidden
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree
 
 CHARACTERS = 4
-"""Per token of English text."""
+"""Characters per token of English text."""
 _NEAREST = 0.75
 """Share of the room that the nearest branches may take; the rest is for the upper levels."""
 _THIN = 5
-"""So many groups are named as thin at once."""
+"""Number of groups that are named as thin at once."""
 
 
 class Excerpt(NamedTuple):
-    """A part of a tree that is a tree itself."""
+    """A part of a tree that is itself a tree."""
 
     nodes: tuple[Node, ...]
-    """Parents before children, in the tree's order."""
+    """The shown nodes, parents before children, in the tree's order."""
     hidden: tuple[Hidden, ...]
-    """Nodes of which not all leaves are shown."""
+    """Shown nodes with hidden leaves below them."""
 
 
 def excerpt(tree: ScenarioTree, ranked: Callable[[], Sequence[str]], *, tokens: int) -> Excerpt:
     """Choose the part of a tree that fits into a prompt.
 
-    The branches of the nearest leaves come first, then the upper levels, breadth first. A tree that
-    fits is shown whole. The effort is linear in the size of the tree.
+    The branches of the nearest leaves come first, then the upper levels, breadth first. A tree that fits is
+    shown whole. Takes linear time in the size of the tree.
 
     Args:
         tree: The tree.
-        ranked: Returns the ids of its leaves, nearest first; called only if not all fits.
+        ranked: Returns the ids of its leaves, nearest first; called only if the tree does not fit.
         tokens: Room for the outline, at four characters each.
     """
     depths = {node.id: depth for node, depth in tree.walk()}
@@ -78,9 +78,9 @@ def _hidden(tree: ScenarioTree, shown: set[str]) -> tuple[Hidden, ...]:
 
 
 def listed(tree: ScenarioTree, *, tokens: int, turn: int = 0) -> tuple[tuple[str, ...], int]:
-    """Return the labels of the leaves that fit into a prompt, and how many do not.
+    """Return the labels of the leaves that fit into a prompt, and the number of those that do not.
 
-    Where they do not all fit, another turn lists others, so that in time all are listed.
+    If they do not all fit, each turn lists others, so that all are listed in time.
     """
     labels = [leaf.label for leaf in tree.leaves]
     room = tokens * CHARACTERS
@@ -98,10 +98,10 @@ def listed(tree: ScenarioTree, *, tokens: int, turn: int = 0) -> tuple[tuple[str
 
 
 def thin(tree: ScenarioTree, *, turn: int = 0) -> tuple[str, ...]:
-    """Return the labels of the groups with the fewest leaves, a few of them in every turn.
+    """Return the labels of the groups with the fewest leaves, a few in every turn.
 
-    A group is a family: a node between a class and the leaves. The thinner half takes turns. A class
-    with less than half as many leaves as the other comes first.
+    A group is a family: a node between a class and the leaves. The thinner half takes turns. A class with
+    less than half as many leaves as the other comes first.
     """
     counts = dict.fromkeys((node.id for node in tree.nodes), 0)
     order = [node for node, _ in tree.walk()]
@@ -127,10 +127,10 @@ def thin(tree: ScenarioTree, *, turn: int = 0) -> tuple[str, ...]:
 
 
 def by_words(text: str, labels: Sequence[str]) -> list[float]:
-    """Return for each label how much of its meaning a text's words carry, 0 to 1.
+    """Return for each label the share of its weighted words that a text contains, 0 to 1.
 
-    Words count by how rare they are among the labels; only their first five letters are compared, so
-    that inflections coincide.
+    Rare words among the labels weigh more. Words are compared by their first five letters, so that
+    inflections coincide.
     """
     own = _words(text)
     of_label = [_words(label) for label in labels]

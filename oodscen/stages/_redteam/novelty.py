@@ -1,4 +1,4 @@
-"""How near a proposal is to what exists: the labels of the leaves, and earlier proposals."""
+"""The similarity of a proposal to what exists: the labels of the leaves, and earlier proposals."""
 
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
@@ -16,15 +16,15 @@ from oodscen.tree._scenario_tree import ROOT, ScenarioTree
 
 
 class Nearness(NamedTuple):
-    """What is nearest to a proposal."""
+    """The leaf or earlier proposal that is most similar to a proposal."""
 
     similarity: float | None
-    """Four decimals; `None` where nothing compares texts."""
+    """Cosine, rounded to four decimals; `None` if nothing was compared."""
     node: str | None
-    """Id of the leaf."""
+    """Id of the leaf, or of the leaf that the earlier proposal stands for."""
     by: Literal["label", "text"] | None
     words: str
-    """The label or text that is nearest."""
+    """The most similar label or text."""
     is_too_near: bool
 
 
@@ -32,19 +32,19 @@ class Novelty:
     """Remembers leaves and proposals, and compares a new proposal with them.
 
     Sentences about driving share a frame ("The ego vehicle is driving on ...") that makes all of them
-    near to each other. So vectors are centred before cosines are taken: those of proposals on the mean
-    of the few shots and all proposals so far, those of labels on the mean of the initial labels. Without
-    an encoder only literal repetitions are found.
+    similar. Vectors are therefore centred before cosines are taken: those of proposals on the mean of the
+    few-shot examples and all proposals so far, those of labels on the mean of the initial labels. Without an
+    encoder only literal repetitions are found.
 
-    Every text is encoded on its own and in the order of the rounds, so that neither threads nor a
-    resumed run change a bit.
+    Every text is encoded separately and in the order of the rounds, so that neither threads nor a resumed run
+    change a bit.
 
     Args:
         tree: The tree before the first round.
         encoder: Turns texts into vectors.
-        text: From this similarity to an earlier proposal on, a proposal is too near.
-        label: The same for the label of a leaf.
-        shown: The few shots of the red-LLM.
+        text: Similarity to an earlier proposal from which a proposal is too near.
+        label: Similarity to a leaf's label from which a proposal is too near.
+        shown: The few-shot examples of the red-LLM.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class Novelty:
         return max(found, key=lambda one: (one.is_too_near, self._excess(one)))
 
     def ranked(self, text: str, tree: ScenarioTree) -> list[str]:
-        """Return the ids of a tree's leaves, those nearest to a text first."""
+        """Return the ids of a tree's leaves, ordered from the nearest to a text."""
         leaves = tree.leaves
         labels = [leaf.label for leaf in leaves]
         if self._encoder is None or not leaves:
@@ -179,7 +179,7 @@ class Novelty:
 
 
 def _cosines(rows: Vector, vector: Vector) -> Vector:
-    """Return the cosine of each row with a vector; sums and no BLAS, so that the bits are fixed."""
+    """Return the cosine of each row with a vector; uses sums instead of BLAS for bit-exact results."""
     dots = (rows * vector).sum(axis=1)
     lengths = np.sqrt((rows * rows).sum(axis=1) * (vector * vector).sum())
     return np.asarray(np.divide(dots, lengths, out=np.zeros_like(dots), where=lengths > 0.0))

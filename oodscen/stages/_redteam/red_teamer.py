@@ -1,4 +1,4 @@
-"""Red teaming: a red-LLM imagines scenarios, the tree-LLM makes the tree cover them."""
+"""Red teaming: a red-LLM imagines scenarios, and the tree-LLM makes the tree cover them."""
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -22,38 +22,36 @@ from oodscen.tree._scenario_tree import ScenarioTree
 __all__ = ["RedTeamer", "Round", "RunnerUp"]
 
 _REFUSED = 5
-"""So many proposals that were nothing new are shown to the red-LLM."""
+"""Number of rejected proposals that the red-LLM sees."""
 
 
 class RedTeamer:
     """Grows a diverse tree out of an initial one (paper, section III-A, red teaming).
 
-    Closed loop, the default: the red-LLM is shown what the tree covers, where it is thin and what was
-    proposed in vain; a proposal that the `encoder`, if one is given, finds too near to what exists is
-    refused before the tree-LLM is asked; a leaf that was broadened often enough is split. Open loop is the paper's
+    Closed loop, the default: the red-LLM sees what the tree covers, where it is thin and which proposals were
+    rejected. A proposal that the `encoder`, if given, finds too similar to what exists is refused before the
+    tree-LLM is asked, and a leaf that was broadened `broadenings` times is split. Open loop is the paper's
     procedure: nothing is shown and nothing refused, and nodes are added or broadened.
 
     Args:
         llm: The tree-LLM.
         red_llm: The red-LLM; the same model if left out.
-        iterations: Number of rounds, at most.
+        iterations: Maximum number of rounds.
         closed_loop: `False` is the paper's procedure.
-        shown: The few shots.
-        encoder: Compares proposals with what exists, e.g. `make_encoder("minilm")` as a study and the
-            command line do. Left out, nothing is embedded: only literal repetitions are refused.
-            Not used in the open loop.
-        nearest: Similarity to an earlier proposal from which on a proposal is refused.
-        nearest_label: The same for the label of a leaf.
-        budget: Model calls, at most, repair turns included; a round that could not be finished
-            within it is not begun.
-        patience: Stop after so many rounds in a row without a new kind.
-        coverage: Stop when the Good-Turing coverage is above this.
-        in_flight: So many proposals are under way at once: the red-LLM sees the tree as it was so
-            many rounds ago. Decisions are taken in the order of the rounds.
+        shown: The few-shot examples.
+        encoder: Compares proposals with what exists, e.g. `make_encoder("minilm")`, as in a study and on the
+            command line. Without one, only literal repetitions are refused. Not used in the open loop.
+        nearest: Minimum similarity to an earlier proposal at which a proposal is refused.
+        nearest_label: Minimum similarity to a leaf's label at which a proposal is refused.
+        budget: Maximum number of model calls, including repairs; a round that might exceed it is not started.
+        patience: Stop after this many rounds in a row without a new kind.
+        coverage: Stop when the Good-Turing coverage exceeds this.
+        in_flight: Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago.
+            Decisions are taken in the order of the rounds.
         threads: Threads that ask; they change no result. As many as `in_flight` if left out.
-        cancel: Called when the wait for answers is interrupted, so that what is under way ends soon.
-        broadenings: So often a leaf is broadened before it is split.
-        tokens: Room for the tree in a prompt; of a larger one only a part is shown.
+        cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
+        broadenings: Number of broadenings of a leaf before it is split.
+        tokens: Room for the tree in a prompt; only a part of a larger tree is shown.
     """
 
     def __init__(
@@ -99,7 +97,7 @@ class RedTeamer:
         self.tokens = tokens
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
-        """Return the tree after all rounds; its edits tell the round, text and reason of each."""
+        """Return the tree after all rounds; each edit holds its round, text and reason."""
         for item in self.rounds(tree):
             tree = tree.apply(*item.edits)
         return tree
@@ -107,12 +105,12 @@ class RedTeamer:
     def rounds(self, tree: ScenarioTree, done: Iterable[Round] = ()) -> Iterator[Round]:
         """Play the rounds one by one, until a stopping rule holds.
 
-        A round that fails, or whose answer stays invalid or does not fit the tree, is yielded with its
-        error and leaves the tree as it is.
+        A round that fails, or whose answer stays invalid or does not fit the tree, is yielded with its error
+        and leaves the tree unchanged.
 
         Args:
             tree: The tree before the first round.
-            done: Rounds that were played before, to continue after them.
+            done: Earlier rounds to continue from.
         """
         game = _Game(self, tree)
         for item in done:
@@ -138,7 +136,7 @@ class RedTeamer:
                 yield game.play(flying.pop(first).result())
 
     def stopped_by(self, rounds: Iterable[Round]) -> Stop | None:
-        """Return the rule that ends the red teaming after these rounds; `None` if it goes on."""
+        """Return the rule that ends the red teaming after these rounds, or `None` if it goes on."""
         progress = Progress(self.limits)
         for item in rounds:
             progress.add(item)
@@ -154,7 +152,7 @@ class RedTeamer:
 
 
 class _Proposal(NamedTuple):
-    """What came back from the red-LLM."""
+    """A proposal of the red-LLM, or the error instead of it."""
 
     text: str
     calls: int
@@ -162,7 +160,7 @@ class _Proposal(NamedTuple):
 
 
 class _Counted:
-    """Counts the calls of one question."""
+    """Counts the model calls of one question."""
 
     def __init__(self, llm: LLM) -> None:
         self.name = llm.name
@@ -175,7 +173,7 @@ class _Counted:
 
 
 class _Game:
-    """The rounds so far: a function of the initial tree and the log."""
+    """The rounds so far, as a function of the initial tree and the log."""
 
     def __init__(self, teamer: RedTeamer, tree: ScenarioTree) -> None:
         self.teamer = teamer
@@ -189,7 +187,7 @@ class _Game:
             shown=teamer.shown,
         )
         self.questions: dict[int, ImagineScenario] = {}
-        """Of the next rounds: made as soon as the tree that they show is known."""
+        """Questions of the next rounds, made as soon as the tree that they show is known."""
         self._broadened: dict[str, int] = {}
         self._in_vain: list[str] = []
         for edit in tree.edits:
@@ -198,13 +196,13 @@ class _Game:
             self.questions[number] = self._question(number)
 
     def play(self, proposal: _Proposal) -> Round:
-        """Decide on the proposal of the next round."""
+        """Decide on the proposal of the next round, and add the round."""
         item = self._decided(self.progress.round + 1, proposal)
         self.add(item)
         return item
 
     def add(self, item: Round) -> None:
-        """Take a round into account."""
+        """Update tree, progress and novelty with a round."""
         self.tree = self.tree.apply(*item.edits)
         self.progress.add(item)
         if self.teamer.closed_loop:
@@ -297,7 +295,7 @@ class _Game:
         )
 
     def _where(self, text: str) -> PlaceScenario:
-        """Ask about the whole tree, or about the part of a large one that matters for a text."""
+        """Return the question about the whole tree, or about the part of a large one that matters for a text."""
         tree, closed = self.tree, self.teamer.closed_loop
         part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.teamer.tokens)
         shown = {node.id for node in part.nodes}
@@ -316,7 +314,7 @@ class _Game:
 
 
 def _misfits(question: PlaceScenario, tree: ScenarioTree, answer: PlacedScenario) -> list[Issue]:
-    """Check against the whole tree what the question's own check has let pass."""
+    """Return the faults that only the whole tree reveals, if the question's own check finds none."""
     if question.check(answer):
         return []
     if question.procedure == "paper":

@@ -15,20 +15,20 @@ Decision = Literal[
     "off-topic",
     "malformed",
 ]
-"""What became of a proposal.
+"""The decision on a proposal.
 
-`add`: a new leaf. `split`: a leaf that stood for too much became a family, with a new leaf in it.
-`broaden`: a leaf's label was widened. `covered`: a leaf describes it already. `duplicate`: too near to
-what exists, so that the tree-LLM was not asked. `not-ood`: ordinary driving. `off-topic`: no driving.
-`malformed`: an answer stayed invalid, or did not fit the tree.
+`add`: a new leaf. `split`: an overly broad leaf became a family, with a new leaf in it. `broaden`: a leaf's
+label was widened. `covered`: a leaf describes it already. `duplicate`: too similar to what exists, so that
+the tree-LLM was not asked. `not-ood`: ordinary driving. `off-topic`: not about driving. `malformed`: an
+answer stayed invalid, or did not fit the tree.
 """
 
 NEW = ("add", "split")
-"""Decisions that bring a new kind."""
+"""Decisions that add a new kind."""
 
 
 class RunnerUp(Data):
-    """A leaf that the text of a round would have fitted as well."""
+    """A leaf that the text of a round would also have fitted."""
 
     noun: ClassVar[str] = "runner-up"
 
@@ -37,37 +37,37 @@ class RunnerUp(Data):
 
 
 class Round(Data):
-    """One round of red teaming: what was imagined, and what became of it."""
+    """One round of red teaming: the proposal, and the decision on it."""
 
     noun: ClassVar[str] = "red-team round"
 
     round: int
-    """Counted from 1."""
+    """Number of the round, from 1."""
     status: Literal["ok", "failed"] = "ok"
     error: str | None = None
     retryable: bool = False
-    """Whether a failed round may succeed at another time."""
+    """True if a failed round may succeed later."""
     text: str = ""
-    """What the red-LLM imagined."""
+    """The red-LLM's proposal."""
     decision: Decision | None = None
-    """`None` where no answer came."""
+    """`None` if no answer came."""
     reason: str = ""
-    """Of the tree-LLM; for a duplicate, what it is too near to."""
+    """The tree-LLM's reason; for a duplicate, what it is too similar to."""
     edits: tuple[TreeEdit, ...] = ()
-    """What was done to the tree; a covered text leaves a `keep`."""
+    """Edits of the tree; a covered text leaves a `keep`."""
     nodes: int = 0
     """Size of the tree after the round."""
     kind: str | None = None
     """Id of the leaf that stands for the text after the round."""
     runners_up: tuple[RunnerUp, ...] = ()
-    """Leaves that would have been the next best choices."""
+    """Leaves that were the next best choices."""
     similarity: float | None = None
-    """To the nearest of what existed, from -1 to 1, four decimals; `None` where nothing compared."""
+    """Similarity to the nearest label or proposal, from -1 to 1, four decimals; `None` if nothing was compared."""
     nearest: str | None = None
-    """Id of the leaf to which that belongs."""
+    """Id of the leaf behind that similarity."""
     nearest_by: Literal["label", "text"] | None = None
-    """Whether the leaf's label is nearest, or an earlier proposal that it stands for."""
+    """`label` if the leaf's label is nearest, `text` if an earlier proposal that it stands for is."""
     calls: int = 0
-    """Model calls spent on the round, repair turns included."""
+    """Model calls of the round, including repairs."""
     seen: int = 0
-    """The red-LLM saw the tree as it was after this round; 0 is the initial tree."""
+    """Number of the last round in the tree that the red-LLM saw; 0 is the initial tree."""

@@ -1,8 +1,7 @@
-"""How much is left to be found: Good-Turing coverage and Chao's estimate over the rounds.
+"""Estimates of how much is left to find: Good-Turing coverage and Chao1 over the rounds.
 
-Each round that names a kind is an observation, as of an animal's species in a survey. Kinds that the
-tree had from the start are known; the others are new. `f1` and `f2` count the new kinds that were met
-once and twice.
+Each round that names a kind is an observation, like an animal's species in a survey. Kinds in the initial
+tree are known; all others are new. `f1` and `f2` count the new kinds that were met once and twice.
 """
 
 import math
@@ -15,7 +14,7 @@ from oodscen.stages._redteam.rounds import NEW, Round
 from oodscen.statistics._resampling import wilson
 
 Z = 1.959964
-"""Of a 95 % interval."""
+"""Normal quantile of a 95 % interval."""
 
 
 class SaturationPoint(Data):
@@ -35,11 +34,11 @@ class SaturationPoint(Data):
 
 
 class Saturation(Data):
-    """What the rounds of a red team say about the kinds that they have not met.
+    """Estimates, from the rounds of a red team, about the kinds that it has not met.
 
-    The estimates take the rounds for independent draws from one source, which those of the open loop
-    are. In the closed loop the red-LLM is led away from what is covered: kinds are met once more often
-    than by chance, so `unseen` is then rather too high and `coverage` too low.
+    The estimates assume that the rounds are independent draws from one source, which holds in the open loop.
+    In the closed loop the red-LLM is steered away from what is covered: kinds are met only once more often
+    than by chance, so `unseen` tends to be too high and `coverage` too low.
     """
 
     noun: ClassVar[str] = "saturation"
@@ -47,40 +46,40 @@ class Saturation(Data):
     rounds: int
     calls: int
     observations: int
-    """Rounds that named a kind: `n` of the formulas."""
+    """Rounds that named a kind: `n` in the formulas."""
     kinds: int
-    """New kinds that were met."""
+    """Number of new kinds met."""
     once: int
-    """New kinds that were met once: `f1`."""
+    """New kinds met once: `f1`."""
     twice: int
-    """New kinds that were met twice: `f2`."""
+    """New kinds met twice: `f2`."""
     coverage: float
-    """Good-Turing estimate of the chance that the next proposal is of a kind that was met or known:
-    1 - f1 / n (Good 1953)."""
+    """Good-Turing estimate of the probability that the next proposal is of a known or met kind: 1 - f1 / n (Good
+    1953).
+    """
     coverage_low: float
-    """95 % bounds (Esty 1983)."""
+    """Lower 95 % bound (Esty 1983); `coverage_high` is the upper one."""
     coverage_high: float
     unseen: float
-    """Chao1 estimate of how many new kinds this red-LLM would still bring, a lower bound by nature
-    (Chao 1984; with the factor (n - 1) / n, and in its bias-corrected form where no kind was met
-    twice)."""
+    """Chao1 estimate of the number of new kinds that this red-LLM would still bring, by construction a lower
+    bound (Chao 1984; with the factor (n - 1) / n, and bias-corrected if no kind was met twice).
+    """
     unseen_low: float
-    """95 % bounds, from the logarithm of the estimate (Chao 1987)."""
+    """Lower 95 % bound, from the logarithm of the estimate (Chao 1987); `unseen_high` is the upper one."""
     unseen_high: float
     recent: float
-    """Share of the last rounds that brought a new kind; holds in the closed loop too."""
+    """Share of the last rounds that brought a new kind; valid in the closed loop too."""
     recent_low: float
-    """95 % bounds (Wilson 1927)."""
+    """Lower 95 % bound (Wilson 1927); `recent_high` is the upper one."""
     recent_high: float
     recent_rounds: int
-    """Over how many rounds `recent` is taken."""
+    """Number of rounds behind `recent`."""
     patience: int
-    """So many rounds without a new kind count as dry."""
+    """Number of consecutive rounds without a new kind that count as dry."""
     dry_from: int | None
-    """First round of the first spell of that many rounds without a new kind; `None` if there was
-    none."""
+    """First round of the first dry spell of `patience` rounds without a new kind; `None` if there was none."""
     last_new: int
-    """Last round that brought a new kind; 0 if none did."""
+    """Last round that brought a new kind; 0 if there was none."""
     curve: tuple[SaturationPoint, ...]
     """One point per round."""
 
@@ -89,9 +88,8 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
     """Estimate from the log of a red team how much it has left to find.
 
     Args:
-        rounds: In order, from the first on.
-        patience: So many rounds without a new kind count as dry; the last so many rounds are the
-            recent ones.
+        rounds: All rounds in order, from the first.
+        patience: Number of rounds without a new kind that count as dry, and number of recent rounds.
     """
     played = tuple(rounds)
     tally = Tally()
@@ -144,10 +142,10 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
 
 
 class Tally:
-    """How often each new kind was met; grows round by round."""
+    """Counts of the encounters with each new kind, updated round by round."""
 
     def __init__(self) -> None:
-        """Start with nothing."""
+        """Start without observations."""
         self.observations = 0
         self.once = 0
         self.twice = 0
@@ -160,11 +158,11 @@ class Tally:
 
     @property
     def coverage(self) -> float:
-        """1 - f1 / n, and 0 before the first observation."""
+        """1 - f1 / n, or 0 before the first observation."""
         return 1.0 - self.once / self.observations if self.observations else 0.0
 
     def add(self, item: Round) -> None:
-        """Count a round, if it named a kind."""
+        """Count a round that named a kind."""
         if item.kind is None:
             return
         self.observations += 1
@@ -189,7 +187,7 @@ def chao1(n: int, seen: int, once: int, twice: int) -> tuple[float, float, float
         twice: Kinds that were met twice.
 
     Returns:
-        Estimate, lower and upper bound; three zeros where every kind was met again.
+        Estimate, lower and upper bound; three zeros if every kind was met again.
     """
     scale = (n - 1) / n if n else 0.0
     if twice:

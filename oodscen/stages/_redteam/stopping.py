@@ -1,4 +1,4 @@
-"""When red teaming ends: rounds, budget, novelty."""
+"""The stopping rules of red teaming: rounds, budget, novelty."""
 
 from typing import ClassVar, Literal
 
@@ -10,10 +10,10 @@ from oodscen.stages._redteam.rounds import NEW, Round
 from oodscen.stages._redteam.saturation import Tally
 
 Stop = Literal["rounds", "budget", "patience", "coverage"]
-"""Which rule ended the red teaming."""
+"""The rule that ended the red teaming."""
 
 LEAST = 2
-"""Model calls that a round needs at least: imagine and place."""
+"""Minimum number of model calls per round: imagine and place."""
 _MOST = 2 * ATTEMPTS
 
 
@@ -23,19 +23,19 @@ class Limits(Data):
     noun: ClassVar[str] = "stopping rules"
 
     rounds: int = Field(ge=0)
-    """At most this many rounds."""
+    """Maximum number of rounds."""
     budget: int | None = Field(default=None, ge=0)
-    """At most this many model calls, repair turns included; a round that could not be finished is not
-    begun."""
+    """Maximum number of model calls, including repairs; a round that might exceed it is not started."""
     patience: int | None = Field(default=None, ge=1)
-    """Stop after so many rounds in a row without a new kind."""
+    """Stop after this many rounds in a row without a new kind."""
     coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
-    """Stop when the Good-Turing coverage is above this. One more kind is taken for met once than there
-    are, so that a few lucky rounds end nothing: 1 - (f1 + 1) / (n + 1)."""
+    """Stop when the Good-Turing coverage exceeds this. One extra kind counts as met once, so that a few lucky
+    rounds do not end the red teaming: 1 - (f1 + 1) / (n + 1).
+    """
 
 
 class Progress:
-    """What the stopping rules look at, kept round by round."""
+    """The state that the stopping rules examine, updated round by round."""
 
     def __init__(self, limits: Limits) -> None:
         """Start before the first round."""
@@ -43,11 +43,11 @@ class Progress:
         self.round = 0
         self.calls = 0
         self.idle = 0
-        """Rounds in a row without a new kind."""
+        """Number of rounds in a row without a new kind."""
         self._tally = Tally()
 
     def add(self, item: Round) -> None:
-        """Count a finished round; one to which no answer came says nothing about novelty."""
+        """Count a finished round; a round without an answer says nothing about novelty."""
         self.round = item.round
         self.calls += item.calls
         if item.decision in NEW:
@@ -58,14 +58,14 @@ class Progress:
 
     @property
     def stop(self) -> Stop | None:
-        """The rule that ends the red teaming now, if one does."""
+        """The rule that ends the red teaming now, or `None`."""
         return self._stop(0)
 
     def attempts(self, spent: int = 0) -> int:
-        """Return how often the next question may be put, one call being kept for a second one.
+        """Return how many calls the next question may take; the first question leaves one for the second.
 
         Args:
-            spent: Calls that the round has used; above 0 it is the second question.
+            spent: Calls that the round has used; above 0 for its second question.
         """
         if self.limits.budget is None:
             return ATTEMPTS
@@ -73,11 +73,11 @@ class Progress:
         return min(ATTEMPTS, left if spent else left - 1)
 
     def is_certain(self, number: int) -> bool:
-        """Whether a later round will be played in full, whatever becomes of the rounds before it."""
+        """Return whether a later round will be played in full, whatever the rounds before it bring."""
         return self._stop(number - self.round - 1) is None
 
     def _stop(self, ahead: int) -> Stop | None:
-        """Judge as if so many further rounds had been played, each as badly as can be."""
+        """Apply the rules as if `ahead` further rounds had been played with the worst outcome."""
         limits = self.limits
         if self.round + ahead >= limits.rounds:
             return "rounds"
