@@ -40,7 +40,7 @@ class Asset(Data):
     passable: tuple[str, ...] = ()
     """States in which the asset blocks no one although its box does, e.g. a gate's `open`."""
     names: tuple[str, ...] = ()
-    """Ids of the same thing in other catalogues, e.g. `police_car`; the asset serves where one of them is needed."""
+    """Ids of the same thing in other catalogues, e.g. `police_car`; the asset serves wherever one is needed."""
 
     def is_passable(self, state: str = "") -> bool:
         """Return whether a vehicle can drive over or through the asset in the given state."""
