@@ -1,8 +1,8 @@
-"""Tests for automated driving on what nobody trained for.
+"""Tests automated driving on out-of-distribution scenarios.
 
-A language model grows a tree of out-of-distribution (OOD) driving scenarios; each path becomes texts, each text a
-scene, each scene a simulated episode on which models and driving stacks are judged. Importing the package loads
-nothing; each name below is imported when it is first used.
+A language model grows a tree of out-of-distribution (OOD) driving scenarios. Each path of the tree becomes texts,
+each text a scene, and each scene a simulated episode on which models and driving stacks are judged. Importing the
+package loads nothing else: each name below is imported on first use.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""`python -m oodscen` is the command line."""
+"""Entry point of `python -m oodscen`, the command line."""
 
 from oodscen._cli import main
 

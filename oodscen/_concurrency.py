@@ -1,4 +1,4 @@
-"""A sliding window of threads: bounded, ordered enough to be fair, no batches."""
+"""A thread pool with a sliding window: bounded, roughly in order, without batches."""
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -17,19 +17,19 @@ def as_finished(
     threads: int = 1,
     cancel: Callable[[], None] | None = None,
 ) -> Iterator[tuple[Item, Result]]:
-    """Yield `(item, function(item))` as results come, at most `threads` at a time.
+    """Yield `(item, function(item))` as results arrive, with at most `threads` calls running at a time.
 
-    Items are taken from the iterable only when a thread is free, and a thread is busy again before
-    its last result is yielded. An exception of `function` surfaces at the item it belongs to; what was
-    under way is then awaited and dropped, and nothing new is begun. When the wait is interrupted
-    (`KeyboardInterrupt`), results that still come are yielded before it is raised.
+    An item is taken from the iterable only when a thread is free, and a thread gets its next item before
+    its last result is yielded. An exception in `function` is raised in place of its item's result; calls
+    that are still running are then awaited and discarded, and no new call is started. If the wait is
+    interrupted (`KeyboardInterrupt`), results that still arrive are yielded before it is raised.
 
     Args:
-        function: What is done to each.
-        items: Taken one by one.
-        threads: How many at a time; 1 works in the caller.
-        cancel: Called once when the wait is interrupted or the results are no longer wanted, so that what is
-            under way ends soon.
+        function: Called once per item.
+        items: Taken one at a time.
+        threads: Maximum number of concurrent calls; 1 runs them in the calling thread.
+        cancel: Called once if the wait is interrupted or the caller stops iterating, so that running
+            calls end soon.
     """
     if threads <= 1:
         for item in items:
@@ -56,7 +56,7 @@ def as_finished(
 
 @contextmanager
 def cancelling(cancel: Callable[[], None] | None) -> Iterator[None]:
-    """Call `cancel` when the block is interrupted, or left as its results are no longer wanted."""
+    """Call `cancel` if the block is interrupted or its generator is closed early."""
     try:
         yield
     except (KeyboardInterrupt, GeneratorExit):

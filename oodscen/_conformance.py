@@ -1,4 +1,4 @@
-"""The promises of every kind of component: what it must have, and what becomes of it when it raises."""
+"""The required members of each kind of component, and the error type that its exceptions become."""
 
 import inspect
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ _MOST_SAID = 500
 
 
 class _Promise(NamedTuple):
-    """What an object of a kind must have."""
+    """A member that every component of a kind must have."""
 
     values: tuple[str, ...]
     methods: tuple[str, ...]
@@ -32,18 +32,18 @@ _PROMISES = {
 
 
 def conforming(kind: str, made: Any, label: str = "") -> Any:
-    """Return a component if it is what `oodscen.protocols` asks of its kind.
+    """Return the component if it satisfies the protocol of its kind in `oodscen.protocols`.
 
-    What may be costly to know, such as an encoder's dimension, must be there and is not read.
+    Members that may be costly to compute, such as an encoder's dimension, must exist but are not read.
 
     Args:
         kind: `llm`, `encoder`, `simulator` or `driver`.
         made: The component.
-        label: What the caller called it; its class if left out.
+        label: The name that the caller used; the component's class name by default.
 
     Raises:
-        UsageError: With everything that is missing or of another type.
-        OodscenError: Of another kind where its name cannot be told for a reason of its own.
+        UsageError: Lists every member that is missing or has the wrong type.
+        OodscenError: Any other kind, if reading the component's name raises it.
     """
     called = f"the {kind} {label!r}" if label else f"this {kind}, {described(made)},"
     if isinstance(made, type):
@@ -64,7 +64,7 @@ def _missing(kind: str, made: Any) -> list[str]:
 
 
 def _is_there(made: Any, name: str) -> bool:
-    """Tell whether there is an attribute; a property is not read, since it may load a model."""
+    """Return whether the attribute exists. Properties are not read, since they may load a model."""
     absent = object()
     if inspect.getattr_static(made, name, absent) is not absent:
         return True
@@ -72,7 +72,7 @@ def _is_there(made: Any, name: str) -> bool:
 
 
 def _read(made: Any, name: str, absent: object) -> Any:
-    """Return an attribute; one that cannot be read counts as absent."""
+    """Return the attribute, or `absent` if it cannot be read."""
     try:
         return getattr(made, name, absent)
     except Exception:
@@ -80,7 +80,7 @@ def _read(made: Any, name: str, absent: object) -> Any:
 
 
 def _fault(kind: str, made: Any, name: str) -> str:
-    """Say what is wrong with a value that every component of a kind must have, or nothing."""
+    """Return what is wrong with a required member, or an empty string."""
     if name not in _PROMISES[kind].values:
         return ""
     try:
@@ -100,17 +100,17 @@ def _fault(kind: str, made: Any, name: str) -> str:
 
 
 def described(value: object) -> str:
-    """Say of what type a value is, for an error message."""
+    """Return the type of a value in words, for an error message."""
     return "None" if value is None else f"of type {type(value).__name__}"
 
 
 @contextmanager
 def working(kind: str, label: str) -> Iterator[None]:
-    """Turn whatever a component raises while it works into the error of its kind.
+    """Turn any exception that a component raises into the error type of its kind.
 
     Raises:
-        OodscenError: As it came; else an `LLMError`, `EncoderError` or `SimulatorCrash`, or a
-            `UsageError` for other kinds.
+        OodscenError: Passed through unchanged. Any other exception becomes an `LLMError`, `EncoderError` or
+            `SimulatorCrash`, or a `UsageError` for other kinds.
     """
     try:
         yield
@@ -133,9 +133,9 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
 
 
 def reason(error: BaseException) -> str:
-    """Return the type and the words of a foreign exception, in one line."""
+    """Return the type and message of a foreign exception on one line."""
     try:
-        # Before it is cut: half a key is no key that could be found.
+        # Redact before truncating: a truncated key would no longer be recognised.
         said = one_line(plain(redact(str(error))))[:_MOST_SAID]
     except Exception:
         said = ""

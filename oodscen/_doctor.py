@@ -1,4 +1,4 @@
-"""Check that the parts of the default run are installed and work."""
+"""Checks that the components of the default run are installed and work."""
 
 import platform
 import struct
@@ -16,12 +16,12 @@ from oodscen.protocols import LLM
 
 
 class Finding(NamedTuple):
-    """One thing that was checked."""
+    """The result of one check."""
 
     what: str
     is_ok: bool
     detail: str
-    """A version, or what is wrong and how to mend it."""
+    """A version, or what is wrong and how to fix it."""
 
 
 def examine() -> list[Finding]:
@@ -38,15 +38,15 @@ def examine() -> list[Finding]:
 def examine_simulator(
     name: str, *, is_quick: bool = False, progress: Callable[[str, int, int], None] | None = None
 ) -> list[Finding]:
-    """Judge one simulator by the conformance check; one finding per fault.
+    """Run the conformance check on one simulator; one finding per fault.
 
     Args:
-        name: Registered, or `module:attr`.
-        is_quick: Leave out the parts that take long.
-        progress: Told about every part.
+        name: A registered name, or `module:attr`.
+        is_quick: Skip the slow parts.
+        progress: Called for every part.
 
     Raises:
-        UsageError: When there is no such simulator.
+        UsageError: If there is no such simulator.
     """
     from oodscen._registry import make_simulator
     from oodscen.testing._check import PARTS, QUICK, check_simulator
@@ -67,19 +67,19 @@ def examine_simulator(
 
 
 WANTED = {"hazards": 220, "families": 30, "staged": 90}
-"""What the shipped knowledge base has at least."""
+"""Minimum counts that the shipped knowledge base must have."""
 _SHOWN_NOTES = 100
 
 
 def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
-    """Inspect the built-in author's knowledge base, or a user's own file on top of it.
+    """Check the built-in author's knowledge base, or a user's own file on top of it.
 
     Args:
-        path: A TOML file, or a folder of them; `None` inspects what ships.
+        path: A TOML file, or a folder of them; `None` checks the shipped one.
 
     Returns:
-        The counts, then one finding per fault with file, line and hazard; notes are findings that
-        are no fault.
+        The counts, then one finding per fault with its file, line and hazard. Notes are findings that
+        are not faults.
     """
     from oodscen._registry import make_catalogue, names
     from oodscen.author._knowledge.inspection import inspect_knowledge
@@ -113,14 +113,14 @@ def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
 
 
 def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
-    """Ask a language model two small questions, one of them with a picture.
+    """Ask a language model two short questions, one of them with a picture.
 
     Args:
-        name: As for `--llm`.
-        api_base: Address of an OpenAI-compatible server.
+        name: A model name as for `--llm`.
+        api_base: The address of an OpenAI-compatible server.
 
     Raises:
-        UsageError: When nobody knows the name, or the network is forbidden.
+        UsageError: If no provider knows the name, or the network is forbidden.
     """
     from oodscen._registry import make_llm
     from oodscen.llm._remote.limits import Price

@@ -1,4 +1,4 @@
-"""Files: bounded reading of what a user names, replacement in one step, names inside a folder."""
+"""File access: size-limited reading, atomic replacement, and names confined to a folder."""
 
 import os
 import re
@@ -10,24 +10,24 @@ from pathlib import Path, PurePosixPath
 from oodscen.errors import DataError, Issue
 
 MAX_BYTES = 1 << 30
-"""Most that is read of one file; the largest public data set of driving texts has about 300 MB."""
+"""Maximum number of bytes read from one file. The largest public data set of driving texts has about 300 MB."""
 
 _PART = re.compile(r"\.(\d+)-[0-9a-f]{12}\.oodscen-part")
-"""Names of files that are being written, with the process that does."""
+"""Matches the names of partly written files, which contain the id of the writing process."""
 
 
 def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> bytes:
     """Return the bytes of a regular file.
 
-    A pipe is refused without waiting for who writes into it, and a device without reading it.
+    A pipe is refused without waiting for a writer, and a device without being read.
 
     Args:
-        path: Of the file; links are followed.
-        noun: What an error message calls its content.
-        limit: Most bytes that it may have.
+        path: The file; links are followed.
+        noun: The word for the content in error messages.
+        limit: Maximum size in bytes.
 
     Raises:
-        DataError: When there is no such file, it is none that can be read, or it is larger.
+        DataError: If the file is missing, unreadable, not a regular file, or too large.
     """
     try:
         # Without O_NONBLOCK, opening a pipe waits for a writer.
@@ -47,10 +47,10 @@ def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> byte
 
 
 def refuse_special(path: str | Path, noun: str) -> None:
-    """Refuse what another library would wait for, or read without an end.
+    """Raise an error for anything but a regular file: another library could block on it or read it forever.
 
     Raises:
-        DataError: When there is no regular file.
+        DataError: If the path is not a regular file.
     """
     try:
         is_regular = stat.S_ISREG(os.stat(path).st_mode)
@@ -61,10 +61,10 @@ def refuse_special(path: str | Path, noun: str) -> None:
 
 
 def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:
-    """Return the text of a regular file in UTF-8, without the mark that some editors put before it.
+    """Return the text of a regular UTF-8 file, without its byte order mark.
 
     Raises:
-        DataError: As in `read_regular`, or with the line that is something else.
+        DataError: As in `read_regular`, or with the number of the line that is not UTF-8.
     """
     content = read_regular(path, noun, limit=limit)
     try:
@@ -76,7 +76,7 @@ def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:
 
 
 def _read(opened: int, limit: int) -> bytes:
-    """Read to the end, or just beyond the limit: a file may grow, and those of /proc tell no size."""
+    """Read to the end, or just past the limit. A file may grow, and files in /proc report no size."""
     content = bytearray()
     while len(content) <= limit and (block := os.read(opened, 1 << 20)):
         content += block
@@ -88,10 +88,10 @@ def _refused(noun: str, path: str | Path, fault: str) -> DataError:
 
 
 def replace(target: Path, data: bytes) -> None:
-    """Give a file new content in one step, durably; it keeps its mode, and the old content on any error.
+    """Replace the content of a file atomically and durably; its mode is kept, and on any error so is its content.
 
     Raises:
-        OSError: When it cannot be written.
+        OSError: If the file cannot be written.
     """
     part = target.with_name(f".{os.getpid()}-{secrets.token_hex(6)}.oodscen-part")
     try:
@@ -109,7 +109,7 @@ def replace(target: Path, data: bytes) -> None:
 
 
 def remove_parts(folder: Path) -> None:
-    """Delete what other processes left half written below a folder that only this one writes."""
+    """Delete files that other processes left half written in a folder that only this process writes."""
     for path in folder.rglob(".*.oodscen-part"):
         match = _PART.fullmatch(path.name)
         if match and int(match[1]) != os.getpid():
@@ -118,10 +118,10 @@ def remove_parts(folder: Path) -> None:
 
 
 def inside(folder: Path, name: str) -> Path:
-    """Return where a relative name leads, which is below a folder.
+    """Return the path of a relative name below a folder.
 
     Raises:
-        ValueError: When it leads elsewhere: absolute, with `..`, or through a symbolic link; or is no name.
+        ValueError: If the name is empty or leads outside: absolute, with `..`, or through a symbolic link.
     """
     path, shown = PurePosixPath(name), repr(name[:100])
     if not name or "\0" in name or path.is_absolute() or ".." in path.parts:

@@ -1,4 +1,4 @@
-"""The one way in which JSON from outside is read: strict, of bounded depth, with errors of one line."""
+"""Strict JSON parsing for outside data, with bounded depth and one-line errors."""
 
 import json
 import math
@@ -8,24 +8,24 @@ from typing import Any
 from pydantic_core import from_json
 
 _LONGEST_NUMBER = 100
-"""In characters; every number that is as long or shorter is within a float's range."""
+"""In characters; every number up to this length is within a float's range."""
 
 
 def parse_json(text: str | bytes) -> Any:
-    """Parse a JSON document in UTF-8.
+    """Parse a UTF-8 JSON document.
 
-    Refused are, beyond what is no JSON: NaN and infinity, numbers outside a float's range, objects that name a
-    key twice, halves of surrogate pairs, and values nested more than 200 deep.
+    Besides malformed JSON, this refuses NaN and infinity, numbers outside a float's range, objects with
+    duplicate keys, lone surrogates, and values nested more than 200 deep.
 
     Raises:
-        ValueError: In one line.
+        ValueError: With a one-line message.
     """
     if isinstance(text, bytes):
         try:
             text = text.decode()
         except UnicodeDecodeError as error:
             raise ValueError(f"byte {error.start} is not UTF-8") from None
-    # json alone nests as deep as the interpreter can; this one stops, but overlooks keys named twice.
+    # `json` nests as deep as the interpreter can; `from_json` has a limit but allows duplicate keys.
     from_json(text, allow_inf_nan=False)
     return json.loads(
         text,
@@ -37,10 +37,10 @@ def parse_json(text: str | bytes) -> Any:
 
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
-    """Parse a JSON document that is an object.
+    """Parse a JSON document that must be an object.
 
     Raises:
-        ValueError: In one line.
+        ValueError: With a one-line message.
     """
     value = parse_json(text)
     if not isinstance(value, dict):
@@ -49,13 +49,13 @@ def parse_object(text: str | bytes) -> dict[str, Any]:
 
 
 def object_lines(content: bytes) -> Iterator[tuple[int, dict[str, Any] | ValueError]]:
-    """Parse one object per line; lines end at LF or CR LF alone, and blank ones are skipped.
+    """Parse one object per line. Lines end at LF or CR LF only; blank lines are skipped.
 
-    A last line without its end counts if it is whole. A torn one is one that is still being written, or
-    whose writer was killed: it is left out.
+    A last line without a line end counts if it is complete. A truncated one is skipped: it is still being
+    written, or its writer was killed.
 
     Yields:
-        The line's number from 1, with the object, or with what is wrong with the line.
+        The line number from 1, with the object or with the error in that line.
     """
     *lines, last = content.split(b"\n")
     for number, line in enumerate(lines, start=1):
@@ -69,7 +69,7 @@ def object_lines(content: bytes) -> Iterator[tuple[int, dict[str, Any] | ValueEr
 
 
 def is_object(text: bytes) -> bool:
-    """Whether a text is a whole JSON object."""
+    """Return whether the text is one complete JSON object."""
     try:
         parse_object(text)
     except ValueError:

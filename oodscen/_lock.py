@@ -1,4 +1,4 @@
-"""One writer at a time: locks on folders and files that the operating system lets go with their process."""
+"""Locks on folders and files that allow one writer; the operating system releases them with the process."""
 
 import json
 import os
@@ -18,10 +18,10 @@ from oodscen._redaction import redact
 from oodscen.errors import InUse, StudyError
 
 NAME = ".oodscen.lock"
-"""Lock file inside a locked folder; that of a file lies beside it and begins with the file's name."""
+"""The lock file inside a locked folder. A file's lock file lies beside it and starts with its name."""
 
 _GRACE_S = 0.3
-"""A holder that is just leaving, or has not yet written who it is, is waited for so long."""
+"""Default wait, in seconds, for a holder that is about to leave or has not yet written its name."""
 
 
 @dataclass
@@ -31,29 +31,29 @@ class _Hold:
     thread: int
     lock: FileLock
     depth: int = 1
-    """How often the thread has taken it."""
+    """Number of times that the owning thread holds the lock."""
 
 
 _holds: dict[Path, _Hold] = {}
-"""By lock file."""
+"""Locks held by this process, by lock file."""
 _guard = threading.Lock()
 
 
 @contextmanager
 def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]:
-    """Be the only one who writes a folder or a file; the thread that holds a lock may take it again.
+    """Hold the exclusive lock of a folder or file; it is re-entrant within a thread.
 
-    The lock ends with its process, however that ends: a lock file left behind locks nothing. While it is
-    held the file says who holds it; it is deleted at the end.
+    The lock ends with its process, however the process ends: a lock file left behind locks nothing. While
+    the lock is held, its file names the holder; the file is deleted on release.
 
     Args:
         path: An existing folder, or a file, which need not exist.
-        what: What is locked, as an error calls it, e.g. `study`.
-        wait_s: Seconds in which another holder may end.
+        what: The word for the locked thing in error messages, e.g. `study`.
+        wait_s: Seconds to wait for another holder.
 
     Raises:
-        InUse: When another process, or another thread, holds it; nothing is changed then.
-        StudyError: When no lock can be had there: no permission, or a file system without locks.
+        InUse: If another process or thread holds the lock; nothing has changed.
+        StudyError: If the lock cannot be created: no permission, or a file system without locks.
     """
     file, me = lock_file(path), threading.get_ident()
     with _guard:
@@ -74,20 +74,20 @@ def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]
             if is_last:
                 del _holds[file]
         if is_last:
-            # While it is still held: whoever waits with the old file open sees that it is gone.
+            # Delete before release: a process waiting on the old file then sees that it is gone.
             with suppress(OSError):
                 file.unlink(missing_ok=True)
             hold.lock.release()
 
 
 def lock_file(path: Path) -> Path:
-    """Return the lock file of a folder or a file."""
+    """Return the path of the lock file of a folder or file."""
     path = Path(os.path.realpath(path))
     return path / NAME if path.is_dir() else path.with_name(f".{path.name}{NAME}")
 
 
 def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
-    # Where there are no locks a file that merely exists would outlive a process that is killed.
+    # On a file system without locks, a plain marker file would outlive a killed process.
     lock = FileLock(
         file, timeout=wait_s, poll_interval=0.02, fallback_to_soft=False, thread_local=False
     )
@@ -114,7 +114,7 @@ def _holder() -> dict[str, str | int]:
 
 
 def _read(file: Path) -> tuple[str, str]:
-    """Return who holds a lock and since when, as far as the file says."""
+    """Return the holder of a lock and its start time, as far as the file records them."""
     try:
         said = json.loads(file.read_text(encoding="utf-8"))
         holder = f"process {said['pid']} on {said['host']} ({said['command']})"

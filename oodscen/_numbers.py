@@ -1,4 +1,4 @@
-"""Numbers that a caller gives: neither text nor not-a-number nor out of range."""
+"""Checks of numbers from the caller: type, finiteness and range."""
 
 import math
 from numbers import Integral, Real
@@ -7,14 +7,14 @@ from typing import Any
 from oodscen.errors import UsageError
 
 MOST = 1_000_000
-"""Most of what is counted: more would run for years, or not fit in memory."""
+"""Upper limit of counts: more would run for years or not fit in memory."""
 
 
 def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int:
-    """Return a whole number in a range, ends included.
+    """Return `value` as an integer if it is a whole number in the range, ends included.
 
     Raises:
-        UsageError: When it is something else.
+        UsageError: If it is anything else.
     """
     if isinstance(value, Integral) and not isinstance(value, bool):
         number = int(value)
@@ -26,10 +26,10 @@ def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int
 
 
 def finite_number(name: str, value: Any, least: float = -math.inf, most: float = math.inf) -> float:
-    """Return a finite number in a range, ends included.
+    """Return `value` as a float if it is finite and in the range, ends included.
 
     Raises:
-        UsageError: When it is something else.
+        UsageError: If it is anything else.
     """
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     try:
@@ -42,7 +42,7 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
 
 
 def _said(value: Any) -> str:
-    """Return a value, short enough for a message; Python refuses to print some numbers."""
+    """Return a value as text, short enough for a message; Python refuses to print some huge integers."""
     try:
         return f"{value!r:.40}"
     except ValueError:

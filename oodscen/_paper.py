@@ -1,4 +1,4 @@
-"""Facts of the paper that the product compares itself with.
+"""Figures and examples from the paper, for comparison.
 
 "Generating Out-Of-Distribution Scenarios Using Language Models", Aasi et al.
 """
@@ -14,7 +14,7 @@ FEW_SHOTS = (
     "same lane.",
     "A pedestrian suddenly crosses the road in an unexpected location in front of the ego vehicle.",
 )
-"""Examples from the paper's text, used as the few shots of growing and red teaming."""
+"""Example scenarios from the paper's text: the few shots for growing the tree and for red teaming."""
 
 NODES = {"initial": 40, "diverse": 77, "simulatable": 22}
 """Tree sizes (section V-A and V-B)."""
@@ -41,7 +41,7 @@ VLM_SUCCESS = {
     "Claude 3.5 Sonnet": (100, 66),
     "Gemini 1.5 Pro": (105, 67),
 }
-"""Of 130 scenes: OOD aspect named, safe control chosen (table II gives the percentages)."""
+"""Counts out of 130 scenes: OOD aspect named, safe control chosen (table II gives the percentages)."""
 
 
 class Attested(NamedTuple):
@@ -49,7 +49,7 @@ class Attested(NamedTuple):
 
     name: str
     words: tuple[str, ...]
-    """Regular expressions that must all be found in a label that names it."""
+    """Regular expressions that must all match a label of this scenario."""
 
 
 ATTESTED = (
@@ -77,7 +77,7 @@ ATTESTED = (
         (r"sudden|abrupt", r"lane change|chang\w+ (its |the )?lane|chang\w+ into|cut\w* in"),
     ),
 )
-"""The scenarios that the paper names as simulated."""
+"""The scenarios that the paper reports as simulated."""
 
 
 def attestation(label: str) -> Literal["paper"] | None:

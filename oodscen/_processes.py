@@ -1,4 +1,4 @@
-"""Fresh processes that work for this one, and end with it."""
+"""A pool of fresh worker processes that end with their parent."""
 
 import importlib.util
 import os
@@ -26,7 +26,7 @@ Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
 GRACE_S = 2.0
-"""How long a process that shall leave may take to put things in order."""
+"""Seconds that a process has to clean up after being told to leave."""
 
 _START = (
     "import sys; from multiprocessing.connection import Connection; "
@@ -38,12 +38,12 @@ _is_worker = False
 
 
 def is_importable(name: str) -> bool:
-    """Whether these processes can import a component by its name: scripts and notebooks they cannot."""
+    """Return whether worker processes can import a component by name; they cannot import scripts and notebooks."""
     return not name.startswith("__main__:")
 
 
 def is_script(name: str) -> bool:
-    """Whether the module of `module:attr` is the script that runs: it then needs a main guard."""
+    """Return whether the module of `module:attr` is the running script, which then needs a main guard."""
     module, colon, _ = name.partition(":")
     script = getattr(sys.modules["__main__"], "__file__", None)
     if not colon or script is None:
@@ -56,21 +56,21 @@ def is_script(name: str) -> bool:
 
 
 class Processes(ThreadPoolExecutor):
-    """Runs each call in a fresh interpreter, which then takes the next one.
+    """Runs each call in a fresh interpreter, which is then reused for later calls.
 
-    The processes of the standard library import the script that is running, which needs a main guard for that, and
-    outlive a parent that is killed. These import what is called and nothing else. When the pool is closed, or this
-    process is gone, an idle process leaves at once; a call that is under way gets a `KeyboardInterrupt` and
+    The standard library's worker processes import the running script, which therefore needs a main guard, and
+    they outlive a parent that is killed. These workers import only the called function's module. When the pool is
+    closed or this process ends, idle workers leave at once; a running call gets a `KeyboardInterrupt` and
     `GRACE_S` seconds.
 
-    A call whose process dies raises `BrokenProcessPool`; the other calls go on, and the next one gets a
+    A call whose process dies raises `BrokenProcessPool`. Other calls go on, and the next call gets a
     new process.
 
     Args:
-        count: How many, at most; each is started when a call finds none idle.
+        count: Maximum number of processes; one is started whenever a call finds none idle.
 
     Raises:
-        UsageError: In such a process: a module that it imports asks for processes itself.
+        UsageError: Inside a worker process, if a module that it imports creates a pool.
     """
 
     def __init__(self, count: int) -> None:
@@ -92,10 +92,10 @@ class Processes(ThreadPoolExecutor):
         *arguments: Parameters.args,
         **named: Parameters.kwargs,
     ) -> Future[Result]:
-        """Run a function of an importable module; all that goes there and comes back is pickled.
+        """Run a function of an importable module; the arguments and the result are pickled.
 
-        The future raises what the function raises, `BrokenProcessPool` when the process dies, and `RunStopped`
-        when none can be started.
+        The future raises whatever the function raises, `BrokenProcessPool` if the process dies, and `RunStopped`
+        if no process can be started.
         """
         return super().submit(self._call, partial(function, *arguments, **named))
 
@@ -122,7 +122,7 @@ class Processes(ThreadPoolExecutor):
         return process
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes: after what was submitted, or at once with `cancel_futures`."""
+        """Stop the processes after the submitted calls, or at once with `cancel_futures`."""
         try:
             if not cancel_futures:
                 super().shutdown()
@@ -147,11 +147,11 @@ class Processes(ThreadPoolExecutor):
 
 
 class _Process:
-    """One interpreter, as its owner sees it."""
+    """One worker interpreter, from its owner's side."""
 
     def __init__(self) -> None:
         self._connection, theirs = Pipe()
-        # What a terminal sends to all its processes is the owner's business. The mask is handed down.
+        # Ctrl-C in the terminal is for the owner to handle. The child inherits the signal mask.
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             with theirs:
@@ -164,10 +164,10 @@ class _Process:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
     def greet(self) -> None:
-        """Tell it where modules are found, and wait until it is ready.
+        """Send the module search path and wait until the process is ready.
 
         Raises:
-            RunStopped: When it does not start.
+            RunStopped: If it does not start.
         """
         try:
             self._connection.send(sys.path)
@@ -178,10 +178,10 @@ class _Process:
             ) from None
 
     def call(self, task: bytes) -> tuple[bool, Any]:
-        """Let it do a task; return whether it was done, and the result or the error.
+        """Run a task; return whether it succeeded, and its result or error.
 
         Raises:
-            BrokenProcessPool: When it dies.
+            BrokenProcessPool: If the process dies.
         """
         try:
             self._connection.send_bytes(task)
@@ -192,11 +192,11 @@ class _Process:
         return answer
 
     def terminate(self) -> None:
-        """Ask it to leave."""
+        """Ask the process to leave."""
         self._process.terminate()
 
     def join(self, deadline: float) -> None:
-        """Wait until it has left, which it must by then."""
+        """Wait until the process has left; kill it after the deadline."""
         try:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(max(0.0, deadline - time.monotonic()))
@@ -205,7 +205,7 @@ class _Process:
             self._process.wait()
 
     def _end(self) -> str:
-        """Say how it ended."""
+        """Return how the process ended."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(GRACE_S)
         code = self._process.returncode
@@ -215,7 +215,7 @@ class _Process:
 
 
 def serve(connection: Connection) -> None:
-    """Answer calls, in a process of its own, until it is told to leave or nobody listens."""
+    """Answer calls inside a worker process until it is told to leave or its owner is gone."""
     global _is_worker
     _is_worker = True
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
@@ -228,13 +228,13 @@ def serve(connection: Connection) -> None:
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
-    """Interrupt what is under way, once."""
+    """Interrupt the running call, once."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 
 def _listen(connection: Connection, calls: "queue.SimpleQueue[bytes]") -> None:
-    """Take calls; leave when the owner is gone, whatever is under way."""
+    """Receive calls; leave when the owner is gone, even during a call."""
     with suppress(EOFError, OSError):
         while True:
             calls.put(connection.recv_bytes())
@@ -244,7 +244,7 @@ def _listen(connection: Connection, calls: "queue.SimpleQueue[bytes]") -> None:
 
 
 def _answer(call: bytes) -> bytes:
-    """Do what is asked, and return whether it was done and its result, or the error."""
+    """Run a call; return the pickled pair of success and result, or failure and error."""
     try:
         task: Callable[[], Any] = pickle.loads(call)
         return pickle.dumps((True, task()))
@@ -256,7 +256,7 @@ def _answer(call: bytes) -> bytes:
 
 
 def _portable(error: Exception) -> bytes:
-    """Pickle an error, or what can be said of it where it does not survive that."""
+    """Pickle an error, or a summary of it if it cannot be pickled."""
     try:
         data = pickle.dumps((False, error))
         pickle.loads(data)

@@ -1,4 +1,4 @@
-"""Keep credentials out of everything that is shown or written."""
+"""Removes credentials from everything that is shown or written."""
 
 import base64
 import html
@@ -13,7 +13,7 @@ from urllib.parse import parse_qsl, quote, quote_plus, urlsplit
 HIDDEN = "[redacted]"
 
 SHORTEST = 8
-"""A value shorter than this is no credential, and replacing it would garble ordinary text."""
+"""Shorter values are not treated as credentials: replacing them would garble ordinary text."""
 
 _SECRET_NAME = re.compile(
     r"(?: KEY | TOKEN | SECRET | PASSWORD | PASSWD | PASSPHRASE | CREDENTIAL | JWT | BEARER"
@@ -21,7 +21,7 @@ _SECRET_NAME = re.compile(
     r"(?! .* [_-] (?: FILE | PATH | DIR | URL | URI | NAME | TYPE ) $ )",
     re.IGNORECASE | re.VERBOSE,
 )
-"""Names of variables, arguments and headers that hold a credential, rather than say where one is."""
+"""Matches names of variables, arguments and headers that hold a credential rather than the place of one."""
 
 _SHAPES = re.compile(
     r"""
@@ -41,24 +41,24 @@ _SHAPES = re.compile(
 )
 
 _told: set[str] = set()
-"""Credentials that no environment variable holds."""
+"""Credentials that are in no environment variable."""
 
 
 def redact(text: str, known: Iterable[str] = ()) -> str:
-    """Replace credentials in a text.
+    """Replace the credentials in a text.
 
-    Hidden are those that `redact_keys` hides, and what is shaped like a provider's key, a bearer token,
-    or a password or key in an address or a header.
+    This covers everything that `redact_keys` covers, and anything that looks like a provider's key, a bearer
+    token, or a password or key in an address or header.
     """
     return _SHAPES.sub(_hidden, redact_keys(text, known))
 
 
 def redact_keys(text: str, known: Iterable[str] = ()) -> str:
-    """Replace only credentials that are known: for what a model says, which is content.
+    """Replace only known credentials. Meant for model output, where text that looks like a key is content.
 
-    Known are the given values, what was told to `hide`, and the values of environment variables whose names
-    have KEY, TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT for a word; also escaped for JSON,
-    HTML or an address, or in Base64. Values of fewer than `SHORTEST` characters stay.
+    Known are the given values, the values passed to `hide`, and the values of environment variables with KEY,
+    TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT as a word in their names. They are also found when
+    escaped for JSON, HTML or an address, or in Base64. Values shorter than `SHORTEST` characters are kept.
     """
     held = (value for name, value in os.environ.items() if _SECRET_NAME.search(name))
     values = {value for value in (*held, *_told, *known) if len(value) >= SHORTEST}
@@ -66,24 +66,24 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
 
 
 def hide(values: Iterable[str]) -> None:
-    """Make credentials known to this process, so that they are replaced from now on."""
+    """Register credentials in this process, so that they are redacted from now on."""
     _told.update(value for value in values if len(value) >= SHORTEST)
 
 
 def secrets_in(arguments: Mapping[str, Any]) -> list[str]:
-    """Return the credentials among named arguments or headers, also nested ones."""
+    """Return the credentials in named arguments or headers, including nested ones."""
     found = []
     for name, value in arguments.items():
         if isinstance(value, Mapping):
             found += secrets_in(value)
         elif isinstance(value, str) and _SECRET_NAME.search(str(name)):
-            # A header may name its scheme before the credential.
+            # A header may put its scheme before the credential.
             found += [value, value.split()[-1]] if value.strip() else []
     return found
 
 
 def secrets_of(address: str) -> list[str]:
-    """Return the password and the keys in an address."""
+    """Return the password and keys in an address."""
     try:
         parts = urlsplit(address)
         return [*filter(None, [parts.password]), *secrets_in(dict(parse_qsl(parts.query)))]
@@ -93,7 +93,7 @@ def secrets_of(address: str) -> list[str]:
 
 @lru_cache(maxsize=64)
 def _any_of(values: frozenset[str]) -> re.Pattern[str]:
-    """Return a pattern that finds credentials however they are written, and nothing where there are none."""
+    """Return a pattern that matches these credentials in every encoding, and never matches if there are none."""
     forms = sorted({form for value in values for form in _forms(value)}, key=len, reverse=True)
     return re.compile("|".join(map(re.escape, forms)) or "(?!)")
 
@@ -107,7 +107,7 @@ def _forms(value: str) -> set[str]:
 
 
 def _encoded(data: bytes) -> set[str]:
-    """Return what Base64 makes of a value wherever it stands, without characters shared with neighbours."""
+    """Return the Base64 encodings of a value at every alignment, without characters shared with its neighbours."""
     forms = set()
     for before in range(3):
         first, end = -(-8 * before // 6), 8 * (before + len(data)) // 6

@@ -1,4 +1,4 @@
-"""Find implementations by name: entry points, `module:attr`, or an object as it is."""
+"""Finds components by name: an entry point, `module:attr`, or an object passed through unchanged."""
 
 import importlib.util
 import inspect
@@ -25,33 +25,33 @@ KINDS = {
     "catalogue": "oodscen.catalogues",
     "driver": "oodscen.drivers",
 }
-"""Entry-point group by kind of component."""
+"""Entry-point group of each kind of component."""
 
 DEFAULT_SIMULATOR = "pybullet"
 DEFAULT_CATALOGUES = ("carla-0.9.16",)
-"""What a study shows beside its own simulator."""
+"""Catalogues that a study checks in addition to its own simulator's."""
 DEFAULT_ENCODER = "minilm"
 DEFAULT_LLM = "builtin"
 _LONGEST = 4_096
-"""Longest name, in characters: that of a path."""
+"""Maximum length of a name, in characters; a path can be this long."""
 
 
 def is_builtin(name: str) -> bool:
-    """Whether a model's name stands for the built-in author, with or without own knowledge."""
+    """Return whether a model name means the built-in author, with or without the user's own knowledge."""
     return name.partition(":")[0] == DEFAULT_LLM
 
 
 def names(kind: str) -> dict[str, EntryPoint]:
-    """Return what is registered for a kind, by name; nothing is imported."""
+    """Return the registered entry points of a kind, by name; nothing is imported."""
     return {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
 
 
 def find(kind: str, name: str) -> Callable[..., Any]:
-    """Return the factory that is registered under a name, or that `module:attr` points to.
+    """Return the factory registered under a name, or the one that `module:attr` points to.
 
     Raises:
         UnknownComponent: With close matches.
-        UsageError: When the component exists but cannot be imported, or is not callable.
+        UsageError: If the component exists but cannot be imported or called.
     """
     _refuse_long(kind, name)
     registered = names(kind)
@@ -81,10 +81,10 @@ def find(kind: str, name: str) -> Callable[..., Any]:
 
 
 def make_simulator(simulator: str | Simulator) -> Simulator:
-    """Return a simulator by name, or the given one.
+    """Return the simulator of this name, or the given one.
 
     Raises:
-        UsageError: When there is none of that name (with close matches), or it cannot be made.
+        UsageError: If there is no such simulator (with close matches), or it cannot be created.
     """
     if not isinstance(simulator, str):
         return cast(Simulator, conforming("simulator", simulator))
@@ -96,14 +96,14 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
 
 
 def make_catalogue(catalogue: "str | Path | Catalogue") -> "Catalogue":
-    """Return what a simulator can show: by name, from a JSON file, or the given catalogue.
+    """Return a catalogue by name, from a JSON file, or the given one.
 
-    A registered catalogue is data and starts nothing (`pybullet`, `carla-0.9.16`). Any other name is
-    taken for a simulator's, which is asked.
+    A registered catalogue is plain data and starts nothing (`pybullet`, `carla-0.9.16`). Any other name is
+    taken as a simulator's, and that simulator is asked for its catalogue.
 
     Raises:
-        UsageError: When there is neither such a catalogue nor such a simulator nor such a file.
-        DataError: When the file holds no catalogue.
+        UsageError: If there is no catalogue, simulator or file of this name.
+        DataError: If the file is not a catalogue.
     """
     from oodscen.data._catalogue import Catalogue
 
@@ -130,13 +130,13 @@ def _as_catalogue(made: object, name: str) -> "Catalogue":
 
 
 def make_encoder(encoder: str | Encoder) -> Encoder:
-    """Return an encoder by name, or the given one.
+    """Return the encoder of this name, or the given one.
 
-    A registered name may carry an argument after a colon (`sentence-transformers:NAME`). The path of an
-    existing folder is loaded by sentence-transformers.
+    A registered name may carry an argument after a colon (`sentence-transformers:NAME`). A path to an
+    existing folder is loaded with sentence-transformers.
 
     Raises:
-        UsageError: When there is none of that name (with close matches), or it cannot be made.
+        UsageError: If there is no such encoder (with close matches), or it cannot be created.
     """
     if not isinstance(encoder, str):
         return cast(Encoder, conforming("encoder", encoder))
@@ -146,10 +146,10 @@ def make_encoder(encoder: str | Encoder) -> Encoder:
 
 
 def driver_maker(name: str) -> Callable[[], Driver]:
-    """Return what makes drivers of this name; the first is made at once, to see whether it can be.
+    """Return a factory of drivers. The first driver is created at once, so that errors appear early.
 
     Raises:
-        UsageError: When there is none of that name (with close matches), or it cannot be made.
+        UsageError: If there is no such driver (with close matches), or it cannot be created.
     """
 
     def made() -> Driver:
@@ -162,20 +162,20 @@ def driver_maker(name: str) -> Callable[[], Driver]:
 def make_llm(
     llm: str | LLM, *, seed: int = 0, api_base: str | None = None, traffic: "Traffic | None" = None
 ) -> LLM:
-    """Return a language model by name, or the given one.
+    """Return the language model of this name, or the given one.
 
-    A registered name may carry an argument after a colon (`constant:stop`, `replay:FILE`, `builtin:FILE`). Every other name is
-    passed to litellm when it names a provider or a known model (`gpt-4o`, `ollama/llama3:8b`,
-    `anthropic/claude-...`), or when `api_base` is given.
+    A registered name may carry an argument after a colon (`constant:stop`, `replay:FILE`, `builtin:FILE`). Any
+    other name goes to litellm if it names a provider or a known model (`gpt-4o`, `ollama/llama3:8b`,
+    `anthropic/claude-...`), or if `api_base` is given.
 
     Args:
         llm: A name, `module:attr`, or an object.
-        seed: Of the run.
-        api_base: Address of a server, for a model that litellm asks; the others need none.
-        traffic: Caps, prices and endpoints of a run, for a model that litellm asks.
+        seed: The run's seed.
+        api_base: The address of a server, for models behind litellm; other models ignore it.
+        traffic: The run's caps, prices and endpoints, for models behind litellm.
 
     Raises:
-        UsageError: When nobody knows the name (with close matches), or it cannot be made.
+        UsageError: If there is no such model (with close matches), or it cannot be created.
     """
     if not isinstance(llm, str):
         return cast(LLM, conforming("llm", llm))
@@ -197,9 +197,9 @@ def make_llm(
 
 
 def _made(kind: str, name: str, **settings: Any) -> Any:
-    """Make a component by `name`, `name:argument` or `module:attr`, with the settings that it takes.
+    """Create a component from `name`, `name:argument` or `module:attr`, with the settings that it accepts.
 
-    What comes after the colon is the first argument, or the one that the factory's `argument` names.
+    The text after the colon becomes the first argument, or the one that the factory's `argument` attribute names.
     """
     head, colon, argument = name.partition(":")
     given = (argument,) if colon and head in names(kind) else ()
@@ -209,7 +209,7 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
     try:
         signature = inspect.signature(factory)
     except (TypeError, ValueError):
-        signature = None  # Some that are written in C tell none; calling them shows what they take.
+        signature = None  # Some C callables have no signature; calling them shows what they take.
     if signature is not None:
         takes_any = any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values())
         settings = {k: v for k, v in settings.items() if takes_any or k in signature.parameters}
@@ -229,13 +229,13 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
 
 
 def _refuse_long(kind: str, name: str) -> None:
-    """Spare whoever compares names the time that endless ones take."""
+    """Raise an error for an endless name, which would take long to compare with the known ones."""
     if len(name) > _LONGEST:
         raise UsageError(f"no {kind} has a name of {len(name):,} characters: {name[:40]!r} ...")
 
 
 def _is_there(name: str, kind: Callable[[Path], bool]) -> bool:
-    """Whether a name is that of a file or folder; one that no file can have is none."""
+    """Return whether a path exists and is of the given kind; False for text that cannot be a path."""
     try:
         return kind(Path(name))
     except (OSError, ValueError):
@@ -243,13 +243,13 @@ def _is_there(name: str, kind: Callable[[Path], bool]) -> bool:
 
 
 def _reads_as_reference(name: str) -> bool:
-    """Whether a name reads as `module:attr`."""
+    """Return whether a name has the form `module:attr`."""
     module, colon, attribute = name.partition(":")
     return bool(colon) and all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
 
 
 def _is_reference(name: str) -> bool:
-    """Whether a name reads as `module:attr` and there is such a module."""
+    """Return whether a name has the form `module:attr` and its module exists."""
     if not _reads_as_reference(name):
         return False
     module = name.partition(":")[0]
@@ -258,11 +258,11 @@ def _is_reference(name: str) -> bool:
     except (ImportError, ValueError):
         return False
     except (Exception, SystemExit):
-        return True  # There is one, and a package around it breaks down: importing it says how.
+        return True  # The module exists, but a package around it fails: importing it will show how.
 
 
 def survey() -> list[dict[str, str]]:
-    """List every registered component and whether it can be loaded; a broken one only warns."""
+    """List every registered component and whether it loads; a broken one only causes a warning."""
     rows = []
     for kind in KINDS:
         for name, point in names(kind).items():

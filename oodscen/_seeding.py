@@ -1,19 +1,19 @@
-"""Random streams keyed by what they are for, so that removing one thing shifts nothing else."""
+"""Random streams keyed by purpose, so that removing one thing does not shift the others."""
 
 import hashlib
 
 import numpy as np
 
 MAX_SEED = 2**63 - 1
-"""Largest seed of a run: what columns of tables and other programs can hold."""
+"""Largest seed of a run; table columns and other programs can hold it."""
 
 
 def stream(seed: int, *keys: object) -> np.random.Generator:
-    """Return a generator of its own for (seed, keys).
+    """Return an independent generator for (seed, keys).
 
     Args:
         seed: The run's seed.
-        keys: What the stream is for, e.g. `"actor", actor.id`; compared by their text.
+        keys: The purpose of the stream, e.g. `"actor", actor.id`; compared as text.
     """
     text = "\x1f".join(map(str, (seed, *keys)))
     digest = hashlib.sha256(text.encode()).digest()

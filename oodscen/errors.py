@@ -1,4 +1,4 @@
-"""Everything that oodscen raises.
+"""All exceptions that oodscen raises.
 
     OodscenError
     ├── UsageError              the caller's mistake
@@ -6,27 +6,27 @@
     │   ├── MissingExtra        an optional dependency is not installed (with the pip line)
     │   ├── DataError           malformed tree, scenario, scene or file (every issue with its path)
     │   ├── StudyMismatch       the folder belongs to a different configuration
-    │   ├── StudyMissing        the folder holds no study; a StudyError as well
-    │   ├── FolderTaken         files are in the way that are not this command's (which)
-    │   └── InUse               another process writes this folder or file (who, since when)
-    ├── LLMError                a model could not be asked, or not understood
+    │   ├── StudyMissing        the folder holds no study; also a StudyError
+    │   ├── FolderTaken         the folder holds files that this command did not make (which)
+    │   └── InUse               another process is writing this folder or file (who, since when)
+    ├── LLMError                a model could not be reached, or its answer not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
-    │   ├── ResponseError       the response was no answer: empty, a web page, too large (keeps its beginning)
-    │   ├── LateError           the server is there, but no answer came in time
-    │   ├── RefusedError        the provider declines to answer this question: its content filter
-    │   ├── NotAskedError       not asked: the model was given up before
+    │   ├── ResponseError       the response was not an answer: empty, a web page, too large (keeps its start)
+    │   ├── LateError           the server responds, but no answer came in time
+    │   ├── RefusedError        the provider's content filter blocked this question
+    │   ├── NotAskedError       not asked: the run had already given up on the model
     │   └── ReplayMiss          a recording has no answer to this question (and what differs)
-    ├── SceneError              a scene that the catalogue or the road refuses
+    ├── SceneError              the catalogue or the road refuses a scene
     ├── SimulatorError          the simulator failed
     │   ├── SpawnError          it refused one actor (actor, asset, pose, reason)
-    │   └── SimulatorCrash      it broke down, or took its process with it
+    │   └── SimulatorCrash      it crashed, or took its process down with it
     ├── EncoderError            an encoder failed or returned the wrong shape
     ├── StudyError              the folder on disk cannot be read or written
-    └── RunStopped              the run ended before its end; the study can be resumed
+    └── RunStopped              the run stopped early; the study can be resumed
         ├── BudgetExceeded      a cap on requests, tokens, cost or time was reached
-        └── EndpointDown        a model's server is dead, or refuses the key
+        └── EndpointDown        a model's server is down, or refuses the key
 
-All are picklable and carry their facts as attributes.
+All exceptions can be pickled and carry their facts as attributes.
 """
 
 import difflib
@@ -35,12 +35,12 @@ from typing import Any, NamedTuple
 
 
 class Issue(NamedTuple):
-    """One fault in some data."""
+    """One fault in the data."""
 
     path: str
-    """Where, e.g. `actors[2].placement.lane`; empty for the value as a whole."""
+    """Place of the fault, e.g. `actors[2].placement.lane`; empty for the value as a whole."""
     message: str
-    """What is wrong, in words that say how to mend it."""
+    """The fault, worded so that the reader knows how to fix it."""
 
     def __str__(self) -> str:
         return f"{self.path}: {self.message}" if self.path else self.message
@@ -63,11 +63,11 @@ def _rebuild(
 
 
 class UsageError(OodscenError):
-    """The caller asked for something that cannot be; running again will not help."""
+    """The caller asked for something impossible; running again will not help."""
 
 
 class UnknownComponent(UsageError):
-    """A name that nothing is registered under."""
+    """Nothing is registered under this name."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind = kind
@@ -82,7 +82,7 @@ class UnknownComponent(UsageError):
 
 
 class MissingExtra(UsageError):
-    """A part of oodscen whose optional dependencies are not installed."""
+    """The optional dependencies of a part of oodscen are not installed."""
 
     def __init__(self, what: str, extra: str, module: str) -> None:
         self.what = what
@@ -128,34 +128,34 @@ class LLMError(OodscenError):
     ) -> None:
         self.model = model
         self.retryable = retryable
-        """Whether another time may bring an answer."""
+        """True if a later try may succeed."""
         self.requests = requests
-        """How many HTTP requests were made for it."""
+        """Number of HTTP requests made."""
         super().__init__(message)
 
 
 class ResponseError(LLMError):
-    """A server responded with something that is no answer, time and again."""
+    """A server repeatedly sent a response that is not an answer."""
 
     def __init__(
         self, message: str, *, model: str, status: int | None, raw: str, requests: int = 0
     ) -> None:
         self.status = status
         self.raw = raw
-        """The beginning of the last response, without credentials."""
+        """The beginning of the last response, with credentials removed."""
         super().__init__(message, model=model, retryable=True, requests=requests)
 
 
 class LateError(LLMError):
-    """A server that is there gave no answer in time."""
+    """A server responds, but did not answer in time."""
 
 
 class RefusedError(LLMError):
-    """A provider declines to answer a question: its content filter, not the model's own words."""
+    """A provider's content filter blocked a question; a refusal in the model's own words is an answer."""
 
 
 class NotAskedError(LLMError):
-    """A question was not put, since its model was given up earlier in the run."""
+    """A question was not sent, because the run had already given up on its model."""
 
     def __init__(self, reason: str, *, model: str) -> None:
         self.reason = reason
@@ -168,13 +168,13 @@ class ReplayMiss(LLMError):
     def __init__(self, model: str, purpose: str, differences: Sequence[Issue]) -> None:
         self.purpose = purpose
         self.differences = tuple(differences)
-        """What distinguishes the question from the most similar one that was recorded."""
+        """Differences between the question and the most similar recorded one."""
         faults = "; ".join(map(str, self.differences))
         super().__init__(f"{model} has no answer to {purpose!r}: {faults}", model=model)
 
 
 class AnswerError(LLMError):
-    """A model's answer stayed invalid although its faults were fed back."""
+    """A model's answer stayed invalid although its faults were fed back to the model."""
 
     def __init__(
         self, model: str, purpose: str, issues: Sequence[Issue], raw: str, attempts: int
@@ -191,7 +191,7 @@ class AnswerError(LLMError):
 
 
 class SceneError(OodscenError):
-    """A scene that cannot be shown: every reason, with its path in the scene."""
+    """A scene that cannot be staged; lists every reason with its path in the scene."""
 
     def __init__(self, scene_id: str, issues: Sequence[Issue]) -> None:
         self.scene_id = scene_id
@@ -221,26 +221,26 @@ class SpawnError(SimulatorError):
 
 
 class SimulatorCrash(SimulatorError):
-    """A simulator broke down in the middle of a scene: an error of its own, or a dead process."""
+    """A simulator crashed during a scene: a foreign exception or a dead process."""
 
     def __init__(self, simulator: str, reason: str, *, retryable: bool = False) -> None:
         self.simulator = simulator
         self.reason = reason
         self.retryable = retryable
-        """Whether another time may go well: a process may die of something outside it."""
+        """True if a later try may succeed: a process can die for outside reasons."""
         super().__init__(f"the simulator {simulator!r} broke down: {reason}")
 
 
 class EncoderError(OodscenError):
-    """An encoder failed, or returned something that is not one finite row per text."""
+    """An encoder failed, or did not return one finite row per text."""
 
 
 class StudyError(OodscenError):
-    """A study's folder cannot be read or written; what was written before stays valid."""
+    """A study's folder cannot be read or written; earlier results stay valid."""
 
 
 class StudyMissing(StudyError, UsageError):
-    """There is no study in the folder that was named."""
+    """The given folder holds no study."""
 
     def __init__(self, folder: str) -> None:
         self.folder = folder
@@ -248,7 +248,7 @@ class StudyMissing(StudyError, UsageError):
 
 
 class FolderTaken(UsageError):
-    """A folder holds files that a command would write and did not make; nothing was changed."""
+    """A folder holds files of the same name that the command did not make; nothing was changed."""
 
     def __init__(self, folder: str, names: Sequence[str]) -> None:
         self.folder = folder
@@ -260,15 +260,15 @@ class FolderTaken(UsageError):
 
 
 class InUse(UsageError):
-    """Somebody else is writing the folder or file; nothing was changed."""
+    """Another process is writing the folder or file; nothing was changed."""
 
     def __init__(self, path: str, what: str, holder: str, since: str) -> None:
         self.path = path
         self.what = what
         self.holder = holder
-        """Process, host and command."""
+        """Process, host and command of the writer."""
         self.since = since
-        """Date and time, as text; empty where it is not known."""
+        """Date and time, as text; empty if unknown."""
         began = f" since {since}" if since else ""
         super().__init__(
             f"the {what} {path} is being written by {holder}{began}; wait for its end, or choose "
@@ -277,7 +277,7 @@ class InUse(UsageError):
 
 
 class RunStopped(OodscenError):
-    """The run ended early; what is there stays valid, and the same command continues it."""
+    """The run stopped early; its results stay valid, and the same command continues it."""
 
 
 class BudgetExceeded(RunStopped):
@@ -285,7 +285,7 @@ class BudgetExceeded(RunStopped):
 
     def __init__(self, cap: str, limit: float, spent: float) -> None:
         self.cap = cap
-        """`requests`, `tokens`, `cost_usd` or `seconds`."""
+        """The cap: `requests`, `tokens`, `cost_usd` or `seconds`."""
         self.limit = limit
         self.spent = spent
         super().__init__(
@@ -295,7 +295,7 @@ class BudgetExceeded(RunStopped):
 
 
 class EndpointDown(RunStopped):
-    """A model's server does not answer anybody any more, or refuses the key."""
+    """A model's server no longer answers any request, or refuses the key."""
 
     def __init__(self, endpoint: str, reason: str) -> None:
         self.endpoint = endpoint
@@ -306,7 +306,7 @@ class EndpointDown(RunStopped):
 
 
 def close_matches(name: str, known: Iterable[str]) -> list[str]:
-    """Return up to three names that resemble `name`, best first."""
+    """Return up to three known names that resemble `name`, best match first."""
     by_fold = {candidate.casefold(): candidate for candidate in known}
     found = difflib.get_close_matches(name.casefold(), list(by_fold), n=3, cutoff=0.55)
     return [by_fold[match] for match in found]

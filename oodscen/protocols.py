@@ -1,9 +1,9 @@
-"""The four protocols: all that an adapter author must read.
+"""The four protocols that an adapter implements: `LLM`, `Encoder`, `Simulator` and `Driver`.
 
 An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a
-scene into states and frames, a `Driver` turns observations into controls. Implementations are
-plain classes with these members; no base class is required. Most simulators are shorter as a
-subclass of `oodscen.driving.MirrorSimulator`.
+scene into states and frames, and a `Driver` turns observations into controls. Implementations are
+plain classes with these members; no base class is required. Most simulators are shorter as
+subclasses of `oodscen.driving.MirrorSimulator`.
 """
 
 import math
@@ -51,40 +51,40 @@ class Request:
     """One question to a language model."""
 
     prompt: "Prompt[Any]"
-    """The typed question; clients that send text need not look at it."""
+    """The typed question; clients that send text may ignore it."""
     messages: tuple[Message, ...]
-    """The rendered conversation, earlier turns and repair turns included."""
+    """The rendered conversation, including earlier turns and repair turns."""
     schema: dict[str, Any]
     """JSON schema of the answer."""
     sample: int = 0
-    """Which of several independent draws of the same question this is."""
+    """Index of this draw among several independent draws of the same question."""
     attempt: int = 1
-    """How often this draw has been put, this time included; above 1 the last turns ask for repair."""
+    """Number of this try of the draw, counted from 1; above 1, the last turns ask for a repair."""
 
 
 class Usage(Data):
-    """What one call consumed."""
+    """The tokens and the cost of one call."""
 
     noun: ClassVar[str] = "usage"
 
     input_tokens: int = 0
     output_tokens: int = 0
     cached_tokens: int = 0
-    """Of the input, what the provider had cached."""
+    """Input tokens that the provider had cached."""
     cost_usd: float | None = None
-    """`None` where the price is not known."""
+    """`None` if the price is unknown."""
 
 
 class Completion(Data):
-    """What a language model returned."""
+    """A language model's response to one request."""
 
     noun: ClassVar[str] = "completion"
 
     text: str
-    """Raw, as it came, but for halves of surrogate pairs: they are replaced."""
+    """The raw response text; only lone surrogates are replaced."""
     usage: Usage = Usage()
     requests: int = 1
-    """HTTP requests that were made for it, retries included; 0 for a model that needs none."""
+    """HTTP requests made for this completion, including retries; 0 for a model that makes none."""
 
     @field_validator("text")
     @classmethod
@@ -94,16 +94,16 @@ class Completion(Data):
 
 @runtime_checkable
 class LLM(Protocol):
-    """A language model, or a vision-language model."""
+    """A language model or vision-language model."""
 
     name: str
-    """What reports call it, e.g. `gpt-4o`."""
+    """The model's name in reports, e.g. `gpt-4o`."""
 
     def complete(self, request: Request) -> Completion:
         """Answer one request. May be called from several threads.
 
         Raises:
-            LLMError: When there is no answer.
+            LLMError: If there is no answer.
         """
         ...
 
@@ -117,16 +117,16 @@ class Encoder(Protocol):
 
     @property
     def name(self) -> str:
-        """Includes whatever decides the values: model and weights hash. A plain attribute will do."""
+        """Name that identifies the values: model and hash of the weights. May be a plain attribute."""
         ...
 
     @property
     def dimension(self) -> int:
-        """Length of a vector. A plain attribute will do."""
+        """Length of a vector. May be a plain attribute."""
         ...
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
-        """Return one row per text, in order: [n, d] float32, always."""
+        """Return one row per text, in order: always [n, d] float32."""
         ...
 
 
@@ -134,24 +134,24 @@ class Encoder(Protocol):
 
 
 MAX_SIZE = 8192
-"""Most pixels along a side of a picture."""
+"""Maximum pixels along a side of a picture."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera on the ego, looking forward."""
+    """A forward-looking camera on the ego."""
 
     width: int = 640
     height: int = 480
     fov_deg: float = 60.0
-    """Horizontal field of view."""
+    """Horizontal field of view, degrees."""
     x: float = 0.6
-    """Forward of the ego's centre, m."""
+    """Distance ahead of the ego's centre, m."""
     y: float = 0.0
     z: float = 1.4
-    """Above the road, m: a dash camera by default."""
+    """Height above the road, m; the default is a dash camera's."""
     pitch_deg: float = 2.0
-    """Downwards positive."""
+    """Pitch, degrees, downwards positive."""
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
@@ -167,7 +167,7 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What a camera saw."""
+    """One camera picture with depth and instance ids."""
 
     rgb: NDArray[np.uint8]
     """[height, width, 3]"""
@@ -176,22 +176,22 @@ class Frame:
     ids: NDArray[np.int32]
     """[height, width]: 0 for scenery and sky, 1 for the ego, 2 + i for `State.ids[1 + i]`."""
     unhidden: NDArray[np.int32] | None = None
-    """[n] pixels that each body would fill if nothing stood before it, rows as in `State.ids`;
-    `None` where the simulator cannot tell."""
+    """[n] pixels that each body would fill if nothing occluded it, rows as in `State.ids`;
+    `None` if the simulator cannot tell."""
 
 
 @dataclass(frozen=True)
 class Control:
-    """What the ego does during one step."""
+    """The ego's control input for one step."""
 
     acceleration: float = 0.0
-    """m/s^2 along the vehicle; the road's friction limits it."""
+    """m/s^2 along the vehicle; limited by the road's friction."""
     steering: float = 0.0
-    """Angle of the front wheels, rad, left positive."""
+    """Front wheel angle, rad, left positive."""
 
     @property
     def is_finite(self) -> bool:
-        """Whether both are numbers, and finite."""
+        """Return whether both values are finite numbers."""
         try:
             return math.isfinite(self.acceleration) and math.isfinite(self.steering)
         except TypeError:
@@ -204,7 +204,7 @@ class State:
 
     step: int
     time: float
-    """s since the start."""
+    """Seconds since the start."""
     ids: tuple[str, ...]
     """`ego`, then the actors in the scene's order."""
     poses: NDArray[np.float64]
@@ -212,21 +212,21 @@ class State:
     speeds: NDArray[np.float64]
     """[n], m/s along the heading; negative in reverse."""
     gaps: NDArray[np.float64]
-    """[n], m between the ego's body and each actor's; 0 on contact, infinity for row 0 and afar."""
+    """[n], m between the ego's body and each actor's; 0 on contact, infinity for row 0 and for distant actors."""
     off_road: bool
-    """The ego left the drivable road."""
+    """True if the ego has left the drivable road."""
     accelerations: NDArray[np.float64] | None = None
-    """[n], m/s^2 along the heading, mean over the last step; `None` where it is not known."""
+    """[n], m/s^2 along the heading, averaged over the last step; `None` if unknown."""
     places: NDArray[np.float64] | None = None
-    """[n, 2]: s and t on the scene's corridor, m; `None` where it is not known."""
+    """[n, 2]: s and t on the scene's corridor, m; `None` if unknown."""
 
     @property
     def contacts(self) -> tuple[str, ...]:
-        """Ids of the actors that the ego touches."""
+        """Ids of the actors that the ego is touching."""
         return tuple(name for name, gap in zip(self.ids, self.gaps, strict=True) if gap <= 0.0)
 
     def fingerprint(self) -> bytes:
-        """Return the bytes that two equal states share."""
+        """Return bytes that are the same for equal states."""
         return b"".join(array.tobytes() for array in (self.poses, self.speeds, self.gaps)) + bytes(
             [self.off_road]
         )
@@ -241,32 +241,32 @@ class Simulator(Protocol):
     """Seconds per step."""
 
     def catalogue(self) -> Catalogue:
-        """Return what can be shown; static, without starting anything heavy."""
+        """Return the simulator's vocabulary; static data, without starting anything heavy."""
         ...
 
     def reset(self, scene: Scene, seed: int) -> State:
-        """Load a scene; the same scene and seed give the same bytes, whatever ran before.
+        """Load a scene. The same scene and seed give the same bytes, whatever ran before.
 
         Raises:
-            SceneError: When the catalogue or the road refuses the scene.
-            SpawnError: When one actor cannot be placed.
+            SceneError: If the catalogue or the road refuses the scene.
+            SpawnError: If an actor cannot be placed.
         """
         ...
 
     def step(self, control: Control) -> State:
-        """Advance by exactly one `dt`. Collisions are data in the state, never exceptions."""
+        """Advance by exactly one `dt`. Collisions are reported in the state, never raised."""
         ...
 
     def render(self, camera: Camera) -> Frame:
-        """Show the current state."""
+        """Render the current state."""
         ...
 
     def observe(self) -> "Observation":
-        """Return what a driver is told about the current state."""
+        """Return the driver's observation of the current state."""
         ...
 
     def close(self) -> None:
-        """Release everything; may be called twice."""
+        """Release all resources; may be called twice."""
         ...
 
     def __enter__(self) -> Self: ...
@@ -284,32 +284,32 @@ class Simulator(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """What a driver is told."""
+    """The input of a driver."""
 
     time: float
     speed: float
-    """Of the ego, m/s."""
+    """The ego's speed, m/s."""
     offset_m: float
-    """Of the ego's centre to the left of its starting lane's centre."""
+    """Offset of the ego's centre from its starting lane's centre, m, left positive."""
     heading_error: float
-    """Of the ego against its starting lane, rad, left positive."""
+    """Heading of the ego relative to its starting lane, rad, left positive."""
     curvature: float
-    """Of that lane at the look-ahead point, 1/m, left positive."""
+    """Curvature of the starting lane at the look-ahead point, 1/m, left positive."""
     wheelbase: float
     lane_left_m: float | None
-    """Offset of the centre of the next driving lane to the left; `None` if there is none."""
+    """Offset of the next driving lane's centre to the left, m; `None` if there is none."""
     lane_right_m: float | None
-    """Offset of the centre of the next driving lane to the right (negative)."""
+    """Offset of the next driving lane's centre to the right, m (negative); `None` if there is none."""
     roadside_m: float
-    """Offset at which the ego stands clear of the lane, or as far right as the road allows."""
+    """Offset at which the ego is clear of the lane, m, or the furthest right that the road allows."""
     friction: float
-    """Scale of the road's friction."""
+    """Friction scale of the road; 1 is dry asphalt."""
     visual_range_m: float = 10_000.0
-    """How far a driver sees through fog, rain and snow."""
+    """Distance that a driver can see through fog, rain and snow, m."""
     curve_speed: float = math.inf
-    """Fastest speed from which the curves ahead can be taken on a dry road, m/s."""
+    """Fastest current speed at which the curves ahead can still be taken on a dry road, m/s."""
     frame: Frame | None = None
-    """Where the driver asked for it."""
+    """The camera picture; `None` unless the driver requests frames."""
 
 
 @runtime_checkable
@@ -317,5 +317,5 @@ class Driver(Protocol):
     """Controls the ego."""
 
     def act(self, observation: Observation) -> Control:
-        """Choose the control for the next step."""
+        """Return the control for the next step."""
         ...

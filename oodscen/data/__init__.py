@@ -1,4 +1,4 @@
-"""The frozen values that cross a stage: scenarios, scenes, episodes, verdicts, claims, catalogues."""
+"""Immutable values passed between stages: scenarios, scenes, episodes, verdicts, claims and catalogues."""
 
 import lazy_loader
 

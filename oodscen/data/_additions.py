@@ -1,4 +1,4 @@
-"""What could be added to a catalogue, and the catalogue that has it."""
+"""Possible additions to a catalogue, and the catalogue extended by them."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -10,7 +10,7 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, Category, RoadMap, WeatherRange
 
 AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]
-"""`other` is what no catalogue can bring, e.g. an author that knows how to stage it."""
+"""`other` is something no catalogue can provide, e.g. an author that knows how to stage a hazard."""
 
 WEATHER = {
     "night": "night",
@@ -21,9 +21,9 @@ WEATHER = {
     "low_sun": "a low sun that dazzles",
     "glare": "glare in the camera",
 }
-"""Words for the names of weather that need some."""
+"""Readable words for the weather names that need them."""
 FOG_M = 60.0
-"""Visual range up to which fog is thick, m."""
+"""Visual range up to which fog counts as dense, m."""
 ICE = 0.25
 """Friction up to which a road counts as icy."""
 LANDMARKS = ("junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light")
@@ -65,7 +65,7 @@ class Addition(Data):
         return f"{article} {self.kind}: {name}"
 
     def brings(self, other: "Addition") -> bool:
-        """Tell whether whoever adds this has `other` as well."""
+        """Return whether making this addition also provides `other`."""
         if self.kind == other.kind == "map":
             return set(other.traits) <= set(self.traits)
         return (self.kind, self.name.casefold()) == (other.kind, other.name.casefold())
@@ -75,7 +75,7 @@ _KINDS = {"behavior": "behaviour", "trait": "map"} | {kind: kind for kind in get
 
 
 def _split(text: str) -> dict[str, str]:
-    """Read `weather: snow`; a name alone is an asset's."""
+    """Parse `weather: snow`; a bare name is an asset."""
     head, colon, tail = text.partition(":")
     words = head.casefold().split()
     if colon and words and words[-1] in _KINDS:
@@ -84,7 +84,7 @@ def _split(text: str) -> dict[str, str]:
 
 
 def _tidy(value: Any) -> Any:
-    """Write ids without capitals and spaces, so that one thing has one name."""
+    """Normalise ids to lower case with underscores, so that each thing has one name."""
     if not isinstance(value, Mapping):
         return value
     name = value.get("name")
@@ -94,15 +94,15 @@ def _tidy(value: Any) -> Any:
 
 
 def map_with(traits: Iterable[str]) -> Addition:
-    """Return the addition of one map that has all these traits."""
+    """Return the addition of a single map that has all these traits."""
     return Addition(kind="map", name=" + ".join(dict.fromkeys(traits)))
 
 
 def extended(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
-    """Return the catalogue as it would be with some additions, which are placeholders.
+    """Return the catalogue extended by placeholders for some additions.
 
-    A placeholder has a name and a plausible size, nothing that could be drawn: it answers what could
-    be staged, not how it would look. An addition of the kind `other` changes nothing.
+    A placeholder has a name and a plausible size but cannot be drawn: it shows what could be staged, not
+    how it would look. An addition of kind `other` changes nothing.
     """
     assets = list(catalogue.assets)
     behaviours = list(catalogue.behaviours)

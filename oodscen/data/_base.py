@@ -1,4 +1,4 @@
-"""The base of every data type that crosses a stage, a file or a protocol."""
+"""The base class of all data types that are stored in a file or passed between components."""
 
 import hashlib
 import json
@@ -13,20 +13,20 @@ from oodscen.errors import DataError, Issue
 
 
 class Data(BaseModel):
-    """Frozen, closed, JSON-serialisable value; every fault of bad input is reported at once."""
+    """Immutable, JSON-serialisable value without extra fields; validation reports every fault at once."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     noun: ClassVar[str] = "value"
-    """What an error message calls an instance of this type."""
+    """The word for an instance in error messages."""
 
     @classmethod
     def parse(cls, value: object, *, source: str = "") -> Self:
-        """Validate plain data (or JSON text) read from outside.
+        """Validate plain data or JSON text from outside.
 
         Args:
-            value: A JSON document as text, or the mapping it stands for.
-            source: Where it came from, for the error message.
+            value: A JSON document as text, or the equivalent mapping.
+            source: The origin of the data, for error messages.
 
         Raises:
             DataError: With one `Issue` per fault, each with its path.
@@ -46,12 +46,12 @@ class Data(BaseModel):
         """Read one value from a JSON file.
 
         Raises:
-            DataError: When the file cannot be read or does not hold such a value.
+            DataError: If the file cannot be read or does not hold a valid value.
         """
         return cls.parse(read_text(path, cls.noun), source=str(path))
 
     def to_json(self) -> str:
-        """Return the canonical JSON text: sorted keys, no spaces, the same bytes for equal values."""
+        """Return the canonical JSON text: sorted keys, no spaces, and the same bytes for equal values."""
         return canonical_json(self.model_dump(mode="json"))
 
     def digest(self) -> str:
@@ -60,7 +60,7 @@ class Data(BaseModel):
 
 
 def read_text(path: str | Path, noun: str) -> str:
-    """Read UTF-8 text, with its line ends as they are; a file that is missing or not text is a `DataError`."""
+    """Return UTF-8 text with its original line ends. Raises `DataError` if the file is missing or not text."""
     try:
         return Path(path).read_bytes().decode("utf-8")
     except OSError as error:
@@ -71,19 +71,19 @@ def read_text(path: str | Path, noun: str) -> str:
 
 
 def canonical_json(value: Any) -> str:
-    """Serialise plain data so that equal values give equal text."""
+    """Serialise plain data to the same text for equal values."""
     return json.dumps(
         value, ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
     )
 
 
 def digest(value: Any) -> str:
-    """Return the SHA-256 of plain data: of its canonical JSON text."""
+    """Return the SHA-256 of plain data in canonical JSON."""
     return hashlib.sha256(canonical_json(value).encode()).hexdigest()
 
 
 class Faults(ValueError):
-    """Raised by validators that look at a value as a whole and find several things at once."""
+    """Raised by validators that check a value as a whole and can find several faults at once."""
 
     def __init__(self, issues: Sequence[Issue]) -> None:
         self.issues = tuple(issues)
@@ -91,7 +91,7 @@ class Faults(ValueError):
 
 
 def issues_of(error: ValidationError) -> list[Issue]:
-    """Translate pydantic's findings into issues with paths such as `actors[2].placement.lane`."""
+    """Convert pydantic's errors into issues with paths such as `actors[2].placement.lane`."""
     issues = []
     for item in error.errors(include_url=False, include_input=False):
         path = dotted(item["loc"])
@@ -109,7 +109,7 @@ def _below(path: str, inner: str) -> str:
 
 
 def dotted(location: Iterable[str | int]) -> str:
-    """Write a location the way a programmer would index it."""
+    """Return a location as an indexing expression, e.g. `actors[2].placement.lane`."""
     text = ""
     for part in location:
         text += f"[{part}]" if isinstance(part, int) else f".{part}"

@@ -1,4 +1,4 @@
-"""A bird's-eye sketch of what every action led to, in road coordinates and few numbers.
+"""A compact bird's-eye sketch of a decision and the outcome of every action, in road coordinates.
 
 The road is straightened: the origin is the ego's centre at the decision point, x runs forward along
 the ego's road and y to its left, both in metres.
@@ -15,60 +15,60 @@ if TYPE_CHECKING:
     from oodscen.driving._trace import Course, Trace
 
 AHEAD_M, BEHIND_M, ASIDE_M = 120.0, 40.0, 30.0
-"""Bodies further away than this at the decision point are left out."""
+"""Bodies beyond these distances at the decision point are left out, m."""
 _MOVED_M = 0.5
 
 
 class Lane(Data):
-    """One strip of the road where the ego decides."""
+    """One strip of the road at the decision point."""
 
     noun: ClassVar[str] = "lane"
 
     kind: str
-    """`driving`, `shoulder`, `sidewalk` ..."""
+    """The strip's kind: `driving`, `shoulder`, `sidewalk` ..."""
     direction: int
-    """+1 with the ego, -1 oncoming, 0 neither."""
+    """Direction of travel: +1 with the ego, -1 oncoming, 0 neither."""
     right: float
-    """y of the right edge."""
+    """y of the right edge, m."""
     left: float
 
 
 class Body(Data):
-    """A footprint at the decision point."""
+    """The footprint of a body at the decision point."""
 
     noun: ClassVar[str] = "body"
 
     x: float
     y: float
     heading_deg: float
-    """Against the road, counter-clockwise."""
+    """Heading relative to the road, degrees, counter-clockwise."""
     length: float
     width: float
 
 
 class Sketch(Data):
-    """Where everybody is at the decision point, and where every action takes them."""
+    """All nearby bodies at the decision point, and their paths under every action."""
 
     noun: ClassVar[str] = "sketch"
 
     lanes: tuple[Lane, ...] = ()
-    """From right to left."""
+    """Strips from right to left."""
     bodies: dict[str, Body] = {}
-    """By id; `ego` and the actors near it."""
+    """Footprints of the ego and nearby actors, by id (`ego` for the ego)."""
     paths: dict[str, tuple[float, ...]] = {}
-    """By action: the ego's x, y, x, y ... once a second until it stands, and at
-    the end; unavailable ones are missing."""
+    """By action: the ego's x, y, x, y ... once a second until it stops, and at the end.
+    Unavailable actions are left out."""
     ends: dict[str, dict[str, tuple[float, float, float]]] = {}
-    """By action and actor: x, y and heading in degrees at the end, of those that moved."""
+    """By action and actor: final x, y and heading in degrees, for actors that moved."""
 
 
 def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"]) -> Sketch:
-    """Draw the rollouts of a scene's actions.
+    """Return a sketch of the rollouts of a scene's actions.
 
     Args:
-        course: Of the scene.
-        approach: Ends at the decision point.
-        rollouts: By action id, from the decision point on.
+        course: The scene's course.
+        approach: The trace up to the decision point.
+        rollouts: Traces from the decision point on, by action id.
     """
     s, t = approach["s"][-1], approach["t"][-1]
     angle = _headings(course, approach, -1)
@@ -122,7 +122,7 @@ def _lanes(course: "Course", s: float, t: float) -> tuple[Lane, ...]:
 
 
 def _headings(course: "Course", trace: "Trace", step: int) -> list[int]:
-    """Return everybody's heading against the road, in whole degrees."""
+    """Return every body's heading relative to the road, in whole degrees."""
     corridor = course.corridor
     at = np.clip(np.rint(trace["s"][step] / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
     turned = trace["yaw"][step] - np.arctan2(corridor.sin[at], corridor.cos[at])

@@ -1,4 +1,4 @@
-"""What a simulator can show: static data, readable without starting it."""
+"""A simulator's vocabulary: static data that is readable without starting the simulator."""
 
 from collections.abc import Collection, Mapping
 from typing import ClassVar, Literal
@@ -15,41 +15,41 @@ Category = Literal[
 
 
 FLAT_M = 0.08
-"""What is lower lies on the road: others drive over it and stand on it."""
+"""Maximum height of things that lie flat on the road, m: others can drive over and stand on them."""
 
 
 class Asset(Data):
-    """One thing that can be placed in a scene."""
+    """A kind of object that can be placed in a scene."""
 
     noun: ClassVar[str] = "asset"
 
     id: str
     category: Category
     description: str
-    """What a person sees, e.g. `a large brown cardboard box`."""
+    """Visible appearance, e.g. `a large brown cardboard box`."""
     length: float = Field(gt=0)
-    """Along x, m."""
+    """Extent along x, m."""
     width: float = Field(gt=0)
-    """Along y, m."""
+    """Extent along y, m."""
     height: float = Field(gt=0)
-    """Along z, m."""
+    """Extent along z, m."""
     tags: tuple[str, ...] = ()
-    """Further words for it: `emergency`, `heavy`, `debris` ..."""
+    """Further words for the asset: `emergency`, `heavy`, `debris` ..."""
     states: tuple[str, ...] = ()
-    """What `Actor.state` may be; the first is the default."""
+    """Allowed values of `Actor.state`; the first is the default."""
     passable: tuple[str, ...] = ()
-    """States in which it is in nobody's way although its box is, e.g. a gate's `open`."""
+    """States in which the asset blocks no one although its box does, e.g. a gate's `open`."""
     names: tuple[str, ...] = ()
-    """What other catalogues call such a thing, e.g. `police_car`: it is one wherever that is needed."""
+    """Ids of the same thing in other catalogues, e.g. `police_car`; the asset serves wherever one is needed."""
 
     def is_passable(self, state: str = "") -> bool:
-        """Tell whether one can drive over or through it, in one of its states."""
+        """Return whether a vehicle can drive over or through the asset in the given state."""
         shown = state or (self.states[0] if self.states else "")
         return self.height < FLAT_M or shown in self.passable
 
 
 class BehaviourParameter(Data):
-    """One number that shapes a behaviour."""
+    """A numeric parameter of a behaviour."""
 
     minimum: float
     maximum: float
@@ -58,74 +58,74 @@ class BehaviourParameter(Data):
 
 
 class BehaviourKind(Data):
-    """One thing that actors can do."""
+    """A behaviour that actors can have."""
 
     noun: ClassVar[str] = "behaviour"
 
     id: str
     description: str
-    """What the actor does before and after the trigger."""
+    """The actor's motion before and after the trigger."""
     categories: tuple[Category, ...]
-    """Who can do it."""
+    """Categories of actors that can have this behaviour."""
     parameters: dict[str, BehaviourParameter] = {}
     needs_other: bool = False
-    """Whether `Behaviour.other` must name the actor that carries, tows or owns this one."""
+    """True if `Behaviour.other` must name the actor that carries, tows or owns this one."""
 
 
 class RoadMap(Data):
-    """One road network, with the place where the ego starts."""
+    """A road network and the ego's starting point on it."""
 
     noun: ClassVar[str] = "road map"
 
     id: str
     description: str
-    """What a person would call it, e.g. `a two-lane residential street`."""
+    """Short description, e.g. `a two-lane residential street`."""
     file: str
     """OpenDRIVE file: `package:path/inside.xodr` for a shipped map, or a path."""
     road: str = ""
-    """OpenDRIVE id of the road where the ego starts; empty is the first."""
+    """OpenDRIVE id of the road on which the ego starts; empty for the first road."""
     start_m: float = Field(default=0.0, ge=0)
-    """Where along that road the ego starts."""
+    """Position of the ego's start along that road, m."""
     route: tuple[str, ...] = ()
-    """OpenDRIVE ids of the roads that the ego drives after it, in order, connecting roads of
-    junctions included; empty goes straight on wherever there is a choice."""
+    """OpenDRIVE ids of the roads that the ego drives next, in order, including connecting roads of
+    junctions; empty to go straight on at every choice."""
     forward: bool = True
-    """Whether the ego drives in the direction of the road's reference line."""
+    """True if the ego drives in the direction of the road's reference line."""
     lanes: int = Field(ge=1)
-    """Driving lanes in the ego's direction."""
+    """Number of driving lanes in the ego's direction."""
     oncoming_lanes: int = Field(default=0, ge=0)
     has_shoulder: bool = False
     speed_limit: float = Field(gt=0)
     """m/s"""
     length_m: float = Field(gt=0)
-    """Usable length ahead of the start."""
+    """Usable length ahead of the start, m."""
     traits: tuple[str, ...] = ()
     """`residential`, `urban`, `highway`, `rural`, `curve`, `junction`, `one_way` ..."""
     landmarks: tuple[
         Literal["junction", "roundabout", "tunnel", "bridge", "crest", "traffic_light"], ...
     ] = ()
-    """Kinds that its roads are known to have, where there is no file at hand to find them in."""
+    """Landmarks known to be on its roads, for maps without a file to search."""
 
 
 class WeatherRange(Data):
-    """The weather that a simulator can show."""
+    """The range of weather that a simulator can show."""
 
     noun: ClassVar[str] = "weather range"
 
     min_sun_elevation_deg: float = -90.0
-    """Above -6 where there is no night."""
+    """Lowest sun elevation; above -6 if the simulator has no night."""
     min_fog_visual_range_m: float = 10_000.0
-    """10 km where there is no fog."""
+    """Shortest visual range in fog, m; 10 km if the simulator has no fog."""
     precipitation: tuple[Literal["none", "rain", "snow"], ...] = ("none",)
     max_precipitation_mm_h: float = 0.0
     min_friction: float = 1.0
-    """1 where the road is always dry."""
+    """Lowest friction; 1 if the road is always dry."""
     others: tuple[str, ...] = ()
-    """Further weather that it can show and for which a scene has no scale: `dust`, `wind` ..."""
+    """Weather that can be shown but has no scale in a scene: `dust`, `wind` ..."""
 
 
 class Catalogue(Data):
-    """The closed vocabulary for scenes in one simulator."""
+    """The closed vocabulary of scenes in one simulator."""
 
     noun: ClassVar[str] = "catalogue"
 
@@ -139,22 +139,22 @@ class Catalogue(Data):
     weather: WeatherRange
 
     def asset(self, name: str) -> Asset:
-        """Return an asset by id; `KeyError` if there is none."""
+        """Return an asset by id; raises `KeyError` if it is unknown."""
         return {asset.id: asset for asset in self.assets}[name]
 
     def behaviour(self, name: str) -> BehaviourKind:
-        """Return a behaviour by id; `KeyError` if there is none."""
+        """Return a behaviour by id; raises `KeyError` if it is unknown."""
         return {kind.id: kind for kind in self.behaviours}[name]
 
     def map(self, name: str) -> RoadMap:
-        """Return a map by id; `KeyError` if there is none."""
+        """Return a map by id; raises `KeyError` if it is unknown."""
         return {road.id: road for road in self.maps}[name]
 
     def check(self, scene: Scene) -> list[Issue]:
-        """Find everything in a scene that this catalogue does not offer, with close matches.
+        """Return an issue, with close matches, for everything in a scene that the catalogue lacks.
 
-        Only the vocabulary is checked here; room on the road, overlap and reachability are
-        checked by `oodscen.driving.check_scene`.
+        Only the vocabulary is checked here; `oodscen.driving.check_scene` checks room on the road, overlap
+        and reachability.
         """
         issues: list[Issue] = []
         if not scene.map.endswith(".xodr"):
@@ -215,7 +215,7 @@ class Catalogue(Data):
 
 
 def _check_belonging(scene: Scene) -> list[Issue]:
-    """Find actors that belong to each other in a ring."""
+    """Return issues for actors that belong to each other in a cycle."""
     owners = {actor.id: actor.behaviour.other for actor in scene.actors}
     issues: list[Issue] = []
     for index, actor in enumerate(scene.actors):
@@ -242,7 +242,7 @@ def _check_parameters(path: str, kind: BehaviourKind, given: Mapping[str, float]
 
 
 def _unknown(path: str, kind: str, name: str, known: Collection[str]) -> list[Issue]:
-    """Return one issue with close matches if `name` is not among `known`."""
+    """Return one issue with close matches if `name` is unknown, else none."""
     if name in known:
         return []
     matches = close_matches(name, known)

@@ -1,4 +1,4 @@
-"""What a text says about a scene, piece by piece."""
+"""Claims that a text makes about a scene."""
 
 from collections.abc import Mapping
 from typing import ClassVar, Literal
@@ -115,7 +115,7 @@ VALUES: Mapping[str, Mapping[str, str]] = {
         "all_on": "all colours of a signal at once",
     },
 }
-"""What each kind of claim may say, and what that means; `lanes`, `own_lanes`, `count` and `distance` are numbers."""
+"""Allowed values of each kind of claim, and their meanings; `lanes`, `own_lanes`, `count` and `distance` are numbers."""
 
 NUMBERS: Mapping[str, str] = {
     "lanes": "lanes of the road in all",
@@ -123,10 +123,10 @@ NUMBERS: Mapping[str, str] = {
     "count": "at least so many of a thing",
     "distance": "metres from the ego to a thing",
 }
-"""Kinds whose value is a number, and of what."""
+"""Kinds of claims with a numeric value, and the meaning of the number."""
 
 OF_THINGS = frozenset({"thing", "count", "place", "distance", "motion", "state"})
-"""Kinds that are about a thing: their subject names it."""
+"""Kinds of claims about a thing, which the subject names."""
 
 
 class Claim(Data):
@@ -163,15 +163,15 @@ class Claim(Data):
 
 
 class Mismatch(Data):
-    """A claim of a text that a scene contradicts."""
+    """A claim of the text that the scene contradicts."""
 
     noun: ClassVar[str] = "mismatch"
 
     claim: Claim
     found: str
-    """What the scene shows instead."""
+    """The scene's actual content."""
     path: str = ""
-    """Where in the scene."""
+    """Path of the contradiction in the scene."""
 
     def __str__(self) -> str:
         return f"the text says {self.claim}, but {self.found}"

@@ -1,4 +1,4 @@
-"""What one run of one scene left behind."""
+"""The record of one simulated scene."""
 
 from typing import ClassVar, Literal
 
@@ -15,45 +15,45 @@ ACTIONS = (
     "change_lane_right",
     "pull_over",
 )
-"""Ids of the discrete actions, in the order in which they are offered and reported."""
+"""Ids of the discrete actions, in the order of presentation and reports."""
 
 MOMENTS = ("first", "middle", "last")
 """The three frames of the paper's protocol, in order."""
 
 
 class ActionOutcome(Data):
-    """What happened when one action was executed from the decision point."""
+    """The outcome of one action executed from the decision point."""
 
     noun: ClassVar[str] = "action outcome"
 
     safe: bool
-    """The ego touched nothing and stayed on drivable road up to the horizon."""
+    """True if the ego touched nothing and stayed on drivable road up to the horizon."""
     unavailable: bool = False
-    """The lane that the action needs does not exist; then `safe` is false."""
+    """True if the lane that the action needs does not exist; `safe` is then false."""
     margin_m: float | None = None
-    """Smallest gap to anything, m; 0 on contact; `None` if unavailable or alone on the road."""
+    """Smallest gap to any body, m; 0 on contact; `None` if unavailable or if the road is empty."""
     min_ttc_s: float | None = None
-    """Least time to collision with anything, s; 0 on contact; `None` where there is none."""
+    """Minimum time to collision with any body, s; 0 on contact; `None` if there is none."""
     pet_s: float | None = None
-    """Least post-encroachment time, s; 0 on contact; `None` where nobody's path was crossed."""
+    """Minimum post-encroachment time, s; 0 on contact; `None` if no path was crossed."""
     contacts: tuple[str, ...] = ()
     """Ids of the actors that the ego touched."""
     off_road: bool = False
     final_speed: float | None = None
-    """m/s at the end."""
+    """The ego's speed at the end, m/s."""
     peak_deceleration: float | None = None
     """Hardest braking of the ego, m/s^2, never negative; `None` if unavailable or not measured."""
     peak_jerk: float | None = None
-    """Fastest change of the ego's acceleration along its path, m/s^3, over 0.2 s."""
+    """Largest jerk of the ego along its path, m/s^3, over 0.2 s."""
 
     @property
     def is_unsafe(self) -> bool:
-        """Whether it can be executed and is not safe."""
+        """Return whether the action can be executed and is not safe."""
         return not (self.safe or self.unavailable)
 
 
 class Episode(Data):
-    """One run of one scene: up to the decision point, and every action from there."""
+    """One run of one scene: the approach to the decision point, and every action from there."""
 
     noun: ClassVar[str] = "episode"
 
@@ -65,54 +65,54 @@ class Episode(Data):
     error_type: str | None = None
     """Name of the exception, e.g. `SceneError`, `SpawnError`, `SimulatorCrash`."""
     retryable: bool = False
-    """Its process died: another time may go well, and the same command tries it."""
+    """True if the simulator's process died: the same command tries this episode again."""
     simulator: str = ""
     seed: int = 0
     dt: float = 0.0
     """Seconds per step."""
     decision_s: float | None = None
-    """When the decision point was reached."""
+    """Time of the decision point, s."""
     decision_fired: bool = False
-    """False where the trigger never fired and the end of the approach was taken instead."""
+    """False if the trigger never fired, so that the end of the approach became the decision point."""
     frames: dict[str, str] = {}
-    """By moment (`first`, `middle`, `last`): the file, relative to the study."""
+    """Image files by moment (`first`, `middle`, `last`), relative to the study's folder."""
     files: tuple[str, ...] = ()
-    """Further files that were asked for: traces, annotations, videos."""
+    """Further requested files: traces, annotations, videos."""
     frame_sha256: dict[str, str] = {}
-    """By moment: hash of the raw pixels."""
+    """SHA-256 of the raw pixels, by moment."""
     visible: dict[str, dict[str, int]] = {}
-    """By moment: pixels of every actor that can be seen."""
+    """Visible pixels of every visible actor, by moment."""
     hazard_visible: bool | None = None
-    """An unusual actor can be seen in one of the frames, or the weather is unlike the ordinary;
-    `None` without frames, and for twins."""
+    """True if an unusual actor is visible in one of the frames, or the weather differs from the ordinary one;
+    `None` for twins and without frames."""
     trace_sha256: str = ""
-    """Hash of all states up to the decision point."""
+    """SHA-256 of all states up to the decision point."""
     is_deterministic: bool = True
-    """False where replaying the approach gave another trace; then no action is called safe."""
+    """False if replaying the approach gave a different trace; no action then counts as safe."""
     actions: dict[str, ActionOutcome] = {}
-    """By action id."""
+    """Outcomes by action id."""
     sketch: Sketch | None = None
-    """Where everybody is at the decision point, and where every action takes them."""
+    """The bird's-eye sketch of the decision point and of every action's outcome."""
     followers: tuple[str, ...] = ()
-    """Who is behind the ego in its lane at the decision point, near enough to matter: the front
-    camera never shows them."""
+    """Actors behind the ego in its lane at the decision point, close enough to matter; the front camera
+    never shows them."""
     restaged: str = ""
-    """How the scene was re-staged so that some action is safe and some is not; empty where it was not."""
+    """The change that made some action safe and another unsafe; empty if the scene was not re-staged."""
     made_from: str = ""
-    """In a study: SHA-256 of the scene as it was run, also for its twin."""
+    """In a study: SHA-256 of the scene as run; its twin has the same value."""
 
     @property
     def is_twin(self) -> bool:
-        """Whether the episode is that of an ordinary twin."""
+        """Return whether this is the episode of an ordinary twin."""
         return is_twin(self.scene_id)
 
     @property
     def safe_set(self) -> tuple[str, ...]:
-        """The actions that were safe."""
+        """Ids of the safe actions."""
         return tuple(name for name, outcome in self.actions.items() if outcome.safe)
 
     @property
     def is_decidable(self) -> bool:
-        """Whether the choice matters: some action is safe, and some other that can be executed is not."""
+        """Return whether the choice matters: some action is safe, and another that can be executed is not."""
         outcomes = self.actions.values()
         return any(one.safe for one in outcomes) and any(one.is_unsafe for one in outcomes)

@@ -1,4 +1,4 @@
-"""Turns of a conversation, and the pictures in them."""
+"""Messages of a conversation, and the pictures in them."""
 
 import hashlib
 from pathlib import Path
@@ -13,26 +13,26 @@ _ENDS = (b"\xff\xd9", b"IEND\xaeB`\x82")
 
 
 class Image(Data):
-    """A picture referred to by name; its bytes are loaded when a client sends it."""
+    """A named picture, whose bytes are loaded when a client sends it."""
 
     noun: ClassVar[str] = "image"
 
     name: str
-    """What it is called in the study, e.g. `frames/x-003/first.jpg`."""
+    """The picture's name in the study, e.g. `frames/x-003/first.jpg`."""
     sha256: str
-    """Of the encoded bytes."""
+    """SHA-256 of the encoded bytes."""
     path: Path | None = Field(default=None, exclude=True, repr=False)
-    """Where the bytes are; not part of the image's identity."""
+    """File that holds the bytes; not part of the image's identity."""
 
     @classmethod
     def from_file(cls, path: Path, name: str = "") -> Self:
-        """Refer to a JPEG or PNG file."""
+        """Create a reference to a JPEG or PNG file."""
         return cls(
             name=name or path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest(), path=path
         )
 
     def fault(self) -> str:
-        """Say why a JPEG or PNG file cannot be shown as it lies on disk, or return an empty string."""
+        """Return why the JPEG or PNG file on disk cannot be shown, or an empty string."""
         try:
             data = self.read()
         except OSError as error:
@@ -55,7 +55,7 @@ class Image(Data):
 
 
 class Message(Data):
-    """One turn of a conversation."""
+    """One message of a conversation."""
 
     noun: ClassVar[str] = "message"
 

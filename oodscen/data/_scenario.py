@@ -1,4 +1,4 @@
-"""A scenario: one text that describes a driving situation."""
+"""The scenario: one text that describes a driving situation."""
 
 from typing import ClassVar
 
@@ -8,21 +8,21 @@ from oodscen.data._base import Data
 
 
 class Scenario(Data):
-    """One text, with the path of the tree that it realises."""
+    """One text and the tree path that it realises."""
 
     noun: ClassVar[str] = "scenario"
 
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=200)
-    """Known before the work: `<leaf>-003`."""
+    """Id, fixed before generation: `<leaf>-003`."""
     text: str = Field(min_length=1, max_length=2_000)
-    """The situation in words, as an engineer would write it."""
+    """The situation in an engineer's words."""
     leaf: str = ""
-    """Id of the leaf that it realises; empty for a text from elsewhere."""
+    """Id of the leaf that the text realises; empty for a text from another source."""
     path: tuple[str, ...] = ()
     """Labels from the root down to the leaf."""
     style: str = ""
-    """Register in which it was asked for; empty where none was."""
+    """The requested writing style; empty if none was requested."""
     ordinary: str | None = None
-    """Its ordinary twin: same place, phrasing and length, without what is unusual."""
+    """The text of its ordinary twin: same place, phrasing and length, without the unusual part."""
     runners_up: tuple[str, ...] = ()
-    """Ids of further leaves that it fits."""
+    """Ids of further matching leaves."""

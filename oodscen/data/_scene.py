@@ -1,8 +1,8 @@
-"""A scene: the machine-readable configuration of one scenario.
+"""The scene: the machine-readable configuration of one scenario.
 
-Places are relative to the ego's start along its road: `ahead_m` forward, lanes and offsets to the
-left, headings counter-clockwise (ISO 8855). Speeds are m/s. Mappings are sorted when they are validated, as they are
-in JSON: nothing may depend on the order of keys.
+Positions are relative to the ego's start along its road: `ahead_m` forward, lanes and offsets to the
+left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts mappings, as they are sorted in
+JSON: nothing may depend on the order of keys.
 """
 
 from typing import ClassVar, Literal, Self
@@ -131,15 +131,15 @@ class Scene(Data):
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)
     scenario_id: str
     map: str
-    """A map of the catalogue, or the path of an OpenDRIVE file."""
+    """Id of a map in the catalogue, or the path of an OpenDRIVE file."""
     ego: Ego
     weather: Weather = Weather()
     actors: tuple[Actor, ...] = ()
     hazard: Hazard
     decision: Trigger
-    """The moment at which the ego must choose; a distance or time to collision names its actor."""
+    """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
-    """How long an action is watched, counted from the decision."""
+    """Duration for which an action is watched, s, counted from the decision."""
 
     @field_validator("hazard")
     @classmethod
@@ -155,18 +155,18 @@ class Scene(Data):
 
     @property
     def is_twin(self) -> bool:
-        """Whether this scene was derived by `twin`."""
+        """Return whether `twin` created this scene."""
         return is_twin(self.id)
 
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.
 
-        Nothing else changes; an actor that is removed shifts no other one, since every random
-        stream is keyed by the actor's id.
+        Nothing else changes. Removing an actor does not shift any other, since every random stream is keyed by
+        the actor's id.
 
         Args:
-            decision_s: When the decision fell in the scene itself; the twin is judged at the same
-                moment, whether or not the actor that triggered it is still there.
+            decision_s: Time of the decision in the scene itself. The twin is judged at the same time, even if
+                the actor that triggered the decision is gone.
         """
         actors = []
         for actor in self.actors:
@@ -186,13 +186,13 @@ class Scene(Data):
 
 
 def _references(behaviour: Behaviour) -> list[tuple[str, str]]:
-    """Return which actors a behaviour names, each with the field that does."""
+    """Return the actors that a behaviour refers to, each with the referring field."""
     named = (("trigger.actor", behaviour.trigger.actor), ("other", behaviour.other))
     return [(field, name) for field, name in named if name is not None]
 
 
 def _misfits(scene: Scene) -> list[Issue]:
-    """Find what is inconsistent within one scene, whatever the catalogue."""
+    """Return inconsistencies within the scene that do not depend on a catalogue."""
     issues = []
     ids = [actor.id for actor in scene.actors]
     lasting = {name for name in ids if scene.hazard.actors.get(name, ...) is not None}

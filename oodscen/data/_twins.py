@@ -1,4 +1,4 @@
-"""Ids of ordinary twins: a scene's id and `~twin`."""
+"""Ids of ordinary twins: the scene's id followed by `~twin`."""
 
 _SUFFIX = "~twin"
 
@@ -9,10 +9,10 @@ def twin_id(scene_id: str) -> str:
 
 
 def is_twin(item_id: str) -> bool:
-    """Whether an id belongs to an ordinary twin."""
+    """Return whether an id belongs to an ordinary twin."""
     return item_id.endswith(_SUFFIX)
 
 
 def scene_of(item_id: str) -> str:
-    """Return the id of the scene that an item is, or is the twin of."""
+    """Return the scene id of an item, which is a scene or a twin."""
     return item_id.removesuffix(_SUFFIX)

@@ -1,1 +1,1 @@
-"""Arithmetic with the same bits on every machine, and compiled kernels."""
+"""Arithmetic with identical bits on every machine, and compiled kernels."""

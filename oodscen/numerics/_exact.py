@@ -1,13 +1,13 @@
-"""Elementary functions as plain arithmetic: the same bits on every machine.
+"""Elementary functions in plain arithmetic, with identical bits on every machine.
 
-What `math`, NumPy and a processor's vector library return for a sine differs in its last bit from
-one machine to the next. These functions use nothing but `+ - * /`, square roots, comparisons and
-exact scaling by powers of two, all of which IEEE 754 defines to the last bit. Motion is built on
-them, so that no library decides where anything is.
+The last bit of a sine from `math`, NumPy or a processor's vector library differs between machines.
+These functions use only `+ - * /`, square roots, comparisons and exact scaling by powers of two, all
+of which IEEE 754 defines to the last bit. All motion is computed with them, so that positions do not
+depend on the installed libraries.
 
-They run as they are, and inside kernels (`oodscen.numerics._kernels`), with the same bits. They
-agree with `math` to 1e-12 or better; polynomials and reductions are those of FDLIBM (Sun
-Microsystems, 1993). Arguments are finite floats.
+They give the same bits in plain Python and inside kernels (`oodscen.numerics._kernels`). They
+agree with `math` to 1e-12 or better; the polynomials and reductions are those of FDLIBM (Sun
+Microsystems, 1993). Arguments must be finite floats.
 """
 
 import math
@@ -19,7 +19,7 @@ TAU = 6.283185307179586
 HALF_PI = 1.5707963267948966
 
 _HALF_PI_HIGH = 1.57079632673412561417
-"""The first 33 bits of pi/2; the next two constants are the following ones."""
+"""The first 33 bits of pi/2; the next two constants hold the bits after them."""
 _HALF_PI_MIDDLE = 6.07710050630396597660e-11
 _HALF_PI_LOW = 2.02226624879595063154e-21
 
@@ -29,13 +29,13 @@ _LN2_LOW = 1.90821492927058770002e-10
 
 @part
 def quantised(value: float) -> float:
-    """Round to 1e-6, half upwards, never to minus zero."""
+    """Round to 1e-6, half upwards, and never to minus zero."""
     return math.floor(value * 1e6 + 0.5) / 1e6
 
 
 @part
 def wrapped(angle: float) -> float:
-    """Return the same angle within (-pi, pi], to the last bit or two."""
+    """Return the equivalent angle in (-pi, pi], to within the last bit or two."""
     if -PI < angle <= PI:
         return angle
     return angle - TAU * math.ceil(angle / TAU - 0.5)
@@ -43,7 +43,7 @@ def wrapped(angle: float) -> float:
 
 @part
 def sincos(x: float) -> tuple[float, float]:
-    """Return the sine and the cosine of an angle of at most a million radians."""
+    """Return the sine and cosine of an angle of up to a million radians."""
     turns = math.floor(x / HALF_PI + 0.5)
     y = ((x - turns * _HALF_PI_HIGH) - turns * _HALF_PI_MIDDLE) - turns * _HALF_PI_LOW
     z = y * y
@@ -97,19 +97,19 @@ def sincos(x: float) -> tuple[float, float]:
 
 @part
 def sin(x: float) -> float:
-    """Return the sine of an angle of at most a million radians."""
+    """Return the sine of an angle of up to a million radians."""
     return sincos(x)[0]
 
 
 @part
 def cos(x: float) -> float:
-    """Return the cosine of an angle of at most a million radians."""
+    """Return the cosine of an angle of up to a million radians."""
     return sincos(x)[1]
 
 
 @part
 def tan(x: float) -> float:
-    """Return the tangent of an angle of at most a million radians."""
+    """Return the tangent of an angle of up to a million radians."""
     sine, cosine = sincos(x)
     return sine / cosine
 
@@ -164,7 +164,7 @@ def atan(x: float) -> float:
 
 @part
 def atan2(y: float, x: float) -> float:
-    """Return the angle of a vector, within (-pi, pi]; 0 for the zero vector."""
+    """Return the angle of a vector in (-pi, pi]; 0 for the zero vector."""
     if x == 0.0 and y == 0.0:
         return 0.0
     if abs(y) > abs(x):
@@ -177,25 +177,25 @@ def atan2(y: float, x: float) -> float:
 
 @part
 def asin(x: float) -> float:
-    """Return the arc sine of a number within -1 and 1."""
+    """Return the arc sine of a number in [-1, 1]."""
     return atan2(x, math.sqrt((1.0 - x) * (1.0 + x)))
 
 
 @part
 def acos(x: float) -> float:
-    """Return the arc cosine of a number within -1 and 1."""
+    """Return the arc cosine of a number in [-1, 1]."""
     return atan2(math.sqrt((1.0 - x) * (1.0 + x)), x)
 
 
 @part
 def hypot(x: float, y: float) -> float:
-    """Return the length of a vector whose square neither over- nor underflows."""
+    """Return the length of a vector whose square neither overflows nor underflows."""
     return math.sqrt(x * x + y * y)
 
 
 @part
 def exp(x: float) -> float:
-    """Return e to the power of `x`: infinity above 709, 0 below -700."""
+    """Return e to the power of `x`; infinity above 709, 0 below -700."""
     if x > 709.0:
         return math.inf
     if x < -700.0:
@@ -256,5 +256,5 @@ def log(x: float) -> float:
 
 @part
 def power(base: float, exponent: float) -> float:
-    """Return a positive number to any power."""
+    """Return a positive number raised to any power."""
     return exp(exponent * log(base))

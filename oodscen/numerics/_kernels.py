@@ -1,11 +1,11 @@
-"""Kernels: functions that numba compiles where it is installed, and Python runs where it is not.
+"""Kernels: functions that numba compiles if it is installed, and that plain Python runs otherwise.
 
-Both give the same bits: kernels use plain arithmetic only (see `oodscen.numerics._exact`), are
-compiled without any licence to reorder it, and index arrays fully, never row by row.
+Both give the same bits: kernels use only plain arithmetic (see `oodscen.numerics._exact`), are
+compiled without permission to reorder it, and index arrays by single elements, never by rows.
 
-Nothing is compiled, and numba is not imported, before the first call. The result is kept on disk
-(beside the sources, or in numba's own cache where they are read-only), so that only the first
-call after an installation waits; a line on stderr says so.
+Nothing is compiled, and numba is not imported, before the first call. The result is cached on disk
+(beside the sources, or in numba's own cache if they are read-only), so that only the first call
+after an installation waits; a line on stderr says so.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _STRICT = {"fastmath": False, "error_model": "numpy"}
 _OWN = "oodscen"
-"""Packages whose functions and constants may change from one version to the next."""
+"""The package whose functions and constants may change between versions."""
 
 _parts: list[Callable[..., object]] = []
 _inlined: set[int] = set()
@@ -33,7 +33,7 @@ _registered: set[int] = set()
 
 
 class Numbers(Protocol):
-    """An array of float64 as kernels take it: indexed fully, by one number or a tuple of them."""
+    """A float64 array as seen by kernels: indexed to single elements, by a number or a tuple of numbers."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -46,7 +46,7 @@ class Numbers(Protocol):
 
 
 class Integers(Protocol):
-    """An array of int64 as kernels take it."""
+    """An int64 array as seen by kernels."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -58,49 +58,49 @@ class Integers(Protocol):
 
 @cache
 def is_compiled() -> bool:
-    """Tell whether kernels are compiled here: numba is installed, and works."""
+    """Return whether kernels are compiled here, i.e. numba is installed and works."""
     try:
         importlib.import_module("numba")
-    except Exception:  # a broken numba fails in many ways
+    except Exception:  # A broken numba fails in many ways.
         return False
     return True
 
 
 def part(function: Function) -> Function:
-    """Let kernels call a function; it stays an ordinary function for everybody else."""
+    """Make a function callable from kernels; it stays an ordinary function elsewhere."""
     _parts.append(function)
     return function
 
 
 def inlined(function: Function) -> Function:
-    """Make a function part of every kernel that calls it: for what runs once per pixel."""
+    """Inline a function into every kernel that calls it, for code that runs once per pixel."""
     _inlined.add(id(function))
     return part(function)
 
 
 def seen(array: Any) -> Any:
-    """Return an array as kernels take it: itself, or a view that plain Python reads quickly."""
+    """Return an array as kernels take it: itself, or a view that plain Python indexes quickly."""
     return array if is_compiled() else memoryview(array)
 
 
 class Kernel(Generic[P, R]):
-    """A function that is compiled when it is first called; use as a decorator.
+    """A decorator for functions that are compiled on their first call.
 
     Arguments are numbers, tuples, and arrays as `seen` returns them.
     """
 
     def __init__(self, function: Callable[P, R]) -> None:
         self.plain = function
-        """The function as it was written: the same bits, slowly."""
+        """The original function: the same bits, but slow."""
         self.__doc__ = function.__doc__
         self._name = function.__qualname__
-        # So that pickle finds it: numba's files are named by what a kernel refers to.
+        # Lets pickle find the function: numba names its files after what a kernel refers to.
         function.__qualname__ += ".plain"
         self._run: Callable[P, R] | None = None
         _parts.append(function)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
-        """Run it."""
+        """Run the kernel, compiled on its first call."""
         if self._run is None:
             return self._first(*args, **kwargs)
         return self._run(*args, **kwargs)
@@ -119,7 +119,7 @@ class Kernel(Generic[P, R]):
 
 
 def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
-    """Return a function as numba compiles it."""
+    """Return the function compiled by numba."""
     import numba
     from numba.extending import register_jitable
 
@@ -130,7 +130,7 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
             register_jitable(inline=inline, **_STRICT)(one)
     digest = _digest(function)
 
-    # numba keys its files by the bytes of this one source file; the digest adds all the others.
+    # numba keys its cache by this one source file; the digest covers all the others.
     def entry(*args):  # type: ignore[no-untyped-def]
         digest  # noqa: B018
         return function(*args)  # type: ignore[call-arg]
@@ -144,10 +144,10 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
 
 
 def _digest(function: Callable[..., object]) -> str:
-    """Return a hash of everything from which a kernel is made.
+    """Return a hash of everything that a kernel is built from.
 
-    That is the source of every function it reaches, and the value of every constant: numba takes
-    both over as they are.
+    This is the source of every function it reaches and the value of every constant, since numba freezes
+    both at compile time.
     """
     total = hashlib.sha256()
     pending, known = [function], {function}
@@ -179,7 +179,7 @@ def _digest(function: Callable[..., object]) -> str:
 
 
 def _names(code: CodeType) -> set[str]:
-    """Return every global name that a function may use, those of functions within it, too."""
+    """Return every global name that a function may use, including those of nested functions."""
     names = set(code.co_names)
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
@@ -189,7 +189,7 @@ def _names(code: CodeType) -> set[str]:
 
 @cache
 def _announcer() -> Any:
-    """Return what tells, once per process, that something is being compiled."""
+    """Return a listener that reports, once per process, that something is being compiled."""
     from numba.core.event import Event, Listener
 
     class Announcer(Listener):  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""Doubles without dependencies, and the checks that third-party adapters run on themselves."""
+"""Test doubles without dependencies, and conformance checks for third-party adapters."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Whether everything that a catalogue lists can be seen."""
+"""Checks that everything in a catalogue is visible when rendered."""
 
 import numpy as np
 
@@ -11,16 +11,16 @@ from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.testing._samples import sample_scene
 
 LEAST_SHARE = 0.02
-"""Of its box's silhouette that an asset must fill: ladders and wires are thin."""
+"""Minimum share of its box's silhouette that an asset must fill: ladders and wires are thin."""
 
 _CAMERA = Camera(width=240, height=180)
 _NEAREST_M = 6.0
 
 
 def appearance_faults(simulator: Simulator) -> list[str]:
-    """Put every asset in every state before the camera and say which do not show.
+    """Render every asset in every state and return those that do not show.
 
-    Each must fill some of the silhouette of its box with its id, at a depth within the box, and
+    Each must fill some of its box's silhouette with its id, at a depth within the box, and
     nothing else may have an id.
     """
     catalogue = simulator.catalogue()
@@ -61,7 +61,7 @@ def _shown(simulator: Simulator, road: RoadMap, asset: Asset, state: str) -> lis
 
 
 def weather_faults(simulator: Simulator) -> list[str]:
-    """Show the extremes of the catalogue's weather and say which look like a clear day."""
+    """Render the extremes of the catalogue's weather and return those that look like a clear day."""
     catalogue = simulator.catalogue()
     road = catalogue.maps[0]
     car = next((one for one in catalogue.assets if one.category == "vehicle"), catalogue.assets[0])
@@ -87,7 +87,7 @@ def weather_faults(simulator: Simulator) -> list[str]:
 
 
 def extremes(catalogue: Catalogue) -> dict[str, Weather]:
-    """Return the weather at the limits of what a catalogue offers."""
+    """Return the weather at the limits of the catalogue's range."""
     limits = catalogue.weather
     found = {}
     if limits.min_sun_elevation_deg < 45.0:

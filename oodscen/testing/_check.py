@@ -35,17 +35,17 @@ PARTS = (
     "refusals",
     "leaks",
 )
-"""What `check_simulator` looks at, in order.
+"""The parts of `check_simulator`, in order.
 
-`appearance` renders every asset in every state, `process` repeats the runs in a fresh process,
-`leaks` watches memory and open files over many resets: these take longest.
+`appearance` renders every asset in every state, `process` repeats the runs in a fresh process, and
+`leaks` watches memory and open files over many resets: these three take the longest.
 """
 
 QUICK = tuple(part for part in PARTS if part not in ("appearance", "process", "leaks"))
-"""The parts that take seconds."""
+"""The parts that together take only seconds."""
 
 RESETS = 200
-"""How many resets `leaks` watches."""
+"""Number of resets in the `leaks` part."""
 
 
 def check_simulator(
@@ -56,27 +56,30 @@ def check_simulator(
     resets: int = RESETS,
     progress: Callable[[str], None] | None = None,
 ) -> None:
-    """Judge whether a simulator keeps the protocol's promises.
+    """Check whether a simulator keeps the promises of the protocol.
 
-    Checked are: an honest catalogue (every map, behaviour, weather extreme and asset in every
-    state can be had, and shows), one `dt` per step, ids and shapes and dtypes of states and
-    frames, frames that show something, finite depth and true ids of bodies, the same bytes for
-    the same scene and seed whatever ran before and in a fresh process, gaps that are those between
-    the catalogue's boxes, snapshots where offered, typed refusals, a `close` that may be called
-    twice, and memory and open files that do not grow.
+    The checks cover:
+
+    - an honest catalogue: every map, behaviour, weather extreme and asset in every state is available and shows;
+    - one `dt` per step, and the ids, shapes and dtypes of states and frames;
+    - frames that show something, with finite depth and the true ids of bodies;
+    - the same bytes for the same scene and seed, whatever ran before, also in a fresh process;
+    - gaps that equal those between the catalogue's boxes;
+    - snapshots if offered, typed refusals, and a `close` that may be called twice;
+    - memory and open files that do not grow.
 
     Args:
-        simulator: Makes a fresh simulator, or a name as in `make_simulator`. Only names, and
-            classes and functions of modules that can be imported, can be run in a fresh process; what is
-            defined in a script or notebook is not, with a warning.
-        scenes: Further scenes that must run; without them one per map is made.
-        parts: Which of `PARTS` to look at; `QUICK` takes seconds.
-        resets: How many `leaks` watches.
-        progress: Told the name of every part as it begins.
+        simulator: A factory of fresh simulators, or a name as in `make_simulator`. Only names, and the
+            classes and functions of importable modules, can run in a fresh process; for anything defined in a
+            script or notebook that part is skipped with a warning.
+        scenes: Additional scenes that must run; by default one per map is made.
+        parts: The parts of `PARTS` to check; `QUICK` takes seconds.
+        resets: Number of resets in the `leaks` part.
+        progress: Called with the name of every part as it begins.
 
     Raises:
-        AssertionError: Listing everything found, one line each.
-        UnknownComponent: When there is no such part.
+        AssertionError: Lists every finding, one per line.
+        UnknownComponent: If there is no such part.
     """
     for part in parts:
         if part not in PARTS:
@@ -95,7 +98,7 @@ def check_simulator(
 
 
 class _Check:
-    """Collects findings, so that one run shows an adapter's author all of them."""
+    """Collects findings, so that one run reports all of them."""
 
     def __init__(self, parts: Collection[str], progress: Callable[[str], None]) -> None:
         self.findings: list[str] = []
@@ -104,19 +107,19 @@ class _Check:
 
     @contextmanager
     def finding(self, what: str) -> Iterator[None]:
-        """Note an exception instead of stopping."""
+        """Record an exception as a finding instead of stopping."""
         try:
             yield
         except (Exception, SystemExit) as error:
             self.findings.append(f"{what}: {type(error).__name__}: {error}")
 
     def that(self, holds: bool, what: str) -> None:
-        """Note what does not hold."""
+        """Record a finding if the condition does not hold."""
         if not holds:
             self.findings.append(what)
 
     def wants(self, part: str) -> bool:
-        """Tell whether a part shall be looked at, and report that it begins."""
+        """Return whether a part was requested, and if so report that it begins."""
         if part in self.parts:
             self.progress(part)
         return part in self.parts
@@ -129,7 +132,7 @@ class _Check:
         scenes: Sequence[Scene] | None,
         resets: int,
     ) -> None:
-        """Run every group of checks."""
+        """Run all groups of checks."""
         self.that(isinstance(simulator, Simulator), "some members of the protocol are missing")
         self.that(bool(simulator.name), "name is empty")
         self.that(simulator.dt > 0.0, "dt must be positive")
@@ -159,13 +162,13 @@ class _Check:
                     check()
 
     def check_maps(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """Every map, one after the other."""
+        """Check every map, one after the other."""
         for road in catalogue.maps:
             with self.finding(f"map {road.id}"):
                 self.check_map(simulator, catalogue, road)
 
     def check_behaviours(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """Every behaviour, one after the other."""
+        """Check every behaviour, one after the other."""
         for kind in catalogue.behaviours:
             with self.finding(f"behaviour {kind.id}"):
                 self.check_behaviour(simulator, catalogue, kind)
@@ -173,7 +176,7 @@ class _Check:
     # ------------------------------------------------------------------ the catalogue
 
     def check_catalogue(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """Static data without doubles."""
+        """Check that the catalogue is static data without duplicates."""
         again = simulator.catalogue()
         self.that(again == catalogue, "catalogue: differs from one call to the next")
         copy = Catalogue.parse(catalogue.to_json())
@@ -191,7 +194,7 @@ class _Check:
                 self.that(inside, f"behaviour {kind.id}: the default of {name} is out of range")
 
     def check_map(self, simulator: Simulator, catalogue: Catalogue, road: RoadMap) -> None:
-        """What the catalogue says of a map is what its file holds, and it can be driven."""
+        """Check that a map's entry matches its file and that the map can be driven."""
         corridor = load_corridor(road)
         ego_lanes = len(corridor.ego_lanes)
         oncoming = len(corridor.driving) - ego_lanes
@@ -212,7 +215,7 @@ class _Check:
             self.drive(simulator, scene, f"{where}, lane {lane}")
 
     def check_assets(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """Every asset can be placed, in every state."""
+        """Check that every asset can be placed, in every state."""
         road = max(catalogue.maps, key=lambda road: road.length_m)
         wanted = [(asset, state) for asset in catalogue.assets for state in (asset.states or ("",))]
         group: list[Actor] = []
@@ -228,7 +231,7 @@ class _Check:
         self.reset(simulator, sample_scene(road, tuple(group)))
 
     def reset(self, simulator: Simulator, scene: Scene) -> None:
-        """Load one scene; note whom it refused."""
+        """Load one scene; record the actors that it refuses."""
         names = {actor.id: f"{actor.asset} {actor.state}".strip() for actor in scene.actors}
         try:
             state = simulator.reset(scene, 0)
@@ -242,7 +245,7 @@ class _Check:
     def check_behaviour(
         self, simulator: Simulator, catalogue: Catalogue, kind: BehaviourKind
     ) -> None:
-        """A behaviour runs with its defaults, for an asset of every category that it is for."""
+        """Check that a behaviour runs with its defaults, for an asset of each of its categories."""
         offered = {asset.category for asset in catalogue.assets}
         able = [category for category in kind.categories if category in offered]
         self.that(bool(able), f"behaviour {kind.id}: no asset has one of its categories")
@@ -269,14 +272,14 @@ class _Check:
             self.drive(simulator, scene, f"behaviour {kind.id} of {asset.id}")
 
     def owners(self, catalogue: Catalogue) -> tuple[Actor, ...]:
-        """Return a vehicle to which another actor may belong."""
+        """Return a vehicle for another actor to belong to."""
         vehicle = next(one for one in catalogue.assets if one.category == "vehicle")
         return (Actor(id="owner", asset=vehicle.id, placement=Placement(ahead_m=41.0)),)
 
     # ------------------------------------------------------------------ states
 
     def drive(self, simulator: Simulator, scene: Scene, what: str) -> None:
-        """Run a scene for some steps and look at every state."""
+        """Run a scene for some steps and check every state."""
         first = simulator.reset(scene, 0)
         self.check_state(simulator, scene, first, 0, what)
         kept, states = first.fingerprint(), [first]
@@ -294,7 +297,7 @@ class _Check:
     def check_state(
         self, simulator: Simulator, scene: Scene, state: State, step: int, what: str
     ) -> None:
-        """Ids, shapes, dtypes, finite numbers and time."""
+        """Check ids, shapes, dtypes, finite values and time."""
         ids = ("ego", *(actor.id for actor in scene.actors))
         count = len(ids)
         self.that(state.ids == ids, f"{what}: ids are {state.ids}, not {ids}")
@@ -316,7 +319,7 @@ class _Check:
     def check_determinism(
         self, simulator: Simulator, factory: Callable[[], Simulator], scenes: Sequence[Scene]
     ) -> None:
-        """The same bytes again, after another scene, and from a fresh simulator."""
+        """Check that a run repeats to the byte: again, after another scene, and in a new simulator."""
         first = [run_bytes(simulator, scene, seed=3) for scene in scenes]
         with factory() as other:
             for scene, expected in list(zip(scenes, first, strict=True))[::-1]:
@@ -327,7 +330,7 @@ class _Check:
                 self.that(fresh == expected, f"{what}: another result from a fresh simulator")
 
     def check_controls(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """The ego does what it is told, left is positive, and the observation agrees."""
+        """Check that the ego obeys its control, left is positive, and the observation agrees."""
         road = max(catalogue.maps, key=lambda road: road.length_m)
         scene = sample_scene(road, (), speed=8.0)
         ends = {}
@@ -354,7 +357,7 @@ class _Check:
         self.that(left > ends["coasting"].offset_m > right, "controls: left must be positive")
 
     def check_snapshot(self, simulator: Simulator, scene: Scene) -> None:
-        """Where snapshots are offered, what follows a restored one equals what followed then."""
+        """Check that a run from a restored snapshot repeats the original run, if snapshots are offered."""
         take, put = (getattr(simulator, name, None) for name in ("snapshot", "restore"))
         if take is None or put is None:
             return
@@ -372,7 +375,7 @@ class _Check:
     # ------------------------------------------------------------------ frames and refusals
 
     def check_frames(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """Shapes, dtypes, something to see, and an actor where it stands."""
+        """Check shapes, dtypes, visible content, and that an actor appears where it stands."""
         size = max(catalogue.assets, key=_visibility)
         actor = Actor(id="a", asset=size.id, placement=Placement(ahead_m=20.0))
         simulator.reset(sample_scene(catalogue.maps[0], (actor,)), 0)
@@ -388,7 +391,7 @@ class _Check:
                 self.that(near, f"frames: {size.id} 20 m ahead has depth {depth:.1f} m")
 
     def check_frame(self, frame: Frame, camera: Camera) -> None:
-        """One picture."""
+        """Check one picture."""
         size = (camera.height, camera.width)
         for name, array, shape, kind in (
             ("rgb", frame.rgb, (*size, 3), np.uint8),
@@ -413,7 +416,7 @@ class _Check:
             self.that(good, "frames: unhidden must count at least the visible pixels of each body")
 
     def check_refusals(self, simulator: Simulator, catalogue: Catalogue) -> None:
-        """What cannot be shown is refused with a typed error, and the next scene runs."""
+        """Check that impossible scenes raise typed errors and that the next scene still runs."""
         road = catalogue.maps[0]
         box = Actor(id="a", asset=catalogue.assets[0].id, placement=Placement(ahead_m=30.0))
         good = sample_scene(road, (box,))
@@ -440,5 +443,5 @@ class _Check:
 
 
 def _visibility(asset: Asset) -> float:
-    """Return how much of an asset is seen from behind."""
+    """Return how much of an asset is visible from behind."""
     return asset.width * asset.height

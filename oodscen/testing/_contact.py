@@ -1,4 +1,4 @@
-"""Whether a simulator's gaps are those between the boxes of its catalogue."""
+"""Checks that a simulator's gaps are those between the boxes of its catalogue."""
 
 import math
 from collections.abc import Sequence
@@ -12,16 +12,16 @@ from oodscen.driving._trace import Course
 from oodscen.protocols import State
 
 NEAR_M = 20.0
-"""Up to this distance a gap must be finite."""
+"""Distance up to which a gap must be finite, m."""
 TOLERANCE_M = 0.05
-"""By how much a measured gap may differ from that of the boxes."""
+"""Tolerance between a simulator's gap and that of the boxes, m."""
 
 
 def gap_fault(states: Sequence[State], scene: Scene, catalogue: Catalogue) -> str:
-    """Name the first gap that is not that between two boxes, or return an empty string.
+    """Return a message about the first gap that is not that between two boxes, or an empty string.
 
-    Time to collision, post-encroachment time and the checks of scenes count with the catalogue's
-    boxes, so a gap to anything else would call safe what they call a collision.
+    Time to collision, post-encroachment time and the scene checks use the catalogue's boxes. A gap to
+    anything else would therefore call safe what they call a collision.
     """
     course = Course.of(scene, catalogue)
     road, sizes = course.corridor, course.sizes

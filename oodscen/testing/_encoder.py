@@ -11,11 +11,11 @@ _WORD = re.compile(r"\w+")
 
 
 class HashEncoder:
-    """Bags of hashed words: the same on every machine, in microseconds, with no model.
+    """Hashed bags of words: the same on every machine, in microseconds, without a model.
 
-    Words fall into `dimension` buckets with a sign of their own; a row is the signed count of the
-    text's words, scaled to unit length. Texts that share words are near; meaning plays no part, so
-    its figures are not comparable with those of a trained encoder. A text without a word is a zero row.
+    Every word has a bucket among `dimension` and a sign. A row is the signed count of the text's words,
+    scaled to unit length, so texts that share words are close. Meaning plays no part: the figures are
+    not comparable with those of a trained encoder. A text without words gives a zero row.
 
     Args:
         dimension: Length of a vector, at least 1.

@@ -1,7 +1,7 @@
-"""A complete simulator that needs nothing but NumPy: boxes on a plane.
+"""A complete simulator that needs only NumPy: boxes on a plane.
 
-It is the reference that adapters are compared with, and what quick tests run on. Frames are
-ray-cast, so depth and instance ids are exact; the pictures are simple but recognisable.
+It is the reference for adapters, and quick tests run on it. Frames are ray-cast, so depth and
+instance ids are exact; the pictures are simple but recognisable.
 """
 
 import math
@@ -42,13 +42,13 @@ _GRASS = (0.33, 0.44, 0.24)
 _MARK = (0.88, 0.88, 0.86)
 _KERB = (0.52, 0.51, 0.50)
 _SHADES = (0.72, 0.86, 1.0)
-"""Of faces across x, y and z."""
+"""Brightness of box faces across x, y and z."""
 _ROAD_VIEW_M = 400.0
-"""As far as lanes are painted."""
+"""Distance up to which lanes are painted, m."""
 
 
 class FlatSimulator(MirrorSimulator):
-    """Shows the kinematic world as shaded boxes on a plane."""
+    """Renders the kinematic world as shaded boxes on a plane."""
 
     name = "flat"
 
@@ -60,11 +60,11 @@ class FlatSimulator(MirrorSimulator):
         self._poses: list[list[float]] = []
 
     def catalogue(self) -> Catalogue:
-        """Return the shared vocabulary."""
+        """Return the catalogue of all shared assets."""
         return FLAT_CATALOGUE
 
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
-        """Forget the last scene and keep road and weather."""
+        """Discard the last scene; keep the new road and weather."""
         self._road = corridor
         self._weather = scene.weather
         self._assets, self._poses = [], []
@@ -81,12 +81,12 @@ class FlatSimulator(MirrorSimulator):
         self._poses = poses.tolist()
 
     def release(self) -> None:
-        """Forget the scene."""
+        """Discard the scene."""
         self._road = None
         self._assets, self._poses = [], []
 
     def draw(self, camera: Camera) -> Frame:
-        """Cast one ray through every pixel's centre."""
+        """Cast one ray through the centre of every pixel."""
         assert self._road is not None
         view = _View(camera, self._poses[0])
         depth = np.full((camera.height, camera.width), np.inf)
@@ -104,7 +104,7 @@ class FlatSimulator(MirrorSimulator):
 
 
 class _View:
-    """The camera in the world: origin, axes, and a ray for every pixel."""
+    """The camera in the world: its origin, its axes, and a ray for every pixel."""
 
     def __init__(self, camera: Camera, ego: Sequence[float]) -> None:
         x, y, z, yaw = ego
@@ -126,7 +126,7 @@ class _View:
         self.v = (np.arange(camera.height) + 0.5 - 0.5 * camera.height) / self.focal
 
     def rays(self, rows: slice, columns: slice) -> tuple[Floats, Floats, Floats]:
-        """Return x, y and z of rays whose length along the optical axis is one."""
+        """Return x, y and z of rays with unit length along the optical axis."""
         u, v = self.u[columns][None, :], self.v[rows][:, None]
         x, y, z = (
             self.forward[axis] + u * self.right[axis] + v * self.down[axis] for axis in range(3)
@@ -134,7 +134,7 @@ class _View:
         return x, y, z
 
     def window(self, corners: Sequence[tuple[float, float, float]]) -> tuple[slice, slice] | None:
-        """Return the rows and columns that hold all corners, or `None` behind the camera."""
+        """Return the rows and columns that contain all corners, or `None` behind the camera."""
         us: list[float] = []
         vs: list[float] = []
         for corner in corners:
@@ -158,7 +158,7 @@ class _View:
 
 
 def _paint_ground(view: _View, road: Corridor, ego_s: float, colour: Floats, depth: Floats) -> None:
-    """Paint the plane under the ego: grass, strips and their marks."""
+    """Paint the ground plane: grass, road strips and lane marks."""
     below = view.forward[2] + view.v * view.down[2] < -1e-6
     if not below.any():
         return
@@ -180,7 +180,7 @@ def _paint_ground(view: _View, road: Corridor, ego_s: float, colour: Floats, dep
 def _locate(
     road: Corridor, x: Floats, y: Floats, near: float
 ) -> tuple[Floats, Floats, NDArray[np.intp]]:
-    """Return s, t and the nearest sample of many points, starting from one place on the road."""
+    """Return s, t and the nearest sample of many points, searching from one place on the road."""
     last = len(road.s) - 1
     index = np.full(x.shape, min(max(int(near / road.step), 0), last), dtype=np.intp)
     for _ in range(12):
@@ -197,7 +197,7 @@ def _locate(
 def _surface(
     road: Corridor, s: Floats, t: Floats, index: NDArray[np.intp], distance: Floats
 ) -> Floats:
-    """Return the colour of the ground at places on the road."""
+    """Return the ground colour at places on the road."""
     picture = np.empty((*s.shape, 3))
     picture[:] = _GRASS
     half = 0.07 + 0.0004 * distance
@@ -228,7 +228,7 @@ def _paint_box(
     depth: Floats,
     ids: NDArray[np.int32],
 ) -> None:
-    """Paint one box wherever it is the nearest thing so far."""
+    """Paint one box at the pixels where it is nearest so far."""
     x, y, z, yaw = pose
     cos, sin = math.cos(yaw), math.sin(yaw)
     halves = (0.5 * asset.length, 0.5 * asset.width, 0.5 * asset.height)
@@ -266,7 +266,7 @@ def _paint_box(
 
 
 def _sky(weather: Weather) -> tuple[float, float, float]:
-    """Return the sky's colour by day."""
+    """Return the colour of the sky by day."""
     grey = weather.cloud_cover
     if weather.precipitation != "none":
         grey = 1.0
@@ -276,7 +276,7 @@ def _sky(weather: Weather) -> tuple[float, float, float]:
 
 
 def _lit(colour: Floats, depth: Floats, view: _View, weather: Weather) -> NDArray[np.uint8]:
-    """Apply daylight, headlights and fog, and return bytes."""
+    """Return the picture as bytes after daylight, headlights and fog."""
     day = min(max((weather.sun_elevation_deg + 6.0) / 16.0, 0.05), 1.0)
     is_sky = np.isinf(depth)
     beam = 40.0 / (40.0 + np.where(is_sky, 0.0, depth))
@@ -294,9 +294,9 @@ def _lit(colour: Floats, depth: Floats, view: _View, weather: Weather) -> NDArra
 
 
 def _transmittance(depth: Floats, visual_range: float) -> Floats:
-    """Return exp(-3 depth / range), by squaring, so that no library decides the last bit.
+    """Return exp(-3 depth / range), computed by squaring so that the bits do not depend on a library.
 
-    At the visual range contrast has fallen to 5 % (Koschmieder's law, as in OpenSCENARIO).
+    At the visual range, contrast has fallen to 5 % (Koschmieder's law, as in OpenSCENARIO).
     """
     value = 1.0 / (1.0 + 2.9957 * depth / visual_range / 256.0)
     for _ in range(8):

@@ -1,4 +1,4 @@
-"""The vocabulary of `FlatSimulator`: every shared asset id as a coloured box."""
+"""The catalogue of `FlatSimulator`: every shared asset id as a coloured box."""
 
 from oodscen.data._catalogue import Asset, Catalogue, Category, WeatherRange
 from oodscen.driving._motion.behaviours import BEHAVIOURS
@@ -55,7 +55,7 @@ _ASSETS: tuple[tuple[Category, str, str, float, float, float, tuple[str, ...]], 
     ("vegetation", "fallen_tree", "a fallen tree", 1.6, 7.0, 1.3, ()),
     ("vegetation", "branch", "a broken branch", 0.8, 2.6, 0.5, ()),
 )
-"""Category, id, description, length, width, height, states."""
+"""Columns: category, id, description, length, width, height, states."""
 
 FLAT_CATALOGUE = Catalogue(
     simulator="flat",
@@ -90,4 +90,4 @@ FLAT_CATALOGUE = Catalogue(
         min_friction=0.1,
     ),
 )
-"""What `FlatSimulator` offers."""
+"""The catalogue of `FlatSimulator`."""

@@ -1,4 +1,4 @@
-"""What a simulator must not depend on or leave behind: its process, and what ran in it before."""
+"""Checks that a simulator does not depend on its process or on earlier scenes, and leaks nothing."""
 
 import gc
 import hashlib
@@ -16,9 +16,9 @@ from oodscen.protocols import Simulator
 from oodscen.testing._samples import SMALL, run_bytes
 
 LEAK_BYTES = 8 * 2**20
-"""Growth of the resident memory over all watched resets that is still no leak."""
+"""Maximum growth of resident memory over all watched resets that does not count as a leak."""
 LEAK_FILES = 2
-"""Likewise of open files."""
+"""Maximum growth of the number of open files that does not count as a leak."""
 
 _BLOCKS = 5
 _SEED = 3
@@ -27,12 +27,12 @@ _SEED = 3
 def process_faults(
     simulator: Simulator, source: Callable[[], Simulator] | str, scenes: Sequence[Scene]
 ) -> list[str]:
-    """Repeat scenes in a fresh process, in another order, and say which came out otherwise.
+    """Repeat scenes in a fresh process, in another order, and return those with different results.
 
     Args:
-        simulator: An open one.
-        source: Makes another one. What a fresh process cannot import is not checked, with a warning.
-        scenes: To run.
+        simulator: An open simulator.
+        source: Makes another one. If a fresh process cannot import it, the check is skipped with a warning.
+        scenes: The scenes to run.
     """
     if not _travels(source):
         warnings.warn(
@@ -55,7 +55,7 @@ def process_faults(
 
 
 def run_digest(simulator: Simulator, scene: Scene) -> str:
-    """Return the SHA-256 of a short run: all states, and frames at its beginning and end."""
+    """Return the SHA-256 of a short run: all states, and the frames at its beginning and end."""
     digest = hashlib.sha256()
     for part in run_bytes(simulator, scene, seed=_SEED):
         digest.update(part)
@@ -63,24 +63,24 @@ def run_digest(simulator: Simulator, scene: Scene) -> str:
 
 
 def run_digests(source: Callable[[], Simulator] | str, scenes: Sequence[Scene]) -> dict[str, str]:
-    """Open a simulator and return the digest of each scene's run, by its id."""
+    """Open a simulator and return the digest of each scene's run, by scene id."""
     with make_simulator(source) if isinstance(source, str) else source() as simulator:
         return {scene.id: run_digest(simulator, scene) for scene in scenes}
 
 
 def leak_faults(simulator: Simulator, scenes: Sequence[Scene], resets: int) -> list[str]:
-    """Load scenes many times over and say whether memory or open files grow.
+    """Load scenes many times and report whether memory or open files grow.
 
-    The first fifth warms caches up; after that the least use of each fifth is compared, which a
-    passing peak does not change.
+    The first fifth of the resets warms up caches. After that the minimum of each fifth is compared, which a
+    passing peak does not affect.
 
     Args:
-        simulator: An open one.
-        scenes: Two of them take turns.
-        resets: How many.
+        simulator: An open simulator.
+        scenes: The first two are loaded in turn.
+        resets: Number of resets.
     """
     gc.collect()
-    # What was there before is no leak of the simulator's, and takes long to look through.
+    # Objects from before are not the simulator's leaks, and collecting them takes long.
     gc.freeze()
     try:
         memory, files = _use(simulator, scenes[:2], resets)
@@ -96,7 +96,7 @@ def leak_faults(simulator: Simulator, scenes: Sequence[Scene], resets: int) -> l
 
 
 def _use(simulator: Simulator, turn: Sequence[Scene], resets: int) -> tuple[list[int], list[int]]:
-    """Return the least memory and the number of open files of each fifth but the first."""
+    """Return the minimum memory and the number of open files of each fifth but the first."""
     memory: list[int] = []
     files: list[int] = []
     for block in range(_BLOCKS):
@@ -115,7 +115,7 @@ def _use(simulator: Simulator, turn: Sequence[Scene], resets: int) -> tuple[list
 
 
 def resident_bytes() -> int:
-    """Return how much memory this process holds; its peak where the system does not say."""
+    """Return this process's resident memory in bytes, or its peak if the system does not report it."""
     try:
         with open("/proc/self/statm", "rb") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -126,7 +126,7 @@ def resident_bytes() -> int:
 
 
 def open_files() -> int:
-    """Return how many files this process has open; 0 where the system does not say."""
+    """Return the number of this process's open files; 0 if the system does not report it."""
     try:
         return len(os.listdir("/proc/self/fd"))
     except OSError:
@@ -134,7 +134,7 @@ def open_files() -> int:
 
 
 def _travels(source: Callable[[], Simulator] | str) -> bool:
-    """Tell whether a fresh process can make the same simulator."""
+    """Return whether a fresh process can make the same simulator."""
     if isinstance(source, str):
         return is_importable(source)
     try:

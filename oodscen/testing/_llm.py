@@ -1,4 +1,4 @@
-"""Language models that answer what a test tells them to."""
+"""Language models with answers that a test prescribes."""
 
 import json
 import threading
@@ -11,16 +11,16 @@ from oodscen.errors import LLMError
 from oodscen.protocols import Completion, Request
 
 Answer = str | Mapping[str, Any] | BaseModel | BaseException
-"""Text as it is, something that becomes JSON text, or an exception to be raised."""
+"""Text as is, a value to serialise as JSON, or an exception to raise."""
 
 
 class ScriptedLLM:
-    """Gives prepared answers, in order, and remembers what it was asked.
+    """Gives prepared answers in order, and records its requests.
 
     Args:
-        answers: A sequence of answers for any question; or, by a prompt's `purpose`, a sequence of
-            answers of its own. A single answer instead of a sequence is given every time.
-        name: What reports call it.
+        answers: A sequence of answers to any question; or, by a prompt's `purpose`, a separate sequence of
+            answers. A single answer instead of a sequence is repeated.
+        name: The model's name in reports.
 
     Example:
         >>> llm = ScriptedLLM({"imagine-scenario": [{"text": "A piano lies on the road ahead."}]})
@@ -43,7 +43,7 @@ class ScriptedLLM:
         """Return the next answer.
 
         Raises:
-            LLMError: When there is none left.
+            LLMError: If no answer is left.
         """
         with self._lock:
             self.requests.append(request)
@@ -67,12 +67,12 @@ class ScriptedLLM:
 
 
 class FunctionLLM:
-    """Answers with what a function of the request returns.
+    """Answers with the result of a function of the request.
 
     Args:
         function: Called with the request, possibly from several threads; returns text, a mapping, a
             pydantic model or a `Completion`, or raises.
-        name: What reports call it.
+        name: The model's name in reports.
     """
 
     def __init__(
@@ -82,13 +82,13 @@ class FunctionLLM:
         self._function = function
 
     def complete(self, request: Request) -> Completion:
-        """Return what the function says."""
+        """Return the function's answer."""
         answer = self._function(request)
         return answer if isinstance(answer, Completion) else spoken(answer)
 
 
 def spoken(answer: Answer) -> Completion:
-    """Turn a prepared answer into what a model would have said, or raise it."""
+    """Turn a prepared answer into a model's completion, or raise it."""
     if isinstance(answer, BaseException):
         raise answer
     if isinstance(answer, str):

@@ -1,4 +1,4 @@
-"""Scenes and short runs that the conformance checks share."""
+"""Scenes and short runs shared by the conformance checks."""
 
 import math
 
@@ -9,7 +9,7 @@ from oodscen.protocols import Camera, Control, Frame, Observation, Simulator
 SMALL = Camera(width=160, height=120)
 """The camera of the checks."""
 STEPS = 40
-"""How long a check drives."""
+"""Number of steps that a check drives."""
 
 
 def sample_scene(
@@ -20,7 +20,7 @@ def sample_scene(
     speed: float = 8.0,
     weather: Weather | None = None,
 ) -> Scene:
-    """Return a scene of some actors, in good weather if nothing else is said."""
+    """Return a scene with some actors, in good weather by default."""
     return Scene(
         id="check",
         scenario_id="check",
@@ -34,7 +34,7 @@ def sample_scene(
 
 
 def plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
-    """Return a scene in which something moves, if the catalogue has anything that can."""
+    """Return a scene with a moving actor, if the catalogue has one."""
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     actors = []
     for index, name in enumerate(("follow_lane", "wobble", "cross_road")):
@@ -55,7 +55,7 @@ def plain_scene(catalogue: Catalogue, road: RoadMap) -> Scene:
 
 
 def follow_lane(observation: Observation) -> Control:
-    """Keep the lane with the simplest law that does."""
+    """Keep the lane with the simplest sufficient control law."""
     reach = max(4.0, observation.speed)
     bend = observation.curvature - observation.offset_m / reach**2
     bend -= 2.0 * observation.heading_error / reach
@@ -63,7 +63,7 @@ def follow_lane(observation: Observation) -> Control:
 
 
 def run_bytes(simulator: Simulator, scene: Scene, *, seed: int) -> list[bytes]:
-    """Return the bytes of a run: states, and the frames at its beginning and end."""
+    """Return the bytes of a run: all states, and the frames at its beginning and end."""
     trace = [simulator.reset(scene, seed).fingerprint()]
     trace += frame_bytes(simulator.render(SMALL))
     for step in range(STEPS):

@@ -1,10 +1,10 @@
-"""A scene to try things with."""
+"""An example scene for experiments."""
 
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 
 
 def example_scene() -> Scene:
-    """Return a cardboard box in the ego's lane of a residential street."""
+    """Return a scene with a cardboard box in the ego's lane of a residential street."""
     box = Actor(
         id="box",
         asset="cardboard_box",

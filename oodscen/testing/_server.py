@@ -1,4 +1,4 @@
-"""An OpenAI-compatible server on this machine that answers with any language model."""
+"""A local OpenAI-compatible server that answers with any language model."""
 
 import base64
 import gzip
@@ -39,30 +39,30 @@ Fault = Literal[
     "filtered",
     "withheld",
 ]
-"""What a server can do wrong.
+"""The faults that the server can produce.
 
-The answer: `malformed` is prose, `truncated` its first half, `wrong_schema` another object, `null` none.
-The response: an HTTP status with the usual error body (`http429` with `Retry-After: 7`), a web page,
-an empty body, a body shorter than announced, a connection closed without a word, a body or a head that comes byte
-by byte and does not end (`slow`, `slow_head`), responses without an end that announce another (`processing`), a
-body without an end (`huge`), a compressed one (`packed`), a redirect to this server under another name (`redirect`).
-The content filter: the question is refused with status 400 (`filtered`), the answer is left out (`withheld`).
+In the answer: `malformed` sends prose, `truncated` half of the answer, `wrong_schema` another object, `null`
+nothing. In the response: an HTTP status with the usual error body (`http429` with `Retry-After: 7`), a web page,
+an empty body, a body shorter than announced, a connection closed without a response, a body or header sent byte
+by byte without end (`slow`, `slow_head`), endless responses that announce another (`processing`), an endless
+body (`huge`), a compressed one (`packed`), or a redirect to this server under another name (`redirect`).
+The content filter: the question is refused with status 400 (`filtered`), or the answer is left out (`withheld`).
 """
 
 Faults = Callable[[int, Request | None], Fault | None]
-"""Called with the number of the request, counted from 0, and the question it was recognised as."""
+"""Called with the index of the request, from 0, and the recognised question."""
 
 
 @dataclass(frozen=True)
 class Received:
-    """One request as it arrived."""
+    """One received request."""
 
     body: dict[str, Any]
-    """The JSON document."""
+    """The request body as JSON."""
     headers: dict[str, str]
-    """By lower-case name, without credentials."""
+    """Headers by lower-case name, without credentials."""
     images: tuple[bytes, ...]
-    """The pictures in the messages, decoded from their data URLs."""
+    """Pictures in the messages, decoded from their data URLs."""
 
     @property
     def messages(self) -> list[dict[str, Any]]:
@@ -72,16 +72,16 @@ class Received:
 
 
 class AnsweringServer:
-    """Serves `/v1/chat/completions` on 127.0.0.1 while the context lasts.
+    """Serves `/v1/chat/completions` on 127.0.0.1 while the context is active.
 
     A chat request carries text and pictures but not the typed question that `llm` needs. So `client` returns
-    a `LiteLLM` that tells the server every question just before sending it, and the server recognises the
-    question by what arrives: roles, texts, the pictures' hashes and the seed. What arrives changed is not
+    a `LiteLLM` that announces every question to the server just before sending it. The server recognises the
+    question by the request's roles, texts, picture hashes and seed. A request that was altered on its way is not
     recognised and is refused with status 400.
 
     Args:
-        llm: Who answers.
-        faults: Decides which requests go wrong, and how.
+        llm: The model that answers.
+        faults: Decides which requests fail, and how.
 
     Example:
         >>> with AnsweringServer(ConstantAnswerer()) as server:
@@ -91,7 +91,7 @@ class AnsweringServer:
     def __init__(self, llm: LLM, *, faults: Faults | None = None) -> None:
         self.llm = llm
         self.received: list[Received] = []
-        """Every chat request so far, in order of arrival."""
+        """All chat requests so far, in order of arrival."""
         self._faults = faults
         self._questions: dict[str, Request] = {}
         self._lock = threading.Lock()
@@ -115,16 +115,16 @@ class AnsweringServer:
 
     @property
     def api_base(self) -> str:
-        """Address for `--api-base`, e.g. `http://127.0.0.1:40123/v1`."""
+        """The address for `--api-base`, e.g. `http://127.0.0.1:40123/v1`."""
         if self._http is None:
             raise RuntimeError("the server runs only inside its with block")
         return f"http://127.0.0.1:{self._http.server_port}/v1"
 
     def client(self, model: str = "served", *, seed: int = 0, **settings: Any) -> LLM:
-        """Return a model that is asked through litellm and this server.
+        """Return a model that litellm reaches through this server.
 
         Args:
-            model: Name of the model, as for `LiteLLM`.
+            model: The model name, as for `LiteLLM`.
             seed: As for `LiteLLM`.
             settings: Further arguments of `LiteLLM`; by default retries do not wait.
         """
@@ -132,7 +132,7 @@ class AnsweringServer:
         return _Announcing(self, LiteLLM(model, seed=seed, **settings))
 
     def announce(self, request: Request, seed: int) -> None:
-        """Make a question known that a client is about to send with a provider seed."""
+        """Register a question that a client is about to send with a provider seed."""
         turns = [
             (message.role, message.text, [image.sha256 for image in message.images])
             for message in request.messages
@@ -141,7 +141,7 @@ class AnsweringServer:
             self._questions[_key(turns, seed)] = request
 
     def recognise(self, received: Received) -> Request | None:
-        """Return the question that a received conversation renders, if it was announced."""
+        """Return the announced question that a received conversation renders, or `None`."""
         turns = []
         for message in received.messages:
             texts, images = _content(message)
@@ -150,13 +150,13 @@ class AnsweringServer:
             return self._questions.get(_key(turns, received.body.get("seed")))
 
     def record(self, received: Received) -> int:
-        """Keep a request and return its number."""
+        """Store a request and return its index."""
         with self._lock:
             self.received.append(received)
             return len(self.received) - 1
 
     def fault(self, index: int, request: Request | None) -> Fault | None:
-        """Say what goes wrong with a request."""
+        """Return the fault to produce for a request, or `None`."""
         return self._faults(index, request) if self._faults else None
 
 
@@ -165,7 +165,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Announcing:
-    """Tells the server each question before a client sends it."""
+    """Announces each question to the server before the client sends it."""
 
     def __init__(self, server: AnsweringServer, client: LiteLLM) -> None:
         self.name = client.name
@@ -264,7 +264,7 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             self.close_connection = True
 
         def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
-            """Send pieces until the client has had enough."""
+            """Send pieces until the client disconnects."""
             try:
                 self.wfile.write(head)
                 while True:
@@ -299,7 +299,7 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             self.wfile.write(body)
 
         def log_message(self, format: str, *args: Any) -> None:
-            """Stay silent."""
+            """Suppress the log."""
 
     return Handler
 
@@ -323,7 +323,7 @@ _RESPONSES = (
 )
 
 _PAUSE_S = 0.02
-"""Between two bytes of a slow server."""
+"""Seconds between two bytes of a slow server."""
 
 
 def _spoil(text: str, fault: Fault | None) -> str | None:

@@ -1,4 +1,4 @@
-"""Whether a simulator really shows what a scene says, judged from its frames."""
+"""Checks, from its frames, that a simulator really shows what a scene says."""
 
 import math
 from collections.abc import Mapping
@@ -17,18 +17,18 @@ from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._simulate import Simulated, simulate
 
 FOGGY_M = 400.0
-"""Below this visual range it is measured."""
+"""Visual range below which it is measured, m."""
 RANGE_TOLERANCE = 0.2
-"""Share by which the measured visual range may differ from the configured one."""
+"""Relative tolerance between the measured and the configured visual range."""
 PLACE_M = 0.75
-"""So far from its placement an actor may start."""
+"""Maximum distance between an actor's start and its placement, m."""
 
 _SLICES = (3.0 * 1.25 ** np.arange(24)).tolist()
-"""Limits of the slices of distance, m."""
+"""Bounds of the distance bins, m."""
 _LEAST_STEP = 3.0
-"""Grey values between neighbouring clear pixels from which on their ratio says something."""
+"""Minimum grey-level step between neighbouring clear pixels for a meaningful ratio."""
 _LEAST_STEPS = 60
-"""Per slice."""
+"""Minimum number of such steps per bin."""
 _LEAST_RATIO = 0.05
 _OVERCAST = 0.9
 _DAYLIGHT_DEG = 10.0
@@ -40,21 +40,21 @@ _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision
 def check_truth(
     scene: Scene, simulator: Simulator, *, seed: int = 0, camera: Camera | None = None
 ) -> list[Issue]:
-    """Run a scene and find what its states and frames do not show as the scene says.
+    """Run a scene and return issues for whatever its states and frames do not show as specified.
 
-    Checked are: the hazard can be seen in a key frame; the visual range, measured from contrast
-    against depth, fits the configured one; actors start where the scene places them and appear
-    where the states say; nothing floats, sinks or overlaps; the decision fires, the run repeats,
-    and every action has its outcome.
+    The checks: the hazard is visible in a key frame; the visual range, measured from contrast against
+    depth, matches the configured one; actors start where the scene places them and appear where the states
+    say; no body floats, sinks or overlaps another; the decision fires, the run repeats, and every action
+    has an outcome.
 
     Args:
-        scene: One that `check_scene` accepts.
-        simulator: Where to run it.
-        seed: Of the simulator's random streams.
-        camera: The ego's dash camera if left out.
+        scene: A scene that `check_scene` accepts.
+        simulator: The simulator to run it on.
+        seed: Seed of the simulator's random streams.
+        camera: The camera; the ego's dash camera by default.
 
     Returns:
-        One issue per fault, with its path in the scene; empty where all is true.
+        One issue per fault, with its path in the scene; empty if everything is true.
     """
     camera = camera or Camera()
     try:
@@ -80,19 +80,18 @@ def check_truth(
 def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float | None:
     """Return the distance at which contrast falls to 5 %, measured from two frames, m.
 
-    In fog the contrast at distance d is the clear one's times exp(-3 d / range) (Koschmieder,
-    1924). It is measured between neighbouring pixels of one surface, where lamps and haze change
-    slowly: in slices of distance, the median ratio of the foggy step to the clear one; the range
-    is fitted to all slices together. Shadows and headlamp beams belie it: compare frames of an
-    overcast day.
+    In fog, the contrast at distance d is the clear contrast times exp(-3 d / range) (Koschmieder,
+    1924). It is measured between neighbouring pixels of one surface, where lamps and haze vary slowly:
+    per distance bin, the median ratio of the foggy step to the clear step. One range is then fitted to
+    all bins. Shadows and headlamp beams distort the result: compare frames of an overcast day.
 
     Args:
-        frame: In fog.
-        clear: Of the same state without fog.
-        camera: With which both were taken.
+        frame: The frame in fog.
+        clear: The frame of the same state without fog.
+        camera: The camera of both frames.
 
     Returns:
-        `None` where the frames have too little contrast to tell.
+        `None` if the frames have too little contrast.
     """
     focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
     u = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) / focal
@@ -131,7 +130,7 @@ def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float |
 
 
 def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[Body, ...]) -> list[Issue]:
-    """Find actors that do not start where the scene says."""
+    """Return issues for actors that do not start where the scene says."""
     lane = ego_strip(corridor, scene.ego.lane)
     issues = []
     for index, actor in enumerate(scene.actors):
@@ -151,7 +150,7 @@ def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[Body, ...]) -> list
 def _unlike(
     frames: Mapping[str, Frame], moments: Mapping[str, tuple[Body, ...]], camera: Camera
 ) -> list[Issue]:
-    """Find actors whose pixels are not where their boxes are."""
+    """Return issues for actors whose pixels are not where their boxes are."""
     issues: dict[str, Issue] = {}
     for moment, frame in frames.items():
         cast = moments[moment]
@@ -191,7 +190,7 @@ def _unseen(scene: Scene, simulated: Simulated) -> Issue:
 
 
 def _outcomes(scene: Scene, simulated: Simulated) -> list[Issue]:
-    """Find what the episode's record lacks."""
+    """Return issues for whatever the episode's record lacks."""
     episode, issues = simulated.episode, []
     if not episode.decision_fired:
         issues.append(Issue("decision", "the trigger never fires"))
@@ -209,7 +208,7 @@ def _outcomes(scene: Scene, simulated: Simulated) -> list[Issue]:
 
 
 def _fog(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> list[Issue]:
-    """Measure the visual range of the scene's fog alone at its start, on an overcast day."""
+    """Measure the visual range of the scene's fog alone, at its start on an overcast day."""
     wanted = scene.weather.fog_visual_range_m
     sun = max(scene.weather.sun_elevation_deg, _DAYLIGHT_DEG)
     frames = []

@@ -1,7 +1,7 @@
-"""The switch `OODSCEN_OFFLINE`: while it is set, nothing but this machine is contacted.
+"""The switch `OODSCEN_OFFLINE`: while it is set, this process contacts no other machine.
 
-It holds where sockets are opened, so whatever client is used and wherever a redirect, a proxy variable or a
-name leads it, the connection that is really made is what counts.
+It acts where sockets are opened. It therefore sees the actual destination, whatever the client and wherever a
+redirect, a proxy variable or a host name leads.
 """
 
 import os
@@ -17,16 +17,16 @@ SWITCH = "OODSCEN_OFFLINE"
 
 
 class OutsideError(ConnectionRefusedError):
-    """A connection that the switch forbids; clients take it for one that the other side refused."""
+    """A connection that the switch blocks; clients see a refused connection."""
 
 
 def is_offline() -> bool:
-    """Whether the switch is set: to anything but nothing and 0."""
+    """Return whether the switch is set to anything but the empty string or 0."""
     return os.environ.get(SWITCH, "") not in ("", "0")
 
 
 def is_loopback(address: str | None) -> bool:
-    """Whether an address such as `http://127.0.0.1:8000/v1` is certain to be on this machine."""
+    """Return whether an address such as `http://127.0.0.1:8000/v1` is certainly on this machine."""
     try:
         return _is_here(urlsplit(address or "").hostname or "")
     except ValueError:
@@ -34,7 +34,7 @@ def is_loopback(address: str | None) -> bool:
 
 
 def enforce() -> None:
-    """Make this process heed the switch from now on, whenever it is set; once is enough."""
+    """Make this process obey the switch from now on; calling it once is enough."""
     global _is_enforced
     if not _is_enforced:
         _is_enforced = True
@@ -54,14 +54,14 @@ def _refuse_outside(event: str, arguments: tuple[Any, ...]) -> None:
 
 
 def _destination(event: str, arguments: tuple[Any, ...]) -> str:
-    """Return which host is about to be contacted, be it only to ask for its address; else nothing."""
+    """Return the host that is about to be contacted, if only for a name look-up, or an empty string."""
     host: object = ""
     if event in ("socket.connect", "socket.sendto", "socket.sendmsg"):
         endpoint, *_, address = arguments
         if endpoint.family in (socket.AF_INET, socket.AF_INET6) and address is not None:
             host = address[0]
     elif event in ("socket.getaddrinfo", "socket.gethostbyname", "socket.gethostbyaddr"):
-        # An address that is written out is found without asking anybody.
+        # A literal address is resolved without a name look-up.
         is_asked = event == "socket.gethostbyaddr" or not _is_literal(arguments[0])
         host = arguments[0] if is_asked else ""
     return host.decode("ascii", "replace") if isinstance(host, bytes) else str(host or "")
