@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -22,8 +23,19 @@ NAME = ".oodscen.lock"
 _GRACE_S = 0.3
 """A holder that is just leaving, or has not yet written who it is, is waited for so long."""
 
-_mine: dict[Path, tuple[int, int]] = {}
-"""By lock file that this process holds: the thread that took it, and how often."""
+
+@dataclass
+class _Hold:
+    """A lock that this process holds."""
+
+    thread: int
+    lock: FileLock
+    depth: int = 1
+    """How often the thread has taken it."""
+
+
+_holds: dict[Path, _Hold] = {}
+"""By lock file."""
 _guard = threading.Lock()
 
 
@@ -43,29 +55,29 @@ def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]
         InUse: When another process, or another thread, holds it; nothing is changed then.
         StudyError: When no lock can be had there: no permission, or a file system without locks.
     """
-    file = lock_file(path)
-    key, me = Path(os.path.realpath(file)), threading.get_ident()
+    file, me = lock_file(path), threading.get_ident()
     with _guard:
-        thread, depth = _mine.get(key, (me, 0))
-        is_again = bool(depth) and thread == me
-        if is_again:
-            _mine[key] = (me, depth + 1)
-    if not is_again:
-        lock = _taken(file, path, what, wait_s)
-        _mine[key] = (me, 1)
+        hold = _holds.get(file)
+        if hold is not None and hold.thread == me:
+            hold.depth += 1
+        else:
+            hold = None
+    if hold is None:
+        hold = _Hold(me, _taken(file, path, what, wait_s))
+        _holds[file] = hold
     try:
         yield
     finally:
         with _guard:
-            depth = _mine[key][1] - 1
-            _mine[key] = (me, depth)
-            if not depth:
-                del _mine[key]
-        if not depth:
+            hold.depth -= 1
+            is_last = not hold.depth
+            if is_last:
+                del _holds[file]
+        if is_last:
             # While it is still held: whoever waits with the old file open sees that it is gone.
             with suppress(OSError):
                 file.unlink(missing_ok=True)
-            lock.release()
+            hold.lock.release()
 
 
 def lock_file(path: Path) -> Path:
@@ -76,7 +88,9 @@ def lock_file(path: Path) -> Path:
 
 def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
     # Where there are no locks a file that merely exists would outlive a process that is killed.
-    lock = FileLock(file, timeout=wait_s, poll_interval=0.02, fallback_to_soft=False)
+    lock = FileLock(
+        file, timeout=wait_s, poll_interval=0.02, fallback_to_soft=False, thread_local=False
+    )
     try:
         lock.acquire()
         file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")

@@ -252,8 +252,8 @@ class FolderTaken(UsageError):
         self.folder = folder
         self.names = tuple(names)
         super().__init__(
-            f"{folder} holds {', '.join(self.names)} already, which is not overwritten; choose another "
-            "folder, or move it away"
+            f"{folder} holds {', '.join(self.names)} already; nothing is overwritten: choose another "
+            "folder, or move that away"
         )
 
 

@@ -84,6 +84,20 @@ def test_the_same_thread_may_lock_again_and_another_may_not(tmp_path):
     assert len(refused) == 1
 
 
+def test_it_is_held_until_the_last_lets_go_in_whatever_order(tmp_path):
+    one, other = locked(tmp_path, "study"), locked(tmp_path, "study")
+    one.__enter__()
+    other.__enter__()
+    one.__exit__(None, None, None)
+    assert lock_file(tmp_path).exists()
+    thread = threading.Thread(target=other.__exit__, args=(None, None, None))
+    thread.start()
+    thread.join()
+    assert not lock_file(tmp_path).exists()
+    with holding(tmp_path) as process:
+        process.communicate("\n")
+
+
 def test_a_place_that_cannot_be_locked_is_a_typed_error(tmp_path):
     lock_file(tmp_path).mkdir()
     with pytest.raises(StudyError, match="cannot lock"), locked(tmp_path, "study"):
