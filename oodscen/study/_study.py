@@ -120,17 +120,15 @@ _OTHERS = (
     "drives.jsonl",
     "answers.jsonl",
     "report.html",
-    "frames",
-    "traces",
-    "videos",
 )
+_FOLDERS = ("frames", "traces", "videos")
 _TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")
 
 
 def is_own(name: str) -> bool:
     """Return whether this is the name of a file or folder that a run or a command writes into a study."""
     trees = {f"tree.{tree}.json" for tree in TREES}
-    return name in {*_OTHERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
+    return name in {*_OTHERS, *_FOLDERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
 
 
 class Study:
@@ -167,12 +165,15 @@ class Study:
         Raises:
             FolderTaken: When the folder holds no study, but files that a study would write.
             DataError: When a line, or a tree, is malformed.
-            StudyError: When a file cannot be read.
+            StudyError: When a file cannot be read, or is a folder.
         """
         names = self.own()
         if names and not self.store.has("study.json"):
             raise FolderTaken(str(self.folder), names)
         for name in names:
+            path = self.folder / name
+            if not (path.is_dir() if name in _FOLDERS else path.is_file()):
+                raise StudyError(f"{path} is no {'folder' if name in _FOLDERS else 'file'}")
             kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
             if kind is not None:
                 self._rows(kind, name)

@@ -226,6 +226,23 @@ def test_who_comes_second_changes_nothing(folder, how):
         first.join()
 
 
+@pytest.mark.parametrize("name", ["leaderboard.json", "report.html", "frames"])
+def test_what_is_no_file_or_no_folder_stops_a_run_before_it_writes(folder, tmp_path, name):
+    out = shutil.copytree(folder, tmp_path / "out")
+    path = out / name
+    if path.is_dir():
+        shutil.rmtree(path)
+        path.write_text("")
+    else:
+        path.unlink()
+        path.mkdir()
+    before = content(out) | {"study.json": (out / "study.json").read_bytes()}
+    for write in (WRITING["run"], lambda out: drop_models(Study.open(out), [])):
+        with pytest.raises(StudyError, match=f"{name} is no "):
+            write(out)
+    assert content(out) | {"study.json": (out / "study.json").read_bytes()} == before
+
+
 def test_a_broken_file_stops_a_run_before_it_writes(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
     lines = (out / "claims.jsonl").read_text().split("\n")
