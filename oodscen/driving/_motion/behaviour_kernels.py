@@ -191,7 +191,7 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
         shift = centre(w.track, w.codes[i, TARGET], w.state[i, S])
         shift -= centre(w.track, w.codes[i, LANE], w.state[i, S]) + traits[i, OFFSET]
         blend = smooth(waited / sideways(w, shift, traits[i, DURATION]))
-        # An actor that cuts out knows the obstacle and means to pass it: only moving traffic counts.
+        # An actor that cuts out knows the obstacle and means to pass it: only traffic counts.
         hurry(w, i, blend, 0.0, 1.2, 0.5 if code == CUT_OUT else -math.inf)
     elif code in (HARD_BRAKE, STALL) and waited >= 0.0:
         keep_lane(w, i, accelerate(w, i, -traits[i, DECELERATION]), 0.0, 0.0)

@@ -152,7 +152,7 @@ def _default_start(network: Network, source: str) -> tuple[list[Leg], int, float
 
 
 def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
-    """Return the last usable leg outside junctions up to a place, else the first one after it, and its position."""
+    """Return the last usable leg outside junctions up to a place, else the first after it, and its position."""
     found: tuple[int, float] | None = None
     for index, leg in enumerate(legs):
         if not leg.road.junction and leg.has_lane(1):

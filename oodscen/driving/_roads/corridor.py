@@ -119,7 +119,7 @@ class Corridor:
     """[n], cosine of the heading; the normal to the left is (-sin, cos)."""
     sin: NDArray[np.float64] = field(repr=False)
     curvature: NDArray[np.float64] = field(repr=False)
-    """[n], 1/m, left positive."""
+    """[n], curvature, 1/m, left positive."""
     strips: tuple[LaneStrip, ...] = field(repr=False)
     """Strips from right to left; adjacent strips share an edge."""
     start: float
