@@ -8,7 +8,7 @@ from typing import Any
 from pydantic_core import from_json
 
 _LONGEST_NUMBER = 100
-"""In characters; every number up to this length is within a float's range."""
+"""Maximum length of a number, in characters; every number up to it is within a float's range."""
 
 
 def parse_json(text: str | bytes) -> Any:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from oodscen.driving._trace import Course, Trace
 
 AHEAD_M, BEHIND_M, ASIDE_M = 120.0, 40.0, 30.0
-"""Bodies beyond these distances at the decision point are left out, m."""
+"""Maximum distances of the bodies in the sketch from the ego at the decision point, m."""
 _MOVED_M = 0.5
 
 

@@ -1,4 +1,4 @@
-"""Driving without a simulator: roads, the kinematic world, behaviours and the discrete actions."""
+"""Driving without a simulator: roads, the kinematic world, behaviours and discrete actions."""
 
 from oodscen.driving._kinematic_simulator import MirrorSimulator
 from oodscen.driving._motion.actions import ACTION_DRIVERS, Cruise, action_driver, is_available

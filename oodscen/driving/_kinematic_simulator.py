@@ -1,4 +1,4 @@
-"""The base of simulators that show the kinematic world and have no motion of their own."""
+"""The base class of simulators that render the kinematic world and compute no motion of their own."""
 
 import math
 from abc import ABC, abstractmethod
@@ -19,16 +19,16 @@ from oodscen.errors import SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, Frame, Observation, State
 
 NEAR_M = 12.0
-"""Up to this distance between two bodies' circles the simulator itself measures their gap."""
+"""Distance between the circles of two bodies up to which the simulator measures their gap itself, m."""
 LEAST_M = 1e-4
-"""The least gap that is measured: 0 is contact, which the boxes decide."""
+"""Smallest measured gap, m: 0 means contact, which only the catalogue's boxes decide."""
 
 
 class MirrorSimulator(ABC):
     """Implements the `Simulator` protocol on top of `KinematicWorld`.
 
-    A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`; it may
-    override `gaps`, and should override `release` where it holds resources. Calls come in this order::
+    A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`. It may
+    override `gaps`, and should override `release` if it holds resources. Calls come in this order::
 
         catalogue()                        at any time, also before anything is started
         load, spawn (ego), spawn ..., place, gaps        in reset
@@ -36,8 +36,8 @@ class MirrorSimulator(ABC):
         draw                                             in render
         release                                          in close, at most once per opening
 
-    Everything is opened late: a constructor must not start anything. `load` is called for every
-    reset and must clear what an earlier scene left behind.
+    Resources are acquired late: a constructor must not start anything. `load` is called on every
+    reset and must remove everything that an earlier scene left behind.
     """
 
     name: str = "mirror"
@@ -54,7 +54,7 @@ class MirrorSimulator(ABC):
 
     @abstractmethod
     def catalogue(self) -> Catalogue:
-        """Return what can be shown; static, cheap to call again, without starting anything."""
+        """Return the simulator's vocabulary: static, cheap to call again, without starting anything."""
 
     @abstractmethod
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
@@ -62,24 +62,24 @@ class MirrorSimulator(ABC):
 
         Args:
             corridor: The road; its coordinates are the world's.
-            scene: For the weather and the map's id; actors follow by `spawn`.
-            seed: For scenery; streams must be keyed, e.g. `stream(seed, "scenery", scene.map)`.
+            scene: Source of the weather and the map's id; actors follow through `spawn`.
+            seed: Seed for scenery; streams must be keyed, e.g. `stream(seed, "scenery", scene.map)`.
         """
 
     @abstractmethod
     def spawn(
         self, actor_id: str, asset: Asset, state: str, pose: tuple[float, float, float, float]
     ) -> None:
-        """Put one body into the world: the ego first, then the actors in the scene's order.
+        """Add one body to the world: first the ego, then the actors in the scene's order.
 
         Args:
             actor_id: `ego`, or the actor's id.
-            asset: Of the catalogue.
-            state: One of the asset's states; empty where it has none.
-            pose: x, y, z of the footprint's centre on the ground and yaw.
+            asset: The body's asset in the catalogue.
+            state: One of the asset's states; empty if it has none.
+            pose: x, y, z of the footprint's centre on the ground, m, and yaw, rad.
 
         Raises:
-            SpawnError: When it cannot be placed.
+            SpawnError: If the body cannot be placed.
         """
 
     @abstractmethod
@@ -87,32 +87,32 @@ class MirrorSimulator(ABC):
         """Move all bodies.
 
         Args:
-            poses: [n, 4], x y z yaw, rows in the order of `spawn`.
+            poses: [n, 4], x, y, z, yaw; rows in the order of `spawn`.
             speeds: [n], m/s along the headings.
         """
 
     def gaps(self, rows: Sequence[int]) -> list[float]:
-        """Return the distance between the ego's box (row 0) and these rows' boxes, m.
+        """Return the distances between the ego's box (row 0) and the boxes of these rows, m.
 
-        Asked for rows near the ego that do not touch it: contact is decided by the boxes of the
-        catalogue, as are time to collision and all else that is measured. Override it only to
-        have the simulator's own engine measure them.
+        Called only for rows near the ego that do not touch it. The catalogue's boxes decide contact, as well as
+        time to collision and all other measures. Override this method only to let the simulator's own engine
+        measure the gaps.
         """
         assert self._seen is not None, "called in reset, step and restore only"
         return [float(self._seen.gaps[row]) for row in rows]
 
     @abstractmethod
     def draw(self, camera: Camera) -> Frame:
-        """Show what the ego's camera sees; `ids` as in `Frame`: row r of the poses has id r + 1."""
+        """Render the ego camera's view; `ids` as in `Frame`: row r of the poses has id r + 1."""
 
     def release(self) -> None:  # noqa: B027  (nothing to release is a valid adapter)
-        """Give everything back; a later `load` may open it again. May be called twice."""
+        """Release all resources; a later `load` may acquire them again. May be called twice."""
 
     # ------------------------------------------------------------------ the protocol
 
     @property
     def world(self) -> KinematicWorld:
-        """The world that is shown.
+        """The simulated kinematic world.
 
         Raises:
             SimulatorError: Before the first `reset` or after `close`.
@@ -127,11 +127,11 @@ class MirrorSimulator(ABC):
         return self.world.corridor
 
     def reset(self, scene: Scene, seed: int) -> State:
-        """Load a scene; the same scene and seed give the same bytes, whatever ran before.
+        """Load a scene. The same scene and seed give the same bytes, whatever ran before.
 
         Raises:
-            SceneError: When the catalogue or the road refuses the scene.
-            SpawnError: When one actor cannot be placed.
+            SceneError: If the catalogue or the road refuses the scene.
+            SpawnError: If an actor cannot be placed.
         """
         self._world = self._state = self._seen = None
         catalogue = self.catalogue()
@@ -152,7 +152,7 @@ class MirrorSimulator(ABC):
         """Advance by exactly one `dt`.
 
         Raises:
-            UsageError: When the control is not finite: its driver is broken.
+            UsageError: If the control is not finite, which means that its driver is broken.
         """
         for name, value in (
             ("acceleration", control.acceleration),
@@ -164,12 +164,12 @@ class MirrorSimulator(ABC):
         return self._publish()
 
     def render(self, camera: Camera) -> Frame:
-        """Show the current state."""
+        """Render the current state."""
         _ = self.world
         return self.draw(camera)
 
     def observe(self) -> Observation:
-        """Return what a driver is told about the current state."""
+        """Return the driver's observation of the current state."""
         return self.world.observe()
 
     def state(self) -> State:
@@ -179,16 +179,16 @@ class MirrorSimulator(ABC):
         return self._state
 
     def snapshot(self) -> WorldSnapshot:
-        """Return the current state of all motion; plain data that `restore` takes back."""
+        """Return the current state of all motion as plain data for `restore`."""
         return self.world.snapshot()
 
     def restore(self, snapshot: WorldSnapshot) -> State:
-        """Return to a state of the current scene; what follows equals what followed then."""
+        """Return to an earlier state of the current scene; the run then repeats exactly."""
         self.world.restore(snapshot)
         return self._publish()
 
     def close(self) -> None:
-        """Release everything; may be called twice."""
+        """Release all resources; may be called twice."""
         self._world = self._state = self._seen = None
         self.release()
 
@@ -203,7 +203,7 @@ class MirrorSimulator(ABC):
     ) -> None:
         self.close()
 
-    # ------------------------------------------------------------------ inside
+    # ------------------------------------------------------------------ internals
 
     def _publish(self) -> State:
         world = self.world

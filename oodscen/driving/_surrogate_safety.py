@@ -1,7 +1,7 @@
-"""How close a conflict came: time to collision, headway and post-encroachment time of footprints.
+"""Surrogate safety measures of footprints: time to collision, time headway and post-encroachment time.
 
-All of it is NumPy over arrays of bodies and uses nothing but + - * / and square roots, so that the
-last bit does not depend on the machine.
+Everything is NumPy over arrays of bodies and uses only + - * / and square roots, so that the last
+bit does not depend on the machine.
 """
 
 from typing import Any, NamedTuple
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 TTC_LIMIT_S = 60.0
-"""A time to collision beyond this counts as none."""
+"""Time beyond which a collision counts as none, s."""
 LEAST_SPEED = 0.1
-"""Below this speed of the ego, m/s, there is no time headway."""
+"""Speed of the ego below which there is no time headway, m/s."""
 
 _HALF_PI = (1.5707963267341256, 6.077100506506192e-11)
-"""pi / 2 in two parts."""
+"""pi / 2 in two parts, for exact reduction."""
 
 
 class Footprints(NamedTuple):
@@ -26,23 +26,23 @@ class Footprints(NamedTuple):
     x: Floats
     y: Floats
     cos: Floats
-    """Of the heading."""
+    """Cosine of the heading."""
     sin: Floats
     half_length: Floats
     half_width: Floats
 
     def at(self, *index: Any) -> "Footprints":
-        """Return a part of all arrays."""
+        """Return the footprints at an index into all arrays."""
         return Footprints(*(array[index] for array in self))
 
 
 def sine_cosine(angle: Floats) -> tuple[Floats, Floats]:
-    """Return sine and cosine, to 1e-15, the same bits on every machine.
+    """Return sine and cosine to 1e-15, with the same bits on every machine.
 
     Source: the polynomials of fdlibm's k_sin.c and k_cos.c (Sun Microsystems, 1993).
 
     Args:
-        angle: rad, of any shape; within some hundred turns.
+        angle: Angles of any shape, rad; up to some hundred turns.
     """
     turns = np.rint(angle * 0.6366197723675814)
     r = (angle - turns * _HALF_PI[0]) - turns * _HALF_PI[1]
@@ -68,21 +68,21 @@ def sine_cosine(angle: Floats) -> tuple[Floats, Floats]:
 
 
 def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> Floats:
-    """Return after how many seconds two footprints touch if both go on as they are.
+    """Return the time until two footprints touch if both keep their velocity and heading, s.
 
-    Velocities and headings stay; the footprints are oriented boxes. Two convex shapes that move
-    without turning touch when their shadows overlap on every edge's normal (separating axes in
-    time: Eberly, "Intersection of Convex Objects: The Method of Separating Axes", 2008). Time to
-    collision: Hayward, "Near-miss determination through use of a scale of danger", 1972.
+    The footprints are oriented boxes. Two convex shapes that move without turning touch when their
+    projections overlap on every edge normal (separating axes in time: Eberly, "Intersection of Convex
+    Objects: The Method of Separating Axes", 2008). Time to collision: Hayward, "Near-miss determination
+    through use of a scale of danger", 1972.
 
     Args:
-        a: One body's boxes.
-        b: The other's.
-        vx: Velocity of `b` minus that of `a`, m/s, in the world's x.
-        vy: Likewise in y.
+        a: The first body's boxes.
+        b: The second body's boxes.
+        vx: World x velocity of `b` minus that of `a`, m/s.
+        vy: World y velocity of `b` minus that of `a`, m/s.
 
     Returns:
-        Seconds; 0 where they overlap, infinity where they never touch within `TTC_LIMIT_S`.
+        Seconds; 0 if they overlap, infinity if they do not touch within `TTC_LIMIT_S`.
     """
     dx, dy = b.x - a.x, b.y - a.y
     cos, sin = a.cos * b.cos + a.sin * b.sin, a.cos * b.sin - a.sin * b.cos
@@ -107,7 +107,7 @@ def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> F
 
 
 def overlap(a: Footprints, b: Footprints) -> NDArray[np.bool_]:
-    """Tell which boxes overlap or touch."""
+    """Return which boxes overlap or touch."""
     dx, dy = b.x - a.x, b.y - a.y
     cos, sin = np.abs(a.cos * b.cos + a.sin * b.sin), np.abs(a.cos * b.sin - a.sin * b.cos)
     return (
@@ -131,16 +131,16 @@ def overlap(a: Footprints, b: Footprints) -> NDArray[np.bool_]:
 
 
 def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
-    """Return every actor's post-encroachment time to the ego, s, to within one step.
+    """Return every actor's post-encroachment time relative to the ego, s, accurate to one step.
 
-    The conflict area is all ground that both footprints sweep. At a place in it the time is that
-    between one's leaving and the other's arriving (Allen, Shin and Cooper, "Analysis of traffic
-    conflicts and collisions", 1978); the least over the area is returned: 0 where they met,
-    infinity where their paths share no ground.
+    The conflict area is the ground that both footprints sweep. At each place in it, the time is that
+    between one body leaving and the other arriving (Allen, Shin and Cooper, "Analysis of traffic
+    conflicts and collisions", 1978). The minimum over the area is returned: 0 if they met, infinity
+    if their paths share no ground.
 
     Args:
-        ego: Arrays [steps].
-        others: Arrays [steps, actors].
+        ego: The ego's footprints, arrays [steps].
+        others: The actors' footprints, arrays [steps, actors].
         dt: Seconds per step.
     """
     steps, count = others.x.shape
@@ -164,17 +164,17 @@ def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
 def time_headway(
     ahead: Floats, ego_speed: Floats, lengths: Floats, aside: Floats, widths: Floats
 ) -> Floats:
-    """Return how long the ego takes to where an actor's rear is now, where it is in the ego's path.
+    """Return the ego's time headway to the rear of each actor in its path, s.
 
     Source: Vogel, "A comparison of headway and time to collision as safety indicators", 2003; the
-    gap is taken from front to rear.
+    gap is measured from front to rear.
 
     Args:
-        ahead: From the ego's centre to the actor's along the road, m.
-        ego_speed: m/s
-        lengths: Half extents along the road of both together, m.
-        aside: From the ego's centre to the actor's across the road, m.
-        widths: Half extents across the road of both together, m.
+        ahead: Distance from the ego's centre to the actor's along the road, m.
+        ego_speed: The ego's speed, m/s.
+        lengths: Sum of both half extents along the road, m.
+        aside: Distance from the ego's centre to the actor's across the road, m.
+        widths: Sum of both half extents across the road, m.
     """
     gap = ahead - lengths
     is_ahead = (ahead > 0.0) & (np.abs(aside) < widths) & (ego_speed > LEAST_SPEED)

@@ -1,4 +1,4 @@
-"""Ground truth of an episode as a table: one row per step and body, in SI units."""
+"""The ground truth of an episode as a table: one row per step and body, in SI units."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ COLUMNS: Mapping[str, str] = {
     "width": "m, of the footprint",
     "height": "m, of the body",
 }
-"""Every column of the table, in order, and what it holds."""
+"""All columns of the table in order, with their meanings."""
 
 _INTEGERS = frozenset({"step"})
 _NULLABLE = ("gap_m", "ttc_s", "time_headway_s")
@@ -63,38 +63,38 @@ _SUFFIXES = (".parquet", ".arrow", ".csv")
 
 
 class Encounter(Data):
-    """The closest that one actor and the ego came in a trace."""
+    """The closest encounter of the ego with one actor in a trace."""
 
     noun: ClassVar[str] = "encounter"
 
     actor: str
     min_gap_m: float | None = None
-    """`None` if it was never near."""
+    """Smallest gap, m; `None` if the actor was never near."""
     min_ttc_s: float | None = None
-    """Time to collision; `None` if they were never on a collision course."""
+    """Minimum time to collision, s; `None` if they were never on a collision course."""
     pet_s: float | None = None
-    """Post-encroachment time; `None` if their paths share no ground."""
+    """Post-encroachment time, s; `None` if their paths share no ground."""
     min_time_headway_s: float | None = None
-    """`None` if it was never ahead in the ego's path."""
+    """Minimum time headway, s; `None` if the actor was never ahead in the ego's path."""
     max_deceleration: float = 0.0
-    """Of the actor, m/s^2."""
+    """Hardest braking of the actor, m/s^2."""
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What all traces of a scene are measured against."""
+    """The reference for all traces of a scene: its road and the sizes of its bodies."""
 
     corridor: Corridor
     strip: int
-    """In which the ego starts."""
+    """Index of the strip in which the ego starts."""
     sizes: Floats
-    """[n, 3]: length, width and height of every body, the ego first, m."""
+    """[n, 3] length, width and height of every body, the ego first, m."""
     passable: NDArray[np.bool_]
-    """[n]: which of them one can drive over or through."""
+    """[n] true for bodies that can be driven over or through."""
 
     @classmethod
     def of(cls, scene: Scene, catalogue: Catalogue) -> Self:
-        """Look up the road and everybody's size."""
+        """Look up the road and the sizes of all bodies."""
         assets = {asset.id: asset for asset in catalogue.assets}
         cast = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
         sizes = np.array([(one.length, one.width, one.height) for one in cast])
@@ -108,33 +108,33 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """The states of an episode with everything that follows from them.
+    """The states of an episode and the measures derived from them.
 
-    Arrays are [steps, bodies], the ego in column 0; infinity or not-a-number is null in tables.
+    Arrays are [steps, bodies], with the ego in column 0; infinity and NaN become null in tables.
     """
 
     ids: tuple[str, ...]
     """`ego`, then the actors in the scene's order."""
     columns: Mapping[str, NDArray[Any]]
-    """By name of `COLUMNS`, except `id`."""
+    """Arrays by name of `COLUMNS`, except `id`."""
 
     @classmethod
     def of(cls, states: Sequence[State], scene: Scene, catalogue: Catalogue) -> Self:
         """Compute the ground truth of consecutive states.
 
         Args:
-            states: In order, at least one.
-            scene: To which they belong.
-            catalogue: Of the simulator that made them, for sizes and the map.
+            states: The states in order, at least one.
+            scene: The scene of the states.
+            catalogue: The simulator's catalogue, for sizes and the map.
 
         Raises:
-            UsageError: When there is no state.
+            UsageError: If there is no state.
         """
         return cls.measured(states, Course.of(scene, catalogue))
 
     @classmethod
     def measured(cls, states: Sequence[State], course: "Course") -> Self:
-        """Compute the ground truth of consecutive states of a scene whose course is at hand."""
+        """Compute the ground truth of consecutive states for a known course."""
         if not states:
             raise UsageError("a trace needs at least one state")
         corridor, sizes = course.corridor, course.sizes
@@ -224,11 +224,11 @@ class Trace:
 
     @property
     def steps(self) -> int:
-        """How many states there are."""
+        """Number of states."""
         return len(self.columns["time"])
 
     def summary(self) -> dict[str, Encounter]:
-        """Return how close every actor and the ego came, by the actor's id."""
+        """Return the closest encounter of the ego with every actor, by actor id."""
         if len(self.ids) < 2:
             return {}
         columns = self.columns
@@ -242,7 +242,7 @@ class Trace:
         others = prints.at(every, slice(1, None))
         pet = post_encroachment(prints.at(every, 0), others, dt)
         hit = columns["contact"][:, 1:].any(axis=0)
-        # Whoever is driven over, through or under shares the ego's ground without a conflict.
+        # An actor that is driven over, through or under shares the ego's ground without a conflict.
         clear = overlap(prints.at(every, slice(0, 1)), others).any(axis=0)
         pet = np.where(hit, 0.0, np.where(clear, np.inf, pet))
         least = {name: columns[name][:, 1:].min(axis=0) for name in _NULLABLE}
@@ -265,7 +265,7 @@ class Trace:
         """Return an Arrow table, ordered by step and then by body.
 
         Raises:
-            MissingExtra: When pyarrow is not installed.
+            MissingExtra: If pyarrow is not installed.
         """
         pa = _pyarrow()
         data = {}
@@ -293,7 +293,7 @@ class Trace:
         """Return a data frame, ordered by step and then by body.
 
         Raises:
-            MissingExtra: When pandas or pyarrow is not installed.
+            MissingExtra: If pandas or pyarrow is not installed.
         """
         try:
             import pandas  # noqa: F401  (pyarrow imports it by itself, with a worse message)
@@ -302,14 +302,14 @@ class Trace:
         return self.to_arrow().to_pandas()
 
     def save(self, path: str | Path) -> Path:
-        """Write the table; the suffix decides the format.
+        """Write the table in the format given by the suffix.
 
         Args:
-            path: Ends in `.parquet`, `.arrow` (an IPC file) or `.csv`.
+            path: A path ending in `.parquet`, `.arrow` (an IPC file) or `.csv`.
 
         Raises:
-            UsageError: For another suffix.
-            MissingExtra: When pyarrow is not installed.
+            UsageError: For any other suffix.
+            MissingExtra: If pyarrow is not installed.
         """
         target = _checked(path)
         table = self.to_arrow()
@@ -334,9 +334,9 @@ class Trace:
         """Read a table that `save` wrote.
 
         Raises:
-            UsageError: For another suffix.
-            DataError: When the file is missing, or holds no trace.
-            MissingExtra: When pyarrow is not installed.
+            UsageError: For any other suffix.
+            DataError: If the file is missing or is not a trace.
+            MissingExtra: If pyarrow is not installed.
         """
         source, pa = _checked(path), _pyarrow()
         try:
@@ -390,10 +390,10 @@ def to_parquet(table: "pa.Table") -> bytes:
 
 
 def concatenated(traces: Mapping[str, Trace]) -> "pa.Table":
-    """Return several traces as one Arrow table; its first column, `phase`, holds their names.
+    """Return several traces as one Arrow table with their names in the first column, `phase`.
 
     Raises:
-        MissingExtra: When pyarrow is not installed.
+        MissingExtra: If pyarrow is not installed.
     """
     pa = _pyarrow()
     tables = []
@@ -408,12 +408,12 @@ def concatenated(traces: Mapping[str, Trace]) -> "pa.Table":
 def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return s and t of many points on a road, and cosine and sine of the road's heading there.
 
-    The same places as `Corridor.locate` finds one by one.
+    The places are the same as those from `Corridor.locate`.
 
     Args:
         corridor: The road.
-        x: m, of any shape.
-        y: m
+        x: World x, m, of any shape.
+        y: World y, m, of the same shape.
     """
     shape, px, py = x.shape, x.reshape(-1), y.reshape(-1)
     norm = np.sqrt(corridor.cos * corridor.cos + corridor.sin * corridor.sin)
@@ -457,7 +457,7 @@ def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Fl
 
 
 def _lanes(corridor: Corridor, strip: int, s: Floats, t: Floats) -> Floats:
-    """Return how many lanes to the left of a strip every place is; not-a-number off the lanes."""
+    """Return the number of lanes from a strip to every place, left positive; NaN off the lanes."""
     lanes = np.full(s.shape, np.nan)
     position = np.clip(s / corridor.step, 0.0, len(corridor.s) - 1.0)
     index = np.minimum(position.astype(np.intp), len(corridor.s) - 2)
@@ -473,7 +473,7 @@ def _lanes(corridor: Corridor, strip: int, s: Floats, t: Floats) -> Floats:
 
 
 def _column(name: str, values: NDArray[Any]) -> NDArray[Any]:
-    """Return a column as it is in memory: null is infinity, or not-a-number."""
+    """Return a column in its in-memory form: null becomes infinity or NaN."""
     if name in _INTEGERS:
         return values.astype(np.int64)
     if name == "contact":

@@ -187,7 +187,7 @@ def _content(message: dict[str, Any]) -> tuple[str, list[bytes]]:
     """Split a message in OpenAI's format into its text and its pictures.
 
     Raises:
-        ValueError: When a picture is not a base64 data URL of a JPEG or PNG file.
+        ValueError: If a picture is not a base64 data URL of a JPEG or PNG file.
     """
     content = message["content"]
     if isinstance(content, str):

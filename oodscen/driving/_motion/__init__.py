@@ -1,1 +1,1 @@
-"""The kinematic world: bodies, behaviours, triggers and the discrete actions."""
+"""The kinematic world: bodies, behaviours, triggers and discrete actions."""

@@ -1,4 +1,4 @@
-"""The discrete actions as drivers: pure control sequences that follow the lane while they act."""
+"""The discrete actions as drivers, which follow the lane and ignore other road users."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -11,16 +11,16 @@ from oodscen.numerics._kernels import Kernel
 from oodscen.protocols import Control, Driver, Observation
 
 _PEAK = 5.7735
-"""Largest second derivative of the smooth course from 0 to 1."""
+"""Maximum second derivative of the smooth course from 0 to 1."""
 
 
 class LaneTracker:
-    """Keeps to a course beside the starting lane's centre, and to a speed.
+    """Follows a course beside the starting lane's centre at a given speed.
 
-    Steering is the course's own curvature plus feedback of offset and heading, critically damped
-    over a look-ahead distance, within what the road's friction gives. A subclass says where to go
-    (`course`) and how to accelerate (`accelerate`); both may use what `begin` stored. An instance
-    drives once.
+    Steering is the course's own curvature plus feedback of offset and heading error, critically damped
+    over a look-ahead distance and limited by the road's friction. A subclass defines the path
+    (`course`) and the acceleration (`accelerate`); both may use values that `begin` stored. An instance
+    drives only once.
     """
 
     def __init__(self) -> None:
@@ -29,7 +29,7 @@ class LaneTracker:
         self._time = 0.0
 
     def act(self, observation: Observation) -> Control:
-        """Choose the control for the next step."""
+        """Return the control for the next step."""
         if self.start is None:
             self.start = observation
             self._time = observation.time
@@ -40,24 +40,24 @@ class LaneTracker:
         grip = 0.97 * observation.friction * GRAVITY
         left = math.sqrt(max(0.0, grip * grip - across * across))
         wanted = self.accelerate(observation)
-        # Blind to what is on the road, not to the road: a roundabout is taken slowly.
+        # Actions ignore the traffic, not the road: they take a roundabout slowly.
         wanted = min(wanted, 3.0 * (observation.curve_speed - observation.speed))
         return Control(min(max(wanted, -left), left), steering)
 
     def begin(self, observation: Observation) -> None:
-        """Plan, when the first observation arrives."""
+        """Plan the action from the first observation."""
 
     def course(self) -> tuple[float, float, float]:
-        """Return the wanted offset, m, and its derivatives by the distance travelled."""
+        """Return the desired offset, m, and its first two derivatives by the distance travelled."""
         return 0.0, 0.0, 0.0
 
     def accelerate(self, observation: Observation) -> float:
-        """Return the wanted acceleration, m/s^2: by default what keeps the first speed."""
+        """Return the desired acceleration, m/s^2; by default it holds the initial speed."""
         assert self.start is not None
         return _hold(observation.speed, self.start.speed)
 
     def _steer(self, now: Observation) -> tuple[float, float]:
-        """Return the steering angle and the lateral acceleration that it asks for."""
+        """Return the steering angle, rad, and the resulting lateral acceleration, m/s^2."""
         return _steering(
             *self.course(),
             now.speed,
@@ -81,24 +81,24 @@ def _steering(
     wheelbase: float,
     friction: float,
 ) -> tuple[float, float]:
-    """Return the steering angle that keeps to a course, and the lateral acceleration it asks for.
+    """Return the steering angle that follows a course, and the resulting lateral acceleration.
 
     Args:
-        offset: Of the course, m.
+        offset: Offset of the course, m.
         slope: Its first derivative by the distance travelled.
         turn: Its second derivative, 1/m.
-        speed: Of the ego, m/s.
-        place: Offset of the ego, m.
-        heading: Of the ego against the road, rad.
-        curvature: Of the road ahead, 1/m.
-        wheelbase: Of the ego, m.
-        friction: Scale of the road's friction.
+        speed: The ego's speed, m/s.
+        place: The ego's offset, m.
+        heading: The ego's heading relative to the road, rad.
+        curvature: Curvature of the road ahead, 1/m.
+        wheelbase: The ego's wheelbase, m.
+        friction: Friction scale of the road.
     """
-    # Look less far ahead where the lane bends tightly.
+    # Shorten the look-ahead in tight bends.
     reach = max(3.0, min(0.8 * speed, 0.3 / max(abs(curvature), 1e-3)))
     aside = place - offset
     ahead = curvature + turn / math.sqrt(1.0 - slope * slope)
-    # On a curve the centre's course differs from the heading by the slip angle.
+    # In a curve, the path of the centre differs from the heading by the slip angle.
     slip = asin(min(max(0.5 * wheelbase * ahead, -0.6), 0.6))
     askew = heading + slip - asin(slope)
     wanted = ahead - aside / (reach * reach) - 2.0 * sin(askew) / reach
@@ -111,20 +111,20 @@ def _steering(
 
 
 class Cruise(LaneTracker):
-    """Keeps lane and speed, blind to everything else."""
+    """Keeps lane and speed, and ignores everything else."""
 
 
 class SlowDown(LaneTracker):
-    """Slows down gently to half of the speed."""
+    """Slows down gently to half of the initial speed."""
 
     def accelerate(self, observation: Observation) -> float:
-        """Return -2 m/s^2 until half of the first speed is reached."""
+        """Return -2 m/s^2 until half of the initial speed is reached."""
         assert self.start is not None
         return max(-2.0, _hold(observation.speed, 0.5 * self.start.speed))
 
 
 class Brake(LaneTracker):
-    """Brakes until it stands."""
+    """Brakes to a standstill."""
 
     def __init__(self, deceleration: float) -> None:
         super().__init__()
@@ -136,7 +136,7 @@ class Brake(LaneTracker):
 
 
 class ChangeLane(LaneTracker):
-    """Moves to the neighbouring lane's centre in about three seconds, keeping the speed."""
+    """Moves to the centre of the neighbouring lane in about three seconds at constant speed."""
 
     def __init__(self, side: int) -> None:
         super().__init__()
@@ -145,14 +145,14 @@ class ChangeLane(LaneTracker):
         self.distance = 1.0
 
     def begin(self, observation: Observation) -> None:
-        """Plan the shift; slippery roads take longer."""
+        """Plan the shift; it takes longer on slippery roads."""
         target = target_offset(observation, self.side)
         self.origin = observation.offset_m
         self.shift = (self.origin if target is None else target) - self.origin
         self.distance = _stretch(observation, self.shift, seconds=3.0)
 
     def course(self) -> tuple[float, float, float]:
-        """Return the smooth course from the first offset to the target."""
+        """Return the smooth course from the initial offset to the target."""
         return _shifted(self.travelled, self.origin, self.shift, self.distance)
 
 
@@ -166,10 +166,10 @@ class PullOver(LaneTracker):
         self.deceleration = 2.5
 
     def begin(self, observation: Observation) -> None:
-        """Plan the shift, and a braking distance in which it fits."""
+        """Plan the shift, and a braking distance long enough for it."""
         self.origin = observation.offset_m
         self.shift = observation.roadside_m - self.origin
-        # Shorter, and the outer front corner would swing beyond the edge of the road.
+        # In a shorter distance, the outer front corner would swing beyond the edge of the road.
         shortest = power(2800.0 * abs(self.shift) + 1e-9, 1.0 / 3.0)
         planned = _stretch(observation, self.shift, seconds=2.0, share=0.45)
         self.distance = max(planned, shortest)
@@ -178,7 +178,7 @@ class PullOver(LaneTracker):
         self.deceleration = 0.5 * observation.speed * observation.speed / max(room, 1.0)
 
     def course(self) -> tuple[float, float, float]:
-        """Return the smooth course from the first offset to the roadside."""
+        """Return the smooth course from the initial offset to the roadside."""
         return _shifted(self.travelled, self.origin, self.shift, self.distance)
 
     def accelerate(self, observation: Observation) -> float:
@@ -197,14 +197,14 @@ ACTION_DRIVERS: Mapping[str, Callable[[], Driver]] = MappingProxyType(
         "pull_over": PullOver,
     }
 )
-"""By id of `oodscen.data._episode.ACTIONS`: makes a driver for one execution."""
+"""Factories of single-use drivers, by the ids in `oodscen.data._episode.ACTIONS`."""
 
 
 def action_driver(action_id: str) -> Driver:
-    """Return a fresh driver that executes one discrete action.
+    """Return a new driver that executes one discrete action.
 
     Raises:
-        UnknownComponent: When there is no such action.
+        UnknownComponent: If there is no such action.
     """
     try:
         return ACTION_DRIVERS[action_id]()
@@ -213,10 +213,10 @@ def action_driver(action_id: str) -> Driver:
 
 
 def is_available(action_id: str, observation: Observation) -> bool:
-    """Tell whether the lane that an action needs exists; the oncoming lane counts as one.
+    """Return whether the lane that an action needs exists; an oncoming lane counts.
 
     Raises:
-        UnknownComponent: When there is no such action.
+        UnknownComponent: If there is no such action.
     """
     if action_id not in ACTION_DRIVERS:
         raise UnknownComponent("action", action_id, ACTION_DRIVERS)
@@ -228,17 +228,17 @@ def is_available(action_id: str, observation: Observation) -> bool:
 
 
 def target_offset(observation: Observation, side: int) -> float | None:
-    """Return the neighbouring lane's centre to the left (+1) or right (-1), if there is one."""
+    """Return the offset of the neighbouring lane's centre on the left (+1) or right (-1), or `None`."""
     return observation.lane_left_m if side > 0 else observation.lane_right_m
 
 
 def _hold(speed: float, target: float) -> float:
-    """Return a soft acceleration towards a speed."""
+    """Return a gentle acceleration towards the target speed."""
     return min(max(1.5 * (target - speed), -2.0), 2.0)
 
 
 def _stretch(now: Observation, shift: float, *, seconds: float, share: float = 0.5) -> float:
-    """Return the distance that a shift takes, so that it uses a share of the grip at most."""
+    """Return the distance for a shift, m, such that it uses at most a given share of the grip."""
     grip = min(2.5, share * now.friction * GRAVITY)
     needed = math.sqrt(_PEAK * abs(shift) / grip)
     return max(now.speed * max(seconds, needed), 4.0 * abs(shift), 1.0)
@@ -247,7 +247,7 @@ def _stretch(now: Observation, shift: float, *, seconds: float, share: float = 0
 def _shifted(
     travelled: float, origin: float, shift: float, distance: float
 ) -> tuple[float, float, float]:
-    """Return offset, slope and bend of the fifth-order course that starts and ends straight."""
+    """Return offset, slope and second derivative of the quintic course that starts and ends straight."""
     p = min(max(travelled / distance, 0.0), 1.0)
     rest = 1.0 - p
     offset = origin + shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))

@@ -1,7 +1,7 @@
-"""What every behaviour does to its actor in one step; `behaviours` describes them.
+"""The kernels of all behaviours: each moves its actor by one step. `behaviours` describes them.
 
-An actor sees the others where they were at the beginning of the step, so their order never
-matters, except that whoever rides on, hangs on or belongs to another body moves after it.
+An actor sees the others as they were at the beginning of the step, so the order of actors does not
+matter. The exception: an actor that rides on, is towed by or belongs to another body moves after it.
 """
 
 import math
@@ -98,7 +98,7 @@ NAMES = (
     "towed",
     "open_door",
 )
-"""Ids of behaviours in the order of their codes; from `run_red` on they move in the world's axes."""
+"""Ids of behaviours in the order of their codes; from `run_red` on, they move in world coordinates."""
 (
     STAND,
     FOLLOW_LANE,
@@ -130,9 +130,9 @@ NAMES = (
 ) = range(27)
 
 _SLIDING = 0.5
-"""Share of the road's grip for what slides on it."""
+"""Share of the road's grip for a sliding body."""
 _PASSED_M = 15.0
-"""So far ahead of the ego whoever overtakes moves back."""
+"""Lead over the ego at which an overtaking actor moves back, m."""
 
 
 @part
@@ -142,7 +142,7 @@ def act(w: Situation, i: int, time: float) -> None:
     Args:
         w: The world.
         i: The actor's row.
-        time: At the beginning of the step, s.
+        time: Time at the beginning of the step, s.
     """
     code = w.codes[i, BEHAVIOUR]
     if code == STAND:
@@ -165,7 +165,7 @@ def act(w: Situation, i: int, time: float) -> None:
 
 @part
 def stand_on_road(w: Situation, i: int) -> None:
-    """Derive the pose in the world from the place on the road."""
+    """Compute the world pose from the position on the road."""
     x, y, _, cosine, sine = point(w.track, w.state[i, S], w.state[i, T])
     w.state[i, X], w.state[i, Y] = quantised(x), quantised(y)
     w.state[i, YAW] = quantised(wrapped(atan2(sine, cosine) + w.state[i, HEADING]))
@@ -173,7 +173,7 @@ def stand_on_road(w: Situation, i: int) -> None:
 
 @part
 def stand_in_world(w: Situation, i: int) -> None:
-    """Derive the place on the road from the pose in the world."""
+    """Compute the position on the road from the world pose."""
     s, t = locate(w.track, w.state[i, X], w.state[i, Y], w.state[i, S])
     w.state[i, S], w.state[i, T] = quantised(s), quantised(t)
     w.state[i, HEADING] = quantised(wrapped(w.state[i, YAW] - heading(w.track, s)))
@@ -191,7 +191,7 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
         shift = centre(w.track, w.codes[i, TARGET], w.state[i, S])
         shift -= centre(w.track, w.codes[i, LANE], w.state[i, S]) + traits[i, OFFSET]
         blend = smooth(waited / sideways(w, shift, traits[i, DURATION]))
-        # Whoever cuts out knows of the obstacle and means to pass it: only traffic counts.
+        # An actor that cuts out knows the obstacle and means to pass it: only traffic counts.
         hurry(w, i, blend, 0.0, 1.2, 0.5 if code == CUT_OUT else -math.inf)
     elif code in (HARD_BRAKE, STALL) and waited >= 0.0:
         keep_lane(w, i, accelerate(w, i, -traits[i, DECELERATION]), 0.0, 0.0)
@@ -222,7 +222,7 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
 
 @part
 def _weave(w: Situation, i: int, waited: float) -> float:
-    """Return how far to the left a weaving actor is; the amplitude grows over one period."""
+    """Return a weaving actor's shift to the left, m; the amplitude grows over one period."""
     if waited < 0.0:
         return 0.0
     period = w.traits[i, PERIOD]
@@ -234,7 +234,7 @@ def _weave(w: Situation, i: int, waited: float) -> float:
 
 @part
 def _within_road(w: Situation, i: int, shift: float) -> float:
-    """Return a shift from the actor's course that leaves it on drivable road."""
+    """Return the shift, limited so that the actor stays on drivable road."""
     own = centre(w.track, w.codes[i, LANE], w.state[i, S]) + w.traits[i, OFFSET]
     is_road, low, high = drivable_range(w.track, w.state[i, S], own)
     if not is_road:
@@ -245,7 +245,7 @@ def _within_road(w: Situation, i: int, shift: float) -> float:
 
 @part
 def _overtake(w: Situation, i: int, waited: float) -> None:
-    """Move aside by a shift, pass, and move back once the ego is well behind."""
+    """Move aside, pass, and move back once the ego is well behind."""
     aside = w.state[i, MEMORY]
     if waited >= 0.0:
         step = w.dt / sideways(w, w.traits[i, LATERAL], 2.5)
@@ -258,7 +258,7 @@ def _overtake(w: Situation, i: int, waited: float) -> None:
 
 @part
 def _turn_round(w: Situation, i: int) -> None:
-    """Turn left on the spot's circle, then go on straight."""
+    """Make a U-turn to the left on a circular arc, then drive straight on."""
     state, speed = w.state, w.traits[i, GOAL]
     duration = max(w.traits[i, DURATION], PI * speed / grip(w))
     done = state[i, MEMORY]
@@ -268,12 +268,12 @@ def _turn_round(w: Situation, i: int) -> None:
     move(w, i, speed_up(w, i, 2.0, speed))
 
 
-# ------------------------------------------------------------------ on foot, and on the wind
+# ------------------------------------------------------------------ on foot and in the wind
 
 
 @part
 def _walk(w: Situation, i: int, code: int, waited: float) -> None:
-    """Move along the own heading, after the trigger."""
+    """Move along the actor's own heading once triggered."""
     state, distance = w.state, w.traits[i, DISTANCE]
     if code == REVERSE:
         move(w, i, speed_up(w, i, 1.5, -w.traits[i, GOAL]))
@@ -298,7 +298,7 @@ def _walk(w: Situation, i: int, code: int, waited: float) -> None:
 
 @part
 def _go(w: Situation, i: int, distance: float, quickness: float) -> None:
-    """Go straight on for a distance and stop there."""
+    """Go straight on for a given distance and stop there."""
     covered = speed_up(w, i, quickness, w.traits[i, GOAL])
     left = distance - w.state[i, MEMORY]
     if covered >= left:
@@ -310,10 +310,10 @@ def _go(w: Situation, i: int, distance: float, quickness: float) -> None:
 
 @part
 def _wander(w: Situation, i: int) -> None:
-    """Walk from spot to spot around home; every third spot is worth a pause.
+    """Walk from spot to spot around home, with a pause at every third spot.
 
-    Spots follow each other by the golden ratio and its plane counterpart, so that they fill the
-    disc evenly without chance.
+    Successive spots follow the golden ratio and its two-dimensional counterpart, which fills the disc
+    evenly without randomness.
     """
     state, traits = w.state, w.traits
     leg, spent = state[i, MEMORY], state[i, MEMORY + 1]
@@ -347,7 +347,7 @@ def _wander(w: Situation, i: int) -> None:
 
 @part
 def _blow(w: Situation, i: int, waited: float) -> None:
-    """Roll and hop along the heading in gusts, with some sway."""
+    """Roll and hop along the heading in gusts, swaying slightly."""
     state = w.state
     phase = TAU * waited / w.traits[i, PERIOD]
     gust = 0.65 + 0.35 * sin(phase + w.traits[i, PHASE])
@@ -362,7 +362,7 @@ def _blow(w: Situation, i: int, waited: float) -> None:
     state[i, LIFT] = quantised(w.traits[i, FLIGHT] * 0.5 * (1.0 - cos(phase)))
 
 
-# ------------------------------------------------------------------ in the world's axes
+# ------------------------------------------------------------------ in world coordinates
 
 
 @part
@@ -397,7 +397,7 @@ def _act_in_world(w: Situation, i: int, code: int, waited: float) -> None:
 
 @part
 def _roll(w: Situation, i: int, distance: float) -> None:
-    """Move along the own yaw."""
+    """Move along the actor's own yaw."""
     sine, cosine = sincos(w.state[i, YAW])
     w.state[i, X] = quantised(w.state[i, X] + distance * cosine)
     w.state[i, Y] = quantised(w.state[i, Y] + distance * sine)
@@ -405,7 +405,7 @@ def _roll(w: Situation, i: int, distance: float) -> None:
 
 @part
 def ride(w: Situation, i: int) -> None:
-    """Stay where the actor is in the axes of the body to which it belongs."""
+    """Keep a fixed pose relative to the body that the actor belongs to."""
     state, traits, other = w.state, w.traits, w.codes[i, OTHER]
     sine, cosine = sincos(state[other, YAW])
     ahead, aside = traits[i, APART_X], traits[i, APART_Y]
@@ -417,7 +417,7 @@ def ride(w: Situation, i: int) -> None:
 
 @part
 def _follow(w: Situation, i: int) -> None:
-    """Be drawn at the tail of another body, with wheels that do not slip: a tractrix."""
+    """Follow the tail of another body without wheel slip: a tractrix."""
     state, other, pole = w.state, w.codes[i, OTHER], w.traits[i, POLE]
     sine, cosine = sincos(state[other, YAW])
     tail = 0.5 * w.traits[other, LENGTH]
@@ -439,7 +439,8 @@ def _follow(w: Situation, i: int) -> None:
 def _fall(w: Situation, i: int) -> None:
     """Fly off with the carrier's velocity, land, bounce, slide to rest, and spin meanwhile.
 
-    Memory: velocity along the world's x and y, upwards, and whether it has left the carrier.
+    The memory columns hold the velocity along world x and y, the upward velocity, and whether the body has
+    left the carrier.
     """
     state, dt = w.state, w.dt
     vx, vy = state[i, MEMORY], state[i, MEMORY + 1]

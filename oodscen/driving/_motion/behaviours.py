@@ -1,4 +1,4 @@
-"""What actors can do: the vocabulary of behaviours that catalogues list.
+"""The vocabulary of actor behaviours, for catalogues.
 
 The motion itself is in `oodscen.driving._motion.behaviour_kernels`, one branch per behaviour.
 """
@@ -7,7 +7,7 @@ from oodscen.data._catalogue import BehaviourKind, BehaviourParameter, Category
 from oodscen.driving._motion.behaviour_kernels import NAMES
 
 BEHAVE: dict[str, int] = {name: code for code, name in enumerate(NAMES)}
-"""By behaviour id: how the kinematic world knows it."""
+"""Codes of the behaviours in the kinematic world, by id."""
 
 MOVES_BEFORE_TRIGGER = frozenset(
     {
@@ -26,10 +26,10 @@ MOVES_BEFORE_TRIGGER = frozenset(
         "run_red",
     }
 )
-"""Behaviours that drive from the start, at their `speed`."""
+"""Behaviours that drive at their `speed` from the start."""
 
 QUICKNESS: dict[str, float] = {"pedestrian": 2.5, "animal": 6.0, "cyclist": 1.5, "object": 4.0}
-"""How quickly a category on foot reaches its speed, m/s^2; 2.5 for the others."""
+"""Acceleration of actors that walk, ride or blow along, by category, m/s^2; 2.5 for the others."""
 
 _ANYBODY: tuple[Category, ...] = (
     "vehicle",
@@ -272,4 +272,4 @@ BEHAVIOURS: tuple[BehaviourKind, ...] = (
         },
     ),
 )
-"""Every behaviour of the kinematic world, for the catalogues of mirror simulators."""
+"""All behaviours of the kinematic world, for the catalogues of mirror simulators."""

@@ -1,7 +1,7 @@
-"""The tables in which the kinematic world keeps its bodies, and the ego as a bicycle.
+"""The tables of bodies in the kinematic world, and the ego as a kinematic bicycle.
 
 Row 0 of every table is the ego; actors follow in the scene's order. `Situation` bundles the tables
-with the road and the air for kernels. State is rounded to 1e-6 in every step.
+with the road and the visibility for kernels. State is rounded to 1e-6 in every step.
 """
 
 import math
@@ -13,46 +13,46 @@ from oodscen.numerics._kernels import Integers, Numbers, part
 
 GRAVITY = 9.81
 WHEELBASE = 2.7
-"""Of the ego, m."""
+"""The ego's wheelbase, m."""
 MAX_STEERING = 0.6
-"""Of the ego's front wheels, rad."""
+"""Maximum angle of the ego's front wheels, rad."""
 MAX_DRIVE = 4.0
-"""Largest acceleration that the ego's motor gives, m/s^2."""
+"""Maximum acceleration of the ego's motor, m/s^2."""
 
 # Columns of `Situation.state`.
 X, Y, YAW = 0, 1, 2
 S, T = 3, 4
-"""Place on the road."""
+"""Position on the road, m."""
 HEADING = 5
-"""Against the road, rad."""
+"""Heading relative to the road, rad."""
 SPEED, ACCELERATION = 6, 7
-"""Along the heading."""
+"""Speed, m/s, and acceleration, m/s^2, along the heading."""
 LIFT = 8
-"""Above the road, m."""
+"""Height above the road, m."""
 TRIGGERED = 9
-"""When the trigger fired, s; negative before."""
+"""Time at which the trigger fired, s; negative before."""
 MEMORY = 10
-"""What a behaviour remembers: this column and the next three."""
+"""First of four columns in which a behaviour keeps its memory."""
 STATE_WIDTH = 14
 
-# Columns of `Situation.traits`: constants of a body; a behaviour's parameters follow from FIRST on.
+# Columns of `Situation.traits`: constants of a body. The behaviour's parameters start at FIRST.
 LENGTH, WIDTH = 0, 1
 OFFSET = 2
-"""To the left of its lane's centre, where it is placed, m."""
+"""Initial offset to the left of its lane's centre, m."""
 PHASE = 3
-"""Of whatever it does periodically, rad."""
+"""Phase of periodic motion, rad."""
 VALUE = 4
-"""Of its trigger, s or m."""
+"""Threshold of its trigger, s or m."""
 QUICKNESS = 5
-"""How quickly it reaches its speed, m/s^2."""
+"""Acceleration towards its speed, m/s^2."""
 HOME_S, HOME_T = 6, 7
-"""Where it is placed."""
+"""Initial position on the road, m."""
 APART_X, APART_Y, APART_YAW = 8, 9, 10
-"""Where it is in the axes of the body to which it belongs."""
+"""Pose relative to the body that it belongs to."""
 POLE = 11
-"""From the body that tows it to its own axle, m."""
+"""Distance from the towing body to its own axle, m."""
 HEIGHT = 12
-"""With `LENGTH` and `WIDTH` the box that it is, m."""
+"""With `LENGTH` and `WIDTH`, the size of its box, m."""
 FIRST = 13
 PARAMETERS = (
     "speed",
@@ -71,7 +71,7 @@ PARAMETERS = (
     "lift",
     "headway",
 )
-"""Of behaviours, in the order of their columns; `lanes` is kept as a lane instead."""
+"""Parameters of behaviours in the order of their columns; `lanes` is stored as a lane instead."""
 TRAITS_WIDTH = FIRST + len(PARAMETERS)
 (
     GOAL,
@@ -93,24 +93,24 @@ TRAITS_WIDTH = FIRST + len(PARAMETERS)
 
 # Columns of `Situation.codes`.
 BEHAVIOUR, LANE, TARGET = 0, 1, 2
-"""What it does, and the strips in which it is placed and to which it may move."""
+"""Behaviour code, the strip of its placement, and the strip that it may move to."""
 DIRECTION = 3
-"""+1 when it travels towards larger s, else -1."""
+"""+1 if it travels towards larger s, else -1."""
 OTHER = 4
-"""Row of the body to which it belongs, -1 for none."""
+"""Row of the body that it belongs to, -1 for none."""
 TRIGGER, MEASURED = 5, 6
-"""Kind of its trigger (`oodscen.driving._motion.triggers`), and the row to which it is measured."""
+"""Kind of its trigger (`oodscen.driving._motion.triggers`), and the row that the trigger measures."""
 IS_PASSABLE, IS_LIT = 7, 8
-"""Whether it can be driven over or through, and whether it has lamps."""
+"""1 if it can be driven over or through; 1 if it has lamps."""
 CODES_WIDTH = 9
 
-# Columns of `Situation.paths`: the bodies at the beginning of a step, as others see them.
+# Columns of `Situation.paths`: the bodies at the beginning of a step, as the others see them.
 PATH_S, PATH_T, PATH_SPEED, PATH_ALONG, PATH_ACROSS = range(5)
 PATHS_WIDTH = 5
 
 
 class Situation(NamedTuple):
-    """Everything that kernels know of a world."""
+    """The complete input of kernels: all tables, the road and the visibility."""
 
     track: Track
     state: Numbers
@@ -118,18 +118,18 @@ class Situation(NamedTuple):
     codes: Integers
     paths: Numbers
     order: Integers
-    """[n - 1] rows of the actors, each after the one to which it belongs."""
+    """[n - 1] rows of the actors, each after the body that it belongs to."""
     dt: float
     friction: float
     visual_range: float
-    """How far anybody sees, m."""
+    """Visual range, m."""
     headlamp_range: float
-    """How far anybody sees what has no lamps, m."""
+    """Distance at which bodies without lamps are visible, m."""
 
 
 @part
 def bounded(value: float, low: float, high: float) -> float:
-    """Return `value` within limits, 0 for not-a-number."""
+    """Return `value` clamped to the limits, or 0 for NaN."""
     if value != value:
         return 0.0
     return low if value < low else high if value > high else value
@@ -143,9 +143,9 @@ def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
     (Rajamani 2012, chapters 2 and 13). There is no reverse gear.
 
     Args:
-        w: Of which row 0 moves.
-        acceleration: Demand, m/s^2; not-a-number counts as zero.
-        steering: Demand, rad; likewise.
+        w: The world; row 0 of its state changes.
+        acceleration: Demanded acceleration, m/s^2; NaN counts as zero.
+        steering: Demanded steering angle, rad; NaN counts as zero.
     """
     state, dt = w.state, w.dt
     before = state[0, SPEED]

@@ -1,4 +1,4 @@
-"""Oriented boxes on the ground plane: whether two bodies touch, and how far apart they are."""
+"""Oriented boxes on the ground plane, with the distance and contact between them."""
 
 import math
 from typing import NamedTuple
@@ -14,18 +14,18 @@ class Box(NamedTuple):
     y: float
     yaw: float
     length: float
-    """Along the heading, m."""
+    """Extent along the heading, m."""
     width: float
-    """Across it, m."""
+    """Extent across the heading, m."""
 
 
 def radius(length: float, width: float) -> float:
-    """Return the radius of the circle around a footprint."""
+    """Return the radius of the circle around a footprint, m."""
     return 0.5 * math.sqrt(length * length + width * width)
 
 
 def gap(a: Box, b: Box) -> float:
-    """Return the distance between two boxes, m; 0 exactly when they touch or overlap."""
+    """Return the distance between two boxes, m; exactly 0 if they touch or overlap."""
     sin_a, cos_a = sincos(a.yaw)
     sin_b, cos_b = sincos(b.yaw)
     dx, dy = b.x - a.x, b.y - a.y
@@ -45,22 +45,22 @@ def box_gap(
     length_b: float,
     width_b: float,
 ) -> float:
-    """Return the distance between two boxes, m; like `gap`, for kernels.
+    """Return the distance between two boxes, m; the kernel form of `gap`.
 
-    Two convex shapes that are apart have a separating axis along one of their edges' normals, and
-    their distance is attained at a corner of one and an edge of the other.
+    Two disjoint convex shapes have a separating axis along one of their edge normals, and their distance
+    is that between a corner of one and an edge of the other.
 
     Args:
-        dx: From the centre of the first to that of the second.
-        dy: Likewise.
-        cos_a: Of the first one's yaw.
-        sin_a: Likewise.
-        length_a: Of the first.
-        width_a: Likewise.
-        cos_b: Of the second one's yaw.
-        sin_b: Likewise.
-        length_b: Of the second.
-        width_b: Likewise.
+        dx: x of the second centre relative to the first, m.
+        dy: y of the second centre relative to the first, m.
+        cos_a: Cosine of the first box's yaw.
+        sin_a: Sine of the first box's yaw.
+        length_a: Length of the first box, m.
+        width_a: Width of the first box, m.
+        cos_b: Cosine of the second box's yaw.
+        sin_b: Sine of the second box's yaw.
+        length_b: Length of the second box, m.
+        width_b: Width of the second box, m.
     """
     half_la, half_wa = 0.5 * length_a, 0.5 * width_a
     half_lb, half_wb = 0.5 * length_b, 0.5 * width_b
@@ -97,14 +97,14 @@ def _corners_to_box(
     """Return the least squared distance from a box's corners to an axis-aligned box at the origin.
 
     Args:
-        u: Centre of the box whose corners are meant.
-        v: Likewise.
-        cos: Of its heading.
-        sin: Likewise.
+        u: First coordinate of the centre of the box with the corners.
+        v: Second coordinate of that centre.
+        cos: Cosine of its heading.
+        sin: Sine of its heading.
         half_length: Half of its length.
         half_width: Half of its width.
-        half_u: Half of the extent of the box at the origin.
-        half_v: Likewise.
+        half_u: Half extent of the box at the origin along the first axis.
+        half_v: Half extent of the box at the origin along the second axis.
     """
     least = math.inf
     lu, lv = half_length * cos, half_length * sin

@@ -1,4 +1,4 @@
-"""How actors move and how drivers among them pay attention: parts of which behaviours are made."""
+"""Car following and lane keeping: the building blocks of behaviours."""
 
 import math
 
@@ -28,26 +28,26 @@ from oodscen.numerics._exact import PI, atan2, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import part
 
 _MAX_SLOPE = 0.5
-"""Metres that a vehicle may move sideways per metre travelled."""
+"""Maximum sideways motion of a vehicle per metre travelled, m."""
 _MAX_TURN = 1.2
-"""rad/s by which a lane follower's heading settles."""
+"""Maximum turn rate of a lane follower's heading, rad/s."""
 _CLEARANCE = 0.2
-"""Metres beside its own path within which a driver still counts a body as being in its way."""
+"""Clearance beside its own path within which a driver counts a body as in its way, m."""
 _USED = 0.9
-"""Share of the grip that actors use at most."""
+"""Maximum share of the grip that actors use."""
 _COMFORT = 0.6
 """Share of the grip that drivers use in curves."""
 _SAMPLES = 10
-"""Places ahead at which a driver looks for curves."""
+"""Number of places ahead at which a driver looks for curves."""
 _PEAK = 5.7735
-"""Largest second derivative of the smooth course from 0 to 1."""
+"""Maximum second derivative of the smooth course from 0 to 1."""
 _MOST, _COMFORTABLE, _HEADWAY, _STANDSTILL = 1.8, 2.5, 1.2, 2.0
-"""Of the intelligent-driver model: m/s^2, m/s^2, s, m."""
+"""Intelligent driver model: maximum acceleration and comfortable braking, m/s^2; headway, s; standstill gap, m."""
 
 
 @part
 def grip(w: Situation) -> float:
-    """Return the acceleration that tyres, or soles, give at most, m/s^2."""
+    """Return the maximum acceleration that tyres or soles can transmit, m/s^2."""
     return _USED * w.friction * GRAVITY
 
 
@@ -56,7 +56,7 @@ def grip(w: Situation) -> float:
 
 @part
 def move(w: Situation, i: int, distance: float) -> None:
-    """Move along the actor's own heading against the road."""
+    """Move along the actor's own heading relative to the road."""
     s, t = w.state[i, S], w.state[i, T]
     stretch = max(0.2, 1.0 - bend(w.track, s) * t)
     sine, cosine = sincos(w.state[i, HEADING])
@@ -66,7 +66,7 @@ def move(w: Situation, i: int, distance: float) -> None:
 
 @part
 def speed_up(w: Situation, i: int, acceleration: float, target: float) -> float:
-    """Approach a speed, within the grip, and return the distance covered meanwhile."""
+    """Accelerate towards a speed within the grip, and return the distance covered, m."""
     before = w.state[i, SPEED]
     step = min(acceleration, grip(w)) * w.dt
     after = min(target, before + step) if target > before else max(target, before - step)
@@ -76,9 +76,9 @@ def speed_up(w: Situation, i: int, acceleration: float, target: float) -> float:
 
 @part
 def accelerate(w: Situation, i: int, acceleration: float) -> float:
-    """Change the speed without ever reversing, and return the distance covered meanwhile.
+    """Change the speed without reversing, and return the distance covered, m.
 
-    What a curve takes of the grip is not there for braking or driving.
+    Grip that a curve uses is not available for braking or accelerating.
     """
     before = w.state[i, SPEED]
     across = before * before * curvature(w.track, w.state[i, S], w.state[i, T])
@@ -96,9 +96,9 @@ def keep_lane(w: Situation, i: int, distance: float, blend: float, shift: float)
     Args:
         w: The world.
         i: The actor's row.
-        distance: Covered in this step, m.
+        distance: Distance covered in this step, m.
         blend: 0 in its own lane, 1 in its target lane.
-        shift: Further to the left, m.
+        shift: Additional offset to the left, m.
     """
     state, direction = w.state, w.codes[i, DIRECTION]
     s, t, heading = state[i, S], state[i, T], state[i, HEADING]
@@ -121,20 +121,20 @@ def keep_lane(w: Situation, i: int, distance: float, blend: float, shift: float)
 
 @part
 def smooth(progress: float) -> float:
-    """Return the fifth-order course from 0 to 1, which starts and ends at rest."""
+    """Return the quintic course from 0 to 1 that starts and ends at rest."""
     p = min(max(progress, 0.0), 1.0)
     return p * p * p * (10.0 + p * (6.0 * p - 15.0))
 
 
 @part
 def sideways(w: Situation, shift: float, duration: float) -> float:
-    """Return how long a move to the side takes: longer than `duration` where it is slippery, s."""
+    """Return the duration of a sideways move, s: longer than `duration` on slippery roads."""
     return max(duration, math.sqrt(_PEAK * abs(shift) / grip(w)))
 
 
 @part
 def since(w: Situation, i: int, time: float) -> float:
-    """Return the time since the trigger, s; negative before."""
+    """Return the time since the trigger fired, s; negative before."""
     return time - w.state[i, TRIGGERED] if w.state[i, TRIGGERED] >= 0.0 else -1.0
 
 
@@ -143,15 +143,15 @@ def since(w: Situation, i: int, time: float) -> float:
 
 @part
 def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
-    """Return the gap to what is ahead in an actor's path, m, and its speed away from it.
+    """Return the gap to the body ahead in an actor's path, m, and the speed at which that body moves away, m/s.
 
-    The gap is infinite where nothing is ahead or nothing can be seen: through fog, rain and snow
-    nobody sees beyond the visual range, and at night what has no lamps is seen in the beam only.
+    The gap is infinite if nothing is ahead or nothing is visible: no driver sees beyond the visual range
+    of fog, rain and snow, and at night bodies without lamps are visible only in the headlamp beam.
 
     Args:
         w: The world, at the beginning of the step.
         i: The actor's row.
-        slowest: Bodies that move away more slowly are disregarded, m/s.
+        slowest: Bodies that move away more slowly than this are ignored, m/s.
     """
     paths, direction = w.paths, w.codes[i, DIRECTION]
     s, t = paths[i, PATH_S], paths[i, PATH_T]
@@ -173,12 +173,12 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
 
 @part
 def curve_speed(w: Situation, i: int, grip: float) -> float:
-    """Return the speed from which the curves ahead can be taken, m/s.
+    """Return the highest current speed that still allows for the curves ahead, m/s.
 
     Args:
         w: The world.
-        i: Row of the driver.
-        grip: What the tyres give at most, m/s^2.
+        i: The driver's row.
+        grip: Maximum acceleration from the tyres, m/s^2.
     """
     along = _COMFORT * grip
     braking = min(_COMFORTABLE, 0.5 * grip)
@@ -198,9 +198,9 @@ def curve_speed(w: Situation, i: int, grip: float) -> float:
 
 @part
 def attentive(w: Situation, i: int, desired: float, headway: float, slowest: float) -> float:
-    """Return the acceleration of the intelligent-driver model (Treiber et al. 2000), m/s^2.
+    """Return the acceleration of the intelligent driver model (Treiber et al. 2000), m/s^2.
 
-    On slippery roads the driver counts on half of the grip for comfortable braking.
+    On slippery roads, comfortable braking uses half of the grip.
     """
     most, comfortable = _MOST, min(_COMFORTABLE, 0.5 * grip(w))
     if desired <= 0.0:
@@ -223,20 +223,20 @@ def attentive(w: Situation, i: int, desired: float, headway: float, slowest: flo
 
 @part
 def desired_speed(w: Situation, i: int) -> float:
-    """Return the behaviour's speed, or what the curves ahead allow."""
+    """Return the behaviour's speed, or less if the curves ahead require it, m/s."""
     return min(w.traits[i, GOAL], curve_speed(w, i, grip(w)))
 
 
 @part
 def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
-    """Drive in the lane at the behaviour's speed, attentive to what is ahead."""
+    """Drive in the lane at the behaviour's speed, reacting to traffic ahead."""
     acceleration = attentive(w, i, desired_speed(w, i), _HEADWAY, -math.inf)
     keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
 
 
 @part
 def hurry(w: Situation, i: int, blend: float, shift: float, headway: float, slowest: float) -> None:
-    """Drive like `cruise`, less attentively."""
+    """Drive like `cruise`, but less attentively."""
     acceleration = attentive(w, i, desired_speed(w, i), headway, slowest)
     keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
 

@@ -1,4 +1,4 @@
-"""The kernels behind the kinematic world: one step, what is published, what the driver is told."""
+"""Kernels of the kinematic world: the time step, the published state and the driver's observation."""
 
 import math
 
@@ -49,22 +49,22 @@ from oodscen.numerics._exact import atan2, quantised, sincos, wrapped
 from oodscen.numerics._kernels import Kernel, Numbers, part
 
 FAR_M = 60.0
-"""Beyond this distance a gap counts as infinite."""
+"""Distance beyond which a gap counts as infinite, m."""
 _SAMPLES = 8
-"""Places ahead at which the driver looks for a roadside to stop at."""
+"""Number of places ahead at which the driver looks for a roadside to stop at."""
 _REACH = 3.0
-"""Metres to either side over which a lane's course is measured."""
+"""Distance to either side over which a lane's course is measured, m."""
 
 
 @Kernel
 def advance(w: Situation, count: int, acceleration: float, steering: float) -> None:
-    """Move everybody by one step.
+    """Move all bodies by one step.
 
     Args:
         w: The world; its state is changed.
-        count: Steps before this one.
-        acceleration: Of the ego's control, m/s^2.
-        steering: Likewise, rad.
+        count: Number of steps before this one.
+        acceleration: The ego's control, m/s^2.
+        steering: The ego's control, rad.
     """
     time = quantised(count * w.dt)
     see_paths(w)
@@ -79,7 +79,7 @@ def advance(w: Situation, count: int, acceleration: float, steering: float) -> N
 
 @part
 def see_paths(w: Situation) -> None:
-    """Note where everybody is, for all others to see."""
+    """Record all positions and speeds for the other bodies to see."""
     state, paths = w.state, w.paths
     for i in range(state.shape[0]):
         sine, cosine = sincos(state[i, HEADING])
@@ -92,7 +92,7 @@ def see_paths(w: Situation) -> None:
 
 @part
 def is_pulled(w: Situation, code: int, value: float, row: int, time: float) -> bool:
-    """Tell whether a trigger that is measured to a row fires."""
+    """Return whether a trigger measured to a row fires."""
     if code == TIME:
         return fires(code, value, time, 0.0, 0.0, 0.0)
     state = w.state
@@ -108,7 +108,7 @@ def is_pulled(w: Situation, code: int, value: float, row: int, time: float) -> b
 
 @part
 def pull_triggers(w: Situation, time: float) -> None:
-    """Note when each actor's trigger fires for the first time."""
+    """Record the time at which each actor's trigger first fires."""
     for i in range(1, w.state.shape[0]):
         if w.state[i, TRIGGERED] < 0.0 and is_pulled(
             w, w.codes[i, TRIGGER], w.traits[i, VALUE], w.codes[i, MEASURED], time
@@ -118,13 +118,13 @@ def pull_triggers(w: Situation, time: float) -> None:
 
 @Kernel
 def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> bool:
-    """Fill in what others read, and return whether the ego is off the road.
+    """Fill in the published state, and return whether the ego is off the road.
 
     Args:
         w: The world.
         poses: [n, 4] x, y, z, yaw.
         rows: [4, n] speeds, accelerations, gaps between boxes, and distances between the circles
-            around their footprints; the last two infinite for the ego, gaps also for what is passable.
+            around their footprints. The last two are infinite for the ego, and gaps also for passable bodies.
         places: [n, 2] s, t.
     """
     state, traits = w.state, w.traits
@@ -153,7 +153,7 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
                 dx, dy, cosine, sine, length, width,
                 other_cosine, other_sine, traits[i, LENGTH], traits[i, WIDTH],
             )  # fmt: skip
-            # Heights count from the road, which carries both: boxes do not pitch on a slope.
+            # Heights are relative to the road under both bodies: boxes do not pitch on a slope.
             above = max(0.0, state[i, LIFT] - traits[0, HEIGHT])
             rows[2, i] = quantised(math.sqrt(level * level + above * above))
     return is_off_road(w, sine, cosine)
@@ -161,12 +161,12 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
 
 @part
 def is_off_road(w: Situation, sine: float, cosine: float) -> bool:
-    """Tell whether a part of the ego's footprint is beside the drivable road.
+    """Return whether any part of the ego's footprint is beside the drivable road.
 
     Args:
         w: The world.
-        sine: Of the ego's yaw.
-        cosine: Likewise.
+        sine: Sine of the ego's yaw.
+        cosine: Cosine of the ego's yaw.
     """
     track, s, t = w.track, w.state[0, S], w.state[0, T]
     length, width = w.traits[0, LENGTH], w.traits[0, WIDTH]
@@ -191,15 +191,15 @@ def is_off_road(w: Situation, sine: float, cosine: float) -> bool:
 
 @Kernel
 def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, float, float]:
-    """Return what the driver is told about the road.
+    """Return the road part of the driver's observation.
 
     Args:
         w: The world.
-        lane: The strip in which the ego started; offsets count from its centre.
+        lane: The strip in which the ego started; offsets are relative to its centre.
 
     Returns:
-        Offset, heading error, curvature ahead, offsets of the lanes to the left and to the right
-        (infinite where there is none) and of the roadside, and the speed that curves ahead allow.
+        Offset, heading error, curvature ahead, offsets of the lanes to the left and right
+        (infinite if there is none) and of the roadside, and the speed that the curves ahead allow.
     """
     track, s, t = w.track, w.state[0, S], w.state[0, T]
     middle = centre(track, lane, s)
@@ -215,7 +215,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
     slope, _ = lane_course(w, lane, s)
     preview = s + max(1.0, 0.2 * w.state[0, SPEED])
     _, turn = lane_course(w, lane, preview)
-    # Room to stop in, as `PullOver` plans it.
+    # The room needed to stop, as `PullOver` plans it.
     speed = w.state[0, SPEED]
     braking = min(2.5, 0.5 * w.friction * GRAVITY)
     reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
@@ -236,7 +236,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
 
 @part
 def lane_course(w: Situation, lane: int, s: float) -> tuple[float, float]:
-    """Return the slope and the bend of a lane's centre against the reference line."""
+    """Return the slope and curvature of a lane's centre relative to the reference line."""
     behind, here = centre(w.track, lane, s - _REACH), centre(w.track, lane, s)
     ahead = centre(w.track, lane, s + _REACH)
     return (ahead - behind) / (2.0 * _REACH), (ahead - 2.0 * here + behind) / (_REACH * _REACH)
@@ -244,7 +244,7 @@ def lane_course(w: Situation, lane: int, s: float) -> tuple[float, float]:
 
 @part
 def roadside_at(w: Situation, lane: int, s: float) -> float:
-    """Return the offset from the lane's centre at which the ego stands clear of the lanes at `s`."""
+    """Return the offset from the lane's centre at which the ego is clear of the lanes at `s`, m."""
     track, outer, beside = w.track, lane, lane
     while beside >= 0:
         outer = beside

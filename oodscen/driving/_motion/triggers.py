@@ -1,4 +1,4 @@
-"""When triggers fire: at a time, at a distance along the road, at a time to collision."""
+"""Triggers by time, distance along the road or time to collision."""
 
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
@@ -7,14 +7,14 @@ from oodscen.protocols import State
 
 TIME, DISTANCE, TTC = 0, 1, 2
 CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}
-"""By `Trigger.kind`: how kernels know it."""
+"""Codes of triggers in kernels, by `Trigger.kind`."""
 
 
 @part
 def fires(
     code: int, value: float, time: float, ahead: float, ego_speed: float, actor_speed: float
 ) -> bool:
-    """Tell whether one trigger's condition holds; like `is_reached`, for kernels."""
+    """Return whether a trigger's condition holds; the kernel form of `is_reached`."""
     if code == TIME:
         return time >= value - 1e-9
     distance = abs(ahead)
@@ -27,29 +27,29 @@ def fires(
 def is_reached(
     kind: str, value: float, *, time: float, ahead: float, ego_speed: float, actor_speed: float
 ) -> bool:
-    """Tell whether one trigger's condition holds.
+    """Return whether a trigger's condition holds.
 
     Args:
         kind: `time`, `distance` or `ttc`.
-        value: Seconds or metres.
-        time: Since the start, s.
-        ahead: From the ego's centre to the actor's along the road, m; negative is behind.
-        ego_speed: Along the road, m/s.
-        actor_speed: Along the road, m/s; negative when it comes towards an ego behind it.
+        value: Threshold, s or m.
+        time: Time since the start, s.
+        ahead: Distance from the ego's centre to the actor's along the road, m; negative if behind.
+        ego_speed: The ego's speed along the road, m/s.
+        actor_speed: The actor's speed along the road, m/s; negative if it drives against the ego's direction.
     """
     return fires(CODES[kind], value, time, ahead, ego_speed, actor_speed)
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
-    """Tell whether a trigger fires in a state of any simulator.
+    """Return whether a trigger fires in a state of any simulator.
 
-    Distances are between centres, along the road; the time to collision is that distance over the
-    speed at which it shrinks.
+    Distances are between centres along the road. The time to collision is that distance divided by the
+    closing speed.
 
     Args:
-        trigger: A decision, or an actor's.
-        owner: Id of the actor to which it is measured where the trigger names none.
-        state: Of the world.
+        trigger: A trigger of a decision or an actor.
+        owner: Id of the actor to measure to if the trigger names none.
+        state: The world's state.
         corridor: The scene's road.
     """
     if trigger.kind == "time":

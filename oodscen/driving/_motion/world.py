@@ -1,4 +1,4 @@
-"""The kinematic world: who is where, what everybody does next, and what the ego's driver is told."""
+"""The kinematic world: positions and motion of all bodies, and the ego driver's observation."""
 
 import math
 from collections.abc import Mapping
@@ -39,24 +39,24 @@ from oodscen.numerics._kernels import seen
 from oodscen.protocols import Control, Observation
 
 HEADLAMPS_M = 75.0
-"""How far dipped headlamps show what has no lamps itself."""
+"""Distance at which dipped headlamps reveal bodies without lamps, m."""
 NIGHT_DEG = -3.0
-"""The sun's elevation below which it is dark."""
+"""Sun elevation below which it is dark, degrees."""
 _LIT = frozenset({"vehicle", "cyclist", "work_zone", "signal"})
-"""Categories that carry lamps or reflectors."""
+"""Categories with lamps or reflectors."""
 _BY_CHANCE = frozenset({"swerve", "wobble", "wander", "blown"})
-"""Behaviours with a phase that the seed draws."""
+"""Behaviours with a phase drawn from the seed."""
 
 
 class WorldSnapshot(NamedTuple):
-    """Everything that changes in a world; plain data."""
+    """All changing state of a world, as plain data."""
 
     step: int
     state: bytes
 
 
 class Motion(NamedTuple):
-    """How one body moves: place in the world and on the road, speed and acceleration."""
+    """The motion of one body: position in the world and on the road, speed and acceleration."""
 
     x: float
     y: float
@@ -64,40 +64,40 @@ class Motion(NamedTuple):
     s: float
     t: float
     heading: float
-    """Against the road, rad."""
+    """Heading relative to the road, rad."""
     speed: float
     acceleration: float
-    """Along the heading, m/s^2."""
+    """Acceleration along the heading, m/s^2."""
     lift: float
-    """Above the road, m."""
+    """Height above the road, m."""
     triggered: float
-    """When its trigger fired, s; negative before."""
+    """Time at which its trigger fired, s; negative before."""
 
 
 class Published(NamedTuple):
-    """What others read of a world, rows as in `KinematicWorld.ids`."""
+    """The public state of a world, rows as in `KinematicWorld.ids`."""
 
     poses: NDArray[np.float64]
     """[n, 4] x, y, z, yaw."""
     speeds: NDArray[np.float64]
     """[n] along the heading, m/s."""
     accelerations: NDArray[np.float64]
-    """[n] along the heading, mean over the last step, m/s^2."""
+    """[n] along the heading, averaged over the last step, m/s^2."""
     gaps: NDArray[np.float64]
-    """[n] between the ego's box and others', m; infinite beyond `FAR_M` and for what is passable."""
+    """[n] between the ego's box and the others, m; infinite beyond `FAR_M` and for passable bodies."""
     apart: NDArray[np.float64]
-    """[n] between the circles around their footprints, m."""
+    """[n] between the circles around the footprints, m."""
     places: NDArray[np.float64]
     """[n, 2] s and t on the corridor, m."""
     is_off_road: bool
-    """Whether a part of the ego's footprint is beside the drivable road."""
+    """True if any part of the ego's footprint is beside the drivable road."""
 
 
 class KinematicWorld:
-    """Moves the ego and the actors of one scene along a corridor, in steps of `dt`.
+    """Moves the ego and the actors of one scene along a corridor in steps of `dt`.
 
-    All state is plain floats, rounded to 1e-6 in every step, and computed by plain arithmetic: the
-    same scene, seed and controls give the same bits, on any machine.
+    All state is plain floats, rounded to 1e-6 in every step and computed with plain arithmetic. The same
+    scene, seed and controls therefore give the same bits on any machine.
     """
 
     def __init__(
@@ -109,19 +109,19 @@ class KinematicWorld:
         *,
         dt: float = 0.05,
     ) -> None:
-        """Place everything at the start.
+        """Place all bodies at the start.
 
         Args:
             corridor: The road of `scene.map`.
-            scene: One that `staging_issues` accepts.
-            catalogue: For sizes and for the behaviours' defaults.
-            seed: Of the episode.
+            scene: A scene that `staging_issues` accepts.
+            catalogue: Source of sizes and of the behaviours' defaults.
+            seed: The episode's seed.
             dt: Seconds per step.
 
         Raises:
-            ValueError: When the ego's lane or an actor's lane does not exist, or actors belong to
-                each other in a ring or to nobody.
-            KeyError: When the catalogue has no such asset or behaviour.
+            ValueError: If the lane of the ego or an actor does not exist, or actors belong to each other in
+                a cycle or to a body that does not exist.
+            KeyError: If the catalogue lacks an asset or behaviour.
         """
         self.corridor = corridor
         self.scene = scene
@@ -168,7 +168,7 @@ class KinematicWorld:
         see_paths(self._situation)
         pull_triggers(self._situation, 0.0)
 
-    # ------------------------------------------------------------------ what others read
+    # ------------------------------------------------------------------ published state
 
     @property
     def time(self) -> float:
@@ -184,7 +184,7 @@ class KinematicWorld:
         ]
 
     def publish(self) -> Published:
-        """Return everything that a state of a simulator is made of."""
+        """Return the data of a simulator's state."""
         count = len(self.ids)
         poses, rows, places = np.empty((count, 4)), np.empty((4, count)), np.empty((count, 2))
         off_road = publish(self._situation, seen(poses), seen(rows), seen(places))
@@ -195,33 +195,33 @@ class KinematicWorld:
         return self.publish().poses
 
     def speeds(self) -> NDArray[np.float64]:
-        """Return everybody's speed along the heading, m/s: [n], rows as in `ids`."""
+        """Return every body's speed along the heading, m/s: [n], rows as in `ids`."""
         return self._state[:, table.SPEED].copy()
 
     def accelerations(self) -> NDArray[np.float64]:
-        """Return everybody's acceleration along the heading over the last step, m/s^2: [n]."""
+        """Return every body's acceleration along the heading over the last step, m/s^2: [n]."""
         return self._state[:, table.ACCELERATION].copy()
 
     def places(self) -> NDArray[np.float64]:
-        """Return everybody's s and t on the corridor, m: [n, 2], rows as in `ids`."""
+        """Return every body's s and t on the corridor, m: [n, 2], rows as in `ids`."""
         return self._state[:, table.S : table.T + 1].copy()
 
     def motion(self, body: str) -> Motion:
-        """Return how one body moves, by its id."""
+        """Return the motion of one body by its id."""
         return Motion(*self._state[self._rows[body], : table.TRIGGERED + 1].tolist())
 
     @property
     def ego(self) -> Motion:
-        """How the ego moves."""
+        """The motion of the ego."""
         return self.motion("ego")
 
     def lanes(self, body: str) -> tuple[int, int]:
-        """Return the strip in which an actor is placed, and the one to which it may move."""
+        """Return the strip where an actor is placed, and the strip that it may move to."""
         row = self._rows[body]
         return int(self._codes[row, table.LANE]), int(self._codes[row, table.TARGET])
 
     def observe(self) -> Observation:
-        """Return what the ego's driver is told."""
+        """Return the ego driver's observation."""
         offset, askew, curvature, left, right, roadside, fastest = look(self._situation, self.lane)
         return Observation(
             self.time,
@@ -239,15 +239,15 @@ class KinematicWorld:
         )
 
     def is_off_road(self) -> bool:
-        """Tell whether a part of the ego's footprint is beside the drivable road."""
+        """Return whether any part of the ego's footprint is beside the drivable road."""
         return self.publish().is_off_road
 
     def is_due(self, trigger: Trigger, owner: str | None = None) -> bool:
-        """Tell whether a trigger fires now.
+        """Return whether a trigger fires now.
 
         Args:
-            trigger: A decision, or an actor's.
-            owner: Id of the actor to which it is measured where the trigger names none.
+            trigger: A trigger of a decision or an actor.
+            owner: Id of the actor to measure to if the trigger names none.
         """
         name = trigger.actor or owner
         row = 0 if trigger.kind == "time" or name is None else self._rows[name]
@@ -255,10 +255,10 @@ class KinematicWorld:
         return bool(is_pulled(self._situation, code, trigger.value, row, self.time))
 
     def free_road(self, body: str) -> tuple[float, float]:
-        """Return the gap to what an actor sees ahead in its path, m, and its speed away from it.
+        """Return the gap to the body that an actor sees ahead, m, and the speed at which it moves away, m/s.
 
-        As at the beginning of the last step. The gap is infinite where nothing is ahead within the
-        visual range: that of fog, rain and snow, and at night `HEADLAMPS_M` for what has no lamps.
+        The values are from the beginning of the last step. The gap is infinite if nothing is ahead within the
+        visual range: that of fog, rain and snow, and at night `HEADLAMPS_M` for bodies without lamps.
         """
         gap, away = free_road(self._situation, self._rows[body], -math.inf)
         return float(gap), float(away)
@@ -273,18 +273,18 @@ class KinematicWorld:
         self.step_count += 1
 
     def snapshot(self) -> WorldSnapshot:
-        """Return everything that changes."""
+        """Return all changing state."""
         return WorldSnapshot(self.step_count, self._state.tobytes())
 
     def restore(self, snapshot: WorldSnapshot) -> None:
-        """Return to a state of this world; what follows equals what followed then."""
+        """Return to an earlier state of this world; the run then repeats exactly."""
         self.step_count = snapshot.step
         self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
 
-    # ------------------------------------------------------------------ inside
+    # ------------------------------------------------------------------ internals
 
     def _order(self, scene: Scene) -> list[int]:
-        """Return the actors' rows, each after the one to which it belongs."""
+        """Return the actors' rows, each after the body that it belongs to."""
         owners = {
             row: self._rows[actor.behaviour.other]
             for row, actor in enumerate(scene.actors, start=1)
@@ -357,7 +357,7 @@ class KinematicWorld:
             state[table.SPEED] = quantised(min(speed, fastest))
 
     def _attach(self, row: int) -> None:
-        """Fix where an actor is in the axes of the one to which it belongs."""
+        """Store an actor's pose relative to the body that it belongs to."""
         code, other = self._codes[row, table.BEHAVIOUR], int(self._codes[row, table.OTHER])
         if code not in (FALL, TOWED, OPEN_DOOR):
             return
@@ -382,10 +382,10 @@ class KinematicWorld:
 
 
 def ego_strip(corridor: Corridor, lane: int) -> int:
-    """Return the strip of the ego's lane, counted from the right.
+    """Return the strip of the ego's lane, which is counted from the right.
 
     Raises:
-        ValueError: When the road has fewer lanes in the ego's direction.
+        ValueError: If the road has fewer lanes in the ego's direction.
     """
     lanes = corridor.ego_lanes
     if lane >= len(lanes):
@@ -394,10 +394,10 @@ def ego_strip(corridor: Corridor, lane: int) -> int:
 
 
 def neighbour_strip(corridor: Corridor, strip: int, lanes: int) -> int:
-    """Return the driving strip some lanes to the left of another, oncoming ones counted.
+    """Return the driving strip a number of lanes to the left of another, including oncoming lanes.
 
     Raises:
-        ValueError: When there is no such lane.
+        ValueError: If there is no such lane.
     """
     driving = corridor.driving
     place = driving.index(strip) + lanes

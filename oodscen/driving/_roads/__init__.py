@@ -1,1 +1,1 @@
-"""OpenDRIVE roads: reading, corridors, lanes and look-ups."""
+"""OpenDRIVE roads: parsing, corridors, lanes and look-ups."""

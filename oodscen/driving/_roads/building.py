@@ -1,4 +1,4 @@
-"""Makes corridors from OpenDRIVE files."""
+"""Builds corridors from OpenDRIVE files."""
 
 import math
 from bisect import bisect_right
@@ -32,33 +32,33 @@ from oodscen.errors import DataError, Issue, UnknownComponent
 from oodscen.numerics._exact import cos, sin
 
 SAMPLE_STEP = 0.5
-"""Metres between two samples of a corridor, at most."""
+"""Maximum distance between two samples of a corridor, m."""
 NEAR_M = 400.0
-"""Other roads and signals are kept up to this far from the ego's road."""
+"""Maximum distance of other roads and signals from the ego's road, m."""
 
 _MAX_OTHERS_M = 60_000.0
-"""Metres of other roads that are kept, the nearest ones."""
+"""Maximum total length of other roads, m; the nearest are kept."""
 _MAX_FURNITURE = 5_000
 _BEFORE_END_M = 20.0
-"""In a file of one's own the ego starts this far before its road ends, at least."""
+"""Minimum distance between the ego's start and the end of its road in a user's own file, m."""
 _DEFAULT_SPEED_LIMIT = 13.9
 _SNAP = 1e-3
-"""Metres below which two reference lines count as one."""
+"""Distance below which two reference lines count as one, m."""
 _TIGHTEST = 0.1
-"""What a parallel line of a bend keeps of its length, at least."""
+"""Minimum share of its length that a line parallel to a bend must keep."""
 
 
 def load_corridor(road_map: RoadMap) -> Corridor:
-    """Return the road that the ego of a map drives; the same file is read once per process.
+    """Return the road that the ego drives on a map; each file is read only once per process.
 
-    Roads that follow each other, through junctions, too, are one corridor: those of
-    `RoadMap.route`, then straight on.
+    Consecutive roads form one corridor, also through junctions: first those of `RoadMap.route`, then the
+    roads straight on.
 
     Args:
-        road_map: Where the OpenDRIVE file is, where in it the ego starts, and where it goes.
+        road_map: Gives the OpenDRIVE file, the ego's start and its route.
 
     Raises:
-        DataError: With every fault of the file, or when start or route are not on the road.
+        DataError: With every fault of the file, or if start or route are not on the road.
     """
     return _corridor(
         _read(road_map.file),
@@ -71,17 +71,17 @@ def load_corridor(road_map: RoadMap) -> Corridor:
 
 
 def find_map(name: str, catalogue: Catalogue) -> RoadMap:
-    """Return a map of the catalogue, or describe the OpenDRIVE file that a scene names.
+    """Return a map of the catalogue, or the description of the OpenDRIVE file that a scene names.
 
     Args:
-        name: `Scene.map`: a map's id, or the path of an `.xodr` file. In a file of one's own the
-            ego starts on the first road outside junctions from which it can drive far enough
-            straight on, 160 m after the beginning of that way or a quarter along.
-        catalogue: Of the simulator.
+        name: `Scene.map`: a map's id, or the path of an `.xodr` file. In a user's own file, the ego
+            starts on the first road outside junctions with a long enough way straight on, 160 m after the
+            beginning of that way or after a quarter of it.
+        catalogue: The simulator's catalogue.
 
     Raises:
-        UnknownComponent: When there is no such map.
-        DataError: When the file cannot be used.
+        UnknownComponent: If there is no such map.
+        DataError: If the file cannot be used.
     """
     if not name.endswith(".xodr"):
         try:
@@ -94,7 +94,7 @@ def find_map(name: str, catalogue: Catalogue) -> RoadMap:
 
 @lru_cache(maxsize=16)
 def _describe(data: bytes, name: str) -> RoadMap:
-    """Choose where the ego starts in a file of one's own."""
+    """Return a map entry for a user's own file, with a start chosen for the ego."""
     network = _network(data, name)
     legs, index, start = _default_start(network, name)
     road, forward = legs[index]
@@ -120,7 +120,7 @@ def _describe(data: bytes, name: str) -> RoadMap:
 
 
 def _default_start(network: Network, source: str) -> tuple[list[Leg], int, float]:
-    """Return a way through the network, and on which of its legs the ego starts, and where."""
+    """Return a way through the network, the index of the leg where the ego starts, and the position on it, m."""
     best: tuple[list[Leg], int, float] | None = None
     longest = 0.0
     for road in list(network.roads.values())[:200]:
@@ -152,7 +152,7 @@ def _default_start(network: Network, source: str) -> tuple[list[Leg], int, float
 
 
 def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
-    """Return the leg outside junctions that is met at or before a place, and where on it."""
+    """Return the last usable leg outside junctions up to a place, else the first after it, and its position."""
     found: tuple[int, float] | None = None
     for index, leg in enumerate(legs):
         if not leg.road.junction and leg.has_lane(1):
@@ -165,7 +165,7 @@ def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
 
 
 def _read(file: str) -> bytes:
-    """Return the bytes of `package:path/inside.xodr` or of a path."""
+    """Return the content of `package:path/inside.xodr` or of a path."""
     package, _, inside = file.partition(":")
     is_packaged = inside and all(part.isidentifier() for part in package.split("."))
     try:
@@ -214,15 +214,15 @@ def _corridor(
 
 
 def build_corridor(road: Road, *, start_m: float = 0.0, forward: bool = True) -> Corridor:
-    """Sample one road, alone, in the ego's driving direction.
+    """Sample a single road in the ego's driving direction.
 
     Args:
-        road: As read from a file.
-        start_m: Where along the road's own reference line the ego starts.
-        forward: Whether the ego drives along the reference line or against it.
+        road: The road as read from a file.
+        start_m: Position of the ego's start along the road's own reference line, m.
+        forward: True if the ego drives along the reference line, false if against it.
 
     Raises:
-        ValueError: When the road has too many lanes.
+        ValueError: If the road has too many lanes.
     """
     return _sampled(Network({road.id: road}), [Leg(road, forward)], 0, start_m)
 
@@ -230,16 +230,16 @@ def build_corridor(road: Road, *, start_m: float = 0.0, forward: bool = True) ->
 def build_route(
     network: Network, legs: Sequence[Leg], *, index: int = 0, start_m: float = 0.0
 ) -> Corridor:
-    """Sample the roads that the ego drives, and describe what is around them.
+    """Sample the roads that the ego drives, and describe their surroundings.
 
     Args:
         network: All roads of the file.
-        legs: In the order in which they are driven.
-        index: Of the leg on which the ego starts.
-        start_m: Where along that road's own reference line it starts.
+        legs: The legs in driving order.
+        index: Index of the leg on which the ego starts.
+        start_m: Position of the start along that road's own reference line, m.
 
     Raises:
-        ValueError: When a bend is too tight to be driven, or there are too many lanes.
+        ValueError: If a bend is too tight to drive, or there are too many lanes.
     """
     corridor = _sampled(network, legs, index, start_m)
     taken = {leg.road.id for leg in legs}
@@ -309,10 +309,10 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
 
 
 class _Track:
-    """One leg's share of a corridor's line: parallel to the road's own line, `shift` to its left.
+    """One leg's share of a corridor's line: parallel to the road's own line, `shift` m to its left.
 
-    The corridor's line goes on without a jump where a road's own line begins beside the end of the
-    one before; lanes that continue each other there keep their offsets from it.
+    The corridor's line continues without a jump where a road's own line begins beside the end of the previous
+    one, so lanes that continue each other keep their offsets from it.
     """
 
     def __init__(self, leg: Leg, shift: float) -> None:
@@ -339,7 +339,7 @@ class _Track:
         self.length = self._nodes[-1] if shift else self.span
 
     def _own(self, driven: float) -> float:
-        """Return s along the road's own line from metres driven along that line."""
+        """Return s on the road's own line at a distance driven along it, m."""
         return driven if self.leg.forward else self.span - driven
 
     def _curvature(self, driven: float) -> float:
@@ -347,20 +347,20 @@ class _Track:
         return curvature if self.leg.forward else -curvature
 
     def own(self, along: float) -> float:
-        """Return s along the road's own line from metres along this track."""
+        """Return s on the road's own line at a distance along this track, m."""
         if not self.shift:
             return self._own(along)
         return self._own(_interpolated(along, self._nodes, self._driven))
 
     def from_start(self, own: float) -> float:
-        """Return metres along this track from s along the road's own line."""
+        """Return the distance along this track at s on the road's own line, m."""
         driven = own if self.leg.forward else self.span - own
         if not self.shift:
             return driven
         return _interpolated(driven, self._driven, self._nodes)
 
     def point(self, own: float) -> tuple[float, float, float, float, float, float]:
-        """Return x, y, z, cosine and sine of the heading, and curvature at own s."""
+        """Return x, y, z, cosine and sine of the heading, and curvature at s on the road's own line."""
         road, forward = self.leg
         place = road_point(road, own)
         sign = 1.0 if forward else -1.0
@@ -374,7 +374,7 @@ class _Track:
 
 
 def _interpolated(value: float, known: Sequence[float], wanted: Sequence[float]) -> float:
-    """Return what belongs to a value between two ascending lists."""
+    """Return the linear interpolation of `wanted` over the ascending `known` values."""
     index = min(max(bisect_right(known, value) - 1, 0), len(known) - 2)
     low, high = known[index], known[index + 1]
     part = (value - low) / (high - low) if high > low else 0.0
@@ -398,7 +398,7 @@ def _tracks(legs: Sequence[Leg]) -> list[_Track]:
 def _structures(
     legs: Sequence[Leg], tracks: Sequence[_Track], begins: Sequence[float]
 ) -> tuple[Structure, ...]:
-    """Return tunnels and bridges of the route; those that meet at a joint stay apart."""
+    """Return tunnels and bridges of the route; those that meet at a joint stay separate."""
     found = []
     for leg, track, begin in zip(legs, tracks, begins[:-1], strict=True):
         for stretch in leg.road.stretches:
@@ -412,7 +412,7 @@ def _structures(
 
 
 class _Nearness:
-    """Which roads come close to a corridor."""
+    """Selects the roads close to a corridor."""
 
     def __init__(self, corridor: Corridor) -> None:
         every = max(1, round(20.0 / corridor.step))
@@ -420,7 +420,7 @@ class _Nearness:
         self.start = corridor.point(corridor.start, 0.0)[:2]
 
     def sorted(self, roads: Iterable[Road]) -> list[Road]:
-        """Return the roads that have a piece near the corridor, those by the start first."""
+        """Return the roads with a part near the corridor, those closest to the start first."""
         ranked: list[tuple[float, int, Road]] = []
         for road in roads:
             last = road_point(road, road.length)
@@ -441,7 +441,7 @@ def _blocks(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 
 
 def _signal(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:
-    """Place a signal in the world."""
+    """Return a signal in world coordinates."""
     place = road_point(road, signal.s)
     along, across = cos(place.heading), sin(place.heading)
     x = round(place.x - signal.t * across, 6) + 0.0
@@ -467,7 +467,7 @@ def _signal(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:
 
 
 def _outlines(road: Road) -> list[Outline]:
-    """Place a road's crosswalks and stop lines in the world."""
+    """Return a road's crosswalks and stop lines in world coordinates."""
     outlines = []
     for patch in road.patches:
         points = []

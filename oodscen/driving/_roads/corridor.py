@@ -1,7 +1,7 @@
-"""The road that the ego drives, as samples along its reference line, and look-ups on it.
+"""The ego's road as samples along its reference line, with look-ups.
 
-A corridor has coordinates of its own: `s` metres along the reference line in the ego's driving
-direction and `t` metres to its left. It hides which roads of a map it was made from.
+A corridor has its own coordinates: `s`, metres along the reference line in the ego's driving
+direction, and `t`, metres to its left. It hides the individual roads of the map.
 """
 
 from collections.abc import Sequence
@@ -20,76 +20,76 @@ from oodscen.numerics._kernels import seen
 StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
 
 DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
-"""Kinds of strips on which the ego may be."""
+"""Kinds of strips that the ego may drive on."""
 
 _BATCH = 2_000_000
-"""Pairs of a point and a sample that are compared at once."""
+"""Maximum number of point-sample pairs compared at once."""
 _AROUND_M = (600.0, 2_600.0)
-"""How far behind and ahead of the start other roads count as road to drive on."""
+"""Distances behind and ahead of the start within which other roads count as drivable, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class LaneStrip:
-    """One lane, shoulder, pavement ... along the whole corridor."""
+    """A lane, shoulder, pavement or other strip along the whole corridor."""
 
     kind: StripKind
     direction: int
-    """+1 with the ego, -1 oncoming, 0 neither."""
+    """Direction of travel: +1 with the ego, -1 oncoming, 0 neither."""
     right: NDArray[np.float64] = field(repr=False)
     """[n], t of the right edge at every sample, m."""
     left: NDArray[np.float64] = field(repr=False)
-    """[n], t of the left edge; equal to `right` where the strip does not exist."""
+    """[n], t of the left edge, m; equal to `right` where the strip does not exist."""
     mark: str
-    """On the left edge: `solid`, `broken`, `curb` or `none`."""
+    """Mark on the left edge: `solid`, `broken`, `curb` or `none`."""
     right_mark: str = "none"
-    """On the right edge."""
+    """Mark on the right edge."""
     marks: tuple[tuple[float, str, str], ...] = ()
-    """Rows of s and both marks, left and right, from there on, where they change along the strip;
+    """Changes of marks along the strip: rows of s and the left and right marks from there on;
     `mark` and `right_mark` are those at the ego's start."""
 
 
 @dataclass(frozen=True)
 class RoadSignal:
-    """A traffic light or sign that the map sets up."""
+    """A traffic light or sign of the map."""
 
     id: str
     kind: Literal["traffic_light", "sign"]
     type: str
-    """OpenDRIVE's type within `country`'s catalogue, e.g. `1000001` or `205`."""
+    """OpenDRIVE type in `country`'s catalogue, e.g. `1000001` or `205`."""
     value: str
-    """What it says, where the file gives it (a speed limit's number), else empty."""
+    """Value of the sign, e.g. a speed limit; empty if the file gives none."""
     x: float
     y: float
     z: float
     """Height of the ground or road at its foot, m."""
     yaw: float
-    """The direction that it faces: towards those whom it addresses, rad."""
+    """Direction that it faces, towards the traffic that it addresses, rad."""
     s: float
-    """On the ego's corridor."""
+    """s on the ego's corridor, m."""
     t: float
     height: float = 0.0
-    """Of its lower edge above `z`, m."""
+    """Height of its lower edge above `z`, m."""
     country: str = ""
-    """`OpenDRIVE` or a country's code, in whose catalogue `type` is."""
+    """Catalogue of `type`: `OpenDRIVE` or a country's code."""
     name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A patch of paint on the road that the map's objects describe."""
+    """A painted area on the road, from the map's objects."""
 
     kind: Literal["crosswalk", "stop_line"]
     points: NDArray[np.float64] = field(repr=False)
-    """[n, 2] corners in the world, counter-clockwise, m."""
+    """[n, 2] corners in world coordinates, counter-clockwise, m."""
 
 
 @dataclass(frozen=True)
 class Structure:
-    """A stretch of the ego's road that runs through or over something."""
+    """A tunnel or bridge on the ego's road."""
 
     kind: Literal["tunnel", "bridge"]
     start: float
-    """s on the ego's corridor."""
+    """s on the ego's corridor, m."""
     end: float
 
 
@@ -98,44 +98,44 @@ class OtherRoad:
     """A road of the map that the ego does not drive."""
 
     corridor: "Corridor"
-    """Has its own s and t, the same world coordinates, and no others."""
+    """The road's corridor: its own s and t, the same world coordinates, and no other roads."""
     road_id: str
     is_connecting: bool
-    """Whether it leads through a junction."""
+    """True if it leads through a junction."""
     junction: str = ""
-    """Id of that junction."""
+    """Id of the junction; empty if there is none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Corridor:
-    """A road with its cross-section, seen from the ego that drives along it."""
+    """A road with its cross-section, in the ego's driving direction."""
 
     s: NDArray[np.float64] = field(repr=False)
-    """[n], m from the corridor's beginning, evenly spaced by `step`."""
+    """[n], distance from the corridor's beginning, evenly spaced by `step`, m."""
     x: NDArray[np.float64] = field(repr=False)
     y: NDArray[np.float64] = field(repr=False)
     z: NDArray[np.float64] = field(repr=False)
     cos: NDArray[np.float64] = field(repr=False)
-    """[n], of the heading; the normal to the left is (-sin, cos)."""
+    """[n], cosine of the heading; the normal to the left is (-sin, cos)."""
     sin: NDArray[np.float64] = field(repr=False)
     curvature: NDArray[np.float64] = field(repr=False)
-    """[n], 1/m, left positive."""
+    """[n], curvature, 1/m, left positive."""
     strips: tuple[LaneStrip, ...] = field(repr=False)
-    """From right to left, adjacent ones sharing an edge."""
+    """Strips from right to left; adjacent strips share an edge."""
     start: float
-    """s of the ego's start."""
+    """s of the ego's start, m."""
     speed_limit: float
     """m/s"""
     in_junction: NDArray[np.bool_] = field(
         default_factory=lambda: np.zeros(0, dtype=np.bool_), repr=False
     )
-    """[n], which samples lie inside a junction; none where nothing is given."""
+    """[n], true for samples inside a junction; all false by default."""
     others: tuple[OtherRoad, ...] = field(default=(), repr=False)
-    """Every other road of the map."""
+    """All other roads of the map."""
     signals: tuple[RoadSignal, ...] = field(default=(), repr=False)
-    """Of all roads of the map."""
+    """Signals on all roads of the map."""
     crosswalks: tuple[Outline, ...] = field(default=(), repr=False)
-    """Crosswalks and stop lines of all roads of the map."""
+    """Crosswalks and stop lines on all roads of the map."""
     structures: tuple[Structure, ...] = ()
     driving: tuple[int, ...] = field(init=False)
     """Indices of the driving strips at the start, from right to left."""
@@ -144,7 +144,7 @@ class Corridor:
     length: float = field(init=False)
     """s of the last sample, m."""
     track: Track = field(init=False, repr=False)
-    """All of it as arrays, for kernels."""
+    """The corridor as arrays, for kernels."""
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -176,16 +176,16 @@ class Corridor:
         put(self, "_around", around)
 
     _plain: Track = field(init=False, repr=False)
-    """The same for plain Python, which reads single numbers of it quickly."""
+    """The same arrays in a form that plain Python indexes quickly."""
     _around: list[Ranges] = field(init=False, repr=False)
 
     @property
     def ego_lanes(self) -> tuple[int, ...]:
-        """Indices of the strips in which the ego may start, from right to left."""
+        """Indices of the strips where the ego may start, from right to left."""
         return tuple(index for index in self.driving if self.strips[index].direction > 0)
 
     def _follow(self, drivable: Sequence[Ranges]) -> None:
-        """Gather what look-ups need."""
+        """Build the arrays for look-ups."""
         norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
         columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm, self.curvature)
         track = packed(
@@ -201,7 +201,7 @@ class Corridor:
         object.__setattr__(self, "_plain", viewed(track))
 
     def point(self, s: float, t: float) -> tuple[float, float, float, float]:
-        """Return x, y, z and the road's heading at a place; beyond the ends it goes on straight."""
+        """Return x, y, z and the road's heading at a place; beyond the ends, the road continues straight."""
         x, y, z, cos, sin = look.point(self._plain, s, t)
         return x, y, z, exact.atan2(sin, cos)
 
@@ -209,10 +209,10 @@ class Corridor:
         """Return the place (s, t) of a point.
 
         Args:
-            x: m
-            y: m
-            near: An s close to the answer, e.g. the last one; without it the nearest sample is
-                searched for.
+            x: World x, m.
+            y: World y, m.
+            near: An s close to the result, e.g. the previous one; by default the search starts at the
+                nearest sample.
         """
         if near is None:
             square = (self.x - x) ** 2 + (self.y - y) ** 2
@@ -222,11 +222,11 @@ class Corridor:
     def locate_all(
         self, x: NDArray[np.float64], y: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the places of many points, to the bit what `locate` returns for each.
+        """Return the places of many points, with the same bits as `locate` for each.
 
         Args:
-            x: [n], m
-            y: [n], m
+            x: [n], world x, m.
+            y: [n], world y, m.
 
         Returns:
             s and t, [n] each.
@@ -236,7 +236,7 @@ class Corridor:
     def _locate_among(
         self, x: NDArray[np.float64], y: NDArray[np.float64], among: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Search from the nearest one of some samples, batch by batch to bound the memory."""
+        """Search from the nearest of the given samples, in batches to limit the memory."""
         s, t = np.empty(len(x)), np.empty(len(x))
         batch = max(1, _BATCH // len(among))
         for first in range(0, len(x), batch):
@@ -259,7 +259,7 @@ class Corridor:
         return look.heading(self._plain, s)
 
     def alignment(self, s: float, yaw: float) -> float:
-        """Return the cosine between the road at `s` and a direction: 1 along it, -1 against it."""
+        """Return the cosine of the angle between the road at `s` and a direction: 1 along it, -1 against it."""
         return look.alignment(self._plain, s, yaw)
 
     def bend(self, s: float) -> float:
@@ -267,7 +267,7 @@ class Corridor:
         return look.bend(self._plain, s)
 
     def edges(self, strip: int, s: float) -> tuple[float, float]:
-        """Return t of a strip's right and left edge at `s`."""
+        """Return t of a strip's right and left edges at `s`."""
         return look.edges(self._plain, strip, s)
 
     def centre(self, strip: int, s: float) -> float:
@@ -275,7 +275,7 @@ class Corridor:
         return look.centre(self._plain, strip, s)
 
     def strip_at(self, s: float, t: float) -> int | None:
-        """Return the index of the strip at a place, or `None` beside the road."""
+        """Return the index of the strip at a place, or `None` if it is off the road."""
         for index in range(len(self.strips)):
             right, left = self.edges(index, s)
             if right <= t < left:
@@ -283,20 +283,20 @@ class Corridor:
         return None
 
     def is_drivable(self, s: float, t_min: float, t_max: float) -> bool:
-        """Tell whether the road can be driven on everywhere between two offsets at `s`."""
+        """Return whether the road is drivable everywhere between two offsets at `s`."""
         return look.is_drivable(self._plain, s, t_min, t_max)
 
     def drivable_range(self, s: float, t: float) -> tuple[float, float] | None:
-        """Return the right and left limit of the drivable road around `t`, or `None` off it."""
+        """Return the right and left limits of the drivable road around `t`, or `None` off it."""
         is_on_road, right, left = look.drivable_range(self._plain, s, t)
         return (right, left) if is_on_road else None
 
     def extent(self, s: float) -> tuple[float, float]:
-        """Return t of the right and left edge of the whole cross-section at `s`."""
+        """Return t of the right and left edges of the whole cross-section at `s`."""
         return self.edges(0, s)[0], self.edges(len(self.strips) - 1, s)[1]
 
     def is_on_map(self, s: float, t: float) -> bool:
-        """Tell whether a place is on a strip of the ego's road or of another one."""
+        """Return whether a place is on a strip of the ego's road or of another road."""
         right, left = self.extent(s)
         if right <= t <= left:
             return True
@@ -308,15 +308,15 @@ class Corridor:
         """Return the driving strip that touches `strip` on one side.
 
         Args:
-            strip: A strip's index.
-            s: m
-            side: +1 for the left, -1 for the right.
+            strip: Index of a strip.
+            s: Position along the corridor, m.
+            side: +1 for left, -1 for right.
         """
         found = look.neighbour(self._plain, strip, s, side)
         return None if found < 0 else found
 
     def _bands(self, road: "Corridor") -> list[tuple[bool, Band]]:
-        """Return the strips of a road near by, and whether each can be driven on."""
+        """Return the strips of a nearby road, each with whether it is drivable."""
         first, last = (self._index(self.start + m) for m in (-_AROUND_M[0], _AROUND_M[1]))
         among = np.arange(first, last + 1, max(1, round(4.0 / self.step)))
         coarse = among[::4]
@@ -342,12 +342,12 @@ class Corridor:
         return bands
 
     def _index(self, s: float) -> int:
-        """Return the sample nearest to `s`."""
+        """Return the index of the sample nearest to `s`."""
         return min(max(int(s / self.step + 0.5), 0), len(self.s) - 1)
 
 
 def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
-    """Return, for every sample, the drivable ranges of t with touching strips merged."""
+    """Return the drivable ranges of t at every sample, with touching strips merged."""
     edges = [(s.right.tolist(), s.left.tolist()) for s in strips if s.kind in DRIVABLE]
     count = len(strips[0].right) if strips else 0
     ranges_of: list[Ranges] = []

@@ -1,4 +1,4 @@
-"""Where the cross-sections of a corridor run over the strips of other roads."""
+"""The parts of a corridor's cross-sections that strips of other roads cover."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -11,9 +11,9 @@ Ranges = tuple[tuple[float, float], ...]
 """Disjoint ranges of t, ascending, m."""
 
 REACH_M = 170.0
-"""How far to the side of a corridor other roads count."""
+"""Maximum distance of other roads to the side of a corridor, m."""
 _TOUCH = 0.05
-"""Metres between two ranges below which they are one."""
+"""Distance between two ranges below which they are merged, m."""
 _MAX_SPAN_M = 40.0
 
 
@@ -21,17 +21,17 @@ class Band(NamedTuple):
     """A strip of another road, sample by sample, in the corridor's coordinates."""
 
     right: tuple[FloatArray, FloatArray]
-    """s and t"""
+    """s and t of the right edge, m."""
     left: tuple[FloatArray, FloatArray]
 
 
 def covered(bands: Iterable[Band], step: float, count: int) -> dict[int, list[tuple[float, float]]]:
-    """Return the ranges of t that bands cover, by sample of the corridor that they are on.
+    """Return the ranges of t that the bands cover, by sample of the corridor.
 
     Args:
         bands: Strips of other roads.
-        step: Metres between two samples of the corridor.
-        count: How many samples it has.
+        step: Distance between two samples of the corridor, m.
+        count: Number of samples.
     """
     samples: list[NDArray[np.int64]] = []
     lows: list[FloatArray] = []
@@ -79,7 +79,7 @@ def covered(bands: Iterable[Band], step: float, count: int) -> dict[int, list[tu
 
 
 def _crossing(s: FloatArray, t: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest t at which the lines s = at cross quadrilaterals."""
+    """Return the lowest and highest t at which the lines s = `at` cross quadrilaterals."""
     low, high = np.full(at.shape, np.inf), np.full(at.shape, -np.inf)
     for index in range(4):
         s0, s1 = s[index], s[(index + 1) % 4]
@@ -95,7 +95,7 @@ def _crossing(s: FloatArray, t: FloatArray, at: FloatArray) -> tuple[FloatArray,
 
 
 def merged(own: Sequence[tuple[float, float]], others: Sequence[tuple[float, float]]) -> Ranges:
-    """Return the union of two ascending lists of ranges; those that touch become one."""
+    """Return the union of two ascending lists of ranges; touching ranges are merged."""
     ranges: list[tuple[float, float]] = []
     for low, high in sorted([*own, *others]):
         if ranges and low - ranges[-1][1] < _TOUCH:

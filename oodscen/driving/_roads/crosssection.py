@@ -21,25 +21,25 @@ _KINDS: dict[str, StripKind] = {
     "parking": "parking",
     "median": "median",
 }
-"""OpenDRIVE's lane types; whatever is missing here is `none`."""
+"""Kinds of strips by OpenDRIVE lane type; types that are missing here become `none`."""
 
 _BRIDGED = frozenset({"driving", "shoulder", "median"})
-"""Kinds of strips that are drawn on through a junction whose road there lacks them."""
+"""Kinds of strips that continue through a junction even if its connecting road lacks them."""
 _MAX_WIDTH = 100.0
 _MAX_STRIPS = 150
 _MAX_EDGES = 2_500_000
-"""Strips times samples."""
+"""Maximum number of strips times samples."""
 
 
 class Places(NamedTuple):
-    """Where the samples of a corridor lie on its legs."""
+    """Positions of a corridor's samples on its legs."""
 
     legs: list[int]
-    """Index of the leg under every sample."""
+    """Index of the leg under each sample."""
     own: list[float]
-    """s of every sample along its road's own reference line."""
+    """s of each sample along its road's own reference line, m."""
     shifts: list[float]
-    """For every leg, t of the corridor's line left of the leg's own line."""
+    """For each leg, t of the corridor's line relative to the leg's own line, m."""
 
 
 class _Stage(NamedTuple):
@@ -47,18 +47,18 @@ class _Stage(NamedTuple):
 
     leg: int
     section: int
-    """In driven order."""
+    """Index of the section in driving order."""
 
 
 @dataclass
 class _Chain:
-    """One lane followed through the stages; it has no width where it does not exist."""
+    """One lane followed through the stages; its width is 0 where it does not exist."""
 
     type: str
     reversed: bool
     mark: str
     lanes: dict[int, Lane] = field(default_factory=dict)
-    """By the number of the stage."""
+    """The lane in each stage, by the stage's number."""
 
 
 def build_strips(
@@ -72,12 +72,12 @@ def build_strips(
 ) -> list[LaneStrip]:
     """Return the cross-section of a route from right to left.
 
-    A lane that continues another one is the same strip, through sections, roads and junctions.
-    Lanes that the road through a junction lacks, although they exist before and after it, are
-    drawn straight through; whatever else is missing somewhere has no width there.
+    A lane that continues another is part of the same strip, through sections, roads and junctions. Lanes
+    that exist before and after a junction but not on its connecting road are drawn straight through. Any
+    other strip has zero width where its lane is missing.
 
     Raises:
-        ValueError: When there are too many lanes.
+        ValueError: If there are too many lanes.
     """
     stages = [_Stage(k, j) for k, leg in enumerate(legs) for j in range(len(leg.sections))]
     sides = {sign: _chains(network, legs, stages, sign) for sign in (-1, 1)}
@@ -133,7 +133,7 @@ def _marks(
     owner: Sequence[_Stage],
     numbers: dict[_Stage, int],
 ) -> list[list[tuple[int, str, str]]]:
-    """Return, for every chain of one side, from which sample on it has which left and right mark."""
+    """Return the changes of marks of every chain on one side: sample index, left and right mark."""
     rows: list[list[tuple[int, str, str]]] = [[] for _ in chains]
     for stage, (first, _) in _runs(owner):
         section = legs[stage.leg].sections[stage.section]
@@ -164,7 +164,7 @@ def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
 def _chains(
     network: Network, legs: Sequence[Leg], stages: Sequence[_Stage], sign: int
 ) -> list[_Chain]:
-    """Return the chains of one side of the route, from the inside out."""
+    """Return the chains on one side of the route, from the inside out."""
     chains: list[_Chain] = []
     expected: dict[int, _Chain] = {}
     asleep: dict[tuple[int, str], _Chain] = {}
@@ -213,7 +213,7 @@ def _chains(
 
 
 def _owners(legs: Sequence[Leg], places: Places) -> list[_Stage]:
-    """Return the stage under every sample."""
+    """Return the stage under each sample."""
     owners = []
     section, last = 0, -1
     for number, own in zip(places.legs, places.own, strict=True):
@@ -232,7 +232,7 @@ def _owners(legs: Sequence[Leg], places: Places) -> list[_Stage]:
 
 
 def _runs(owner: Sequence[_Stage]) -> list[tuple[_Stage, tuple[int, int]]]:
-    """Return every stage that has samples, with the range of them."""
+    """Return every stage that has samples, with their range."""
     runs: list[tuple[_Stage, tuple[int, int]]] = []
     first = 0
     for index in range(1, len(owner) + 1):
@@ -289,7 +289,7 @@ def _drawn_through(
     in_junction: NDArray[np.bool_],
     kind: StripKind,
 ) -> NDArray[np.float64]:
-    """Return [2, n] edges of a strip across junctions where it is missing, else NaN."""
+    """Return [2, n] edges of a strip across junctions where it is missing, NaN elsewhere."""
     drawn = np.full((2, len(right)), np.nan)
     if kind not in _BRIDGED:
         return drawn
@@ -309,7 +309,7 @@ def _fill(
     wanted: list[NDArray[np.float64]],
     part: slice,
 ) -> None:
-    """Give the strips that one stage lacks their edges there."""
+    """Set the edges of the strips that are missing in one stage."""
     exists = [index for index, (right, _) in enumerate(columns) if not np.isnan(right[part.start])]
     for index in range(exists[0] + 1, exists[-1]):
         right, left = columns[index]
@@ -330,7 +330,7 @@ def _fill(
 
 
 def _mark(word: str) -> str:
-    """Return the mark as corridors name it."""
+    """Return a corridor's name for an OpenDRIVE mark."""
     if word in ("none", "curb"):
         return word
     return "broken" if word in ("broken", "broken broken", "botts dots") else "solid"

@@ -1,4 +1,4 @@
-"""Reads XML that may be hostile: no entities, no network, limits on size, depth and numbers."""
+"""Parses untrusted XML: no entities, no network, and limits on size, depth and numbers."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,9 +17,9 @@ _MAX_ISSUES = 100
 
 
 class Document:
-    """An OpenDRIVE file and what was found wrong with it.
+    """An OpenDRIVE file and its faults.
 
-    A fault never stops the search for further ones, unless nothing can be read after it.
+    A fault does not stop the search for more, unless nothing can be read after it.
     """
 
     def __init__(self, source: str) -> None:
@@ -30,7 +30,7 @@ class Document:
         """Return the root element.
 
         Raises:
-            DataError: When the bytes are not an OpenDRIVE file of acceptable size and depth.
+            DataError: If the bytes are not an OpenDRIVE file of acceptable size and depth.
         """
         if len(data) > MAX_BYTES:
             self.fail("", f"the file has {len(data)} bytes; at most {MAX_BYTES} are read")
@@ -59,16 +59,16 @@ class Document:
         return root
 
     def error(self) -> DataError:
-        """Return everything found so far as an error."""
+        """Return all recorded faults as one error."""
         return DataError("OpenDRIVE file", self.issues, source=self.source)
 
     def fail(self, path: str, message: str) -> NoReturn:
-        """Note a fault after which nothing can be read."""
+        """Record a fault after which nothing can be read, and raise the error."""
         self.add(path, message)
         raise self.error()
 
     def add(self, path: str, message: str) -> None:
-        """Note a fault; after the hundredth the others are left out."""
+        """Record a fault; from the hundred-and-first on, faults are dropped."""
         if len(self.issues) < _MAX_ISSUES:
             self.issues.append(Issue(path, message))
 
@@ -81,7 +81,7 @@ class Document:
         default: float | None = None,
         limit: float = _MAX_NUMBER,
     ) -> float:
-        """Return a finite attribute; what cannot be read is a fault and counts as the default."""
+        """Return a finite attribute, or the default after recording a fault."""
         fallback = 0.0 if default is None else default
         text = element.get(name)
         if text is None:
@@ -101,7 +101,7 @@ class Document:
         return value
 
     def lane_id(self, text: str | None, path: str) -> int | None:
-        """Return a lane's id; what is none is a fault."""
+        """Return a lane's id; record a fault if it is invalid."""
         if text is None or not text.strip().lstrip("+-").isascii() or len(text) > 5:
             self.add(path, "is missing or not a lane id")
             return None
@@ -114,14 +114,14 @@ class Document:
     def limited(
         self, elements: Sequence[etree._Element], limit: int, path: str, what: str
     ) -> Sequence[etree._Element]:
-        """Return as many elements as may be read; more are a fault."""
+        """Return the elements up to the limit; record a fault if there are more."""
         if len(elements) > limit:
             self.add(path, f"{len(elements)} {what}; at most {limit} are read")
         return elements[:limit]
 
 
 def label(element: etree._Element) -> str:
-    """Return an element's id, short enough for a message."""
+    """Return an element's id, shortened for a message."""
     return element.get("id", "?")[:40]
 
 
@@ -140,12 +140,12 @@ def children(element: etree._Element, *names: str) -> list[etree._Element]:
 
 
 def child(element: etree._Element, name: str) -> etree._Element | None:
-    """Return the first child of a name."""
+    """Return the first child with this name, or `None`."""
     return next((one for one in element if name_of(one) == name), None)
 
 
 def _depth(root: etree._Element) -> int:
-    """Return how deep elements are nested, without recursion."""
+    """Return the nesting depth of elements, without recursion."""
     level: Iterator[etree._Element]
     deepest, level = 0, iter([root])
     while members := list(level):

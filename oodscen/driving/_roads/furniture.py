@@ -1,4 +1,4 @@
-"""What stands, lies or is built along a road: signals, crosswalks, stop lines, tunnels, bridges."""
+"""Signals, crosswalks, stop lines, tunnels and bridges along a road."""
 
 from lxml import etree
 
@@ -7,7 +7,7 @@ from oodscen.driving._roads.network import Patch, Signal, Stretch
 from oodscen.numerics._exact import cos, sin
 
 _MAX_THINGS = 5_000
-"""Of one kind along one road."""
+"""Maximum number of one kind along one road."""
 _MAX_CORNERS = 200
 
 
@@ -55,7 +55,7 @@ def read_patches(document: Document, road: etree._Element, path: str) -> tuple[P
 def _corners(
     document: Document, element: etree._Element, here: str
 ) -> tuple[tuple[float, float], ...]:
-    """Return an object's outline, or the box around it, in the road's coordinates."""
+    """Return an object's outline, or its bounding box, in the road's coordinates."""
     number = document.number
     outlines = [*children(element, "outline"), *children(element, "outlines", "outline")][:1]
     road = [

@@ -1,7 +1,7 @@
-"""The curves of a road's plan view: line, arc, clothoid and polynomials, evaluated by arc length.
+"""Plan view curves parametrised by arc length: line, arc, clothoid and polynomials.
 
-Formulae: ASAM OpenDRIVE 1.7, section 7. Everything is plain arithmetic, so that the last bits of
-no mathematical library reach a simulation.
+Formulae: ASAM OpenDRIVE 1.7, section 7. Only plain arithmetic is used, so that simulations do not depend
+on the last bits of a mathematical library.
 """
 
 import math
@@ -28,14 +28,14 @@ class CurvePoint(NamedTuple):
     x: float
     y: float
     heading: float
-    """rad"""
+    """Heading, rad."""
     curvature: float
-    """1/m, left positive"""
+    """Curvature, 1/m, left positive."""
 
 
 @dataclass(frozen=True)
 class Cubic:
-    """A polynomial that holds from `start` on: a + b d + c d^2 + d d^3 with d = s - start."""
+    """A cubic valid from `start` on: a + b d + c d^2 + d d^3 with d = s - start."""
 
     start: float
     a: float
@@ -50,7 +50,7 @@ class Cubic:
 
 
 def piecewise(pieces: tuple[Cubic, ...], s: float) -> float:
-    """Return the value at `s` of cubics that are sorted by where they start; 0 before the first."""
+    """Return the value at `s` of cubics sorted by start; 0 before the first."""
     found = bisect_right(pieces, s + 1e-9, key=lambda piece: piece.start)
     return pieces[found - 1].at(s) if found else 0.0
 
@@ -60,7 +60,7 @@ class Curve(ABC):
     """One piece of a plan view."""
 
     s: float
-    """Where on the road it starts, m."""
+    """Position on the road where the piece starts, m."""
     x: float
     y: float
     heading: float
@@ -71,7 +71,7 @@ class Curve(ABC):
         """Return the point `along` metres after this piece's start."""
 
     def _place(self, u: float, v: float, turn: float, curvature: float) -> CurvePoint:
-        """Turn a point of the local frame (u forward, v left) into the road's frame."""
+        """Transform a point of the local frame (u forward, v left) into the road's frame."""
         along, across = cos(self.heading), sin(self.heading)
         return CurvePoint(
             self.x + u * along - v * across,
@@ -105,7 +105,7 @@ class Arc(Curve):
 
 @dataclass(frozen=True)
 class Spiral(Curve):
-    """A clothoid: the curvature changes linearly along it."""
+    """A clothoid: its curvature changes linearly."""
 
     curvature_start: float
     curvature_end: float
@@ -146,10 +146,10 @@ class Spiral(Curve):
 
 @dataclass(frozen=True)
 class ParamPoly3(Curve):
-    """A parametric cubic, measured by its arc length.
+    """A parametric cubic, evaluated by arc length.
 
-    `scale` is the parameter's value at the end of the piece. Where the piece claims a length that
-    is not its arc's, it is stretched evenly.
+    `scale` is the parameter's value at the end of the piece. If the stated length differs from the arc
+    length, the curve is stretched evenly.
     """
 
     u: tuple[float, float, float, float]
@@ -175,7 +175,7 @@ class ParamPoly3(Curve):
         return math.sqrt(du * du + dv * dv)
 
     def _arc(self, start: float, end: float) -> float:
-        """Return the length of the curve between two values of the parameter."""
+        """Return the arc length between two parameter values, m."""
         middle, half = 0.5 * (start + end), 0.5 * (end - start)
         return half * sum(weight * self._speed(middle + half * node) for node, weight in _GAUSS)
 
@@ -208,7 +208,7 @@ class ParamPoly3(Curve):
 
 @dataclass(frozen=True)
 class Poly3(Curve):
-    """A cubic v(u) over the local forward axis, measured by its arc length."""
+    """A cubic v(u) over the local forward axis, evaluated by arc length."""
 
     v: tuple[float, float, float, float]
     _nodes: tuple[tuple[float, float], ...] = field(init=False, repr=False, compare=False)

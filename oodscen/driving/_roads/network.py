@@ -13,38 +13,38 @@ class Lane:
     """One lane of a lane section."""
 
     id: int
-    """Negative right of the reference line, positive left of it; 0 is the line itself."""
+    """Negative to the right of the reference line, positive to the left; 0 is the line itself."""
     type: str
-    """OpenDRIVE's word, e.g. `driving`, `shoulder`, `sidewalk`."""
+    """OpenDRIVE lane type, e.g. `driving`, `shoulder`, `sidewalk`."""
     widths: tuple[Cubic, ...]
-    """By distance from the section's start."""
+    """Width polynomials by distance from the section's start."""
     mark: str
-    """OpenDRIVE's word for the mark on the outer edge (of lane 0: the centre line)."""
+    """OpenDRIVE mark type on the outer edge (for lane 0: the centre line)."""
     successor: int | None
-    """Id of the lane in the next section, or of the next road, that continues this one."""
+    """Id of the lane in the next section or road that continues this one."""
     reversed: bool
-    """Whether traffic runs against the usual direction of this side."""
+    """True if traffic runs against the usual direction of this side."""
     predecessor: int | None = None
-    """Id of the lane in the last section, or of the road before, that this one continues."""
+    """Id of the lane in the previous section or road that this one continues."""
 
 
 @dataclass(frozen=True)
 class LaneSection:
-    """A stretch of road with one set of lanes."""
+    """A stretch of road with a fixed set of lanes."""
 
     s: float
     lanes: tuple[Lane, ...]
-    """From left to right, lane 0 included."""
+    """Lanes from left to right, including lane 0."""
 
 
 @dataclass(frozen=True)
 class RoadLink:
-    """What a road leads to at one of its ends."""
+    """The connection of a road at one of its ends."""
 
     kind: Literal["road", "junction"]
     id: str
     contact: Contact = "start"
-    """Which end of that road is met."""
+    """End of the linked road at which the two meet."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,11 @@ class Signal:
     s: float
     t: float
     height: float
-    """Of its lower edge above the road, m."""
+    """Height of its lower edge above the road, m."""
     orientation: str
-    """`+` addresses traffic along the reference line, `-` against it, `none` both."""
+    """`+` addresses traffic along the reference line, `-` against it, `none` in both directions."""
     turn: float
-    """By how much it is turned from facing that traffic, rad."""
+    """Rotation away from facing that traffic, rad."""
     type: str
     subtype: str
     country: str
@@ -74,12 +74,12 @@ class Patch:
 
     kind: Literal["crosswalk", "stop_line"]
     corners: tuple[tuple[float, float], ...]
-    """(s, t) of each."""
+    """(s, t) of each corner, m."""
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A part of a road that is a tunnel or a bridge."""
+    """A tunnel or bridge on a road."""
 
     kind: Literal["tunnel", "bridge"]
     start: float
@@ -93,15 +93,15 @@ class Road:
     id: str
     length: float
     left_hand: bool
-    """Whether traffic keeps to the left."""
+    """True if traffic keeps to the left."""
     curves: tuple[Curve, ...]
     elevation: tuple[Cubic, ...]
     lane_offset: tuple[Cubic, ...]
     sections: tuple[LaneSection, ...]
     speed_limit: float | None
-    """m/s, where the file gives one."""
+    """Speed limit, m/s; `None` if the file gives none."""
     junction: str = ""
-    """Id of the junction that this road leads through; empty for an ordinary road."""
+    """Id of the junction that contains this road; empty for an ordinary road."""
     predecessor: RoadLink | None = None
     successor: RoadLink | None = None
     signals: tuple[Signal, ...] = ()
@@ -111,21 +111,21 @@ class Road:
 
 @dataclass(frozen=True)
 class Connection:
-    """One way into a junction."""
+    """A way through a junction."""
 
     incoming: str
     """Id of the road before the junction."""
     connecting: str
-    """Id of the road through it."""
+    """Id of the connecting road through the junction."""
     contact: Contact
-    """Which end of the connecting road is met."""
+    """End of the connecting road at which it meets the incoming road."""
     lanes: tuple[tuple[int, int], ...]
-    """Pairs of lane ids, of the incoming and of the connecting road."""
+    """Pairs of lane ids: incoming road, connecting road."""
 
 
 @dataclass(frozen=True)
 class Junction:
-    """Where several roads meet."""
+    """A junction of several roads."""
 
     id: str
     connections: tuple[Connection, ...]
@@ -136,5 +136,5 @@ class Network:
     """All roads and junctions of a file."""
 
     roads: dict[str, Road]
-    """By id, in the file's order."""
+    """Roads by id, in the file's order."""
     junctions: dict[str, Junction] = field(default_factory=dict)

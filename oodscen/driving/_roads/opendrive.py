@@ -1,9 +1,9 @@
 """Reads the part of ASAM OpenDRIVE that driving needs.
 
-Plan view, elevation, lanes with their marks and links, junctions, signals, crosswalks, stop lines,
-tunnels and bridges. The reader trusts nothing: a file that cannot be used is a `DataError` that
-lists everything found wrong with it, in time and memory that do not depend on what it claims.
-Superelevation and road shape are left out: roads are level across.
+It covers plan view, elevation, lanes with their marks and links, junctions, signals, crosswalks, stop lines,
+tunnels and bridges. The reader trusts nothing: an unusable file raises a `DataError` that lists
+all faults found, in time and memory that do not depend on the file's claims. Superelevation and
+road shape are ignored: roads are level across.
 """
 
 import math
@@ -31,20 +31,20 @@ __all__ = ["MAX_BYTES", "MAX_ROAD_LENGTH", "read_network", "read_road"]
 MAX_ROAD_LENGTH = 50_000.0
 _MAX_ROADS = 5_000
 _MAX_PIECES = 100_000
-"""Geometries of all roads together."""
+"""Maximum number of geometries in all roads together."""
 _MAX_TOTAL_LENGTH = 500_000.0
 _MAX_TURN = 20_000.0
-"""Radians by which all roads together may turn."""
+"""Maximum total turn of all roads, rad."""
 _MAX_SECTIONS = 1_000
 _MAX_LANES = 64
-"""In one lane section."""
+"""Maximum number of lanes in one lane section."""
 _WIDTHS = (-1.0, 60.0)
 _OFFSETS = (-200.0, 200.0)
 _HEIGHTS = (-10_000.0, 10_000.0)
 _GAP = 0.1
-"""Metres between two pieces of a plan view above which the road is broken."""
+"""Distance between two pieces of a plan view above which the road is broken, m."""
 _KINK = 0.05
-"""Radians between two pieces of a plan view above which the road is broken."""
+"""Angle between two pieces of a plan view above which the road is broken, rad."""
 
 
 def read_road(data: bytes, road_id: str = "", *, source: str = "") -> Road:
@@ -52,11 +52,11 @@ def read_road(data: bytes, road_id: str = "", *, source: str = "") -> Road:
 
     Args:
         data: The file's content.
-        road_id: OpenDRIVE id of the road; empty is the first.
-        source: Where the bytes came from, for the error message.
+        road_id: OpenDRIVE id of the road; empty for the first.
+        source: The origin of the bytes, for error messages.
 
     Raises:
-        DataError: With every fault of the file's form and of that road.
+        DataError: With every fault of the file's structure and of that road.
     """
     document = Document(source)
     roads = children(document.parse(data), "road")
@@ -75,7 +75,7 @@ def read_network(data: bytes, *, source: str = "") -> Network:
 
     Args:
         data: The file's content.
-        source: Where the bytes came from, for the error message.
+        source: The origin of the bytes, for error messages.
 
     Raises:
         DataError: With every fault of the file.
@@ -108,7 +108,7 @@ def read_network(data: bytes, *, source: str = "") -> Network:
 
 
 class _Reader:
-    """Reads roads; what they have together is limited, too."""
+    """Reads roads and enforces the limits on all of them together."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -257,7 +257,7 @@ def _check_range(
     limits: tuple[float, float],
     where: str,
 ) -> None:
-    """Find the polynomials that leave what a road can have where they hold."""
+    """Record a fault for polynomials that leave the allowed range where they apply."""
     low, high = limits
     for index, piece in enumerate(pieces):
         last = pieces[index + 1].start if index + 1 < len(pieces) else end
@@ -420,7 +420,7 @@ def _junction(document: Document, element: etree._Element) -> Junction:
 
 
 def _check_links(document: Document, network: Network) -> None:
-    """Find links to roads, junctions and lanes that the file lacks."""
+    """Record a fault for links to roads, junctions and lanes that the file lacks."""
     for road in network.roads.values():
         path = f"road[{road.id[:40]}]"
         if road.junction and road.junction not in network.junctions:

@@ -1,4 +1,4 @@
-"""Which roads follow each other: the legs that the ego drives through a network."""
+"""The ego's route: the sequence of roads that it drives through a network."""
 
 import math
 from collections.abc import Collection, Iterator, Sequence
@@ -10,9 +10,9 @@ from oodscen.errors import Issue
 from oodscen.numerics._exact import cos, sin
 
 AHEAD_M = 2_000.0
-"""A route that nobody gave goes on until so much lies ahead of the start."""
+"""Length ahead of the start at which a default route ends, m."""
 BEHIND_M = 250.0
-"""Roads before the start are joined until so much lies behind it."""
+"""Length behind the start up to which preceding roads are joined, m."""
 _MAX_LEGS = 300
 _DRIVING = frozenset(
     "driving entry exit onRamp offRamp slipLane connectingRamp bidirectional bus taxi HOV".split()
@@ -20,58 +20,58 @@ _DRIVING = frozenset(
 
 
 class Leg(NamedTuple):
-    """One road of a route, and in which direction of its reference line it is driven."""
+    """One road of a route, with its driving direction relative to the reference line."""
 
     road: Road
     forward: bool
 
     @property
     def exit(self) -> Contact:
-        """Which end of the road is left by."""
+        """The end of the road where the leg ends."""
         return "end" if self.forward else "start"
 
     @property
     def onward(self) -> RoadLink | None:
-        """What the road leads to in this direction."""
+        """The link at the end of the leg."""
         return self.road.successor if self.forward else self.road.predecessor
 
     @property
     def turned(self) -> "Leg":
-        """The same road in the other direction."""
+        """The same road in the opposite direction."""
         return Leg(self.road, not self.forward)
 
     @property
     def sections(self) -> tuple[LaneSection, ...]:
-        """Lane sections in the order in which they are driven."""
+        """Lane sections in driving order."""
         return self.road.sections if self.forward else self.road.sections[::-1]
 
     def id_of(self, lane: Lane) -> int:
-        """Return a lane's id as the driver counts: negative on the right."""
+        """Return a lane's id in the driver's numbering: negative on the right."""
         return lane.id if self.forward else -lane.id
 
     def direction_of(self, lane: Lane) -> int:
-        """Return +1 for a lane whose traffic runs along, -1 for the other ones."""
+        """Return +1 for a lane with traffic along the leg, -1 for any other."""
         with_right = 1 if self.id_of(lane) < 0 else -1
         return with_right * (-1 if self.road.left_hand else 1) * (-1 if lane.reversed else 1)
 
     def has_lane(self, direction: int, section: int = 0) -> bool:
-        """Tell whether a section (0: the first driven) has a driving lane in a direction."""
+        """Return whether a section (0: the first driven) has a driving lane in a direction."""
         return any(
             lane.id and lane.type in _DRIVING and self.direction_of(lane) == direction
             for lane in self.sections[section].lanes
         )
 
     def start_pose(self) -> CurvePoint:
-        """Return where the leg begins, heading as driven."""
+        """Return the leg's first point, heading in driving direction."""
         return road_point(self.road, 0.0 if self.forward else self.road.length, self.forward)
 
     def end_pose(self) -> CurvePoint:
-        """Return where the leg ends, heading as driven."""
+        """Return the leg's last point, heading in driving direction."""
         return road_point(self.road, self.road.length if self.forward else 0.0, self.forward)
 
 
 def road_point(road: Road, s: float, forward: bool = True) -> CurvePoint:
-    """Return a point of a road's reference line, with heading and curvature as driven."""
+    """Return a point of a road's reference line, with heading and curvature in driving direction."""
     low, high = 0, len(road.curves) - 1
     while low < high:
         middle = (low + high + 1) // 2
@@ -87,7 +87,7 @@ def road_point(road: Road, s: float, forward: bool = True) -> CurvePoint:
 
 
 def followers(network: Network, leg: Leg) -> list[Leg]:
-    """Return every leg that the end of one leads to, in the file's order."""
+    """Return all legs that can follow a leg, in the file's order."""
     link = leg.onward
     if link is None:
         return []
@@ -108,7 +108,7 @@ def followers(network: Network, leg: Leg) -> list[Leg]:
 
 
 def joint(before: Leg, after: Leg) -> tuple[float, float, float]:
-    """Return how a leg begins relative to the end of another: metres on, to the left, radians."""
+    """Return a leg's start relative to the end of another: forward and left, m, and turn, rad."""
     end, start = before.end_pose(), after.start_pose()
     along, across = cos(end.heading), sin(end.heading)
     dx, dy = start.x - end.x, start.y - end.y
@@ -117,7 +117,7 @@ def joint(before: Leg, after: Leg) -> tuple[float, float, float]:
 
 
 def fits(before: Leg, after: Leg) -> bool:
-    """Tell whether one leg begins where another ends, in the same direction."""
+    """Return whether one leg begins where another ends, in the same direction."""
     along, across, turn = joint(before, after)
     return abs(along) <= 1.0 and abs(across) <= 30.0 and abs(turn) <= 0.25
 
@@ -125,13 +125,13 @@ def fits(before: Leg, after: Leg) -> bool:
 def straightest(
     network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
 ) -> Leg | None:
-    """Return the leg that goes on with the least turn.
+    """Return the following leg with the smallest turn.
 
     Args:
         network: All roads.
-        leg: Whose end is continued.
-        direction: +1 where the driver must find a lane ahead, -1 where traffic must come from it.
-        taken: Ids of roads that cannot be taken again.
+        leg: The leg to continue.
+        direction: +1 if the driver must find a lane ahead, -1 if traffic must come from it.
+        taken: Ids of roads that are not available.
     """
     best, least = None, math.inf
     heading = leg.end_pose().heading
@@ -149,7 +149,7 @@ def straightest(
 def straight_on(
     network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
 ) -> Iterator[Leg]:
-    """Yield the legs after one, straight on wherever there is a choice; no road comes twice."""
+    """Yield the legs after a leg, straight on at every choice; no road is repeated."""
     seen = {leg.road.id, *taken}
     for _ in range(_MAX_LEGS):
         after = straightest(network, leg, direction, seen)
@@ -163,17 +163,17 @@ def straight_on(
 def find_route(
     network: Network, start: Leg, start_m: float, wanted: Sequence[str]
 ) -> tuple[list[Leg], int, list[Issue]]:
-    """Chain the roads that the ego drives.
+    """Return the chain of roads that the ego drives.
 
     Args:
         network: All roads.
-        start: Where the ego starts.
-        start_m: Where along that road's reference line.
-        wanted: Ids of the roads after it; then the route goes straight on.
+        start: The leg on which the ego starts.
+        start_m: Position of the start along that road's reference line, m.
+        wanted: Ids of the roads after it; beyond them the route goes straight on.
 
     Returns:
-        The legs from behind the start to the route's end, the index of the start among them, and
-        what is wrong with the wanted roads.
+        The legs from behind the start to the route's end, the index of the start among them, and the
+        issues of the wanted roads.
     """
     legs = [start]
     for index, identity in enumerate(wanted):
@@ -205,7 +205,7 @@ def find_route(
 
 
 def lane_links(network: Network, before: Leg, after: Leg) -> list[tuple[int, int]]:
-    """Return pairs of lane ids, as the driver counts, that continue each other between two legs."""
+    """Return pairs of lane ids, in the driver's numbering, that continue each other between two legs."""
     raw: list[tuple[int, int]] = []
     for junction in (before.onward, after.turned.onward):
         if junction is None or junction.kind != "junction":
@@ -232,7 +232,7 @@ def lane_links(network: Network, before: Leg, after: Leg) -> list[tuple[int, int
 
 
 def section_links(leg: Leg, index: int) -> list[tuple[int, int]]:
-    """Return pairs of lane ids, as the driver counts, between a section driven and the next."""
+    """Return pairs of lane ids, in the driver's numbering, between a driven section and the next."""
     before, after = leg.sections[index], leg.sections[index + 1]
     sign = 1 if leg.forward else -1
     pairs = []

@@ -1,4 +1,4 @@
-"""A corridor as arrays, and the look-ups on it, for kernels and for `Corridor`."""
+"""A corridor as arrays, with the look-ups used by kernels and by `Corridor`."""
 
 import math
 from collections.abc import Sequence
@@ -17,22 +17,22 @@ _NOWHERE = (math.inf, -math.inf)
 
 
 class Track(NamedTuple):
-    """What look-ups know of a corridor."""
+    """The arrays that look-ups on a corridor need."""
 
     samples: Numbers
-    """[n, 6] x, y, z, cosine and sine of the heading, curvature."""
+    """[n, 6] x, y, z, cosine and sine of the heading, and curvature."""
     edges: Numbers
-    """[n, 2 k] t of the right and the left edge of every strip."""
+    """[n, 2 k] t of the right and left edges of every strip."""
     ranges: Numbers
-    """[n, 2 r] low and high t of the drivable ranges; none contains anything where there is none."""
+    """[n, 2 r] low and high t of the drivable ranges; unused ranges contain nothing."""
     is_lane: Integers
-    """[k] 1 for driving strips, else 0."""
+    """[k] 1 for driving strips, otherwise 0."""
     driving: Integers
-    """[d] the driving strips at the start, from right to left."""
+    """[d] indices of the driving strips at the start, from right to left."""
     step: float
     length: float
     is_even: bool
-    """Whether the cross-section is the same everywhere."""
+    """True if the cross-section is the same everywhere."""
 
 
 def packed(
@@ -49,10 +49,10 @@ def packed(
 
     Args:
         samples: [n, 6], as in `Track`.
-        edges: [n, 2 k], likewise.
+        edges: [n, 2 k], as in `Track`.
         drivable: The drivable ranges of t at every sample.
-        lanes: Which strips are driving strips.
-        driving: Those at the start, from right to left.
+        lanes: True for each driving strip.
+        driving: Indices of the driving strips at the start, from right to left.
         step: Spacing of the samples, m.
         length: s of the last sample, m.
     """
@@ -73,19 +73,19 @@ def packed(
 
 
 def for_kernels(track: Track) -> Track:
-    """Return a track as kernels take it."""
+    """Return a track in the form that kernels take."""
     return track if is_compiled() else viewed(track)
 
 
 def viewed(track: Track) -> Track:
-    """Return a track that plain Python reads quickly."""
+    """Return a track that plain Python indexes quickly."""
     views: Any = {name: memoryview(getattr(track, name)) for name in Track._fields[:5]}
     return track._replace(**views)
 
 
 @part
 def nearest(track: Track, s: float) -> int:
-    """Return the sample nearest to `s`."""
+    """Return the index of the sample nearest to `s`."""
     last = track.samples.shape[0] - 1
     position = s / track.step + 0.5
     if position <= 0.0:
@@ -117,7 +117,7 @@ def point(track: Track, s: float, t: float) -> tuple[float, float, float, float,
 
 @part
 def locate(track: Track, x: float, y: float, near: float) -> tuple[float, float]:
-    """Return the place (s, t) of a point, searched for around `near`."""
+    """Return the place (s, t) of a point, searched around `near`."""
     rows, step = track.samples, track.step
     last = rows.shape[0] - 2
     index = min(max(int(near / step), 0), last)
@@ -159,7 +159,7 @@ def locate(track: Track, x: float, y: float, near: float) -> tuple[float, float]
 def locate_each(
     track: Track, x: Numbers, y: Numbers, near: Numbers, s: Numbers, t: Numbers
 ) -> None:
-    """Fill in the places (s, t) of points, each searched for around its `near`."""
+    """Fill in the places (s, t) of points, each searched around its `near`."""
     for index in range(x.shape[0]):
         s[index], t[index] = locate(track, x[index], y[index], near[index])
 
@@ -173,7 +173,7 @@ def heading(track: Track, s: float) -> float:
 
 @part
 def alignment(track: Track, s: float, yaw: float) -> float:
-    """Return the cosine between the road at `s` and a direction."""
+    """Return the cosine of the angle between the road at `s` and a direction."""
     index = nearest(track, s)
     sine, cosine = sincos(yaw)
     return track.samples[index, 3] * cosine + track.samples[index, 4] * sine
@@ -189,14 +189,14 @@ def bend(track: Track, s: float) -> float:
 
 @part
 def curvature(track: Track, s: float, t: float) -> float:
-    """Return the curvature of the line that keeps the offset `t`, 1/m."""
+    """Return the curvature of the line at a constant offset `t`, 1/m."""
     own = bend(track, s)
     return own / max(0.2, 1.0 - own * t)
 
 
 @part
 def edges(track: Track, strip: int, s: float) -> tuple[float, float]:
-    """Return t of a strip's right and left edge at `s`."""
+    """Return t of a strip's right and left edges at `s`."""
     rows = track.edges
     last = rows.shape[0] - 1
     position = min(max(s / track.step, 0.0), last - 0.0)
@@ -218,7 +218,7 @@ def centre(track: Track, strip: int, s: float) -> float:
 
 @part
 def is_drivable(track: Track, s: float, low: float, high: float) -> bool:
-    """Tell whether the road can be driven on everywhere between two offsets at `s`."""
+    """Return whether the road is drivable everywhere between two offsets at `s`."""
     index = nearest(track, s)
     for place in range(0, track.ranges.shape[1], 2):
         if track.ranges[index, place] <= low and high <= track.ranges[index, place + 1]:
@@ -228,7 +228,7 @@ def is_drivable(track: Track, s: float, low: float, high: float) -> bool:
 
 @part
 def drivable_range(track: Track, s: float, t: float) -> tuple[bool, float, float]:
-    """Return whether the road around `t` can be driven on, and its right and left limit."""
+    """Return whether the road around `t` is drivable, and its right and left limits."""
     index = nearest(track, s)
     for place in range(0, track.ranges.shape[1], 2):
         low, high = track.ranges[index, place], track.ranges[index, place + 1]
@@ -239,7 +239,7 @@ def drivable_range(track: Track, s: float, t: float) -> tuple[bool, float, float
 
 @part
 def neighbour(track: Track, strip: int, s: float, side: int) -> int:
-    """Return the driving strip that touches `strip` on one side, -1 if there is none."""
+    """Return the driving strip adjacent to `strip` on one side, or -1."""
     right, left = edges(track, strip, s)
     edge = left if side > 0 else right
     other = strip + side

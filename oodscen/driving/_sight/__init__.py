@@ -1,1 +1,1 @@
-"""Checks of a scene before it runs: places, sight, and what its moments show."""
+"""Checks of a scene before it runs: placement, visibility and the content of its key moments."""

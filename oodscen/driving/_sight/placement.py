@@ -1,4 +1,4 @@
-"""Whether a scene can be staged and shows what it claims: vocabulary, places, decision, sight."""
+"""Checks that a scene can be staged and shows its hazard: vocabulary, placement, decision, visibility."""
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import MOMENTS
@@ -14,27 +14,27 @@ from oodscen.errors import DataError, Issue, UnknownComponent
 DT = 0.05
 """Seconds per step of the trial run."""
 APPROACH_S = 15.0
-"""Within this time from the start the decision must be reached."""
+"""Time from the start within which the decision must be reached, s."""
 
 _ROADSIDE = frozenset({"vehicle", "cyclist"})
-"""Categories that, when they move, must start on drivable road."""
+"""Categories whose moving actors must start on drivable road."""
 
 
 def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
-    """Find everything that keeps a scene, or its ordinary twin, from being staged.
+    """Return the reasons why a scene, or its ordinary twin, cannot be staged.
 
-    The vocabulary is checked first, then the room on the road, then the world is rolled with a
-    lane-keeping driver that is blind to the hazard: the decision must come within `APPROACH_S`,
-    and before it the ego must touch nothing and stay on the road. At the three moments that are
-    shown the hazard must be seen at least once, or differ from the ordinary weather, and nothing
-    may float, sink or stand inside something else. Messages name actor, asset, pose and reason.
+    The vocabulary is checked first, then the room on the road. Then the world is simulated with a
+    lane-keeping driver that ignores the hazard: the decision must come within `APPROACH_S`, and until then
+    the ego must touch nothing and stay on the road. In at least one of the three key moments the hazard must be
+    visible or the weather must differ from the ordinary weather. No body may float, sink or stand inside
+    another. Messages name actor, asset, pose and reason.
 
     Args:
-        scene: To be judged; nothing of it is changed.
-        catalogue: Of the simulator that shall show it.
+        scene: The scene to check; it is not changed.
+        catalogue: The simulator's catalogue.
 
     Returns:
-        One issue per fault, with its path in the scene; empty where it can be staged.
+        One issue per fault, with its path in the scene; empty if the scene can be staged.
     """
     issues = staging_issues(scene, catalogue)
     if issues:
@@ -55,7 +55,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 
 
 def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
-    """Find what is wrong with a scene's vocabulary and places, without rolling it."""
+    """Return issues of a scene's vocabulary and placement, without simulating it."""
     issues = catalogue.check(scene)
     issues += [
         Issue(f"{path}.behaviour.name", f"the kinematic world cannot do {actor.behaviour.name!r}")
@@ -143,7 +143,7 @@ def _place_issues(
 def _roll(
     scene: Scene, catalogue: Catalogue, corridor: Corridor, *, within: float
 ) -> tuple[list[tuple[Body, ...]], list[Issue]]:
-    """Drive blindly until the decision; return everybody at every step, and what went wrong."""
+    """Drive blindly until the decision; return all bodies at every step, and the issues found."""
     world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
     driver = Cruise()
     path: list[tuple[Body, ...]] = []
@@ -170,7 +170,7 @@ def _early(world: KinematicWorld, what: str) -> Issue:
 
 
 def _in_hazard(path: str, scene: Scene, twin: Scene) -> str:
-    """Translate a path of the twin into the scene from which it was derived."""
+    """Translate a path in the twin to the original scene."""
     for index, actor in enumerate(twin.actors):
         prefix = f"actors[{index}]"
         if path.startswith(prefix):

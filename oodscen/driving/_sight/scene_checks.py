@@ -1,4 +1,4 @@
-"""Whether a scene shows what it claims, judged from the moments that a model is shown."""
+"""Checks that a scene shows what it claims, judged from the moments shown to a model."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,11 @@ from oodscen.errors import Issue
 from oodscen.protocols import Camera
 
 AFLOAT_M = 0.3
-"""A body's underside may be so far above the road."""
+"""Maximum height of a body's underside above the road, m."""
 SUNK_M = 0.1
-"""And so far below it."""
+"""Maximum depth of a body's underside below the road, m."""
 CAMERA = Camera()
-"""Through which the hazard must be seen: the dash camera."""
+"""The dash camera, in which the hazard must be visible."""
 
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 _AIRBORNE = frozenset({"fall", "blown"})
@@ -41,21 +41,21 @@ class Body(NamedTuple):
 
     @property
     def box(self) -> Box:
-        """Its footprint."""
+        """The body's footprint."""
         one = self.solid
         return Box(one.x, one.y, one.yaw, one.length, one.width)
 
 
 Moments = Mapping[str, Sequence[Body]]
-"""By `first`, `middle` and `last`: all bodies, the ego first."""
+"""All bodies at `first`, `middle` and `last`, the ego first."""
 
 
 def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tuple[Body, ...]:
-    """Return everybody at given poses, the ego first.
+    """Return all bodies at the given poses, the ego first.
 
     Args:
-        scene: Whose actors they are.
-        catalogue: For their sizes.
+        scene: The scene of the actors.
+        catalogue: Source of their sizes.
         poses: [n, 4], x, y, z and yaw.
     """
     assets = {asset.id: asset for asset in catalogue.assets}
@@ -70,16 +70,16 @@ def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tu
 def truth_issues(
     scene: Scene, corridor: Corridor, moments: Moments, *, camera: Camera = CAMERA
 ) -> list[Issue]:
-    """Find what would make a person doubt what a scene is said to show.
+    """Return issues that would make a person doubt what a scene is said to show.
 
-    The hazard must be seen at one of the moments at least, or be weather that is clearly unlike
-    the ordinary; nothing may float, sink or stand inside something else.
+    In at least one moment the hazard must be visible, or the weather must clearly differ from the ordinary
+    weather; no body may float, sink or stand inside another.
 
     Args:
-        scene: Whose moments they are.
-        corridor: Its road.
-        moments: Where everybody is at the key moments.
-        camera: Through which it is seen.
+        scene: The scene of the moments.
+        corridor: The scene's road.
+        moments: All bodies at the key moments.
+        camera: The camera that shows them.
     """
     issues = floating(scene, corridor, moments) + overlapping(scene, moments)
     if scene.is_twin:
@@ -96,7 +96,7 @@ def truth_issues(
 def seen(
     scene: Scene, corridor: Corridor, moments: Moments, camera: Camera = CAMERA
 ) -> dict[str, str]:
-    """Return the unusual actors that can be recognised, each with the first moment when it can."""
+    """Return the recognisable unusual actors, each with the first moment at which it can be recognised."""
     found: dict[str, str] = {}
     for moment, cast in moments.items():
         eye = Eye(camera, cast[0].solid)
@@ -110,7 +110,7 @@ def seen(
 
 
 def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
-    """Find bodies above or below the ground, unless they are carried or fly."""
+    """Return issues for bodies above or below the ground, unless they are carried or fly."""
     exempt = {
         actor.id
         for actor in scene.actors
@@ -132,7 +132,7 @@ def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
 
 
 def overlapping(scene: Scene, moments: Moments) -> list[Issue]:
-    """Find actors that are inside one another at a moment, unless one belongs to the other."""
+    """Return issues for actors inside one another at a moment, unless one belongs to the other."""
     owners = {"ego": None} | {actor.id: actor.behaviour.other for actor in scene.actors}
     issues: dict[tuple[str, str], Issue] = {}
     for moment, cast in moments.items():
@@ -149,12 +149,12 @@ def overlapping(scene: Scene, moments: Moments) -> list[Issue]:
 
 
 def touch(a: Body, b: Body, *, is_tall: bool = True) -> bool:
-    """Tell whether two bodies touch.
+    """Return whether two bodies touch.
 
     Args:
-        a: One.
-        b: The other.
-        is_tall: Count only what stands up: what lies flat on the road may be stood upon.
+        a: The first body.
+        b: The second body.
+        is_tall: Ignore bodies that lie flat on the road, since others may stand on them.
     """
     if is_tall and min(a.solid.height, b.solid.height) < FLAT_M:
         return False
@@ -167,7 +167,7 @@ def touch(a: Body, b: Body, *, is_tall: bool = True) -> bool:
 
 
 def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) -> Issue:
-    """Say why an unusual actor cannot be seen at any moment: the one that comes closest."""
+    """Return an issue with the reason why an unusual actor is never visible, for the moment that comes closest."""
     best: tuple[float, str, list[str]] | None = None
     for row, actor in enumerate(scene.actors, start=1):
         if actor.id not in scene.hazard.actors:

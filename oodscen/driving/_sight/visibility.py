@@ -1,4 +1,4 @@
-"""What a camera on the ego could see, judged from boxes, the road and the air, without rendering."""
+"""Visibility from a camera on the ego, computed from boxes, road and air without rendering."""
 
 import math
 from collections.abc import Sequence
@@ -10,29 +10,29 @@ from oodscen.numerics._exact import power
 from oodscen.protocols import Camera
 
 LEAST_PX = 60.0
-"""A silhouette of fewer square pixels at 640 x 480 is not recognised."""
+"""Minimum silhouette for recognition, square pixels at 640 x 480."""
 MOST_HIDDEN = 0.8
-"""Share of a silhouette behind others from which on it is not recognised."""
+"""Hidden share of a silhouette from which a body is no longer recognised."""
 
 _GRID = 6
-"""Sight lines per direction through a silhouette."""
+"""Number of sight lines per direction through a silhouette."""
 _CLEAR_AIR_M = 10_000.0
 _LN_20 = 2.995732273553991
-"""Contrast falls to 5 % over this many lengths of extinction."""
+"""Number of extinction lengths over which contrast falls to 5 %: ln 20."""
 _NEAR = 0.1
-"""Closest thing that a camera shows, m."""
+"""Closest distance that a camera shows, m."""
 _EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
-"""Of a box, as pairs of `Solid.corners`."""
+"""Edges of a box, as pairs of indices into `Solid.corners`."""
 
 Point = tuple[float, float, float]
 
 
 def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
-    """Tell whether a person would say at a glance that two kinds of weather differ.
+    """Return whether a person would notice at a glance that two kinds of weather differ.
 
-    That is: half the visual range or less (below 1 km), other precipitation or three times as
-    much, night or dusk instead of day, a sun 15 degrees lower, a road with 0.15 less friction,
-    or half the sky covered.
+    This holds for half the visual range or less (below 1 km), other precipitation or three times as
+    much, night or dusk instead of day, a sun 15 degrees lower, 0.15 less friction, or half of the
+    sky more or less covered.
     """
     near, far = sorted((weather.fog_visual_range_m, ordinary.fog_visual_range_m))
     little, much = sorted((weather.precipitation_mm_h, ordinary.precipitation_mm_h))
@@ -49,7 +49,7 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
 
 
 def extinction(weather: Weather) -> float:
-    """Return how quickly contrast fades, 1/m: fog (Koschmieder), and rain or snow on top of it."""
+    """Return the extinction coefficient, 1/m: fog (Koschmieder) plus rain or snow."""
     fog, intensity = weather.fog_visual_range_m, weather.precipitation_mm_h
     rate = _LN_20 / fog if fog < _CLEAR_AIR_M else 0.0
     if weather.precipitation == "rain":
@@ -72,14 +72,14 @@ class Solid:
     x: float
     y: float
     z: float
-    """Of its underside."""
+    """Height of its underside, m."""
     yaw: float
     length: float
     width: float
     height: float
 
     def corners(self) -> list[Point]:
-        """Return its eight corners."""
+        """Return the box's eight corners."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return [
             (
@@ -93,7 +93,7 @@ class Solid:
         ]
 
     def local(self, point: Point) -> Point:
-        """Return a point in the box's own axes, from the middle of its underside."""
+        """Return a point in the box's own axes, with the origin in the middle of its underside."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         dx, dy = point[0] - self.x, point[1] - self.y
         return dx * cos + dy * sin, dy * cos - dx * sin, point[2] - self.z
@@ -101,17 +101,17 @@ class Solid:
 
 @dataclass(frozen=True)
 class Sight:
-    """How one body appears in a picture."""
+    """The appearance of one body in a picture."""
 
     area_px: float
-    """Of its silhouette inside the picture, square pixels; 0 outside."""
+    """Area of its silhouette inside the picture, square pixels; 0 outside."""
     distance: float
-    """From the camera, m."""
+    """Distance from the camera, m."""
     hidden: float
     """Share of the silhouette behind other bodies or a crest, 0 to 1."""
 
     def fault(self, weather: Weather, camera: Camera) -> str | None:
-        """Return why it cannot be recognised, or `None` if it can."""
+        """Return why the body cannot be recognised, or `None` if it can."""
         if self.area_px <= 0.0:
             return "it is outside the camera's view"
         reach = visual_range(weather)
@@ -126,7 +126,7 @@ class Sight:
 
 
 class Eye:
-    """A camera at its place in the world."""
+    """A camera at a position in the world."""
 
     def __init__(self, camera: Camera, ego: Solid) -> None:
         """Mount a camera on the ego."""
@@ -145,7 +145,7 @@ class Eye:
         self.down = (-cos * down, -sin * down, -level)
 
     def to_camera(self, point: Point) -> Point:
-        """Return metres to the right, downwards and ahead."""
+        """Return a point in camera coordinates: metres to the right, down and ahead."""
         d = [a - b for a, b in zip(point, self.place, strict=True)]
         across, below, ahead = (
             sum(a * b for a, b in zip(d, axis, strict=True))
@@ -154,7 +154,7 @@ class Eye:
         return across, below, ahead
 
     def pixel(self, point: Point) -> tuple[float, float, float] | None:
-        """Return column, row and depth of a point; `None` behind the camera."""
+        """Return column, row and depth of a point, or `None` behind the camera."""
         across, below, ahead = self.to_camera(point)
         if ahead < _NEAR:
             return None
@@ -165,7 +165,7 @@ class Eye:
         )
 
     def silhouette(self, body: Solid) -> list[tuple[float, float]]:
-        """Return the outline of a box in the picture, unbounded; empty behind the camera."""
+        """Return the outline of a box in the picture plane, not clipped; empty behind the camera."""
         corners = [self.to_camera(corner) for corner in body.corners()]
         points = [one for one in corners if one[2] >= _NEAR]
         if len(points) < len(corners):
@@ -176,12 +176,12 @@ class Eye:
         )
 
     def see(self, body: Solid, others: Sequence[Solid], road: Corridor | None = None) -> Sight:
-        """Judge how one body appears.
+        """Return the appearance of one body.
 
         Args:
-            body: What is looked for.
-            others: What may hide it; the ego and itself left out.
-            road: Whose crest may hide it.
+            body: The body to look for.
+            others: Bodies that may hide it, without the ego and the body itself.
+            road: The road whose crest may hide it.
         """
         outline = self.silhouette(body)
         distance = math.dist(self.place, (body.x, body.y, body.z + 0.5 * body.height))
@@ -225,7 +225,7 @@ class Eye:
         return hidden / rays if rays else 1.0
 
     def _ray(self, u: float, v: float) -> Point:
-        """Return the direction through a pixel, of length one along the optical axis."""
+        """Return the direction through a pixel, with unit length along the optical axis."""
         across = (u - 0.5 * self.camera.width) / self.focal
         below = (v - 0.5 * self.camera.height) / self.focal
         x, y, z = (
@@ -236,7 +236,7 @@ class Eye:
 
 
 def _cut(a: Point, b: Point) -> Point | None:
-    """Return where an edge comes out from behind the camera, if it does."""
+    """Return the point where an edge crosses the near plane, or `None`."""
     if (a[2] >= _NEAR) == (b[2] >= _NEAR):
         return None
     f = (_NEAR - a[2]) / (b[2] - a[2])
@@ -244,7 +244,7 @@ def _cut(a: Point, b: Point) -> Point | None:
 
 
 def _enters(body: Solid, origin: Point, ray: Point) -> float | None:
-    """Return how far along a ray a box begins; `None` where it is missed."""
+    """Return the distance along a ray to a box, or `None` if the ray misses it."""
     start = body.local(origin)
     cos, sin = math.cos(body.yaw), math.sin(body.yaw)
     turned = (ray[0] * cos + ray[1] * sin, ray[1] * cos - ray[0] * sin, ray[2])
@@ -265,7 +265,7 @@ def _enters(body: Solid, origin: Point, ray: Point) -> float | None:
 
 
 def _is_behind_crest(origin: Point, ray: Point, hit: float, road: Corridor) -> bool:
-    """Tell whether the road rises above a sight line before it arrives."""
+    """Return whether the road rises above a sight line before the hit."""
     near = None
     for part in (0.2, 0.35, 0.5, 0.65, 0.8, 0.92):
         x, y, z = (a + part * hit * b for a, b in zip(origin, ray, strict=True))

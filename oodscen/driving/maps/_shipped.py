@@ -1,9 +1,9 @@
-"""What the shipped maps are, for every catalogue that offers them."""
+"""The shipped maps, for every catalogue that offers them."""
 
 from oodscen.data._catalogue import RoadMap
 
 START_M = 200.0
-"""Where the ego starts on each of them."""
+"""Position of the ego's start on each map, m."""
 
 SHIPPED_MAPS: tuple[RoadMap, ...] = (
     RoadMap(
@@ -138,4 +138,4 @@ SHIPPED_MAPS: tuple[RoadMap, ...] = (
         traits=("rural", "bridge", "two_lane", "oncoming"),
     ),
 )
-"""Each leaves 200 m behind the ego's start."""
+"""The shipped maps, each with 200 m behind the ego's start."""
