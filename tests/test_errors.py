@@ -28,6 +28,7 @@ EXAMPLES = (
     errors.EncoderError("message"),
     errors.StudyError("message"),
     errors.StudyMissing("out"),
+    errors.FolderTaken("out", ["report.html"]),
     errors.InUse("out", "study", "process 7 on here (oodscen run out)", "2024-01-01 00:00:00 UTC"),
     errors.BudgetExceeded("requests", 10, 9),
     errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
@@ -41,6 +42,7 @@ EXAMPLES = (
 
 FACTS = {
     "StudyMissing": {"folder": "out"},
+    "FolderTaken": {"folder": "out", "names": ("report.html",)},
     "InUse": {
         "path": "out",
         "what": "study",
