@@ -153,8 +153,9 @@ def killed(out: Path, simulator: str, span_s: float, draw: random.Random, tally:
     if code == 128 + number and before != "running" and status(out) == "running":
         tally.running.append(what)
     shown = command.log.read_text(errors="replace")
-    # While Python still imports the command, its own words for Ctrl-C are a traceback.
-    if "Traceback" in shown and "import main" not in shown:
+    # Until Python has imported the command, its own words for Ctrl-C are a traceback.
+    is_importing = "<frozen runpy>" in shown and "main(prog_name=" not in shown
+    if "Traceback" in shown and not is_importing:
         tally.tracebacks.append(f"{what}: {tail(command.log)}")
     return code == 0
 
