@@ -155,7 +155,8 @@ def killed(out: Path, simulator: str, span_s: float, draw: random.Random, tally:
         tally.running.append(what)
     shown = command.log.read_text(errors="replace")
     # While Python is still importing the command, Ctrl-C prints a traceback.
-    if "Traceback" in shown and "import main" not in shown:
+    is_importing = "<frozen runpy>" in shown and "main(prog_name=" not in shown
+    if "Traceback" in shown and not is_importing:
         tally.tracebacks.append(f"{what}: {tail(command.log)}")
     return code == 0
 
