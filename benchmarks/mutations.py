@@ -221,7 +221,7 @@ def put(content: bytes, draw: random.Random, more: bytes) -> bytes:
 BYTES: dict[str, Callable[[bytes, random.Random], bytes | None]] = {
     "a folder": lambda content, draw: None,
     "empty": lambda content, draw: b"",
-    "cut": lambda content, draw: content[: draw.randrange(len(content))],
+    "cut": lambda content, draw: content[: draw.randrange(len(content) or 1)],
     "no end of line": lambda content, draw: content.rstrip(b"\n"),
     "flipped": flipped,
     "NUL": lambda content, draw: put(content, draw, b"\0"),

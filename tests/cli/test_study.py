@@ -13,6 +13,7 @@ from oodscen._cli.output import left_out
 from oodscen._pipeline import run_study
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
+from oodscen.llm._replay import Exchange
 from oodscen.testing import FunctionLLM
 from tests.pipeline.quick import QUICK
 
@@ -59,7 +60,8 @@ def test_a_run_that_goes_on_keeps_who_was_judged_and_how(study) -> None:
 
 
 def test_a_model_without_usable_answers_exits_with_1_and_later_ones_do_not(study, tmp_path) -> None:
-    (tmp_path / "mute.jsonl").write_text("")
+    other = Exchange(purpose="another-question", messages=(), answer="nothing")
+    (tmp_path / "mute.jsonl").write_text(other.to_json() + "\n")
     order = ("evaluate", study, "--vlm")
     assert invoke(*order, f"replay:{tmp_path / 'mute.jsonl'}").exit_code == 1
     later = invoke(*order, "random", "--json")
@@ -124,7 +126,7 @@ def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch
     def interrupt(*args, **more):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("oodscen.study.run_study", interrupt)
+    monkeypatch.setattr("oodscen._pipeline.run_study", interrupt)
     monkeypatch.setattr("oodscen.report.write_report", interrupt)
     monkeypatch.setattr("oodscen._pipeline.dropping.drop_models", lambda study, names: {})
     order = (

@@ -149,8 +149,8 @@ def test_all_faults_come_at_once():
         "weather.friction",
         "hazard.weather.fog_visual_range_m",
         "actors[0].asset",
-        "actors[0].behaviour.parameters.speed",
         "actors[0].behaviour.parameters.sped",
+        "actors[0].behaviour.parameters.speed",
         "hazard.actors.deer.behaviour.name",
         "hazard.actors.deer.state",
     ]

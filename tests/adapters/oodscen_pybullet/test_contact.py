@@ -40,7 +40,7 @@ def test_contact_gap_and_footprints_agree_in_every_step_of_every_action(
         ego=Ego(lane=lane, speed=speed),
         actors=(body,),
         hazard=Hazard(actors={"a": None}),
-        decision=Trigger(kind="distance", value=decision),
+        decision=Trigger(kind="distance", value=decision, actor=body.id),
     )
     result = simulate(scene, simulator, render=False, traces=True)
     course = Course.of(scene, simulator.catalogue())

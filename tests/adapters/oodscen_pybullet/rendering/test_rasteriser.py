@@ -85,10 +85,10 @@ def test_pictures_are_the_same_twice_after_others_and_in_another_process() -> No
     code = """
 import hashlib
 import numpy as np
-from oodscen_pybullet.canvas import Canvas
-from oodscen_pybullet.cast import Look
-from oodscen_pybullet.meshes.builder import MeshBuilder
-from oodscen_pybullet.view import View
+from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.appearance import Look
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._rendering.view import View
 from oodscen.protocols import Camera
 
 def photograph(stage):
