@@ -252,12 +252,11 @@ def files_of(folder: Path) -> Files:
     }
 
 
-def order_of(words: tuple[str, ...], out: Path) -> list[str]:
-    ordinary = str(out.parent / "ordinary.txt")
-    return [word.replace("OUT", str(out)).replace("ORDINARY", ordinary) for word in words]
+def order_of(words: tuple[str, ...], out: Path, ordinary: Path) -> list[str]:
+    return [word.replace("OUT", str(out)).replace("ORDINARY", str(ordinary)) for word in words]
 
 
-def attempt(name: str, out: Path) -> str:
+def attempt(name: str, out: Path, ordinary: Path) -> str:
     """Run one command or reader on a study; return the fault in its reaction."""
     before = files_of(out)
     may_write = name in WRITERS
@@ -269,7 +268,7 @@ def attempt(name: str, out: Path) -> str:
         except Exception as error:
             return f"traceback: {type(error).__name__}: {error}"[:200]
     else:
-        result = call(*order_of((READERS | WRITERS)[name], out))
+        result = call(*order_of((READERS | WRITERS)[name], out, ordinary))
         if not isinstance(result.exception, SystemExit | None):
             error = result.exception
             return f"traceback: {type(error).__name__}: {error}"[:200]
@@ -292,7 +291,6 @@ def trials(study: Path, count: int, seed: int, *, most: int | None = None) -> It
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder, "study")
             shutil.copytree(study, out)
-            shutil.copy(study.parent / "ordinary.txt", folder)
             (out / file).unlink()
             if content is None:
                 (out / file).mkdir()
@@ -302,7 +300,7 @@ def trials(study: Path, count: int, seed: int, *, most: int | None = None) -> It
             if most is not None:
                 chosen = draw.sample(["Study", *READERS, *WRITERS], most)
             for name in chosen:
-                fault = attempt(name, out)
+                fault = attempt(name, out, study.parent / "ordinary.txt")
                 yield Outcome(file, mutation, name, fault)
 
 

@@ -95,7 +95,12 @@ def secrets_of(address: str) -> list[str]:
 def _any_of(values: frozenset[str]) -> re.Pattern[str]:
     """Return a pattern that matches these credentials in every encoding, and never matches if there are none."""
     forms = sorted({form for value in values for form in _forms(value)}, key=len, reverse=True)
-    return re.compile("|".join(map(re.escape, forms)) or "(?!)")
+    return re.compile("|".join([*map(_escaped, values), *map(re.escape, forms)]) or "(?!)")
+
+
+def _escaped(value: str) -> str:
+    """Return a pattern of a value of which JSON may have escaped any characters."""
+    return "".join(rf"(?:{re.escape(one)}|\\u(?i:{ord(one):04x}))" for one in value)
 
 
 def _forms(value: str) -> set[str]:

@@ -123,3 +123,12 @@ def test_bearer_tokens_and_passwords_in_addresses_are_hidden():
 )
 def test_ordinary_text_stays(text):
     assert redact(text) == text
+
+
+@pytest.mark.parametrize("which", [slice(None), slice(None, None, 2), slice(3)])
+def test_a_key_is_found_whichever_of_its_characters_are_escaped(monkeypatch, which):
+    key = "Zq8xW2pL"
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    escaped = {index: f"\\u{ord(one):04x}" for index, one in list(enumerate(key))[which]}
+    text = "".join(escaped.get(index, one) for index, one in enumerate(key))
+    assert redact_keys(f'{{"text": "a {text} b"}}') == f'{{"text": "a {HIDDEN} b"}}'

@@ -81,9 +81,12 @@ class Store:
         """Replace a file in one step.
 
         Raises:
-            StudyError: When the disk is full or read-only; the old file stays.
+            StudyError: When the disk is full or read-only, or a folder of the study leads elsewhere; the
+                old file stays.
         """
         target = self.path(name)
+        if target.parent != self.folder:
+            self.inside(str(target.parent.relative_to(self.folder)))
         data = content.encode() if isinstance(content, str) else content
         with self._guard(target):
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -120,6 +123,7 @@ class Store:
             StudyError: When the file cannot be read or holds anything else.
         """
         path = self.path(name)
+        self._refuse_special(path)
         try:
             return parse_object(path.read_bytes())
         except OSError as error:
@@ -141,12 +145,19 @@ class Store:
         target = self.path(name)
         if not os.path.lexists(target):
             return
+        self._refuse_special(target)
         with self._guard(target):
             content = target.read_bytes()
         for number, line in object_lines(content):
             if isinstance(line, ValueError):
                 raise StudyError(f"{target}, line {number}: {line}")
             yield number, line
+
+    @staticmethod
+    def _refuse_special(path: Path) -> None:
+        """Refuse a pipe or a device, whose reading might never end."""
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise StudyError(f"{path} is no regular file")
 
     @contextmanager
     def _guard(self, target: Path) -> Iterator[None]:

@@ -12,10 +12,10 @@ def study(tmp_path_factory):
 
 def test_every_command_takes_the_whole_study(study) -> None:
     for name, words in (READERS | WRITERS).items():
-        result = call(*order_of(words, study))
+        result = call(*order_of(words, study, study.parent / "ordinary.txt"))
         wanted = 2 if name == "simulate into it" else 0
         assert result.exit_code == wanted, (name, result.output)
-    assert not attempt("Study", study)
+    assert not attempt("Study", study, study)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -158,3 +158,18 @@ def test_lines_are_canonical(tmp_path):
     store.append("a.jsonl", {"b": 1, "a": "ü"})
     assert store.path("a.jsonl").read_text(encoding="utf-8") == '{"a":"ü","b":1}\n'
     assert json.loads(store.path("a.jsonl").read_text(encoding="utf-8")) == {"a": "ü", "b": 1}
+
+
+def test_nothing_is_written_through_a_folder_that_leads_elsewhere(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "study").mkdir()
+    (tmp_path / "study" / "frames").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(StudyError):
+        Store(tmp_path / "study").write("frames/a/first.jpg", b"")
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_a_pipe_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "verdicts.jsonl")
+    with pytest.raises(StudyError, match="no regular file"):
+        list(Store(tmp_path).lines("verdicts.jsonl"))
