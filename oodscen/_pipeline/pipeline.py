@@ -99,9 +99,9 @@ class Pipeline:
         return self.study
 
     def prepare(self) -> None:
-        """Create the simulator, the encoder and the models, and check the folder."""
+        """Check the folder, then create the simulator, the encoder and the models."""
+        self._check()
         self.context.prepare()
-        self._claim()
 
     def write_texts(self) -> Texts:
         """Run the stages up to the texts."""
@@ -157,7 +157,7 @@ class Pipeline:
     def _usage(self) -> list[dict[str, Any]]:
         return [item.model_dump(mode="json") for item in accounts(self.store.lines("calls.jsonl"))]
 
-    def _claim(self) -> None:
+    def _check(self) -> None:
         """Check that the folder belongs to this run and that its files are intact."""
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
