@@ -13,7 +13,7 @@ from oodscen import Study
 from oodscen._pipeline import run_study
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
-from oodscen.errors import BudgetExceeded, LLMError
+from oodscen.errors import BudgetExceeded, LLMError, StudyError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
 from oodscen.llm._remote.limits import Caps, Traffic
@@ -136,16 +136,13 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     assert counts["outdated"] == counts["answered"] == len(rows) - 1
 
 
-def test_no_picture_from_outside_the_study_is_shown(folder, tmp_path):
+@pytest.fixture
+def asked(folder, tmp_path):
+    """A copy of the study, its scenes' names, and a model that notes the pictures it is shown."""
     out = shutil.copytree(folder, tmp_path / "out")
-    (tmp_path / "priv").mkdir()
     scenes = [scene.id for scene in Study.open(out).scenes]
+    (tmp_path / "priv").mkdir()
     shutil.copy(out / "frames" / scenes[0] / "last.jpg", tmp_path / "priv" / "last.jpg")
-    shutil.rmtree(out / "frames" / scenes[1])
-    (out / "frames" / scenes[1]).symlink_to(tmp_path / "priv")
-    lines = (out / "episodes.jsonl").read_text()
-    named = lines.replace(f"frames/{scenes[0]}/last.jpg", "../priv/last.jpg")
-    (out / "episodes.jsonl").write_text(named)
     shown = []
 
     def answer(asked):
@@ -155,12 +152,32 @@ def test_no_picture_from_outside_the_study_is_shown(folder, tmp_path):
     model = FunctionLLM(answer)
     model.name = "mine"
     config = CONFIG.model_copy(update={"vlms": ("mine",)})
-    rows = of(run_study(out, config, models={"mine": model}), "mine")
-    for name in scenes[:2]:
-        assert (rows[name].outcome, rows[name].error_type) == ("error", "StudyError")
-    assert rows[scenes[2]].outcome == "answered"
+    return out, scenes, shown, lambda: of(run_study(out, config, models={"mine": model}), "mine")
+
+
+def test_a_picture_that_is_named_outside_the_study_is_not_shown(asked):
+    out, scenes, shown, run = asked
+    lines = (out / "episodes.jsonl").read_text()
+    (out / "episodes.jsonl").write_text(
+        lines.replace(f"frames/{scenes[0]}/last.jpg", "../priv/last.jpg")
+    )
+    rows = run()
+    assert (rows[scenes[0]].outcome, rows[scenes[0]].error_type) == ("error", "StudyError")
+    assert all(rows[name].outcome == "answered" for name in scenes[1:])
     assert shown
     assert all(path.resolve().is_relative_to(out.resolve()) for path in shown)
+
+
+def test_a_folder_of_frames_that_leads_outside_stops_the_run_before_anything_is_shown(
+    asked, tmp_path
+):
+    out, scenes, shown, run = asked
+    shutil.rmtree(out / "frames" / scenes[1])
+    (out / "frames" / scenes[1]).symlink_to(tmp_path / "priv")
+    with pytest.raises(StudyError, match=scenes[1]):
+        run()
+    assert not shown
+    assert [path.name for path in (tmp_path / "priv").iterdir()] == ["last.jpg"]
 
 
 def _version(rows):
