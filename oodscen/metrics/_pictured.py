@@ -11,12 +11,12 @@ import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.data._scenario import Scenario
-from oodscen.metrics._detection.separation import auroc_interval
 from oodscen.metrics._diversity import mean_nearest, mean_pairwise
 from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.metrics._vectors.similarity import Vectors
+from oodscen.statistics._auroc import auroc_interval
 
 BEST: Final[Measure] = "events"
 """The detector that separates the controls best; see `docs/metrics.md`."""

@@ -5,7 +5,8 @@ from typing import ClassVar, Literal
 
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol
-from oodscen.statistics._tests import Bounds, PairedTest
+from oodscen.statistics._intervals import Interval
+from oodscen.statistics._tests import PairedTest
 
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
@@ -29,7 +30,7 @@ class Rate(Data):
     """In [0, 1]; `None` if `n` is 0."""
     worst: float | None = None
     """The share with every missing answer counted as wrong; `None` if nothing was asked."""
-    interval: Bounds | None = None
+    interval: Interval | None = None
     paths: int = 0
     """Number of paths that the items cover."""
 
@@ -41,7 +42,7 @@ class Figure(Data):
 
     value: float | None = None
     n: int = 0
-    interval: Bounds | None = None
+    interval: Interval | None = None
 
 
 class Detection(Data):

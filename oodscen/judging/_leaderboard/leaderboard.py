@@ -30,18 +30,11 @@ from oodscen.judging._leaderboard.board import (
     score,
 )
 from oodscen.judging._leaderboard.paper_example import paper_example
-from oodscen.statistics._tests import (
-    FEWEST_CLUSTERS,
-    Resampler,
-    above_chance,
-    auroc,
-    d_prime,
-    holm,
-    intraclass,
-    paired,
-    percentiles,
-    share_bounds,
-)
+from oodscen.statistics._answers import above_chance, d_prime, intraclass
+from oodscen.statistics._auroc import auroc_of_items
+from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds
+from oodscen.statistics._resampling import Resampler
+from oodscen.statistics._tests import holm, paired
 
 __all__ = [
     "ActionTally", "Comparison", "Confusion", "Control", "Detection", "Figure", "Group",
@@ -63,7 +56,7 @@ def leaderboard(
 ) -> Leaderboard:
     """Return the leaderboard of some verdicts.
 
-    Intervals resample whole paths (`oodscen.statistics._tests.share_bounds`); comparisons are
+    Intervals resample whole paths (`oodscen.statistics._intervals.share_bounds`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer counts as
     missing, never as wrong; `Rate.worst` gives the score with all of them counted as wrong. Open aspects
     scored by different judges are not compared.
@@ -288,7 +281,7 @@ def _detection(
     balanced = (replicates["sensitivity"] + replicates["specificity"]) / 2
     known = np.isfinite(sheet.called)
     units = resampler.count(known)
-    area = auroc(sheet.p_ood, items.is_scene, resampler)
+    area = auroc_of_items(sheet.p_ood, items.is_scene, resampler)
     both = sensitivity.value is not None and specificity.value is not None
     n = sensitivity.n + specificity.n
     columns = [
