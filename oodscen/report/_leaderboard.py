@@ -5,23 +5,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from markupsafe import Markup
-
 from oodscen.data._verdict import NOTHING, Verdict
 from oodscen.judging._leaderboard.board import PRIVILEGED
 from oodscen.judging._leaderboard.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging._leaderboard.leaderboard import (
     Comparison,
-    Figure,
     Leaderboard,
     Rate,
     Standing,
     leaderboard,
     paper_example,
 )
-from oodscen.report._charts import bars
-from oodscen.report._charts import svg as charts
+from oodscen.report._charts import scores as charts
+from oodscen.report._charts.canvas import Canvas, signed
 from oodscen.report._load import Material
+from oodscen.report._phrasing import p_value
 
 _MOST_TYPES = 20
 """With more paths than this the charts group by family."""
@@ -50,46 +48,14 @@ GRADES = {
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One figure of the leaderboard in words and as a dot with its interval."""
-
-    value: str
-    count: str = ""
-    bounds: str = ""
-    how: str = ""
-    """The method behind the interval."""
-    chart: str = ""
-    worst: str = ""
-    """The figure with every missing answer counted as wrong; empty if none is missing."""
-
-
-@dataclass(frozen=True)
 class Line:
     """One row of the leaderboard."""
 
-    model: str
-    is_reference: bool
+    standing: Standing
     role: str
     """`ceiling`, `floor` or empty."""
-    note: str
-    balanced: Cell
-    sensitivity: Cell
-    specificity: Cell
-    auroc: Cell
-    d_prime: Cell
-    open: Cell
-    open_shown: Cell
-    """Under the paper's protocol, over the scenes whose frames show the hazard."""
-    closed: Cell
-    safe: Cell
-    collision_free: Cell
-    above_chance: Cell
-    needless: Cell
-    asked: int
     silent: str
     """Counts of the outcomes other than answers."""
-    contradictions: int
-    outdated: int
 
 
 @dataclass(frozen=True)
@@ -97,7 +63,7 @@ class Confused:
     """The confusions of one model."""
 
     model: str
-    chart: Markup
+    chart: Canvas
     labels: tuple[str, ...]
     top: tuple[tuple[str, str, int], ...]
 
@@ -175,7 +141,6 @@ def _without_repeats(board: Leaderboard) -> list[Standing]:
 
 
 def _line(row: Standing, floor: Standing | None) -> Line:
-    detection, control = row.detection, row.control
     silent = [
         f"{count} {_ENDINGS.get(name, name)}"
         for name, count in row.outcomes.items()
@@ -187,77 +152,10 @@ def _line(row: Standing, floor: Standing | None) -> Line:
         floor.identification,
     )
     return Line(
-        model=row.model,
-        is_reference=row.kind == "reference",
+        standing=row,
         role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
-        note="paper’s protocol" if row.protocol == "paper" else "",
-        balanced=_figure(
-            detection.balanced_accuracy,
-            detection.worst,
-            detection.sensitivity.missing + detection.specificity.missing,
-        ),
-        sensitivity=_rate(detection.sensitivity),
-        specificity=_rate(detection.specificity),
-        auroc=_plain(detection.auroc),
-        d_prime=_plain(detection.d_prime),
-        open=_rate(row.identification.open),
-        open_shown=_rate(row.identification.open_shown),
-        closed=_rate(row.identification.closed),
-        safe=_rate(control.safe),
-        collision_free=_rate(control.collision_free),
-        above_chance=_plain(control.above_chance),
-        needless=_rate(control.needless),
-        asked=row.asked,
         silent=", ".join(silent),
-        contradictions=row.contradictions,
-        outdated=row.outdated,
     )
-
-
-def _rate(rate: Rate) -> Cell:
-    if rate.value is None or rate.interval is None:
-        return Cell("", worst=_worst(rate.worst, rate.missing))
-    return Cell(
-        value=f"{100 * rate.value:.0f} %",
-        count=f"{rate.hits} of {rate.n}",
-        bounds=f"{100 * rate.interval.low:.0f} to {100 * rate.interval.high:.0f} %",
-        how=f"{rate.interval.method}, {rate.interval.units} units",
-        chart=charts.whisker(rate.value, rate.interval.low, rate.interval.high),
-        worst=_worst(rate.worst, rate.missing),
-    )
-
-
-def _worst(value: float | None, missing: int) -> str:
-    if not missing or value is None:
-        return ""
-    return f"{100 * value:.0f} % if the {missing} missing were wrong"
-
-
-def _figure(figure: Figure, worst: Figure, missing: int) -> Cell:
-    if figure.value is None:
-        return Cell("", worst=_worst(worst.value, missing))
-    low, high = (
-        (figure.interval.low, figure.interval.high)
-        if figure.interval
-        else (figure.value, figure.value)
-    )
-    return Cell(
-        value=f"{100 * figure.value:.0f} %",
-        bounds=f"{100 * low:.0f} to {100 * high:.0f} %" if figure.interval else "",
-        chart=charts.whisker(figure.value, low, high),
-        worst=_worst(worst.value, missing),
-    )
-
-
-def _plain(figure: Figure) -> Cell:
-    if figure.value is None:
-        return Cell("")
-    bounds = ""
-    if figure.interval:
-        bounds = (
-            f"{charts.signed(figure.interval.low, 2)} to {charts.signed(figure.interval.high, 2)}"
-        )
-    return Cell(value=charts.signed(figure.value, 2), bounds=bounds)
 
 
 def _compared(comparison: Comparison) -> dict[str, str]:
@@ -275,19 +173,15 @@ def _compared(comparison: Comparison) -> dict[str, str]:
         "difference": _points(test.difference),
         "split": f"{test.first_only} : {test.second_only}",
         "n": str(test.n),
-        "plain": _p(comparison.p_holm),
-        "clustered": _p(comparison.p_clustered_holm),
+        "plain": p_value(comparison.p_holm),
+        "clustered": p_value(comparison.p_clustered_holm),
         "shown": "yes" if comparison.p_clustered_holm < 0.05 else "",
     }
 
 
 def _points(difference: float) -> str:
-    written = charts.signed(100 * difference, 0)
+    written = signed(100 * difference, 0)
     return f"{written} point{'' if written.lstrip('−-') == '1' else 's'}"
-
-
-def _p(value: float) -> str:
-    return "< 0.001" if value < 0.001 else f"{value:.3f}"
 
 
 def _series(board: Leaderboard) -> list[Standing]:
@@ -309,9 +203,9 @@ def _level(board: Leaderboard) -> str:
     return "family" if paths > _MOST_TYPES and families else "path"
 
 
-def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Markup:
+def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Canvas | None:
     if not shown:
-        return Markup("")
+        return None
     found = [{group.name: group for group in row.groups if group.level == level} for row in shown]
     rows = []
     for name, group in found[0].items():
@@ -319,19 +213,19 @@ def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Mark
             getattr(groups[name], field) if name in groups else None for groups in found
         ]
         rows.append(
-            bars.Row(
+            charts.Row(
                 name, [_bar(rate) for rate in rates], group.chance if field == "safe" else None
             )
         )
     if not any(bar for row in rows for bar in row.bars):
-        return Markup("")
-    return bars.bars(rows, [row.model for row in shown], what)
+        return None
+    return charts.bars(rows, [row.model for row in shown], what)
 
 
-def _bar(rate: Rate | None) -> bars.Bar | None:
+def _bar(rate: Rate | None) -> charts.Bar | None:
     if rate is None or not rate.n or rate.interval is None:
         return None
-    return bars.Bar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
+    return charts.Bar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
 
 
 def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material) -> list[Confused]:
@@ -365,7 +259,7 @@ def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material
                 for one in row.confusions[:_TOP_CONFUSIONS]
             )
             rows.append(
-                Confused(row.model, bars.confusion(order, counts, len(order)), tuple(order), top)
+                Confused(row.model, charts.confusion(order, counts, len(order)), tuple(order), top)
             )
     return rows
 

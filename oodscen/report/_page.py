@@ -14,7 +14,8 @@ from oodscen.report import _leaderboard as trust
 from oodscen.report import _measures as measures
 from oodscen.report import _phrasing as words
 from oodscen.report import _sections as parts
-from oodscen.report._charts import svg as charts
+from oodscen.report._charts import rounds as charts
+from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline
 from oodscen.report._load import Failure, Material, dig, mapping, number
 from oodscen.stages._evaluate import OPTIONS
@@ -88,15 +89,7 @@ def context(study: Study, found: Material) -> dict[str, Any]:
         "key_figures": _key_figures(found, counts),
         "gaps": found.gaps,
         "count_rows": _count_rows(found, counts),
-        "measure_rows": measures.rows(found.metrics),
-        "margins": measures.margins(found.metrics),
-        "measure_chart": measures.chart(found.metrics),
-        "examples": measures.examples(
-            found.metrics, {**found.texts, "simulatable": found.scenarios}
-        ),
-        "encoder": str(found.metrics.get("encoder") or ""),
-        "baseline": mapping(found.metrics.get("baseline")),
-        "batch": mapping(found.metrics.get("baseline_batch")),
+        **measures.context(found),
         "trees": {
             name: {
                 "size": len(tree),
@@ -324,10 +317,10 @@ def _count_rows(found: Material, counts: Counts) -> list[CountRow]:
     return rows
 
 
-def _growth(found: Material) -> Any:
-    """Draw the growth curve; empty without rounds."""
+def _growth(found: Material) -> Canvas | None:
+    """Draw the growth curve, if there are rounds."""
     if not found.rounds:
-        return ""
+        return None
     first = found.rounds[0]
     before = found.trees.get("initial")
     start = len(before) if before else first.nodes
