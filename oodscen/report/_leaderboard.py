@@ -9,7 +9,6 @@ from oodscen.data._verdict import NOTHING, Verdict
 from oodscen.judging._leaderboard.board import PRIVILEGED
 from oodscen.judging._leaderboard.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging._leaderboard.leaderboard import (
-    Comparison,
     Leaderboard,
     Rate,
     Standing,
@@ -17,34 +16,15 @@ from oodscen.judging._leaderboard.leaderboard import (
     paper_example,
 )
 from oodscen.report._charts import scores as charts
-from oodscen.report._charts.canvas import Canvas, signed
+from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material
-from oodscen.report._phrasing import p_value
 
 _MOST_TYPES = 20
 """With more paths than this the charts group by family."""
 _MOST_SERIES = 5
 _TOP_CONFUSIONS = 8
 
-_ENDINGS = {
-    "refused": "refused",
-    "unparsed": "not understood",
-    "unavailable": "chose a lane that is not there",
-    "timeout": "not in time",
-    "unasked": "not asked",
-    "error": "failed",
-}
-"""Words for the outcomes of judging, shown after a count."""
-
 _CONSTANT = "constant:"
-
-GRADES = {
-    "yes": "better than not looking",
-    "no": "worse than not looking",
-    "unclear": "not shown to beat not looking",
-    "unknown": "not measured",
-    "incomplete": "too few answers to say",
-}
 
 
 @dataclass(frozen=True)
@@ -54,8 +34,6 @@ class Line:
     standing: Standing
     role: str
     """`ceiling`, `floor` or empty."""
-    silent: str
-    """Counts of the outcomes other than answers."""
 
 
 @dataclass(frozen=True)
@@ -78,39 +56,19 @@ def context(found: Material) -> dict[str, Any]:
         "board": board,
         "answer": answer(board),
         "findings": _by_model(said),
-        "grades": GRADES,
         "most_missing": MOST_MISSING,
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
         "has_collisions": any(row.control.collision_free.n for row in board.standings),
         "has_closed": any(row.identification.closed.n for row in board.standings),
-        "comparisons": [_compared(c) for c in board.comparisons],
         "series": [row.model for row in shown],
         "type_level": level,
         "chart_named": _chart(shown, level, "open", "Aspect named"),
         "chart_safe": _chart(shown, level, "safe", "Safe action chosen"),
         "confused": _confusions(found.verdicts, board, found),
-        "scorers": _scorers(board),
-        "has_paper": any(row.protocol == "paper" for row in board.standings),
         "example": paper_example(),
     }
-
-
-def _scorers(board: Leaderboard) -> str:
-    """Describe who scored the aspects in own words, and how many the judge could not score."""
-    if not board.judge:
-        return "Aspects in own words are scored by the documented matcher, in every row."
-    judge = board.judge.rpartition("@")[0]
-    judged = sum(row.identification.judged for row in board.standings)
-    unjudged = sum(row.identification.unjudged for row in board.standings)
-    text = (
-        f"Aspects in own words are scored by the judge model “{judge}”, those of models and of references "
-        f"alike: {judged} of them."
-    )
-    if unjudged:
-        text += f" About {unjudged} more it gave no usable answer; these are scored by the matcher."
-    return text
 
 
 def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
@@ -141,11 +99,6 @@ def _without_repeats(board: Leaderboard) -> list[Standing]:
 
 
 def _line(row: Standing, floor: Standing | None) -> Line:
-    silent = [
-        f"{count} {_ENDINGS.get(name, name)}"
-        for name, count in row.outcomes.items()
-        if name != "answered" and count
-    ]
     is_floor = floor is not None and (row.control, row.detection, row.identification) == (
         floor.control,
         floor.detection,
@@ -154,34 +107,7 @@ def _line(row: Standing, floor: Standing | None) -> Line:
     return Line(
         standing=row,
         role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
-        silent=", ".join(silent),
     )
-
-
-def _compared(comparison: Comparison) -> dict[str, str]:
-    test = comparison.test
-    return {
-        "task": {
-            "detection": "telling rare from ordinary",
-            "open": "naming it",
-            "closed": "picking it from a list",
-            "control": "choosing an action",
-        }[comparison.task],
-        "against": comparison.against,
-        "first": comparison.first,
-        "second": comparison.second,
-        "difference": _points(test.difference),
-        "split": f"{test.first_only} : {test.second_only}",
-        "n": str(test.n),
-        "plain": p_value(comparison.p_holm),
-        "clustered": p_value(comparison.p_clustered_holm),
-        "shown": "yes" if comparison.p_clustered_holm < 0.05 else "",
-    }
-
-
-def _points(difference: float) -> str:
-    written = signed(100 * difference, 0)
-    return f"{written} point{'' if written.lstrip('−-') == '1' else 's'}"
 
 
 def _series(board: Leaderboard) -> list[Standing]:

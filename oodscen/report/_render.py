@@ -86,6 +86,7 @@ def _environment() -> jinja2.Environment:
     environment.filters["hundredths"] = lambda share: f"{100 * share:.0f}"
     environment.filters["signed"] = signed
     environment.filters["p_value"] = words.p_value
+    environment.filters["plural"] = lambda n, noun: f"{n} {noun}{'' if n == 1 else 's'}"
     environment.filters["duration"] = words.duration
     environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
     environment.globals["shares"] = lambda row: charts.shares(

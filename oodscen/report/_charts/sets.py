@@ -75,7 +75,9 @@ def histogram(
         drawn.column(x(low + step * index), 18, height, signed(low + step * index, _digits(step)))
     for number, strip in enumerate(strips):
         base = 22 + _STRIP + number * (_STRIP + _GAP)
-        counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[0].tolist()
+        counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[
+            0
+        ].tolist()
         width = (right - _NAMES) / len(counts)
         for index, count in enumerate(counts):
             if count:
