@@ -1,7 +1,7 @@
 """The texture atlas that all meshes share: a palette of colours, printed faces and facades."""
 
 import tomllib
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.resources import files
 
 import numpy as np
@@ -31,11 +31,14 @@ EMISSIVE: frozenset[str] = frozenset(
 """Colours and regions that emit light, so night does not darken them."""
 
 
+@cache
 def swatch_uv(colour: str) -> NDArray[np.float64]:
     """Return the texture coordinates of a colour's centre: [2], v upwards."""
     index = _NAMES.index(colour)
     column, row = index % (SIZE // SWATCH), index // (SIZE // SWATCH)
-    return np.array([(column + 0.5) * SWATCH / SIZE, 1 - (row + 0.5) * SWATCH / SIZE])
+    place = np.array([(column + 0.5) * SWATCH / SIZE, 1 - (row + 0.5) * SWATCH / SIZE])
+    place.flags.writeable = False
+    return place
 
 
 def region_uv(name: str) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.numerics._kernels import Kernel, part
+from oodscen.numerics._kernels import Kernel, inlined, part
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
 
 F32 = NDArray[np.float32]
@@ -209,7 +209,7 @@ def _is_in_view(
     return bool(upwards <= ahead * slopes[1] + radius * math.sqrt(1.0 + slopes[1] * slopes[1]))
 
 
-@part
+@inlined
 def _project(some: Triangles, k: int, turned: F64, screen: Screen, outline: Outline) -> int:
     """Project a triangle, clipped at the near plane; return the number of corners left."""
     planes, corners = some.planes, some.corners
@@ -255,7 +255,7 @@ def _project(some: Triangles, k: int, turned: F64, screen: Screen, outline: Outl
     return n
 
 
-@part
+@inlined
 def _extent(outline: Outline, corners: int) -> tuple[float, float, float, float]:
     """Return the lowest and highest column, and the lowest and highest row."""
     px, py = outline.x, outline.y
@@ -266,7 +266,7 @@ def _extent(outline: Outline, corners: int) -> tuple[float, float, float, float]
     return low_x, high_x, low_y, high_y
 
 
-@part
+@inlined
 def _invert(outline: Outline, inverse: F64) -> float:
     """Write the inverse of the matrix of corners, times its determinant, which is returned."""
     points = outline.points
@@ -291,7 +291,7 @@ def _invert(outline: Outline, inverse: F64) -> float:
     return float(ax * inverse[0, 0] + ay * inverse[0, 1] + aw * inverse[0, 2])
 
 
-@part
+@inlined
 def _linear(plane: Plane, a: float, b: float, c: float) -> tuple[float, float, float]:
     """Return what the corners' values become over w: at the plane's point, per column, per row."""
     inverse = plane.inverse
