@@ -157,6 +157,9 @@ def _digest(function: Callable[..., object]) -> str:
     while pending:
         one = pending.pop()
         files.add(one.__code__.co_filename)
+        for kind in one.__annotations__.values():
+            if hasattr(kind, "_fields"):
+                constants.add(f"{kind.__qualname__}={kind._fields!r}")
         for name in _names(one.__code__):
             value = one.__globals__.get(name)
             if isinstance(value, ModuleType):

@@ -16,8 +16,8 @@ from oodscen_pybullet._lighting.reflections import add_reflections
 from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import postprocess as d
-from oodscen_pybullet._rendering.bullet_camera import Shot
 from oodscen_pybullet._rendering.particles import Ball, add_puffs
+from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR
 from oodscen_pybullet._rendering.view import View
 from oodscen_pybullet._rendering.weather import (
@@ -74,41 +74,35 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
     spread = np.stack([_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]).astype(
         np.float32
     )
-    kinds = _kinds(picture)
-    planes = np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0))
-    sky, sheet = heaven(view, weather, light), cloud_sheet(picture.seed)
+    kinds, shade = _kinds(picture), shot.shade
+    grid = ground_light(view, picture.glows, light) if is_compiled() else None
+    settings[d.HAS_GRID] = float(grid is not None)
+    plate = d.Plate(
+        rgb=np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0)),
+        depth=shot.depth,
+        reach=shot.reach,
+        lit=shot.lit,
+        kinds=kinds,
+        sky=shot.sky,
+        settings=settings,
+        across=across,
+        upwards=upwards,
+        axes=axes,
+        dark=light.darkness(),
+        spread=spread,
+        halo=halo,
+        heaven=heaven(view, weather, light),
+        sheet=cloud_sheet(picture.seed),
+        grid=_NO_GRID if grid is None else grid,
+        heights=_NO_SHADE if shade is None else shade.heights,
+        tiles=_NO_SHADE if shade is None else shade.tiles,
+        far_heights=_NO_SHADE if shade is None else shade.far,
+    )
     if is_compiled():
-        grid = ground_light(view, picture.glows, light)
-        settings[d.HAS_GRID] = float(grid is not None)
-        shade = shot.shade
         image = np.empty((view.height, view.width, 3), np.uint8)
-        d.develop_pixels(
-            planes,
-            shot.depth,
-            shot.reach,
-            shot.lit,
-            kinds,
-            shot.sky,
-            settings,
-            across,
-            upwards,
-            axes,
-            light.darkness(),
-            spread,
-            halo,
-            sky,
-            sheet,
-            _NO_GRID if grid is None else grid,
-            _NO_SHADE if shade is None else shade.heights,
-            _NO_SHADE if shade is None else shade.tiles,
-            _NO_SHADE if shade is None else shade.far,
-            image,
-        )
+        d.develop_pixels(plate, image)
     else:
-        image = d.develop_arrays(
-            planes, shot.reach, kinds, shot.sky, settings, across, upwards, axes, spread, halo,
-            sky, sheet,
-        )  # fmt: skip
+        image = d.develop_arrays(plate)
     if picture.balls:
         add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
     add_glows(image, view, shot.depth, picture.glows, light, rate)
