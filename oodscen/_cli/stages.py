@@ -106,7 +106,7 @@ def redteam(
         },
     )
     played = []
-    total = None if teamer.limits.budget else teamer.limits.rounds
+    total = None if teamer.options.budget else teamer.options.iterations
     for item in tqdm(teamer.rounds(grown), total=total, desc="redteam", disable=None):
         grown = grown.apply(*item.edits)
         played.append(item)

@@ -3,6 +3,7 @@
 import re
 from typing import Any, TypeVar
 
+from oodscen._text import stem
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
 
@@ -96,6 +97,5 @@ def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]
 
 
 def _words(text: str) -> set[str]:
-    """Return the content words, without the most common endings."""
-    found = re.findall(r"[a-z]+", text.casefold())
-    return {re.sub(r"(ing|ed|es|s)$", "", word) for word in found if word not in _COMMON}
+    """Return the stems of the content words."""
+    return {stem(word) for word in re.findall(r"[a-z]+", text.casefold()) if word not in _COMMON}

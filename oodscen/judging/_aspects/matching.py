@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 
+from oodscen._text import stem
 from oodscen.judging._aspects.concepts import Concept, Naming, concepts, named, widened
 
 MOST_THINGS = 6
@@ -181,21 +182,3 @@ COMMON = frozenset(
     """.split()
 )
 """Words too common for a match on them to mean anything."""
-
-
-def stem(word: str) -> str:
-    """Return an English word without its ending."""
-    for ending, rest in _ENDINGS:
-        if word.endswith(ending) and len(word) - len(ending) >= 3:
-            return _undoubled(word.removesuffix(ending) + rest)
-    is_plural = len(word) > 3 and not word.endswith("ss")
-    return _undoubled(word.removesuffix("s") if is_plural else word)
-
-
-_ENDINGS = (("ies", "y"), ("ings", ""), ("ing", ""), ("ed", ""), ("es", ""), ("ly", ""))
-
-
-def _undoubled(word: str) -> str:
-    """Return the common stem of a word's forms: "stopp" and "stop", "merg" and "merge"."""
-    is_doubled = len(word) > 3 and word[-1] == word[-2] and word[-1] not in "sl"
-    return word[:-1] if is_doubled else word.removesuffix("e")
