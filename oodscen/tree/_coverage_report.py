@@ -10,17 +10,18 @@ if TYPE_CHECKING:
     from oodscen.report._load import Material
     from oodscen.study import Study
 
-_HEADS = (
-    "Paths",
-    "Texts",
-    "Scenes",
-    "Ran",
-    "Failed",
-    "Safe actions",
-    "Unsafe actions",
-    "Choice matters",
-    "Paths with a hole",
-)
+_HEADS = {
+    "leaves": "Paths",
+    "texts": "Texts",
+    "scenes": "Scenes",
+    "episodes": "Ran",
+    "failed": "Failed",
+    "safe": "Safe actions",
+    "unsafe": "Unsafe actions",
+    "mixed": "Choice matters",
+    "holes": "Paths with a hole",
+}
+"""The headings of the counts in the table."""
 
 
 def part(study: "Study", found: "Material") -> Markup:
@@ -41,7 +42,7 @@ def part(study: "Study", found: "Material") -> Markup:
 def coverage_html(report: Coverage) -> Markup:
     """Return a coverage report as a table, followed by lists of holes; every label is escaped."""
     heads = Markup("").join(
-        Markup('<th scope="col" class="n">{}</th>').format(head) for head in _HEADS
+        Markup('<th scope="col" class="n">{}</th>').format(head) for head in _HEADS.values()
     )
     rows = Markup("").join(_row(row) for row in report.rows if row.kind != "leaf")
     table = Markup(
@@ -52,18 +53,9 @@ def coverage_html(report: Coverage) -> Markup:
 
 
 def _row(row: Tally) -> Markup:
-    counts = (
-        row.leaves,
-        row.texts,
-        row.scenes,
-        row.episodes,
-        row.failed,
-        row.safe,
-        row.unsafe,
-        row.mixed,
-        row.holes,
+    cells = Markup("").join(
+        Markup('<td class="n">{}</td>').format(getattr(row, count)) for count in _HEADS
     )
-    cells = Markup("").join(Markup('<td class="n">{}</td>').format(count) for count in counts)
     name = Markup("<bdi>{}</bdi>").format(row.label)
     name = name if row.depth > 1 else Markup("<strong>{}</strong>").format(name)
     return Markup('<tr><th scope="row">{}</th>{}</tr>').format(name, cells)
