@@ -19,11 +19,11 @@ from oodscen.driving._surrogate_safety import (
     Footprints,
     overlap,
     post_encroachment,
-    sine_cosine,
     time_headway,
     time_to_collision,
 )
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
+from oodscen.numerics._exact import sincos_all
 from oodscen.protocols import State
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ class Trace:
         time = np.array([state.time for state in states])
         off_road = np.array([state.off_road for state in states])
         x, y, z, yaw = (np.ascontiguousarray(poses[:, :, axis]) for axis in range(4))
-        cos, sin = sine_cosine(yaw)[::-1]
+        sin, cos = sincos_all(yaw)
         vx, vy = speed * cos, speed * sin
         acceleration, turning = np.zeros_like(speed), np.zeros_like(speed)
         if len(states) > 1:
@@ -232,7 +232,7 @@ class Trace:
         if len(self.ids) < 2:
             return {}
         columns = self.columns
-        sin, cos = sine_cosine(columns["yaw"])
+        sin, cos = sincos_all(columns["yaw"])
         prints = Footprints(
             columns["x"], columns["y"], cos, sin, 0.5 * columns["length"], 0.5 * columns["width"]
         )

@@ -12,6 +12,7 @@ import hashlib
 import importlib
 import sys
 from collections.abc import Callable
+from enum import EnumType
 from functools import cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -172,6 +173,8 @@ def _digest(function: Callable[..., object]) -> str:
                 if value not in known and (id(value) in parts or value.__module__.startswith(_OWN)):
                     known.add(value)
                     pending.append(value)
+            elif isinstance(value, EnumType):
+                constants.add(f"{name}={list(value)!r}")
             elif isinstance(value, (bool, int, float, str, tuple, np.generic)):
                 constants.add(f"{name}={value!r}")
     for file in sorted(files):

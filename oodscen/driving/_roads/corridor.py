@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from oodscen.driving._roads import track as look
 from oodscen.driving._roads.coverage import REACH_M, Band, Ranges, covered, merged
+from oodscen.driving._roads.network import StripKind
 from oodscen.driving._roads.track import Track, for_kernels, packed, viewed
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import seen
-
-StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
 
 DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
 """Kinds of strips that the ego may drive on."""

@@ -26,7 +26,7 @@ from oodscen.driving._roads.network import (
     RoadLink,
 )
 
-__all__ = ["MAX_BYTES", "MAX_ROAD_LENGTH", "read_network", "read_road"]
+__all__ = ["MAX_BYTES", "MAX_ROAD_LENGTH", "read_network"]
 
 MAX_ROAD_LENGTH = 50_000.0
 _MAX_ROADS = 5_000
@@ -45,29 +45,6 @@ _GAP = 0.1
 """Distance between two pieces of a plan view above which the road is broken, m."""
 _KINK = 0.05
 """Angle between two pieces of a plan view above which the road is broken, rad."""
-
-
-def read_road(data: bytes, road_id: str = "", *, source: str = "") -> Road:
-    """Read one road from the bytes of an OpenDRIVE file.
-
-    Args:
-        data: The file's content.
-        road_id: OpenDRIVE id of the road; empty for the first.
-        source: The origin of the bytes, for error messages.
-
-    Raises:
-        DataError: With every fault of the file's structure and of that road.
-    """
-    document = Document(source)
-    roads = children(document.parse(data), "road")
-    chosen = [road for road in roads if not road_id or road.get("id") == road_id]
-    if not chosen:
-        known = ", ".join(label(road) for road in roads[:20])
-        document.fail("", f"no road {road_id!r}; the file has: {known}" if roads else "no road")
-    road = _Reader(document).road(chosen[0])
-    if document.issues or road is None:
-        raise document.error()
-    return road
 
 
 def read_network(data: bytes, *, source: str = "") -> Network:

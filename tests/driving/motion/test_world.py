@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._scene import Trigger
 from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld
-from oodscen.driving._motion.bodies import SPEED, YAW, X, Y
+from oodscen.driving._motion.columns import SPEED, YAW, X, Y
 from oodscen.protocols import Control
 from tests.driving.staging import actor, scene, world
 

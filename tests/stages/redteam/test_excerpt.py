@@ -34,7 +34,7 @@ def test_an_excerpt_is_a_tree_that_fits_and_counts_what_it_leaves_out(shape, tok
     random.shuffle(ranked)
     part = excerpt(tree, lambda: ranked, tokens=tokens)
     shown = {node.id for node in part.nodes}
-    assert ScenarioTree.model_validate({"nodes": part.nodes})
+    assert ScenarioTree.parse({"nodes": part.nodes})
     assert {"root", "environmental", "interactional"} <= shown
     left_out = [leaf.id for leaf in tree.leaves if leaf.id not in shown]
     assert sum(item.leaves for item in part.hidden) == len(left_out)
