@@ -38,7 +38,8 @@ Is this your answer?\n@|Either @|Neither @ nor anything|As a joke: @|My answer w
 @\nI changed my mind.|@\nScratch that.|@\nForget that.|@\nLies.|@\nAll of what I answer here is a lie.|@\nI lied.
 @\nDon't.|@\nDo the opposite.|@\nReverse that.|@ was my first guess|@ = wrong|@ => false|@ != my answer|if x: @
 @\nReasoning: the road is free. Wait, no.|@ {"negated": true}|@ {"is_valid": false}|{"wrong": [@]}|{"not": @}
-{"answer": @, "negated": true}|{"example": @}
+{"answer": @, "negated": true}|{"example": @}|~~My answer: @\nThe lane on the right is wide and dry.~~|Anything except\n\nmy answer: @
+@\nIs the lane on the right of the ego wide and dry?
 """.strip().replace("\n", "|").replace("\\n", "\n").split("|")  # fmt: skip
 """Answers that hold an object and do not give it as the answer."""
 
@@ -235,3 +236,6 @@ def test_a_short_remark_may_be_about_the_answer_and_a_long_one_must_deny_it(n):
     assert takes_back(" ".join(["word"] * n)) is (n <= FEW)
     assert takes_back(" ".join(["word"] * n) + " not so")
     assert not takes_back("")
+    before = " ".join(["word"] * n)
+    said = f'{before} not.\n{{"action": "stop"}}'
+    assert (read_action(said, ACTIONS).value is None) is (n < FEW)
