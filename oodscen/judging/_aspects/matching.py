@@ -41,7 +41,7 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     """
     if not path or not aspect.strip():
         return False
-    if _words(aspect) == _words(path[-1]):
+    if is_same_wording(aspect, path[-1]):
         return True
     if len(_parts(aspect)) > MOST_THINGS:
         return False
@@ -50,6 +50,12 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     if not heads:
         return _names_state(said, label) or _names_word(aspect, path[-1])
     return any(_names_oddity(said, head) or _names_case(said, label, head) for head in heads)
+
+
+def is_same_wording(aspect: str, label: str) -> bool:
+    """Return whether two texts have the same words."""
+    first, second = (re.findall(r"\w+", text.casefold()) for text in (aspect, label))
+    return first == second
 
 
 def _names_oddity(said: Naming, head: Concept) -> bool:
@@ -141,10 +147,6 @@ def _names_word(aspect: str, label: str) -> bool:
 
 
 _PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
-
-
-def _words(text: str) -> list[str]:
-    return re.findall(r"\w+", text.casefold())
 
 
 def affirmed_words(text: str) -> set[str]:
