@@ -22,7 +22,7 @@ from oodscen.errors import (
     UsageError,
 )
 from oodscen.llm._remote.call_bounds import Bounds, bounded
-from oodscen.llm._remote.failures import Failure, Filtered, diagnose
+from oodscen.llm._remote.failures import Failure, Filtered, NoAnswer, diagnose
 from oodscen.llm._remote.limits import Price, Spent, Traffic, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen.llm._remote.usage import believed, count, estimate_tokens
@@ -67,7 +67,7 @@ class LiteLLM:
         temperature: Sampling temperature; `None` leaves it to the provider.
         max_tokens: Longest answer; `None` leaves it to the provider.
         retries: Maximum number of retries.
-        max_wait_s: Longest wait before a retry; a call is given up if the server asks for more.
+        max_wait_s: Longest wait before a retry; a call is given up at once if the server asks for more.
         max_bytes: Largest response.
         traffic: Caps, prices and endpoints, shared by the models of a run. Without it nothing is capped and
             no endpoint is given up.
@@ -167,6 +167,7 @@ class LiteLLM:
                 continue
             wait = self._wait(outcome, tries, request)
             if wait is None:
+                outcome = self._explained(outcome)
                 self._endpoint.given_up(outcome, self.name)
                 self._endpoint.check(self.name)
                 raise self._error(outcome, requests)
@@ -216,6 +217,14 @@ class LiteLLM:
             return True
         return self._endpoint.is_alive(bounds.url, _responds)
 
+    def _explained(self, failure: Failure) -> Failure:
+        """Add to a failure that the server asked for too long a wait."""
+        asked = failure.retry_after
+        if not failure.retryable or asked is None or asked <= self.max_wait_s:
+            return failure
+        said = f"; the server asked to wait {asked:.0f} s, more than max_wait_s {self.max_wait_s:g}"
+        return replace(failure, message=f"{failure.message}{said}")
+
     def _error(self, failure: Failure, requests: int) -> LLMError:
         if failure.kind == "filtered":
             return RefusedError(failure.message, model=self.name, requests=requests)
@@ -250,10 +259,12 @@ class LiteLLM:
         return Spent(1, tokens, cost or 0.0)
 
     def _completion(self, response: Any, request: Request) -> Completion:
-        message = response.choices[0].message
-        text = message.content or getattr(message, "refusal", None) or ""
-        if not text and getattr(response.choices[0], "finish_reason", "") == "content_filter":
-            raise Filtered("the answer was withheld")
+        if not response.choices:
+            raise NoAnswer("the response holds no answer: its list of choices is empty")
+        choice = response.choices[0]
+        if getattr(choice, "finish_reason", "") == "content_filter":
+            raise Filtered("the answer was withheld or cut")
+        text = choice.message.content or getattr(choice.message, "refusal", None) or ""
         said = getattr(response, "usage", None)
         details = getattr(said, "prompt_tokens_details", None)
         usage = Usage(
@@ -289,6 +300,7 @@ class LiteLLM:
         if not failure.retryable or tries >= most:
             return None
         if failure.retry_after is not None:
+            # An earlier retry would be refused again, and count against the caller.
             return failure.retry_after if failure.retry_after <= self.max_wait_s else None
         keys = ("retry", request.prompt.purpose, request.sample, request.attempt, tries)
         jitter = float(stream(self.seed, *keys).uniform(0.5, 1.0))
@@ -305,10 +317,12 @@ def load_litellm() -> ModuleType:
     enforce()
     with _import_lock:
         os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
-        # litellm's type definitions make pydantic warn, some of them only on first use.
-        warnings.filterwarnings(
-            "ignore", message=r".*ReadOnly. qualifier", category=UserWarning, module=r"pydantic\."
-        )
+        # litellm's type definitions make pydantic warn, some of them only on first use; so do
+        # responses whose fields have other types than the API's.
+        for message in (r".*ReadOnly. qualifier", "Pydantic serializer warnings"):
+            warnings.filterwarnings(
+                "ignore", message=message, category=UserWarning, module=r"pydantic\."
+            )
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
