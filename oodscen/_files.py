@@ -6,8 +6,9 @@ import secrets
 import stat
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
 
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, UsageError
 
 MAX_BYTES = 1 << 30
 """Maximum number of bytes read from one file. The largest public data set of driving texts has about 300 MB."""
@@ -115,6 +116,21 @@ def remove_parts(folder: Path) -> None:
         if match and int(match[1]) != os.getpid():
             with suppress(OSError):
                 path.unlink()
+
+
+def temporary_folder() -> TemporaryDirectory[str]:
+    """Create a temporary folder, which is deleted with the returned context.
+
+    Raises:
+        UsageError: If there is no place for temporary files, or it is full.
+    """
+    try:
+        return TemporaryDirectory(prefix="oodscen-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise UsageError(
+            f"cannot create a temporary folder: {error.strerror or error}; set TMPDIR to a folder that can be "
+            "written"
+        ) from None
 
 
 def inside(folder: Path, name: str) -> Path:

@@ -1,7 +1,6 @@
 """Removes credentials from everything that is shown or written."""
 
 import base64
-import base64
 import os
 import re
 from collections.abc import Iterable, Mapping

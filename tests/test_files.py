@@ -7,13 +7,13 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen._files import read_regular, read_utf8
+from oodscen._files import read_regular, read_utf8, temporary_folder
 from oodscen._registry import make_catalogue
 from oodscen.author import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.driving import find_map
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
 from oodscen.metrics import score_file
 from oodscen.testing import HashEncoder
 
@@ -118,3 +118,16 @@ def test_text_is_utf8_with_or_without_a_mark(tmp_path):
     with pytest.raises(DataError) as caught:
         read_utf8(path, "thing")
     assert caught.value.issues[0].path == "line 4"
+
+
+def test_a_missing_place_for_temporary_files_is_one_line(monkeypatch, tmp_path):
+    with temporary_folder() as folder:
+        assert Path(folder).is_dir()
+    assert not Path(folder).exists()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
+    with pytest.raises(
+        UsageError, match=r"^cannot create a temporary folder: No such file.* TMPDIR"
+    ):
+        temporary_folder()
+    found = CliRunner().invoke(main, ["run", str(tmp_path / "out"), "--quick", "--dry-run"])
+    assert (found.exit_code, found.output.count("\n")) == (2, 1)

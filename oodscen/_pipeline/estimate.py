@@ -3,15 +3,15 @@
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
+from oodscen._files import temporary_folder
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._registry import is_builtin, make_llm
 from oodscen.data._messages import Image, Message
 from oodscen.data._twins import twin_id
 from oodscen.data._verdict import verdict_id
-from oodscen.errors import MissingExtra, StudyError, StudyMismatch, UnknownComponent
+from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.llm._accounting import Account, accounts
 from oodscen.llm._remote.limits import Price
 from oodscen.llm._remote.litellm import known_price, load_litellm
@@ -54,7 +54,7 @@ def estimate(
     """
     study = Study(out)
     study.check()
-    with TemporaryDirectory() as folder:
+    with temporary_folder() as folder:
         _copy(study, Path(folder))
         names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
         asked = {name: _StandIn(name, config.seed, prices) for name in names if _is_asked(name)}
@@ -90,7 +90,8 @@ def _copy(study: Study, target: Path) -> None:
             try:
                 shutil.copy(study.store.path(name), target / name)
             except OSError as error:
-                raise StudyError(f"cannot read {study.folder / name}: {error.strerror}") from None
+                issue = Issue("", error.strerror or str(error))
+                raise DataError("study", [issue], source=str(study.folder / name)) from None
 
 
 def _judging() -> Iterator[Request]:

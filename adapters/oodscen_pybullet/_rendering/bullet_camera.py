@@ -2,7 +2,6 @@
 
 import contextlib
 import math
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import temporary_folder
 from oodscen.errors import SimulatorError
 from oodscen_pybullet._engine import QuietDescriptors
 from oodscen_pybullet._lighting.shadows import Shade
@@ -131,7 +131,7 @@ class BulletStage:
             if loaded < 0:
                 engine.disconnect(self._client)
                 raise SimulatorError(f"PyBullet's OpenGL camera does not load: {plugin}")
-        self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
+        self._folder = temporary_folder()
         self._written = 0
         self._textures: dict[bool, int] = {}
         self._shapes: dict[object, int] = {}
