@@ -13,7 +13,7 @@ from oodscen import Study
 from oodscen._pipeline import run_study
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
-from oodscen.errors import BudgetExceeded, LLMError
+from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
 from oodscen.llm._remote.limits import Caps, Traffic
@@ -123,6 +123,10 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     model.name, model.kind = "mine", "model"
     config = CONFIG.model_copy(update={"vlms": ("mine",)})
     cut = Study.open(out).scenes[0].id
+    episodes = [
+        episode.model_copy(update={"file_sha256": {}}) for episode in Study.open(out).episodes
+    ]
+    Study(out).store.write_lines("episodes.jsonl", episodes)
     for picture in (out / "frames" / cut).iterdir():
         picture.write_bytes(picture.read_bytes()[:2_000])
     study = run_study(out, config, models={"mine": model})
@@ -159,7 +163,7 @@ def test_a_picture_that_is_named_outside_the_study_is_not_shown(asked):
     out, scenes, shown, run = asked
     lines = (out / "episodes.jsonl").read_text()
     (out / "episodes.jsonl").write_text(
-        lines.replace(f"frames/{scenes[0]}/last.jpg", "../priv/last.jpg")
+        lines.replace(f'"last":"frames/{scenes[0]}/last.jpg"', '"last":"../priv/last.jpg"')
     )
     rows = run()
     assert (rows[scenes[0]].outcome, rows[scenes[0]].error_type) == ("error", "DataError")
