@@ -53,7 +53,7 @@ class _Group(click.Group):
             if "--debug" in (sys.argv if args is None else args):
                 raise
             with suppress(OSError):
-                say(f"oodscen: {shortened(str(error))}", err=True)
+                say(f"oodscen: cannot write the output: {error.strerror or error}", err=True)
             drop_output()
             sys.exit(1)
 

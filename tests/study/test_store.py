@@ -111,7 +111,7 @@ def test_names_lead_nowhere_else(tmp_path):
 def test_what_a_killed_writer_left_goes_when_the_next_one_writes(tmp_path):
     store = Store(tmp_path)
     (tmp_path / "frames").mkdir()
-    part = tmp_path / "frames" / ".1-0123456789ab.oodscen-part"
+    part = tmp_path / "frames" / ".1-01234567-01234567-01234567.oodscen-part"
     users = tmp_path / ".mine.part"
     for path in (part, users):
         path.write_text("")

@@ -208,12 +208,14 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
 
 def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     """Run the scenes that lack an episode, each with its twin; update `staged` with the outcomes."""
-    job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
+    job = Job(run.config.simulator, run.config.seed, run.options.extras, twins=True, restages=True)
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
         wanted = [staged[name].scene for name in dict.fromkeys(todo.values())]
-        for result in sweep(job, wanted, workers=run.workers, executor=run.executor):
+        for result in sweep(
+            job, wanted, workers=run.options.workers, executor=run.options.executor
+        ):
             name = result.episode.id
             if name in staged:
                 tried = tuple(attempt._asdict() for attempt in result.tried)
@@ -248,7 +250,9 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     items = {scene.id: scene for scene in scenes}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
-        for result in sweep(job, list(todo.values()), workers=run.workers, executor=run.executor):
+        for result in sweep(
+            job, list(todo.values()), workers=run.options.workers, executor=run.options.executor
+        ):
             result.save(run.store)
             yield result.episode
 

@@ -2,12 +2,15 @@
 
 import base64
 import os
+import re
 import threading
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from types import ModuleType
 from typing import Any
+from urllib.parse import urlsplit
 
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
@@ -109,6 +112,8 @@ class LiteLLM:
         self._sleep = sleep or self.traffic.sleep
         self._sdk = sdk = load_litellm()
         settings = {name: value for name, value in vars(sdk).items() if name.islower()}
+        if api_base is not None:
+            _check_address(api_base)
         hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
         # litellm asks some models' servers what they can do.
         with bounded(Bounds(LOOKUP_S, max_bytes)):
@@ -116,7 +121,6 @@ class LiteLLM:
             _permit(model, api_base, address)
             self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
-            self._json = _json_ability(sdk, self._model)
         _afford(model, self.price, self.traffic)
         self._endpoint = self.traffic.endpoint(redact(api_base) if api_base else provider)
         self._refused: set[str] = set()
@@ -288,10 +292,16 @@ class LiteLLM:
             return None
 
     def _response_format(self, request: Request) -> dict[str, Any] | None:
-        if self._json == "schema":
+        if self._ability == "schema":
             name = request.prompt.purpose.replace("-", "_")
             return {"type": "json_schema", "json_schema": {"name": name, "schema": request.schema}}
-        return {"type": "json_object"} if self._json == "mode" else None
+        return {"type": "json_object"} if self._ability == "mode" else None
+
+    @cached_property
+    def _ability(self) -> str:
+        """The answer formats that litellm says the model has; it asks some models' servers."""
+        with bounded(Bounds(LOOKUP_S, self.max_bytes)):
+            return _json_ability(self._sdk, self._model)
 
     def _wait(self, failure: Failure, tries: int, request: Request) -> float | None:
         """Return the seconds to wait before the next attempt, or `None` to give up."""
@@ -426,6 +436,20 @@ def _responds(url: str, timeout_s: float) -> bool:
     from oodscen.llm._remote.transport import responds
 
     return responds(url, timeout_s)
+
+
+def _check_address(api_base: str) -> None:
+    """Refuse an address that no request can be sent to."""
+    try:
+        parts = urlsplit(api_base)
+        is_sound = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+        is_sound &= not re.search(r"[\s\\]", api_base)
+    except ValueError:
+        is_sound = False
+    if not is_sound:
+        raise UsageError(
+            f"{redact(api_base)!r:.200} is no address of a server; write it as http://HOST:PORT/v1"
+        )
 
 
 def _permit(model: str, api_base: str | None, address: str | None) -> None:

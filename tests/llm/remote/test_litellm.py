@@ -336,7 +336,7 @@ def test_offline_means_this_machine_only(monkeypatch):
         ("m", "http://example.com/v1"),
         ("m", "http://127.0.0.1.example.com/v1"),
         ("m", "http://10.0.0.1/v1"),
-        ("m", "nonsense"),
+        ("m", "http://nonsense"),
     ]:
         with pytest.raises(UsageError, match="OODSCEN_OFFLINE"):
             LiteLLM(name, api_base=address)
