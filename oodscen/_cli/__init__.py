@@ -53,7 +53,7 @@ class _Group(click.Group):
             if "--debug" in (sys.argv if args is None else args):
                 raise
             with suppress(OSError):
-                say(f"oodscen: {shortened(str(error))}", err=True)
+                say(f"oodscen: cannot write the output: {error.strerror or error}", err=True)
             drop_output()
             sys.exit(1)
 
@@ -137,13 +137,13 @@ def _without(order: list[str], option: str) -> list[str]:
 
 
 EXIT_CODES = {
-    0: "all went well",
-    1: "some items failed, or a check says no; what succeeded is written",
-    2: "the request cannot be met: unknown name, malformed or empty file, folder of another study",
-    3: "stopped by a cap or a server that is down; the same command continues",
-    129: "interrupted by SIGHUP (the terminal is gone); the same command continues",
-    130: "interrupted by Ctrl-C (SIGINT); the same command continues",
-    143: "interrupted by SIGTERM; the same command continues",
+    0: "success",
+    1: "some items failed, a check failed, or a file cannot be written; what succeeded is written",
+    2: "invalid request: unknown name, unreadable or malformed file, folder of another study",
+    3: "stopped by a cap or a server that is down; run the same command to continue",
+    129: "interrupted by SIGHUP (terminal closed); run the same command to continue",
+    130: "interrupted by Ctrl-C (SIGINT); run the same command to continue",
+    143: "interrupted by SIGTERM; run the same command to continue",
 }
 
 _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())

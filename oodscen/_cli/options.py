@@ -1,13 +1,12 @@
 """Options shared by several commands."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from oodscen._cli.numbers import SHARE, FiniteRange
-from oodscen._cli.paths import PathName
+from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.errors import UsageError
@@ -45,8 +44,8 @@ simulator_option = click.option(
 out_option = click.option(
     "-o",
     "--out",
-    type=PathName(dir_okay=False, path_type=Path),
-    help="File to write; else standard output.",
+    type=OutputName(),
+    help="File to write.  [default: standard output]",
 )
 extras_options = _options(
     click.option(

@@ -1,7 +1,6 @@
 """Input and output of the commands."""
 
 import os
-import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from tqdm import tqdm
 
+from oodscen._cli.paths import is_written_through
 from oodscen._files import replace
 from oodscen._text import plain
 from oodscen.data._base import Data, read_text
@@ -204,7 +204,7 @@ def write(out: Path | None, text: str) -> None:
         return
     data = f"{text}\n".encode()
     try:
-        if _is_written_through(out):
+        if is_written_through(out):
             with out.open("wb") as stream:
                 stream.write(data)
             return
@@ -216,13 +216,6 @@ def write(out: Path | None, text: str) -> None:
         replace(target, data)
     except OSError as error:
         raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
-
-
-def _is_written_through(out: Path) -> bool:
-    """Return whether a path is a device, a pipe, or a file that is already open, such as `/dev/stdout`."""
-    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
-        return True
-    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
 
 
 def _refuse_study(target: Path) -> None:

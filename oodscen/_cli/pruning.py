@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 from oodscen._cli.options import json_option, llm_options, out_option, seed_option, simulator_option
 from oodscen._cli.output import say, write, write_lines
-from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from oodscen.stages._prune.pruner import PruneDecision
     from oodscen.tree._scenario_tree import ScenarioTree
 
-_OUT = PathName(dir_okay=False, path_type=Path)
 
-
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("tree", type=READABLE)
 @llm_options
 @seed_option
@@ -35,9 +33,11 @@ _OUT = PathName(dir_okay=False, path_type=Path)
 @click.option(
     "--exact", is_flag=True, help="Drop branches that are shown with substitute assets only."
 )
-@click.option("--decisions", type=_OUT, help="File to write: a decision with its reason per node.")
 @click.option(
-    "--restore", type=_OUT, help="File to write: what would restore the dropped branches."
+    "--decisions", type=OutputName(), help="File to write: a decision with its reason per node."
+)
+@click.option(
+    "--restore", type=OutputName(), help="File to write: what would restore the dropped branches."
 )
 @json_option
 @out_option

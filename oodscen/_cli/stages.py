@@ -20,7 +20,7 @@ from oodscen._cli.options import (
     style_option,
 )
 from oodscen._cli.output import read_lines, rounds_in_words, say, write, write_lines
-from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
@@ -33,7 +33,7 @@ _SIMULATED = ("study.json", "episodes.jsonl", "frames", "traces", "videos")
 """Files and folders whose presence makes `simulate` refuse a folder."""
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @llm_options
 @seed_option
 @click.option(
@@ -48,7 +48,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     write(out, tree.to_json())
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("tree", type=READABLE)
 @llm_options
 @click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
@@ -66,7 +66,7 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     help="Encoder that finds near duplicates, as in a study; `none` refuses literal repetitions alone.",
 )
 @red_options
-@click.option("--log", type=PathName(dir_okay=False, path_type=Path), help="File of the rounds.")
+@click.option("--log", type=OutputName(), help="File of the rounds.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the saturation as JSON instead of the tree."
 )
@@ -123,7 +123,7 @@ def redteam(
         say(words, err=True)
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("tree", type=READABLE)
 @llm_options
 @seed_option
@@ -201,7 +201,7 @@ def describe(
     sys.exit(bool(failures))
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("scenarios", type=READABLE)
 @llm_options
 @seed_option

@@ -127,7 +127,7 @@ def run(
     Models that `oodscen evaluate` judged in OUT stay judged. The exit code is 1 if items failed, and 3 if the
     run was stopped by a cap or a server that is down; the same command continues it.
     """
-    from oodscen._pipeline import Extras, estimate, run_study
+    from oodscen._pipeline import Extras, RunOptions, estimate, run_study
     from oodscen.llm._accounting import Ledger
     from oodscen.study import Study, StudyConfig
 
@@ -144,7 +144,7 @@ def run(
     if before.store.has("study.json"):
         config = config.judging_too(before.config)
     if dry_run:
-        rows = estimate(out, config, prices=traffic.prices)
+        rows = estimate(out, config, RunOptions(workers=workers or 1, traffic=traffic))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     ledger = Ledger()

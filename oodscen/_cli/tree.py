@@ -9,7 +9,7 @@ import click
 from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option, out_option
 from oodscen._cli.output import say, write
-from oodscen._cli.paths import PathName
+from oodscen._cli.paths import FileCommand, PathName
 from oodscen.errors import DataError, Issue
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -93,7 +93,7 @@ def diff(
         click.get_current_context().exit(1)
 
 
-@tree.command()
+@tree.command(cls=FileCommand)
 @click.argument("one", type=_PLACE)
 @click.argument("other", type=_PLACE)
 @_encoder_options
@@ -135,7 +135,7 @@ def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
         click.get_current_context().exit(1)
 
 
-@tree.command()
+@tree.command(cls=FileCommand)
 @click.argument("place", metavar="TREE", type=_PLACE)
 @click.option(
     "--format",
@@ -162,7 +162,7 @@ def export(place: Path, form: str, which: str, out: Path | None) -> None:
     write(out, makers[form](found))
 
 
-@tree.command()
+@tree.command(cls=FileCommand)
 @click.argument("place", metavar="TREE", type=_PLACE)
 @click.option("--edit", type=click.IntRange(min=0), help="Stop after so many edits.")
 @click.option(

@@ -78,6 +78,8 @@ class Episode(Data):
     """Image files by moment (`first`, `middle`, `last`), relative to the study's folder."""
     files: tuple[str, ...] = ()
     """Further requested files: traces, annotations, videos."""
+    file_sha256: dict[str, str] = {}
+    """SHA-256 of the frames and further files, by name."""
     frame_sha256: dict[str, str] = {}
     """SHA-256 of the raw pixels, by moment."""
     visible: dict[str, dict[str, int]] = {}

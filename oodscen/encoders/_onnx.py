@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import temporary_folder
 from oodscen.encoders._cached import cache_folder
 from oodscen.encoders._minilm import MiniLM, packaged, verified
 from oodscen.errors import EncoderError, MissingExtra
@@ -171,7 +172,7 @@ def _exported(load: Any, int8: bool) -> bytes:
     sample = torch.ones((2, _COLUMNS), dtype=torch.int64)
     names = ["input_ids", "attention_mask"]
     free = {name: {0: "texts", 1: "pieces"} for name in names}
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+    with temporary_folder() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         file = Path(folder) / "model.onnx"
         try:

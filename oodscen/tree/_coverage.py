@@ -167,7 +167,7 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
 
     Raises:
         UnknownComponent: If the tree has another name.
-        StudyError: If a file cannot be read.
+        DataError: If a file cannot be read, or is malformed.
     """
     texts = list(study.scenarios)
     if tree != "simulatable":

@@ -1,7 +1,6 @@
 """PyBullet's own camera: a world of visual shapes only."""
 
 import math
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
@@ -9,6 +8,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import temporary_folder
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
@@ -38,7 +38,7 @@ class BulletStage:
         self._engine = engine
         self._casts_shadows = casts_shadows
         self._client: int = engine.connect(engine.DIRECT)
-        self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
+        self._folder = temporary_folder()
         self._written = 0
         self._textures: dict[bool, int] = {}
         self._shapes: dict[object, int] = {}
