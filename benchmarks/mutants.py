@@ -82,6 +82,7 @@ class Mutant(NamedTuple):
 
     @property
     def mutated_line(self) -> str:
+        """The mutated line, stripped."""
         return self.source.splitlines()[self.line - 1].strip()
 
 
@@ -131,7 +132,9 @@ class _Finder(ast.NodeVisitor):
     def visit_Compare(self, node: ast.Compare) -> None:
         if len(node.ops) == 1:
             turned = COMPARISONS[type(node.ops[0])]
-            self.found.append((node, f"{self.text(node.left)} {turned} {self.text(node.comparators[0])}"))
+            self.found.append(
+                (node, f"{self.text(node.left)} {turned} {self.text(node.comparators[0])}")
+            )
         self.generic_visit(node)
 
     def visit_BinOp(self, node: ast.BinOp) -> None:
@@ -144,7 +147,9 @@ class _Finder(ast.NodeVisitor):
 
     def visit_BoolOp(self, node: ast.BoolOp) -> None:
         turned = " or " if isinstance(node.op, ast.And) else " and "
-        self.found.append((node, f"({turned.join(f'({self.text(item)})' for item in node.values)})"))
+        self.found.append(
+            (node, f"({turned.join(f'({self.text(item)})' for item in node.values)})")
+        )
         self.generic_visit(node)
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> None:
@@ -200,7 +205,18 @@ def mutants_of(module: str) -> list[Mutant]:
 
 def run_tests(copy: Path, tests: tuple[str, ...], limit: float | None) -> bool:
     """Return whether the tests pass in a copy of the repository; a test that hangs has noticed."""
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "0", "-p", "no:cacheprovider", *tests]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-x",
+        "-n",
+        "0",
+        "-p",
+        "no:cacheprovider",
+        *tests,
+    ]
     environment = {
         **os.environ,
         "PYTHONPATH": f"{copy}{os.pathsep}{copy / 'adapters'}",
@@ -208,7 +224,9 @@ def run_tests(copy: Path, tests: tuple[str, ...], limit: float | None) -> bool:
         "OODSCEN_OFFLINE": "1",
     }
     try:
-        done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, timeout=limit)
+        done = subprocess.run(
+            command, cwd=copy, env=environment, capture_output=True, timeout=limit
+        )
     except subprocess.TimeoutExpired:
         return False
     return done.returncode == 0
@@ -220,7 +238,9 @@ def copies(count: int, folder: Path) -> Iterator[Path]:
         copy.mkdir()
         for name in COPIED:
             if (ROOT / name).is_dir():
-                shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+                shutil.copytree(
+                    ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__")
+                )
             else:
                 shutil.copy(ROOT / name, copy / name)
         yield copy
@@ -264,16 +284,23 @@ def measure(count: int, seed: int, only: str, workers: int) -> list[dict[str, ob
     for mutant, survived in zip(drawn, results, strict=True):
         if survived and (mutant.module, mutant.mutated_line) not in EQUIVALENT:
             survivors.append(mutant)
-            print(f"{mutant.module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}", file=sys.stderr)
+            print(
+                f"{mutant.module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}",
+                file=sys.stderr,
+            )
     equal = sum((one.module, one.mutated_line) in EQUIVALENT for one in drawn)
     rows: list[dict[str, object]] = []
     for module in limits:
         tried = sum(one.module == module for one in drawn)
         left = sum(one.module == module for one in survivors)
-        rows.append({"name": f"surviving mutants of {module}, of {tried}", "value": left, "unit": ""})
+        rows.append(
+            {"name": f"surviving mutants of {module}, of {tried}", "value": left, "unit": ""}
+        )
     share = 100 * len(survivors) / max(1, len(drawn) - equal)
     name = f"surviving share of {len(drawn) - equal} real mutants ({equal} equivalent)"
-    rows.append({"name": name, "value": round(share, 1), "unit": "%", "target": "<= 5", "holds": share <= 5})
+    rows.append(
+        {"name": name, "value": round(share, 1), "unit": "%", "target": "<= 5", "holds": share <= 5}
+    )
     return rows
 
 
