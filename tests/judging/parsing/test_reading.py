@@ -86,7 +86,8 @@ def test_an_answer_in_the_reasoning_is_not_the_answer(thought, action, tag):
         assert read_action(f"{said}</{tag}>{action}", ACTIONS).value == action
         assert read_action(f"{said}{thinking}{said}</{tag}>{action}", ACTIONS).value == action
         quoted = json.dumps(f'{thinking}{{"action": "{action}"}}')
-        assert read_action(quoted, ACTIONS).value == action
+        for one in (quoted, quoted.replace("<", "\\u003c")):
+            assert read_action(one, ACTIONS).value == action
 
 
 @given(
