@@ -16,7 +16,7 @@ from oodscen._registry import find, make_simulator
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
-from oodscen.driving._trace import to_parquet
+from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map

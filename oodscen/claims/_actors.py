@@ -10,7 +10,8 @@ from oodscen.claims._watching import decision_s
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
-from oodscen.driving._trace import Course, Trace, places
+from oodscen.driving._roads.projection import places
+from oodscen.driving._trace import Course, Trace
 
 Floats = NDArray[np.float64]
 Verdict = tuple[bool | None, str]

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from oodscen.numerics._exact import Floats
 
 TTC_LIMIT_S = 60.0
 """Time beyond which a collision counts as none, s."""
