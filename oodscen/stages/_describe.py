@@ -88,8 +88,8 @@ class Describer:
             texts = kept + fresh
         if self.metrics is not None and self.options.is_selective:
             low, high = self.options.band or (-np.inf, np.inf)
-            chosen = self.metrics.select(texts, count, low=low, high=high)
-            texts = [texts[place] for place in sorted(chosen.indices)]
+            selected = self.metrics.select(texts, count, low=low, high=high)
+            texts = [texts[place] for place in sorted(selected.indices)]
         return [
             self._scenario(f"{leaf}-{number:03d}", text, leaf, path)
             for number, text in enumerate(texts, start=1)

@@ -1,7 +1,7 @@
 """Options of the stages: parameters that travel together, as frozen values."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import Field
 
@@ -12,6 +12,7 @@ from oodscen.prompts import Style
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
 
 Options = TypeVar("Options", bound=Data)
+_Bound = Annotated[float, Field(allow_inf_nan=True)]
 
 
 class RedTeamOptions(Data):
@@ -66,8 +67,8 @@ class DescribeOptions(Data):
     """Maximum number of redraws of near duplicates and off-topic texts before they are accepted."""
     candidates: int = Field(default=1, ge=1)
     """Texts written for each one that is kept; of several, those that differ most from one another are kept."""
-    band: tuple[float, float] | None = None
-    """Lowest and highest OOD-ness of the candidates."""
+    band: tuple[_Bound, _Bound] | None = None
+    """Lowest and highest OOD-ness of the candidates; either may be infinite."""
     twins: bool = False
     """Write the ordinary twin of every text; a text whose twin's answers are never valid gets none."""
     batch: int = 10

@@ -1,5 +1,7 @@
 """Options: one frozen value, or single names; what does not exist is refused with its name."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -24,6 +26,7 @@ def test_names_and_one_value_say_the_same(iterations, closed_loop, in_flight):
 def test_what_is_left_out_has_its_default():
     assert RedTeamer(LLM).options == RedTeamOptions()
     assert Describer(LLM).options == DescribeOptions()
+    assert DescribeOptions(band=(-math.inf, 0.5)).band == (-math.inf, 0.5)
 
 
 @pytest.mark.parametrize("maker", [RedTeamer, Describer])
