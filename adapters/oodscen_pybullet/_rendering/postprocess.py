@@ -2,7 +2,7 @@
 
 It applies shadows, wetness, lamps, fog, sky and grain in scalar arithmetic on 32-bit numbers, so
 the bits do not depend on the processor. Functions written with `np.minimum` and the like accept
-both scalars and arrays: `develop_arrays` does the same without numba.
+both scalars and arrays: `postprocess_arrays` does the same without numba.
 """
 
 from typing import Any, NamedTuple
@@ -25,9 +25,12 @@ SETTINGS = 56
 ) = range(44)  # fmt: skip
 """Indices in the settings of `develop_pixels`."""
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
-_BEAM_G, _BEAM_B = np.float32(0.97), np.float32(0.88)
-_FARTHEST = np.float32(400.0)
-_TINY = np.float32(1.0 / 255.0)
+TINT_G, TINT_B = np.float32(0.97), np.float32(0.88)
+"""Green and blue of the ego's beams, relative to red."""
+FARTHEST = np.float32(400.0)
+"""Distance beyond which lamps are alike, m."""
+TINY = np.float32(1.0 / 255.0)
+"""One step of a byte as a fraction."""
 
 
 @inlined
@@ -227,7 +230,7 @@ def _find_shadows(plate: Plate, line: Line, y: int) -> None:
         z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
         if not kind & GROUND:
             # Objects have faces at all angles and therefore need a larger tolerance.
-            slant = _ONE - np.float32(lit[y, x]) * _TINY
+            slant = _ONE - np.float32(lit[y, x]) * TINY
             z += np.float32(0.05) + np.float32(0.25) * slant
         aside = step_x + across[x] * right_x
         along = step_y + across[x] * right_y
@@ -272,7 +275,7 @@ def _find_tunnel(plate: Plate, line: Line, y: int) -> None:
         indoors[x] = _ZERO
         if kinds[y, x] & SHELTERED:
             # Daylight enters for some metres.
-            way = np.minimum(reach[y, x], _FARTHEST) * towards - settings[PORTAL]
+            way = np.minimum(reach[y, x], FARTHEST) * towards - settings[PORTAL]
             way = way * np.float32(1.0 / 7.0)
             indoors[x] = clear[x]
             clear[x] = clear[x] / (_ONE + way * way)
@@ -300,13 +303,13 @@ def _add_beams(plate: Plate, line: Line, y: int) -> None:
     red, green, blue = line.red, line.green, line.blue
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
     for x in range(red.shape[0]):
-        near = np.minimum(reach[y, x], _FARTHEST)
+        near = np.minimum(reach[y, x], FARTHEST)
         is_ground = kinds[y, x] & (GROUND | SOFT) == GROUND
         aloft = _ZERO if is_ground else settings[EYE_HEIGHT] + near * rise
         bright = beam(near, aloft, spread[0, x], settings[BEAM])
         red[x] += bright
-        green[x] += bright * _BEAM_G
-        blue[x] += bright * _BEAM_B
+        green[x] += bright * TINT_G
+        blue[x] += bright * TINT_B
 
 
 @part
@@ -318,7 +321,7 @@ def _add_lamps(plate: Plate, line: Line, y: int) -> None:
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
     one = np.uint64(1)
     for x in range(red.shape[0]):
-        near = np.minimum(reach[y, x], _FARTHEST)
+        near = np.minimum(reach[y, x], FARTHEST)
         u = near * np.float32(1.0 / GRID_CELL)
         v = near * across[x] * np.float32(1.0 / GRID_CELL) + np.float32(GRID_ASIDE / 2)
         if not (u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(GRID_ASIDE - 1)):
@@ -467,7 +470,7 @@ def _add_sky(plate: Plate, line: Line, y: int) -> None:
         if sky[y, x] == np.uint8(255):
             red[x], green[x], blue[x] = r, g, b
         else:
-            part = np.float32(sky[y, x]) * _TINY
+            part = np.float32(sky[y, x]) * TINY
             red[x] += (r - red[x]) * part
             green[x] += (g - green[x]) * part
             blue[x] += (b - blue[x]) * part
@@ -494,51 +497,3 @@ def _store(line: Line, image: U8, y: int) -> None:
         image[y, x, 0] = np.uint8(np.minimum(np.maximum(red[x] + _HALF, _ZERO), top))
         image[y, x, 1] = np.uint8(np.minimum(np.maximum(green[x] + _HALF, _ZERO), top))
         image[y, x, 2] = np.uint8(np.minimum(np.maximum(blue[x] + _HALF, _ZERO), top))
-
-
-def develop_arrays(plate: Plate) -> U8:
-    """Develop a picture without numba, like `develop_pixels` but without shadows, lamps and tunnels.
-
-    Returns:
-        [height, width, 3]
-    """
-    settings, across, upwards = plate.settings, plate.across, plate.upwards
-    reach, kinds, spread, heaven = plate.reach, plate.kinds, plate.spread, plate.heaven
-    axes, halo, sheet = plate.axes, plate.halo, plate.sheet
-    height, width = reach.shape
-    rise = (upwards * axes[1, 2] + axes[2, 2])[:, None]
-    near = np.minimum(reach, _FARTHEST)
-    aloft = np.where((kinds & 20) == 4, _ZERO, settings[EYE_HEIGHT] + near * rise)
-    light = settings[DAY_R : DAY_B + 1].reshape(3, 1, 1) * np.ones((1, height, width), np.float32)
-    if settings[BEAM] > 0.0:
-        bright = beam(near, aloft, spread[0][None, :], settings[BEAM])
-        light += bright[None] * np.array([1.0, _BEAM_G, _BEAM_B], np.float32).reshape(3, 1, 1)
-    colours = plate.rgb.astype(np.float32) * light
-    if settings[WET] > 0.0:
-        colours *= np.where((kinds & 28) == 4, settings[WET], _ONE)
-    air = settings[AIR_R : AIR_B + 1].reshape(3, 1, 1)
-    air = air + (settings[HALO] * halo[:, None] * spread[1][None, :])[None]
-    if settings[RATE] > 0.0:
-        stretch = np.sqrt(
-            _ONE + across[None, :] * across[None, :] + upwards[:, None] * upwards[:, None]
-        )
-        far = np.minimum(reach, np.float32(1e6)) * stretch * settings[RATE]
-        colours = air + (colours - air) * fade(np.minimum(far, np.float32(40.0)))
-    low, between = heaven[:, 3].astype(np.int64), heaven[:, 4:5]
-    lines = sheet[low] + (sheet[low + 1] - sheet[low]) * between
-    turn = spread[2].astype(np.int64)
-    cloud = lines[:, turn] + (lines[:, turn + 1] - lines[:, turn]) * (spread[2] - turn)
-    cloud = cloud.astype(np.float32)
-    share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
-    grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
-    blue = heaven[:, :3].T[:, :, None]
-    tones = np.array([0.971, 0.984, 1.0], np.float32).reshape(3, 1, 1)
-    behind = blue + (grey[None] * tones - blue) * share[None]
-    if settings[SKY_THROUGH] < _ONE:
-        behind = air + (behind - air) * settings[SKY_THROUGH]
-    colours += (behind - colours) * (plate.sky.astype(np.float32) * _TINY)[None]
-    if settings[GRAIN] > 0.0:
-        numbers = np.arange(height * width, dtype=np.uint32) + np.uint32(settings[NOISE])
-        colours += grain(numbers).reshape(height, width)
-    done = np.clip(colours + _HALF, 0.0, 255.0).astype(np.uint8)
-    return np.ascontiguousarray(np.moveaxis(done, 0, 2))

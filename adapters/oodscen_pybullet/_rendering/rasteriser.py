@@ -122,8 +122,9 @@ class Canvas:
             lit=np.empty(shape, np.uint8),
             kinds=np.empty(shape, np.uint8),
         )
+        rows = (view.height * self._detail, view.width)
         sheets = raster.Samples(
-            *(part[:count].reshape(view.height * self._detail, -1) for part in samples)
+            samples.nearness[:count].reshape(rows), samples.shown[:count].reshape(rows)
         )
         lights = sun[3:].astype(np.float32)
         shading.gather(sheets, drawn, textures(self._is_snowy), lights, self._detail, planes)
