@@ -18,10 +18,10 @@ register of specifications and problem texts, for the guard against off-topic te
 
 from collections.abc import Mapping
 from functools import cache
-from importlib import resources
 from types import MappingProxyType
 
 from oodscen.baselines._baseline import Baseline
+from oodscen.baselines._texts import bundled
 
 _FILES = (
     "handwritten.txt",
@@ -50,9 +50,8 @@ def by_subject() -> Mapping[str, tuple[str, ...]]:
     """Return the hand-written texts by subject, in the order of the files."""
     found: dict[str, list[str]] = {}
     for name in _FILES:
-        file = resources.files("oodscen.baselines") / name
         subject = ""
-        for line in file.read_text(encoding="utf-8").splitlines():
+        for line in bundled(name).splitlines():
             if line.startswith("# "):
                 subject = line[2:]
             elif line:

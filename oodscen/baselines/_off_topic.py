@@ -8,14 +8,13 @@ who had
 seen neither these texts nor the guard.
 """
 
-import json
 from functools import cache
-from importlib import resources
 from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from oodscen.baselines._controls import Split
+from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 
 
@@ -46,6 +45,5 @@ def load_off_topic(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
 
 @cache
 def _texts() -> tuple[OffTopic, ...]:
-    file = resources.files("oodscen.baselines") / "off_topic.jsonl"
-    lines = file.read_text(encoding="utf-8").splitlines()
-    return tuple(OffTopic.parse(json.loads(line), source=file.name) for line in lines)
+    lines = bundled("off_topic.jsonl").splitlines()
+    return tuple(OffTopic.parse(line, source="off_topic.jsonl") for line in lines)

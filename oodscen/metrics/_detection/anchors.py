@@ -9,7 +9,8 @@ on sentences, by an author who had read the *tune* half of the controls.
 
 import tomllib
 from functools import cache
-from importlib import resources
+
+from oodscen.baselines._texts import bundled
 
 Pairs = tuple[tuple[str, str], ...]
 """Pairs of an ordinary and a not ordinary text in the same frame."""
@@ -18,8 +19,7 @@ Pairs = tuple[tuple[str, str], ...]
 @cache
 def anchors() -> tuple[Pairs, Pairs, Pairs, Pairs]:
     """Return the four sorts of pairs: judgements, conduct of things on the road, sentences, kinds of events."""
-    file = resources.files("oodscen.metrics._detection") / "anchors.toml"
-    known = tomllib.loads(file.read_text(encoding="utf-8"))
+    known = tomllib.loads(bundled("anchors.toml", "oodscen.metrics._detection"))
     judgements = tuple(
         (_filled(frame, calm), _filled(frame, odd))
         for calm, odd in known["judgements"]

@@ -22,7 +22,6 @@ encoder `calibrated` is false, and the flags are only a hint.
 
 from collections.abc import Sequence
 from functools import cache
-from importlib import resources
 from typing import ClassVar
 
 import numpy as np
@@ -30,6 +29,7 @@ from numpy.typing import NDArray
 
 from oodscen.baselines._off_topic import load_off_topic
 from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.metrics._detection.detectors import Encode
 from oodscen.metrics._vectors.similarity import Vectors, largest
@@ -101,8 +101,7 @@ def is_calibrated(encoder: str) -> bool:
 @cache
 def elsewhere() -> tuple[str, ...]:
     """Return the bundled texts, not about driving, that the guard is fitted to."""
-    file = resources.files("oodscen.metrics._detection") / "elsewhere.txt"
-    lines = file.read_text(encoding="utf-8").splitlines()
+    lines = bundled("elsewhere.txt", "oodscen.metrics._detection").splitlines()
     return tuple(line for line in lines if line and not line.startswith("# "))
 
 
