@@ -60,7 +60,7 @@ class _Group(click.Group):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         for word in args:
             if "\0" in word or whole(word) != word:
-                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is no text in UTF-8.")
+                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is not valid UTF-8.")
         ctx.meta[_ORDER] = list(args)
         return super().parse_args(ctx, args)
 
@@ -78,7 +78,7 @@ class _Group(click.Group):
             again = ""
             if ctx.invoked_subcommand in ("run", "evaluate"):
                 command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
-                again = f"; what is done is written, and this command continues: {command}"
+                again = f"; finished work is saved, and this command continues: {command}"
             with suppress(OSError):  # the terminal has hung up
                 say(f"oodscen: interrupted{again}", err=True)
             ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
@@ -154,7 +154,7 @@ _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in 
 @click.option("--debug", is_flag=True, help="Show tracebacks.")
 @click.pass_context
 def main(context: click.Context, debug: bool) -> None:
-    """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
+    """Test automated driving on out-of-distribution scenarios written by language models."""
     enforce()
     here = os.getcwd()
     if here not in sys.path:

@@ -11,9 +11,9 @@ import click
 from tqdm import tqdm
 
 from oodscen._cli.paths import is_written_through
-from oodscen._files import replace
+from oodscen._files import read_utf8, replace
 from oodscen._text import plain
-from oodscen.data._base import Data, read_text
+from oodscen.data._base import Data
 from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
         DataError: With every malformed line, or when the file has no lines.
     """
     rows, issues = [], []
-    for number, line in enumerate(read_text(path, kind.noun).split("\n"), start=1):
+    for number, line in enumerate(read_utf8(path, kind.noun).split("\n"), start=1):
         if line.strip():
             try:
                 rows.append(kind.parse(line))
