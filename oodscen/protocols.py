@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +65,6 @@ class Request:
 class Usage(Data):
     """The tokens and the cost of one call."""
 
-    noun: ClassVar[str] = "usage"
-
     input_tokens: int = 0
     output_tokens: int = 0
     cached_tokens: int = 0
@@ -77,8 +75,6 @@ class Usage(Data):
 
 class Completion(Data):
     """A language model's response to one request."""
-
-    noun: ClassVar[str] = "completion"
 
     text: str
     """The raw response text; only lone surrogates are replaced."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,6 @@ _ALL = slice(None)
 
 class Encounter(Data):
     """The closest encounter of the ego with one actor in a trace."""
-
-    noun: ClassVar[str] = "encounter"
 
     actor: str
     min_gap_m: float | None = None
