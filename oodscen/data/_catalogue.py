@@ -142,6 +142,20 @@ class Catalogue(Data):
         """Return a map by id; raises `KeyError` if it is unknown."""
         return {road.id: road for road in self.maps}[name]
 
+    def bodies(self, scene: Scene) -> list[tuple[str, Asset, str]]:
+        """Return id, asset and state of every body in a scene: `ego`, then the actors in order.
+
+        Raises:
+            KeyError: If the catalogue lacks an asset.
+        """
+        assets = {asset.id: asset for asset in self.assets}
+        bodies = [("ego", self.ego, "")]
+        bodies += [(actor.id, assets[actor.asset], actor.state) for actor in scene.actors]
+        return [
+            (name, asset, state or (asset.states[0] if asset.states else ""))
+            for name, asset, state in bodies
+        ]
+
     def check(self, scene: Scene) -> list[Issue]:
         """Return an issue, with close matches, for everything in a scene that the catalogue lacks.
 
