@@ -1,7 +1,7 @@
 """Claims that a text makes about a scene."""
 
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
@@ -132,8 +132,6 @@ OF_THINGS = frozenset({"thing", "count", "place", "distance", "motion", "state"}
 class Claim(Data):
     """One thing that a text says and a scene can contradict."""
 
-    noun: ClassVar[str] = "claim"
-
     kind: Kind
     value: str = Field(max_length=40)
     """One of `VALUES`, or a number."""
@@ -164,8 +162,6 @@ class Claim(Data):
 
 class Mismatch(Data):
     """A claim of the text that the scene contradicts."""
-
-    noun: ClassVar[str] = "mismatch"
 
     claim: Claim
     found: str

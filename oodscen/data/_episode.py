@@ -1,6 +1,6 @@
 """The record of one simulated scene."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
@@ -23,8 +23,6 @@ MOMENTS = ("first", "middle", "last")
 
 class ActionOutcome(Data):
     """The outcome of one action executed from the decision point."""
-
-    noun: ClassVar[str] = "action outcome"
 
     safe: bool
     """True if the ego touched nothing and stayed on drivable road up to the horizon."""
@@ -54,8 +52,6 @@ class ActionOutcome(Data):
 
 class Episode(Data):
     """One run of one scene: the approach to the decision point, and every action from there."""
-
-    noun: ClassVar[str] = "episode"
 
     schema_version: Literal[1] = 1
     id: str

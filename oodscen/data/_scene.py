@@ -5,7 +5,7 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -18,8 +18,6 @@ Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
 class Weather(Data):
     """Weather and light, in OpenSCENARIO's terms."""
-
-    noun: ClassVar[str] = "weather"
 
     sun_elevation_deg: float = Field(default=45.0, ge=-90, le=90)
     """Negative at night."""
@@ -42,8 +40,6 @@ class Weather(Data):
 class Trigger(Data):
     """When something starts."""
 
-    noun: ClassVar[str] = "trigger"
-
     kind: Literal["time", "distance", "ttc"] = "time"
     """`time` since the start, `distance` from the ego along the road, `ttc` time to collision."""
     value: float = Field(default=0.0, ge=0, le=500)
@@ -54,8 +50,6 @@ class Trigger(Data):
 
 class Placement(Data):
     """Where an actor starts, relative to the ego along the ego's road."""
-
-    noun: ClassVar[str] = "placement"
 
     ahead_m: float = Field(ge=-150, le=300)
     """From the ego's centre to the actor's, along the road; negative is behind."""
@@ -69,8 +63,6 @@ class Placement(Data):
 
 class Behaviour(Data):
     """What an actor does; the name and the parameters come from the catalogue's vocabulary."""
-
-    noun: ClassVar[str] = "behaviour"
 
     name: str = "stand"
     trigger: Trigger = Trigger()
@@ -89,8 +81,6 @@ class Behaviour(Data):
 class Actor(Data):
     """Anything placed in a scene: road user, animal, object, barrier, signal."""
 
-    noun: ClassVar[str] = "actor"
-
     id: str = Identifier
     asset: str
     """An id of the catalogue."""
@@ -103,8 +93,6 @@ class Actor(Data):
 class Ego(Data):
     """The vehicle under test."""
 
-    noun: ClassVar[str] = "ego"
-
     speed: float = Field(ge=0, le=45)
     """At the start, m/s."""
     lane: int = Field(default=0, ge=0, le=6)
@@ -114,8 +102,6 @@ class Ego(Data):
 class Hazard(Data):
     """What makes a scene OOD, with the ordinary counterpart of each part."""
 
-    noun: ClassVar[str] = "hazard"
-
     actors: dict[str, Actor | None] = {}
     """By id of the unusual actor: the ordinary actor in its place, or `None` for plain removal."""
     weather: Weather | None = None
@@ -124,8 +110,6 @@ class Hazard(Data):
 
 class Scene(Data):
     """Everything a simulator needs to run one scenario."""
-
-    noun: ClassVar[str] = "scene"
 
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)

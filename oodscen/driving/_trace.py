@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,6 @@ _ALL = slice(None)
 class Encounter(Data):
     """The closest encounter of the ego with one actor in a trace."""
 
-    noun: ClassVar[str] = "encounter"
-
     actor: str
     min_gap_m: float | None = None
     """Smallest gap, m; `None` if the actor was never near."""
@@ -67,13 +65,9 @@ class Course:
     @classmethod
     def of(cls, scene: Scene, catalogue: Catalogue) -> Self:
         """Look up the road and the sizes of all bodies."""
-        assets = {asset.id: asset for asset in catalogue.assets}
-        cast = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
-        sizes = np.array([(one.length, one.width, one.height) for one in cast])
-        shown = ["", *(actor.state for actor in scene.actors)]
-        passable = np.array(
-            [one.is_passable(state) for one, state in zip(cast, shown, strict=True)]
-        )
+        bodies = catalogue.bodies(scene)
+        sizes = np.array([(asset.length, asset.width, asset.height) for _, asset, _ in bodies])
+        passable = np.array([asset.is_passable(state) for _, asset, state in bodies])
         corridor = load_corridor(find_map(scene.map, catalogue))
         return cls(corridor, ego_strip(corridor, scene.ego.lane), sizes, passable)
 

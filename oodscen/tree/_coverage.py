@@ -22,8 +22,6 @@ Lack = Literal["", "text", "scene", "episode", "choice"]
 class Tally(Data):
     """The counts at and below one node. Twins are counted separately."""
 
-    noun: ClassVar[str] = "tally"
-
     id: str
     label: str
     kind: Kind

@@ -17,8 +17,6 @@ MAX_DEPTH = 50
 class TreeEdit(Data):
     """One edit of a tree."""
 
-    noun: ClassVar[str] = "tree edit"
-
     op: Literal["add", "broaden", "narrow", "keep", "move", "remove"]
     """`add` a node, `broaden` or `narrow` its label, `keep` it as it is (a recorded decision),
     `move` it with its subtree to another parent, or `remove` it."""

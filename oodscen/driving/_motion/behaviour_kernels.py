@@ -69,13 +69,7 @@ _PASSED_M = 15.0
 
 @part
 def act(w: Situation, i: int, time: float) -> None:
-    """Move an actor by one step.
-
-    Args:
-        w: The world.
-        i: The actor's row.
-        time: Time at the beginning of the step, s.
-    """
+    """Move the actor in row `i` by one step that begins at `time`, s."""
     code = w.codes[i, col.BEHAVIOUR]
     if code == Code.STAND:
         return

@@ -1,4 +1,7 @@
-"""Car following and lane keeping: the building blocks of behaviours."""
+"""Car following and lane keeping: the building blocks of behaviours.
+
+Every kernel takes the world `w` and the row `i` of the actor that moves or looks.
+"""
 
 import math
 
@@ -72,14 +75,9 @@ def accelerate(w: Situation, i: int, acceleration: float) -> float:
 
 @part
 def keep_lane(w: Situation, i: int, distance: float, blend: float, shift: float) -> None:
-    """Move along the lane.
+    """Move along the lane by a distance, m, with an additional offset to the left, m.
 
-    Args:
-        w: The world.
-        i: The actor's row.
-        distance: Distance covered in this step, m.
-        blend: 0 in its own lane, 1 in its target lane.
-        shift: Additional offset to the left, m.
+    `blend` is 0 in its own lane and 1 in its target lane.
     """
     state, direction = w.state, w.codes[i, col.DIRECTION]
     s, t, heading = state[i, col.S], state[i, col.T], state[i, col.HEADING]
@@ -130,11 +128,7 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
 
     The gap is infinite if nothing is ahead or nothing is visible: no driver sees beyond the visual range
     of fog, rain and snow, and at night bodies without lamps are visible only in the headlamp beam.
-
-    Args:
-        w: The world, at the beginning of the step.
-        i: The actor's row.
-        slowest: Bodies that move away more slowly than this are ignored, m/s.
+    Bodies that move away more slowly than `slowest`, m/s, are ignored.
     """
     paths, direction = w.paths, w.codes[i, col.DIRECTION]
     s, t = paths[i, col.PATH_S], paths[i, col.PATH_T]
@@ -156,13 +150,7 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
 
 @part
 def curve_speed(w: Situation, i: int, grip: float) -> float:
-    """Return the highest current speed that still allows for the curves ahead, m/s.
-
-    Args:
-        w: The world.
-        i: The driver's row.
-        grip: Maximum acceleration from the tyres, m/s^2.
-    """
+    """Return the highest current speed that still allows for the curves ahead at a grip, m/s^2."""
     along = _COMFORT * grip
     braking = min(_COMFORTABLE, 0.5 * grip)
     speed, rows, step = w.state[i, col.SPEED], w.track.samples, w.track.step
@@ -211,17 +199,16 @@ def desired_speed(w: Situation, i: int) -> float:
 
 
 @part
-def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
+def hurry(w: Situation, i: int, blend: float, shift: float, headway: float, slowest: float) -> None:
     """Drive in the lane at the behaviour's speed, reacting to traffic ahead."""
-    acceleration = attentive(w, i, desired_speed(w, i), _HEADWAY, -math.inf)
+    acceleration = attentive(w, i, desired_speed(w, i), headway, slowest)
     keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
 
 
 @part
-def hurry(w: Situation, i: int, blend: float, shift: float, headway: float, slowest: float) -> None:
-    """Drive like `cruise`, but less attentively."""
-    acceleration = attentive(w, i, desired_speed(w, i), headway, slowest)
-    keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
+def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
+    """Drive like `hurry`, with full attention."""
+    hurry(w, i, blend, shift, _HEADWAY, -math.inf)
 
 
 @part

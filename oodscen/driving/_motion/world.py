@@ -123,13 +123,12 @@ class KinematicWorld:
         self.visual_range = quantised(visual_range(scene.weather))
         self.step_count = 0
         self.lane = ego_strip(corridor, scene.ego.lane)
-        self.ids = ("ego", *(actor.id for actor in scene.actors))
+        self._bodies = catalogue.bodies(scene)
+        self.ids = tuple(name for name, _, _ in self._bodies)
         """`ego`, then the actors in the scene's order."""
         self._rows = {name: row for row, name in enumerate(self.ids)}
-        assets = {asset.id: asset for asset in catalogue.assets}
         kinds = {kind.id: kind for kind in catalogue.behaviours}
-        self._assets = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
-        self.sizes = [(asset.length, asset.width) for asset in self._assets]
+        self.sizes = [(asset.length, asset.width) for _, asset, _ in self._bodies]
         """Length and width of every body, rows as in `ids`."""
         count = len(self.ids)
         self._state = np.zeros((count, col.STATE_WIDTH))
@@ -150,7 +149,7 @@ class KinematicWorld:
             headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
         )
         self._traits[:, : col.WIDTH + 1] = self.sizes
-        self._traits[:, col.HEIGHT] = [asset.height for asset in self._assets]
+        self._traits[:, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
         self._place_ego(scene.ego.speed)
         for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]
@@ -170,11 +169,7 @@ class KinematicWorld:
 
     def bodies(self) -> list[tuple[str, Asset, str]]:
         """Return id, asset and state of every body, rows as in `ids`."""
-        states = ["", *(actor.state for actor in self.scene.actors)]
-        return [
-            (name, asset, state or (asset.states[0] if asset.states else ""))
-            for name, asset, state in zip(self.ids, self._assets, states, strict=True)
-        ]
+        return list(self._bodies)
 
     def publish(self) -> Published:
         """Return the data of a simulator's state."""
@@ -312,7 +307,7 @@ class KinematicWorld:
         heading = quantised(wrapped(heading))
         s = quantised(road.start + place.ahead_m)
         t = quantised(road.centre(lane, s) + place.offset_m)
-        asset, trigger = self._assets[row], actor.behaviour.trigger
+        asset, trigger = self._bodies[row][1], actor.behaviour.trigger
         phase = 0.0
         if name in _BY_CHANCE:
             phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))

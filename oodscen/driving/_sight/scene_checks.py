@@ -58,12 +58,11 @@ def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tu
         catalogue: Source of their sizes.
         poses: [n, 4], x, y, z and yaw.
     """
-    assets = {asset.id: asset for asset in catalogue.assets}
-    cast = [("ego", catalogue.ego)]
-    cast += [(actor.id, assets[actor.asset]) for actor in scene.actors]
     return tuple(
         Body(name, asset.id, Solid(x, y, z, yaw, asset.length, asset.width, asset.height))
-        for (name, asset), (x, y, z, yaw) in zip(cast, poses.tolist(), strict=True)
+        for (name, asset, _), (x, y, z, yaw) in zip(
+            catalogue.bodies(scene), poses.tolist(), strict=True
+        )
     )
 
 
