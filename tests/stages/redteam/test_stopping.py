@@ -72,3 +72,17 @@ def test_the_attempts_keep_one_call_for_placing(budget, spent):
         assert 1 <= first <= 3
         assert progress.calls + first + progress.attempts(first) <= budget
         assert progress.attempts(first) >= 1
+
+
+def test_a_later_round_is_certain_only_if_all_calls_before_it_may_be_spent():
+    assert Progress(RedTeamOptions(budget=12)).is_certain(2)
+    assert not Progress(RedTeamOptions(budget=11)).is_certain(2)
+
+
+def test_a_later_round_is_uncertain_if_the_new_kinds_may_be_met_again_before_it():
+    progress = Progress(RedTeamOptions(coverage=0.55))
+    for number, kind in enumerate("ab", start=1):
+        progress.add(Round(round=number, decision="add", kind=kind, calls=2))
+    assert progress.is_certain(3)
+    assert progress.is_certain(4)
+    assert not progress.is_certain(5)
