@@ -1,5 +1,7 @@
 import subprocess
 import sys
+from collections import namedtuple
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +89,15 @@ def test_a_kernel_is_made_anew_when_a_part_of_it_in_another_file_changes(tmp_pat
         )  # fmt: skip
         results.append(float(ran.stdout))
     assert results == [2.0, 3.0, 7.0]
+
+
+def test_a_kernel_is_compiled_anew_when_a_named_tuple_of_arrays_changes() -> None:
+    def kernel_over(fields: str) -> Callable[..., object]:
+        def first(pair: object) -> object:
+            return pair
+
+        first.__annotations__["pair"] = namedtuple("Pair", fields)  # made on the fly
+        return first
+
+    one, same, other = (compiled._digest(kernel_over(names)) for names in ("a b", "a b", "b a"))
+    assert one == same != other
