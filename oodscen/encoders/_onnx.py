@@ -8,7 +8,6 @@ again. Needs the extra `onnx`; the export also needs `encoder`.
 import hashlib
 import json
 import logging
-import tempfile
 import warnings
 from pathlib import Path
 from typing import Any

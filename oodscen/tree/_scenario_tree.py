@@ -5,7 +5,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NoReturn, Self
 
-from oodscen.data._base import Data, canonical_json, digest, read_text
+from oodscen._files import read_utf8
+from oodscen.data._base import Data, canonical_json, digest
 from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
 from oodscen.tree._edit_log import Growth, Node, TreeEdit, adding, slug
 from oodscen.tree._labels import MAX_LABEL, label_fault
@@ -114,7 +115,7 @@ class ScenarioTree:
         Raises:
             DataError: If the file cannot be read or does not hold a valid tree.
         """
-        return cls.parse(read_text(path, cls.noun), source=str(path))
+        return cls.parse(read_utf8(path, cls.noun), source=str(path))
 
     def to_json(self) -> str:
         """Return the canonical JSON text: the same bytes for equal trees."""

@@ -1,5 +1,7 @@
 import subprocess
 import sys
+from collections import namedtuple
+from collections.abc import Callable
 from enum import IntEnum
 from pathlib import Path
 
@@ -80,3 +82,15 @@ def test_a_kernel_is_built_from_its_constants(monkeypatch) -> None:
         monkeypatch.setitem(globals(), "SCALE", scale)
         digests.add(compiled._digest(scaled))
     assert len(digests) == 5
+
+
+def test_a_kernel_is_compiled_anew_when_a_named_tuple_of_arrays_changes() -> None:
+    def kernel_over(fields: str) -> Callable[..., object]:
+        def first(pair: object) -> object:
+            return pair
+
+        first.__annotations__["pair"] = namedtuple("Pair", fields)  # made on the fly
+        return first
+
+    one, same, other = (compiled._digest(kernel_over(names)) for names in ("a b", "a b", "b a"))
+    assert one == same != other
