@@ -36,11 +36,11 @@ MODULES = {
     "oodscen/driving/_roads/geometry.py": ("tests/driving/roads/test_geometry.py",),
     "oodscen/driving/_surrogate_safety.py": ("tests/driving/test_surrogate_safety.py",),
     "oodscen/statistics/_resampling.py": ("tests/statistics",),
-    "oodscen/statistics/_tests.py": ("tests/statistics",),
+    "oodscen/statistics/_intervals.py": ("tests/statistics",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/board.py": ("tests/judging/leaderboard",),
-    "oodscen/llm/_json_objects.py": ("tests/llm",),
+    "oodscen/llm/_json_objects.py": ("tests/llm/test_ask.py", "tests/judging/parsing"),
     "oodscen/study/_store.py": ("tests/study",),
 }
 """The core modules, and the tests that must notice their mutants."""
