@@ -98,3 +98,13 @@ def test_the_interval_of_an_auroc_is_that_of_the_sets_drawn() -> None:
     assert (found[1].low, found[1].high) == pytest.approx(
         tuple(np.quantile(areas, [0.025, 0.975])), abs=1e-6
     )
+
+
+def test_paths_without_a_score_count_for_nothing() -> None:
+    scores = np.r_[np.arange(12.0), [np.nan] * 6]
+    mask = np.tile([True, False], 9)
+    clusters = [f"{index // 3}" for index in range(18)]
+    found = auroc_of_items(scores, mask, Resampler(clusters))
+    assert found is not None
+    assert found[1] is None
+    assert found[0] == auroc(scores[1:12:2], scores[0:12:2])

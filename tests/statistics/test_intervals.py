@@ -4,7 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from oodscen.statistics._intervals import percentiles, share_bounds, wilson
+from oodscen.statistics._intervals import (
+    percentile_interval,
+    percentiles,
+    share_bounds,
+    wilson,
+)
 
 
 @given(st.integers(0, 500), st.integers(1, 500))
@@ -52,3 +57,26 @@ def test_only_where_all_agree_a_path_counts_as_one_item() -> None:
     assert (mixed.method, mixed.units) == ("wilson", 20)
     assert (mixed.low, mixed.high) == pytest.approx(wilson(7, 20), abs=1e-6)
     assert equal.units == 10
+
+
+@given(st.integers(1, 300))
+def test_nothing_and_everything_reach_the_ends(n: int) -> None:
+    assert wilson(0, n)[0] == 0.0
+    assert wilson(n, n)[1] == 1.0
+    for hits in (0, n):
+        found = share_bounds(hits, n, min(n, 7))
+        assert found is not None
+        assert found.units == min(n, 7)
+
+
+def test_an_interval_of_replicates_is_between_their_quantiles_and_says_what_was_drawn() -> None:
+    found = np.r_[np.arange(1001.0), np.nan]
+    for is_clustered, method in ((False, "bootstrap"), (True, "cluster bootstrap")):
+        interval = percentile_interval(found, 9, is_clustered=is_clustered)
+        assert (interval.low, interval.high, interval.units) == (25.0, 975.0, 9)
+        assert (interval.method, interval.is_clustered) == (method, is_clustered)
+
+
+def test_replicates_without_spread_or_without_values_give_no_interval() -> None:
+    assert percentiles(np.ones(40), 9) is None
+    assert percentiles(np.full(40, np.nan), 9) is None

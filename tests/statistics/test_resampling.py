@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from oodscen._seeding import stream
 from oodscen.metrics._vectors.similarity import unit
+from oodscen.statistics import _resampling
 from oodscen.statistics._answers import intraclass
 from oodscen.statistics._intervals import percentiles, wilson
 from oodscen.statistics._resampling import Resampler, bootstrap_mean, bootstrap_pairwise
@@ -112,3 +113,35 @@ def test_the_same_seed_gives_the_same_draws() -> None:
     assert (Resampler(clusters, seed=3).weights == Resampler(clusters, seed=3).weights).all()
     assert (Resampler(clusters, seed=3).weights != Resampler(clusters, seed=4).weights).any()
     assert Resampler([]).ratios(np.zeros((0, 2)), np.zeros((0, 2))).shape == (2000, 2)
+
+
+@given(st.lists(st.sampled_from("abcd"), min_size=1, max_size=20), st.data())
+def test_clusters_are_counted_and_summed(clusters: list[str], data: st.DataObject) -> None:
+    mask = np.array(
+        data.draw(st.lists(st.booleans(), min_size=len(clusters), max_size=len(clusters)))
+    )
+    resampler = Resampler(clusters)
+    there = {one for one, kept in zip(clusters, mask, strict=True) if kept}
+    assert resampler.count(mask) == len(there)
+    values = np.arange(float(len(clusters)))
+    sums = {c: values[[one == c for one in clusters]].sum() for c in dict.fromkeys(clusters)}
+    assert resampler.summed(values[:, None])[:, 0].tolist() == list(sums.values())
+
+
+def test_a_ratio_may_have_a_small_denominator() -> None:
+    resampler = Resampler(list("aabbccddee"), replicates=50)
+    below = np.full((10, 1), 0.02)
+    assert resampler.ratios(3 * below, below) == pytest.approx(3.0)
+    assert np.isnan(resampler.ratios(below, 0 * below)).all()
+
+
+def test_many_clusters_are_drawn_in_blocks_of_the_same_draws(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = Resampler(9, replicates=20).weights
+    monkeypatch.setattr(_resampling, "_CELLS", 60)
+    blocks = list(Resampler(9, replicates=20).blocks())
+    assert [len(block) for block in blocks] == [6, 6, 6, 2]
+    assert (np.concatenate(blocks) == whole).all()
+    assert (whole.sum(axis=1) == 9).all()
+    assert (Resampler(9, replicates=20, purpose="other").weights != whole).any()

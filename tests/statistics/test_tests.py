@@ -1,8 +1,13 @@
+import itertools
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
+from statsmodels.stats import contingency_tables
+from statsmodels.stats.multitest import multipletests
 
 from oodscen.statistics._tests import holm, mcnemar, paired, permutation_test, sign_flip
 
@@ -92,3 +97,50 @@ def test_under_no_difference_small_p_values_are_rare():
         for _ in range(200)
     ]
     assert np.mean(np.array(p) <= 0.1) < 0.17
+
+
+def test_a_comparison_flips_whole_paths() -> None:
+    first, second = np.ones(40), np.zeros(40)
+    clusters = [f"{index // 10}" for index in range(40)]
+    assert paired(first, second, clusters).p_clustered == pytest.approx(2 / 2**4)
+    assert paired(first, second).p_clustered < 0.01
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    st.lists(st.lists(st.integers(0, 4), min_size=1, max_size=4), min_size=5, max_size=5),
+    st.integers(1, 4),
+)
+def test_whole_clusters_change_sides_and_texts_weigh_alike(
+    groups: list[list[int]], first: int
+) -> None:
+    def gap(chosen: Sequence[int]) -> float:
+        sides = [[v for i, g in enumerate(groups) if (i in chosen) is s for v in g] for s in (True, False)]
+        return float(np.mean(sides[0]) - np.mean(sides[1]))
+
+    seen = abs(gap(range(first))) - 1e-9
+    every = list(itertools.combinations(range(5), first))
+    exact = np.mean([abs(gap(chosen)) >= seen for chosen in every])
+    labels = [str(i) for i, group in enumerate(groups) for _ in group]
+    cut = sum(map(len, groups[:first]))
+    values = np.concatenate([np.array(group, np.float64) for group in groups])
+    sides = (labels[:cut], labels[cut:])
+    p = permutation_test(values[:cut], values[cut:], sides, replicates=1500)
+    assert p == pytest.approx(exact, abs=0.08)
+
+
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=9))
+def test_holm_agrees_with_statsmodels(values: list[float]) -> None:
+    assert holm(values) == pytest.approx(multipletests(values, method="holm")[1], abs=1e-12)
+
+
+@given(COUNTS, COUNTS)
+def test_the_exact_test_agrees_with_statsmodels(a: int, b: int) -> None:
+    expected = contingency_tables.mcnemar(np.array([[3, a], [b, 3]]), exact=True).pvalue
+    assert mcnemar(a, b)[0] == pytest.approx(expected if a + b else 1.0, rel=1e-9)
+
+
+def test_random_flips_agree_with_all_of_them() -> None:
+    gaps = np.random.default_rng(8).normal(0.4, 1.0, 12)
+    more = np.r_[gaps, 1e-6]
+    assert sign_flip(more, replicates=20_000) == pytest.approx(sign_flip(gaps), abs=0.01)

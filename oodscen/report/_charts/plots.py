@@ -53,7 +53,8 @@ def size_curve(sets: Mapping[str, Vectors], *, repeats: int = 20, seed: int = 0)
         sizes, means, spreads = size_curve_of(
             vectors, seed, name, count=_SIZES, repeats=repeats, most=len(vectors)
         )
-        curves.append(Curve(name, sizes, means.tolist(), spreads.tolist()))
+        rims = zip((means - spreads).tolist(), (means + spreads).tolist(), strict=True)
+        curves.append(Curve(name, sizes, means.tolist(), list(rims)))
     return size_curves(curves, colour=1).figure()
 
 

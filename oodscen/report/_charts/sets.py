@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -30,8 +31,8 @@ class Curve(NamedTuple):
     sizes: Sequence[int]
     means: Sequence[Sequence[float]]
     """To the nearest text, and over all pairs; one value per size each."""
-    spreads: Sequence[Sequence[float]] = ()
-    """Standard deviations of `means`, drawn as bands if given."""
+    bands: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
+    """The lower and upper rim of each of `means`, if known."""
 
 
 class Cloud(NamedTuple):
@@ -73,6 +74,7 @@ def histogram(
     )
     for index in range(0, ticks + 1, 2 if ticks > 6 else 1):
         drawn.column(x(low + step * index), 18, height, signed(low + step * index, _digits(step)))
+    drawn.text("tick", 0, height + 16, what)
     for number, strip in enumerate(strips):
         base = 22 + _STRIP + number * (_STRIP + _GAP)
         counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[
@@ -123,17 +125,19 @@ def size_curves(curves: Sequence[Curve], *, colour: int = 0) -> Canvas:
         colour: Number of the first set's colour; 0 is grey.
     """
     left, right, top, bottom = 40, WIDTH - 22, 10, 10 + _CURVE
-    values = [value for curve in curves for line in curve.means for value in line]
+    lines = [line for curve in curves for line in (*curve.means, *chain(*curve.bands))]
+    values = list(chain(*lines))
     low, high = math.floor(min(values) * 10) / 10, math.ceil(max(values) * 10) / 10
     longest = max(max(curve.sizes) for curve in curves)
     y = linear(low, max(high, low + 0.1), bottom, top)
-    spread = linear(0.0, max(math.log(longest / 2), 1e-9), left, right)
+    along = linear(0.0, max(math.log(longest / 2), 1e-9), left, right)
 
     def x(size: float) -> float:
-        return spread(math.log(max(size, 2) / 2))
+        return along(math.log(max(size, 2) / 2))
 
     entries = [(set_class(place), curve.label) for place, curve in enumerate(curves, colour)]
-    drawn = Canvas("Diversity by number of texts", bottom + 28 + legend_height(entries))
+    height = bottom + 46 + legend_height(entries)
+    drawn = Canvas("Diversity by number of texts", height)
     steps = max(round((high - low) * 10), 1)
     for index in range(0, steps + 1, max(1, math.ceil(steps / 6))):
         drawn.row(y(low + index / 10), left, right, signed(low + index / 10, 1))
@@ -141,16 +145,16 @@ def size_curves(curves: Sequence[Curve], *, colour: int = 0) -> Canvas:
         drawn.text("tick middle", x(size), bottom + 16, size)
     drawn.text("tick middle", x(2), bottom + 16, 2)
     for place, curve in enumerate(curves, colour):
-        for line, apart in zip(curve.means, curve.spreads, strict=False):
-            rims = [
-                [(x(n), y(m + side * s)) for n, m, s in zip(curve.sizes, line, apart, strict=True)]
-                for side in (1, -1)
-            ]
-            drawn.path(f"band {set_class(place)}", [*rims[0], *reversed(rims[1])])
+        for lower, upper in curve.bands:
+            rims = ((*curve.sizes, *reversed(curve.sizes)), (*lower, *reversed(upper)))
+            around = [(x(size), y(value)) for size, value in zip(*rims, strict=True)]
+            drawn.path(f"band {set_class(place)}", around)
         for kind, line in zip(("curve", "curve dashed"), curve.means, strict=True):
             points = zip(map(x, curve.sizes), map(y, line), strict=True)
             drawn.path(f"{kind} {set_class(place)}", points)
     drawn.legend(entries, bottom + 38)
+    words = "diversity: nearest text (solid), all pairs (dashed); by number of texts"
+    drawn.text("tick", 0, height - 6, words)
     return drawn
 
 
@@ -165,7 +169,7 @@ def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 
     every = np.array([point for cloud in clouds for point in cloud.points], np.float64)
     low, spans = every.min(axis=0), np.maximum(np.ptp(every, axis=0), 1e-9)
     scale = min((WIDTH - 20) / spans[0], (_MAP - 20) / spans[1])
-    height = 20 + float(spans[1] * scale)
+    height, left = 20 + float(spans[1] * scale), (WIDTH - float(spans[0] * scale)) / 2
     entries = [
         (set_class(place), f"{cloud.label} ({len(cloud.points)})")
         for place, cloud in enumerate(clouds, colour)
@@ -174,7 +178,7 @@ def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 
     for place, cloud in enumerate(clouds, colour):
         kind, radius = ("point", 2.6) if place else ("point faint", 1.8)
         for first, second in (np.array(cloud.points) - low) * scale:
-            drawn.circle(f"{kind} {set_class(place)}", 10 + first, height - 10 - second, radius)
+            drawn.circle(f"{kind} {set_class(place)}", left + first, height - 10 - second, radius)
     drawn.legend(entries, height + 14)
     axes = ", ".join(f"{name}: {held:.0%}" for name, held in zip("xy", share, strict=False))
     drawn.text("tick", 5, height + 14 + legend_height(entries), f"Share of the variance, {axes}")
