@@ -359,7 +359,7 @@ def test_whole_paths_are_exchanged_in_a_test_of_two_sets():
     assert metrics.compare(far, near).oodness.p_value > 2 / 70 * 0.7
     plain = [[one.text for one in texts] for texts in (far, near)]
     assert metrics.compare(*plain).oodness.p_value < 0.001
-    assert metrics.compare(far, far, paired=True, repeats=3).pairwise.difference == 0
+    assert metrics.compare(far, far, paired=True, size=5).pairwise.high == 0
 
 
 def test_the_spread_of_batches_is_that_of_a_sample():
