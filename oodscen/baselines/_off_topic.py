@@ -1,11 +1,10 @@
 """Texts that are not about driving a car on a road, for calibrating the off-topic guard.
 
 *Near misses* share words with driving (aircraft, trains, cycle races, motor sport, car finance, car
-repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small talk,
-code, gibberish), or are in a language other than English, which the default encoder does not read. All
-were written by hand and are split in halves like the controls. A third part, *blind*, was written by an author
-who had
-seen neither these texts nor the guard.
+repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small
+talk, code, gibberish), or are in a language other than English, which the default encoder does not
+read. All were written by hand and are split in halves like the controls. A third part, *blind*, was
+written by an author who had seen neither these texts nor the guard.
 """
 
 from functools import cache

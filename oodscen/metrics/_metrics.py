@@ -92,9 +92,9 @@ class Metrics:
     ) -> Report:
         """Return all figures of a set of texts.
 
-        They come with checks against the known pitfalls: the percentile of the texts among held-out baseline
-        texts,
-        their separation from ordinary sentences, and, for all-MiniLM-L6-v2, the texts that are not about driving.
+        They come with checks against the known pitfalls: the percentile of the texts among held-out
+        baseline texts, their separation from ordinary sentences, and, for all-MiniLM-L6-v2, the
+        texts that are not about driving.
 
         Args:
             texts: At least one string or scenario.

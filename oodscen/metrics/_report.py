@@ -34,9 +34,9 @@ class GroupScore(Data):
 class ControlCheck(Data):
     """A set's OOD-ness against that of the bundled ordinary control sentences (*frozen*).
 
-    These are worded like the texts of scenario authors and describe nothing unusual. If a set's AUROC is near
-    0.5,
-    this measure cannot tell the set from them, however far from the baseline it lies.
+    These are worded like the texts of scenario authors and describe nothing unusual. If a set's
+    AUROC is near 0.5, this measure cannot tell the set from them, however far from the baseline it
+    lies.
     """
 
     noun: ClassVar[str] = "control check"

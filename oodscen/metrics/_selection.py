@@ -1,17 +1,15 @@
 r"""Selection of texts: those inside a band of OOD-ness, and the n most diverse of them.
 
-    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor of 2
-    of
-                    the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
+    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor
+                    of 2 of the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
     determinantal   greedy maximum a posteriori of a determinantal point process with the cosines as kernel: the
                     next text adds most volume (Chen, Zhang and Zhou, *Fast greedy MAP inference for
                     determinantal point process*, 2018). Spans directions; once as many texts as dimensions
                     are chosen, it falls back to max-min.
 
-Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the first in
-order.
-Time grows with n times the number of candidates, memory with the number of candidates times the smaller of n
-and d. Duplicates of a chosen text are taken last.
+Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the
+first in order. Time grows with n times the number of candidates, memory with the number of
+candidates times the smaller of n and d. Duplicates of a chosen text are taken last.
 
 Pitfall: off-topic text and gibberish are the most diverse of all. Apply a band, and the guard, first.
 """

@@ -115,7 +115,10 @@ def test_whole_clusters_change_sides_and_texts_weigh_alike(
     groups: list[list[int]], first: int
 ) -> None:
     def gap(chosen: Sequence[int]) -> float:
-        sides = [[v for i, g in enumerate(groups) if (i in chosen) is s for v in g] for s in (True, False)]
+        sides = [
+            [v for i, g in enumerate(groups) if (i in chosen) is s for v in g]
+            for s in (True, False)
+        ]
         return float(np.mean(sides[0]) - np.mean(sides[1]))
 
     seen = abs(gap(range(first))) - 1e-9
