@@ -65,8 +65,6 @@ def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
     angle = bounded(steering, -MAX_STEERING, MAX_STEERING)
     curvature = sin(atan(0.5 * tan(angle))) / (0.5 * WHEELBASE)
     along = bounded(acceleration, -2.0 * grip, min(MAX_DRIVE, grip))
-    if before <= 0.0 and along < 0.0:
-        along = 0.0
     across = before * before * curvature
     total = math.sqrt(along * along + across * across)
     if total > grip:

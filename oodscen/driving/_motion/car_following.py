@@ -85,9 +85,8 @@ def keep_lane(w: Situation, i: int, distance: float, blend: float, shift: float)
     along = distance * abs(cos(heading))
     s = quantised(s + direction * along / stretch)
     state[i, col.S] = s
-    wanted = (centre(w.track, w.codes[i, col.LANE], s) + w.traits[i, col.OFFSET]) * (
-        1.0 - blend
-    ) + shift
+    own = centre(w.track, w.codes[i, col.LANE], s) + w.traits[i, col.OFFSET]
+    wanted = own * (1.0 - blend) + shift
     if blend > 0.0:
         wanted += centre(w.track, w.codes[i, col.TARGET], s) * blend
     limit = _MAX_SLOPE * distance
