@@ -8,11 +8,12 @@ import numpy as np
 from oodscen._concurrency import as_finished
 from oodscen._paper import PER_PATH
 from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import encode
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
-from oodscen.prompts import STYLES, DescribeOrdinary, DescribePath, Style
+from oodscen.prompts import STYLES, CatalogueDigest, DescribeOrdinary, DescribePath, Style
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.protocols import LLM, Encoder
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -43,6 +44,7 @@ class Describer:
         batch: Maximum number of texts per call.
         sample: Keeps independent sets of texts apart.
         threads: Number of paths to work on at once.
+        catalogue: The simulator that will show the texts, so that they ask for nothing else.
 
     Raises:
         UsageError: For an unknown style, or a selection without metrics.
@@ -64,6 +66,7 @@ class Describer:
         batch: int = 10,
         sample: int = 0,
         threads: int = 1,
+        catalogue: Catalogue | None = None,
     ) -> None:
         if style not in STYLES:
             raise UsageError(f"there is no style {style!r}; choose one of {', '.join(STYLES)}")
@@ -84,6 +87,7 @@ class Describer:
         self.batch = batch
         self.sample = sample
         self.threads = threads
+        self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
 
     def run(self, tree: ScenarioTree) -> list[Scenario]:
         """Return `per_path` scenarios for every leaf, in tree order, all with different texts.
@@ -180,7 +184,9 @@ class Describer:
         while len(texts) < count:
             wanted = min(self.batch, count - len(texts))
             earlier = (*avoid, *texts, *refused)
-            prompt = DescribePath(path=path, count=wanted, avoid=earlier, style=self.style)
+            prompt = DescribePath(
+                path=path, count=wanted, avoid=earlier, style=self.style, catalogue=self.catalogue
+            )
             for text in ask(self.llm, prompt, sample=self.sample).texts:
                 kept = refused if plain(text) in (taken or ()) else texts
                 kept.append(one_line(text))

@@ -38,7 +38,9 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two scenes of one text.
         DataError: When a line of `scenes.jsonl` is malformed.
     """
-    augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
+    augmenter = Augmenter(
+        run.llm, run.simulator.catalogue(), context=run.config.context, encoder=run.encoder
+    )
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
     written = _written(run, by_id, before)
