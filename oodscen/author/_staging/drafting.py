@@ -1,7 +1,7 @@
 """Staging: drafts a scene by recipe from a text and a catalogue's digest."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
@@ -121,7 +121,7 @@ class Stager:
             ego=Ego(speed=scene.speed, lane=scene.ego_lane),
             weather=weather,
             actors=actors,
-            stands_for=_shown(prompt.things, actors, prompt.catalogue),
+            stands_for=_shown(prompt.things, actors, unusual, prompt.catalogue),
             hazard=Unusual(actors=unusual, weather=ordinary),
             decision=decision
             if decision.kind == "time"
@@ -154,17 +154,20 @@ class Stager:
 
 
 def _shown(
-    things: Sequence[str], actors: Sequence[Actor], digest: CatalogueDigest
+    things: Sequence[str],
+    actors: Sequence[Actor],
+    unusual: Collection[str],
+    digest: CatalogueDigest,
 ) -> dict[str, list[str]]:
-    """Return for each thing of the claims the actors that its noun fits, if there are any."""
+    """Return for each thing of the claims the actors that its noun fits: unusual ones, or else others."""
     lines = {asset.id: asset for asset in digest.assets}
-    shown = {
-        thing: [
-            actor.id for actor in actors if (line := lines.get(actor.asset)) and may_be(thing, line)
-        ]
-        for thing in things
-    }
-    return {thing: names for thing, names in shown.items() if names}
+    found = {}
+    for thing in things:
+        fits = [one.id for one in actors if one.asset in lines and may_be(thing, lines[one.asset])]
+        shown = [name for name in fits if name in unusual] or fits
+        if shown:
+            found[thing] = shown
+    return found
 
 
 def _distance(text: str) -> float | None:
