@@ -187,6 +187,8 @@ def _settle(
         for name in subjects
     }
     is_vague = thing is not None and thing.vague
+    # A signal that is placed replaces the map's own.
+    is_signal = thing is not None and thing.group == "signal"
     single = [
         name
         for name, told in subjects.items()
@@ -222,7 +224,8 @@ def _settle(
         shown = scenery[name] and _is_scenic(subjects[name])
         without = _unstaged(subjects[name], shown, len(fitting), roles[name])
         score = None if chosen is None else scores.get((name, chosen.id))
-        if chosen is None or score is None or _faults(without) < _faults(score):
+        is_map_better = not is_signal and _faults(without) < _faults(score or {})
+        if chosen is None or score is None or is_map_better:
             settled[name] = without, set()
         else:
             settled[name] = score, {chosen.id}

@@ -104,21 +104,21 @@ class Augmenter:
             text=scenario.text,
             path=scenario.path,
             claims=told,
-            roads=self._roads(told),
+            roads=self.roads(told),
             catalogue=self.digest,
         )
         draft = ask(
             self.llm,
             fitted(prompt, self.context),
-            check=lambda draft: self._faults(scenario, told, draft),
+            check=lambda draft: self.faults(scenario, told, draft),
             attempts=self.attempts,
         )
         if draft.cannot_show:
             fault = Issue("cannot_show", one_line(draft.cannot_show))
             raise AnswerError(self.llm.name, prompt.purpose, [fault], draft.model_dump_json(), 1)
-        return _staged(scenario, draft, self.catalogue)
+        return scene_of_draft(scenario, draft, self.catalogue)
 
-    def _roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
+    def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
         """Return the maps of which all claims about the road hold; empty without such claims.
 
         Raises:
@@ -136,13 +136,13 @@ class Augmenter:
             raise AnswerError(self.llm.name, StageScene.purpose, [fault], "", 0)
         return roads
 
-    def _faults(
+    def faults(
         self, scenario: Scenario, claims: Sequence[Claim], draft: SceneDraft
     ) -> Sequence[Issue]:
         if draft.cannot_show:
             return []
         try:
-            scene = _staged(scenario, draft, self.catalogue)
+            scene = scene_of_draft(scenario, draft, self.catalogue)
         except ValidationError as error:
             return issues_of(error)
         faults = self.check(scene, self.catalogue)
@@ -170,7 +170,7 @@ def _together(mismatches: Sequence[Mismatch], scene: Scene) -> list[Issue]:
     return issues
 
 
-def _staged(scenario: Scenario, draft: SceneDraft, catalogue: Catalogue) -> Scene:
+def scene_of_draft(scenario: Scenario, draft: SceneDraft, catalogue: Catalogue) -> Scene:
     """Return the scene; a decision without an actor refers to the first actor of the hazard."""
     decision = draft.decision
     if decision.kind != "time" and decision.actor is None:

@@ -12,7 +12,7 @@ from oodscen.data._catalogue import FLAT_M, Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.boxes import Box, gap, radius
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.visibility import MOST_HIDDEN, Eye, Solid, is_noticeable
+from oodscen.driving._sight.visibility import Eye, Solid, is_noticeable
 from oodscen.errors import Issue
 from oodscen.protocols import Camera
 
@@ -23,8 +23,10 @@ SUNK_M = 0.1
 CAMERA = Camera()
 """The dash camera, in which the hazard must be visible."""
 
-_FARTHEST_M, _NEAREST_M, _STEP_M = 120, 8, 4
-"""Distances at which to look for a place where a hidden body would be seen, m."""
+_NEAREST_M = 6.0
+"""Least distance from the ego at which to look for a place where a hidden body would be seen, m."""
+_SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
+"""Shares of a hidden body's distance, and of its offset, at which to look for it."""
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 _AIRBORNE = frozenset({"fall", "blown"})
 """Behaviours that leave the ground."""
@@ -113,7 +115,7 @@ def seen(
         eye = Eye(camera, cast[0].solid)
         for row, body in enumerate(cast):
             if body.id in scene.hazard.actors and body.id not in found:
-                others = [one.solid for i, one in enumerate(cast) if i not in (0, row)]
+                others = _others(scene, cast, row)
                 sight = eye.see(body.solid, others, corridor)
                 if sight.fault(scene.weather, camera) is None:
                     found[body.id] = moment
@@ -187,10 +189,13 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
             continue
         largest = 0.0
         for moment, cast in moments.items():
-            sight = Eye(camera, cast[0].solid).see(cast[row].solid, _others(cast, row), corridor)
+            sight = Eye(camera, cast[0].solid).see(
+                cast[row].solid, _others(scene, cast, row), corridor
+            )
             largest = max(largest, sight.area_px)
             fault = sight.fault(scene.weather, camera)
-            by = _hider(cast, row, camera, corridor) if sight.hidden > MOST_HIDDEN else ""
+            is_hidden = fault is not None and fault.endswith("hidden")
+            by = _hider(cast, row, camera, corridor) if is_hidden else ""
             reasons.setdefault(row, []).append(f"{_WHEN[moment]} {fault}{by}")
         if best is None or largest > best[0]:
             best = largest, row
@@ -203,8 +208,10 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
     return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {told}{hint}")
 
 
-def _others(cast: Sequence[Body], row: int) -> list[Solid]:
-    return [one.solid for i, one in enumerate(cast) if i not in (0, row)]
+def _others(scene: Scene, cast: Sequence[Body], row: int) -> list[Solid]:
+    """Return what may hide a body; what carries it is hollow, and its box does not count."""
+    carrier = scene.actors[row - 1].behaviour.other
+    return [one.solid for i, one in enumerate(cast) if i not in (0, row) and one.id != carrier]
 
 
 def _hider(cast: Sequence[Body], row: int, camera: Camera, corridor: Corridor) -> str:
@@ -222,18 +229,25 @@ def _hider(cast: Sequence[Body], row: int, camera: Camera, corridor: Corridor) -
 def _nearer(
     scene: Scene, corridor: Corridor, cast: Sequence[Body], row: int, camera: Camera
 ) -> str:
-    """Return in words the largest distance at which a body would be seen at the decision, at the same offset."""
+    """Return in words the nearest place at which a body would be seen at the decision."""
     ego, body = cast[0].solid, cast[row].solid
-    eye, others = Eye(camera, ego), _others(cast, row)
+    eye, others = Eye(camera, ego), _others(scene, cast, row)
     s, t = corridor.locate(body.x, body.y)
     own, _ = corridor.locate(ego.x, ego.y)
-    for away in range(_FARTHEST_M, _NEAREST_M, -_STEP_M):
-        x, y, z, heading = corridor.point(own + away, t)
-        yaw = heading + body.yaw - corridor.heading(s)
-        moved = replace(body, x=x, y=y, z=z, yaw=yaw)
-        if eye.see(moved, others, corridor).fault(scene.weather, camera) is None:
-            return (
-                f"; at the decision the ego is {s - own:.0f} m before it, and would see it there from {away} m "
-                f"(at ahead_m {own + away - corridor.start:.0f} with the same offset)"
-            )
+    lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
+
+    def is_seen(at: float, beside: float) -> bool:
+        x, y, z, heading = corridor.point(at, beside)
+        moved = replace(body, x=x, y=y, z=z, yaw=heading + body.yaw - corridor.heading(s))
+        return eye.see(moved, others, corridor).fault(scene.weather, camera) is None
+
+    away = s - own
+    told = f"; at the decision it is {away:.0f} m ahead of the ego and would be seen "
+    for share in _SHARES:
+        if share * away > _NEAREST_M and is_seen(own + share * away, t):
+            return f"{told}{share * away:.0f} m ahead of it at the same offset"
+    aside = t - corridor.centre(lane, s)
+    for share in _SHARES:
+        if away > _NEAREST_M and is_seen(s, t + (share - 1.0) * aside):
+            return f"{told}there with {share * aside:.1f} m between it and the middle of the lane"
     return ""
