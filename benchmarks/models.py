@@ -13,7 +13,7 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -88,9 +88,11 @@ def recorded() -> list[dict[str, Any]]:
     return [json.loads(line) for line in ANSWERS.read_text(encoding="utf-8").splitlines()]
 
 
-def accepted(augmenter: Augmenter) -> Iterator[tuple[dict[str, Any], Told | None, str]]:
+def accepted(
+    augmenter: Augmenter, texts: Sequence[dict[str, Any]]
+) -> Iterator[tuple[dict[str, Any], Told | None, str]]:
     """Yield every recorded answer with its scene, or the faults for which it is refused."""
-    for one in recorded():
+    for one in texts:
         scenario = Scenario(id=one["id"], text=one["text"], leaf="x", path=tuple(one["path"]))
         claims = tuple(Claim.parse(claim) for claim in one["claims"])
         answer = {**json.loads(one["answer"]), "stands_for": one["stands_for"]}
@@ -114,7 +116,7 @@ def rows(scenes: int) -> Iterator[Row]:
     catalogue = make_simulator("pybullet").catalogue()
     encoder = make_encoder("minilm")
     augmenter = Augmenter(FunctionLLM(lambda request: ""), catalogue, encoder=encoder)
-    judged = list(accepted(augmenter))
+    judged = list(accepted(augmenter, recorded()))
     right = [(one, told, why) for one, told, why in judged if not one["fault"]]
     wrong = [(one, told, why) for one, told, why in judged if one["fault"]]
     refused = [one["id"] for one, told, why in right if told is None]

@@ -70,8 +70,7 @@ class Prompt(Data, Generic[Answer]):
         return self._rendered(1)
 
     def _rendered(self, part: int) -> str:
-        source = _parts(self.template)[part]
-        return _environment().from_string(source).render(self.variables()).strip()
+        return _parts(self.template)[part].render(self.variables()).strip()
 
     def messages(self) -> tuple[Message, ...]:
         """Render the whole conversation up to and including the question."""
@@ -111,10 +110,11 @@ def _source(template: str) -> str:
 
 
 @cache
-def _parts(template: str) -> tuple[str, str]:
-    """Return the instructions and the question of a template."""
+def _parts(template: str) -> tuple[jinja2.Template, jinja2.Template]:
+    """Return the instructions and the question of a template, compiled."""
     above, mark, below = _source(template).partition(_MARK)
-    return (above, below) if mark else ("", above)
+    compiled = _environment().from_string
+    return (compiled(above), compiled(below)) if mark else (compiled(""), compiled(above))
 
 
 _MARK = "\n---\n"

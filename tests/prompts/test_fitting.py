@@ -1,7 +1,7 @@
 """Questions become shorter without losing what they are about."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
@@ -27,6 +27,7 @@ def test_a_question_fits_four_thousand_tokens(question):
     assert all(line.id in rendered for line in CATALOGUE.behaviours)
 
 
+@settings(max_examples=20)
 @given(st.integers(0, 8_000))
 def test_the_vocabulary_stays_whole(context):
     short = fitted(QUESTIONS[0], context).catalogue
