@@ -75,6 +75,7 @@ SAMPLES = (
     ProposeTree(asked=CLASSES, classes=("environmental", "interactional"), nodes=5),
     ImagineScenario(
         shown=("A deer crosses.",),
+        catalogue=DIGEST,
         covered=("Fog", "Deer on the road"),
         unlisted=7,
         thin=("Animals",),

@@ -12,7 +12,14 @@ from pydantic import BaseModel, ValidationError
 
 from oodscen.data._claim import Claim
 from oodscen.data._messages import Image
-from oodscen.prompts import QUESTIONS, DescribePath, JudgeBranch, PlaceScenario, StageScene
+from oodscen.prompts import (
+    QUESTIONS,
+    DescribePath,
+    ImagineScenario,
+    JudgeBranch,
+    PlaceScenario,
+    StageScene,
+)
 from oodscen.prompts import _base as base
 from oodscen.prompts._base import data_block
 from oodscen.prompts._digest import AssetLine, BehaviourLine, MapLine
@@ -22,16 +29,15 @@ from tests.prompts.samples import DIGEST, NODES, PATH, SAMPLES
 UNSHOWN = {(Node, "attested"), (Image, "path"), (Claim, "kind"), (Claim, "value")}
 """Provenance of a label, where a picture's bytes lie, and words of a claim that allow no others."""
 OF_STAGERS = {
+    *((MapLine, name) for name in ("id", "traits", "landmarks", "somewhere", "layout")),
+    *((AssetLine, name) for name in ("description", "names", "length_m", "width_m", "height_m")),
+    *((BehaviourLine, name) for name in ("categories", "parameters")),
+    (AssetLine, "states"),
+}
+LEFT_OUT = {
     JudgeBranch: {(MapLine, "layout")},
-    DescribePath: {
-        *((MapLine, name) for name in ("id", "traits", "landmarks", "somewhere", "layout")),
-        *(
-            (AssetLine, name)
-            for name in ("description", "names", "length_m", "width_m", "height_m")
-        ),
-        *((BehaviourLine, name) for name in ("categories", "parameters")),
-        (AssetLine, "states"),
-    },
+    DescribePath: OF_STAGERS,
+    ImagineScenario: OF_STAGERS,
 }
 """What only those see who need it to set up a scene, or to judge whether that can be done."""
 
@@ -59,7 +65,7 @@ def changed(value, unshown, annotation=None):
 
 
 def variants(prompt):
-    unshown = UNSHOWN | OF_STAGERS.get(type(prompt), set())
+    unshown = UNSHOWN | LEFT_OUT.get(type(prompt), set())
     for name, field in type(prompt).model_fields.items():
         for other in changed(getattr(prompt, name), unshown, field.annotation):
             yield name, type(prompt)(**{**dict(prompt), name: other})

@@ -7,9 +7,10 @@ from typing import NamedTuple
 from oodscen._concurrency import cancelling
 from oodscen._paper import FEW_SHOTS, ITERATIONS
 from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.llm._ask import ask, speaker
-from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
+from oodscen.prompts import CatalogueDigest, ImagineScenario, PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
 from oodscen.stages._redteam.excerpt import excerpt, listed, thin
@@ -49,6 +50,7 @@ class RedTeamer:
         in_flight: Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago.
             Decisions are taken in the order of the rounds.
         threads: Threads that ask; they change no result. As many as `in_flight` if left out.
+        catalogue: The simulator that will show the scenarios, which the red-LLM is told of in the closed loop.
         cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
         broadenings: Number of broadenings of a leaf before it is split.
         tokens: Room for the tree in a prompt; only a part of a larger tree is shown.
@@ -70,6 +72,7 @@ class RedTeamer:
         coverage: float | None = None,
         in_flight: int = 1,
         threads: int | None = None,
+        catalogue: Catalogue | None = None,
         cancel: Callable[[], None] | None = None,
         broadenings: int = BROADENINGS,
         tokens: int = TOKENS,
@@ -92,6 +95,7 @@ class RedTeamer:
         self.nearest_label = nearest_label
         self.in_flight = max(in_flight, 1)
         self.threads = self.in_flight if threads is None else threads
+        self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
         self.broadenings = broadenings
         self.tokens = tokens
@@ -226,6 +230,7 @@ class _Game:
         covered, unlisted = listed(self.tree, tokens=teamer.tokens, turn=number - 1)
         return ImagineScenario(
             shown=teamer.shown,
+            catalogue=teamer.catalogue,
             covered=covered,
             unlisted=unlisted,
             thin=thin(self.tree, turn=number - 1),
