@@ -80,8 +80,9 @@ def judge_claims(
     """Compare every claim of a text with a scene, in their order.
 
     Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
-    it or else those that its noun fits; subjects with the same name are different actors. Claims about several things (`count`), or about someone or something that the
-    text does not name, only need one actor for which they are true.
+    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
+    things (`count`), or about someone or something that the text does not name, only need one actor for which
+    they are true.
 
     Args:
         claims: As for `check_claims`.
@@ -176,8 +177,7 @@ def _settle(
     subjects: Mapping[str, Sequence[Claim]], roles: Mapping[str, _Role], road: RoadMap | None
 ) -> dict[str, tuple[dict[Claim, Finding], set[str]]]:
     """Assign subjects of one name to actors so that the fewest claims fail."""
-    first = next(iter(subjects))
-    thing = named(first)
+    thing = named(next(iter(subjects)))
     fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
     fitting.sort(key=lambda one: one.actor)
     scenery = {
