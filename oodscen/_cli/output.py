@@ -58,13 +58,25 @@ def estimated(rows: Sequence["Account"]) -> str:
         cost = "price not known" if row.cost_usd is None else f"${row.cost_usd:.2f}"
         lines.append(
             f"{row.group[0]:10} {row.group[1]:28} {row.calls:6} calls  about {row.input_tokens:9,} tokens "
-            f"in {row.output_tokens:8,} out  {cost}"
+            f"in {row.output_tokens:8,} out  {cost}  {_cacheable([row])} cacheable"
         )
     costs = [row.cost_usd for row in rows]
     known = sum(cost for cost in costs if cost is not None)
     rest = "" if None not in costs else " and what has no known price (give one with --price)"
     total = f"{sum(row.calls for row in rows)} calls, about ${known:.2f}{rest}"
-    return "\n".join([*lines, f"together {total}; repairs and retries come on top"])
+    return "\n".join(
+        [
+            *lines,
+            f"together {total}; repairs and retries come on top",
+            f"{_cacheable(rows)} of the input tokens are a prefix that other calls share, which providers with a "
+            "prompt cache charge less for; the cost above is without a cache",
+        ]
+    )
+
+
+def _cacheable(rows: Sequence["Account"]) -> str:
+    asked = sum(row.input_tokens for row in rows)
+    return f"{sum(row.cacheable_tokens for row in rows) / asked:.0%}" if asked else "0%"
 
 
 def standings(board: "Leaderboard") -> str:

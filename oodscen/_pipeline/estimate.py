@@ -16,6 +16,7 @@ from oodscen.data._twins import twin_id
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.llm._accounting import Account, accounts
+from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.limits import Price
 from oodscen.llm._remote.litellm import known_price, load_litellm
 from oodscen.llm._remote.usage import IMAGE_TOKENS
@@ -80,7 +81,7 @@ def estimate(
         for name in filter(_is_asked, config.vlms):
             model = _StandIn(name, config.seed, prices)
             lines += [
-                {"stage": "evaluate", "model": name, **model.usage(request, 300).model_dump()}
+                model.line(request)
                 for scene in scenes
                 for item in (scene.id, twin_id(scene.id))
                 if verdict_id(item, name) not in judged
@@ -128,6 +129,17 @@ class _StandIn:
     def complete(self, request: Request) -> Completion:
         text = self._author.complete(request).text
         return Completion(text=text, usage=self.usage(request, len(text)))
+
+    def line(self, request: Request) -> dict[str, Any]:
+        """Return the call of a judging question with an answer of ordinary length."""
+        usage = self.usage(request, 300)
+        cacheable = round(cacheable_share(request) * usage.input_tokens)
+        return {
+            "stage": "evaluate",
+            "model": self.name,
+            "cacheable_tokens": cacheable,
+            **usage.model_dump(),
+        }
 
     def usage(self, request: Request, characters: int) -> Usage:
         asked = sum(map(_tokens, request.messages))

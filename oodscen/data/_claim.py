@@ -21,6 +21,8 @@ Kind = Literal[
     "distance",
     "motion",
     "state",
+    "speed",
+    "ego_speed",
 ]
 
 VALUES: Mapping[str, Mapping[str, str]] = {
@@ -112,20 +114,22 @@ VALUES: Mapping[str, Mapping[str, str]] = {
         "green": "a green signal",
         "amber": "an amber signal",
         "flashing": "a signal that flashes",
-        "all_on": "all colours of a signal at once",
+        "all_on": "several colours of one signal at once",
     },
 }
-"""Allowed values of each kind of claim, and their meanings; `lanes`, `own_lanes`, `count` and `distance` are numbers."""
+"""Allowed values of each kind of claim, and their meanings; the kinds in `NUMBERS` have none."""
 
 NUMBERS: Mapping[str, str] = {
     "lanes": "lanes of the road in all",
     "own_lanes": "lanes in the ego's direction",
     "count": "at least so many of a thing",
     "distance": "metres from the ego to a thing",
+    "speed": "km/h at which a thing moves",
+    "ego_speed": "km/h at which the ego drives",
 }
 """Kinds of claims with a numeric value, and the meaning of the number."""
 
-OF_THINGS = frozenset({"thing", "count", "place", "distance", "motion", "state"})
+OF_THINGS = frozenset({"thing", "count", "place", "distance", "motion", "state", "speed"})
 """Kinds of claims about a thing, which the subject names."""
 
 

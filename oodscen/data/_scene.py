@@ -5,9 +5,15 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from oodscen.data._base import Data, Faults
 from oodscen.data._twins import is_twin, twin_id
@@ -124,6 +130,16 @@ class Scene(Data):
     """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
     """Duration for which an action is watched, s, counted from the decision."""
+    stands_for: dict[str, tuple[str, ...]] = {}
+    """Ids of the actors that show a thing of the text, by its name in the claims, where the words alone do not
+    tell; `map` is the road itself. An empty mapping is left out of the JSON text."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        value: dict[str, Any] = serialise(self)
+        if not value.get("stands_for"):
+            value.pop("stands_for", None)
+        return value
 
     @field_validator("hazard")
     @classmethod
@@ -165,6 +181,7 @@ class Scene(Data):
                 "weather": (self.hazard.weather or self.weather).model_dump(),
                 "hazard": {},
                 "decision": {"kind": "time", "value": decision_s},
+                "stands_for": {},
             }
         )
 
@@ -206,6 +223,12 @@ def _misfits(scene: Scene) -> list[Issue]:
                 issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
     if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
+    for thing, names in scene.stands_for.items():
+        issues += [
+            Issue(f"stands_for.{thing}", f"there is no actor {name!r}")
+            for name in names
+            if name not in (*ids, "map")
+        ]
     decision = scene.decision
     if decision.kind != "time" and decision.actor not in ids:
         fault = f"there is no actor {decision.actor!r}"

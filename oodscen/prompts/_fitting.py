@@ -21,8 +21,8 @@ _COMMON = frozenset("a an and at by from in into is its of off on onto or that t
 def fitted(question: Question, context: int | None) -> Question:
     """Return a question that fits the context window of a model together with its answer.
 
-    The assets and behaviours of its catalogue that share the most words with the question's texts
-    stay as they are; of the others, as many as necessary are reduced to their ids.
+    The layouts of the roads go first. Then the assets and behaviours of its catalogue that share the most words
+    with the question's texts stay as they are, and of the others as many as necessary are reduced to their ids.
 
     Args:
         question: A question with a field `catalogue`.
@@ -31,7 +31,9 @@ def fitted(question: Question, context: int | None) -> Question:
     """
     if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
         return question
-    catalogue: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
+    whole: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
+    maps = tuple(road.model_copy(update={"layout": ""}) for road in whole.maps)
+    catalogue = whole.model_copy(update={"maps": maps})
     ranked = _ranked(catalogue, _about(question))
     low, high = 0, len(ranked)
     while low < high:

@@ -7,11 +7,12 @@ import numpy as np
 
 from oodscen._concurrency import as_finished
 from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import encode
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
-from oodscen.prompts import DescribeOrdinary, DescribePath
+from oodscen.prompts import CatalogueDigest, DescribeOrdinary, DescribePath
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.protocols import LLM, Encoder
 from oodscen.stages._options import DescribeOptions, chosen
@@ -29,6 +30,7 @@ class Describer:
         encoder: Measures the similarity of two texts of a path; without one only identical texts are duplicates.
         metrics: Measures OOD-ness, selects texts and flags off-topic ones; required for `candidates` above 1
             and for a `band`.
+        catalogue: The simulator that will show the texts, so that they ask for nothing else.
         options: All other options; the defaults if left out.
         **changes: Single options, e.g. `per_path=3`, instead of those in `options`.
 
@@ -42,6 +44,7 @@ class Describer:
         encoder: Encoder | None = None,
         *,
         metrics: "Metrics | None" = None,
+        catalogue: Catalogue | None = None,
         options: DescribeOptions | None = None,
         **changes: Any,
     ) -> None:
@@ -51,6 +54,7 @@ class Describer:
         self.llm = llm
         self.encoder = encoder
         self.metrics = metrics
+        self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
 
     def run(self, tree: ScenarioTree) -> list[Scenario]:
         """Return `per_path` scenarios for every leaf, in tree order, all with different texts.
@@ -147,7 +151,13 @@ class Describer:
         while len(texts) < count:
             wanted = min(self.options.batch, count - len(texts))
             earlier = (*avoid, *texts, *refused)
-            prompt = DescribePath(path=path, count=wanted, avoid=earlier, style=self.options.style)
+            prompt = DescribePath(
+                path=path,
+                count=wanted,
+                avoid=earlier,
+                style=self.options.style,
+                catalogue=self.catalogue,
+            )
             for text in ask(self.llm, prompt, sample=self.options.sample).texts:
                 kept = refused if plain(text) in (taken or ()) else texts
                 kept.append(one_line(text))

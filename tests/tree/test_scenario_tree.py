@@ -231,9 +231,7 @@ def test_nodes_that_do_not_follow_from_the_edits_are_refused():
     assert [issue.path for issue in caught.value.issues] == ["nodes"]
 
 
-@pytest.mark.parametrize(
-    "text", ["", "[]", "null", '{"nodes": 3}', "{", '{"nodes":' + "[" * 9_000]
-)
+@pytest.mark.parametrize("text", ["", "[]", "null", '{"nodes": 3}', "{", '{"nodes":' + "[" * 9_000])
 def test_files_that_hold_something_else_are_data_errors(tmp_path, text):
     file = tmp_path / "tree.json"
     file.write_text(text, encoding="utf-8")

@@ -37,7 +37,9 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     Raises:
         DataError: When a line of `scenes.jsonl` is malformed or belongs to no text, or two belong to one text.
     """
-    augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
+    augmenter = Augmenter(
+        run.llm, run.simulator.catalogue(), context=run.config.context, encoder=run.encoder
+    )
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
     written = _written(run, by_id, before)

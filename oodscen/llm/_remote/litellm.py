@@ -391,15 +391,22 @@ def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
     return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003) % 2**31
 
 
+_MARKS_CACHE = re.compile(r"anthropic|claude", re.IGNORECASE)
+"""Models whose providers cache a prefix only where a request marks its end."""
+
+
 def wire_message(message: Message, model: str = "") -> dict[str, Any]:
     """Return a message in OpenAI's format; pictures become base64 data URLs.
 
     Raises:
         LLMError: When a picture cannot be read.
     """
-    if not message.images:
-        return {"role": message.role, "content": message.text}
     parts: list[dict[str, Any]] = [{"type": "text", "text": message.text}]
+    if message.role == "system" and _MARKS_CACHE.search(model):
+        # Other providers find repeated prefixes by themselves.
+        parts[0]["cache_control"] = {"type": "ephemeral"}
+    elif not message.images:
+        return {"role": message.role, "content": message.text}
     for image in message.images:
         try:
             url = data_url(image)

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 from oodscen._concurrency import cancelling
 from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.llm._ask import ask, speaker
-from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
+from oodscen.prompts import CatalogueDigest, ImagineScenario, PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._options import RedTeamOptions, chosen
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
@@ -37,6 +38,7 @@ class RedTeamer:
         red_llm: The red-LLM; the same model if left out.
         encoder: Compares proposals with what exists, e.g. `make_encoder("minilm")`, as in a study and on the
             command line. Without one, only literal repetitions are refused. Not used in the open loop.
+        catalogue: The simulator that will show the scenarios, which the red-LLM is told of in the closed loop.
         options: All other options; the defaults if left out.
         cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
         **changes: Single options, e.g. `iterations=20`, instead of those in `options`.
@@ -51,6 +53,7 @@ class RedTeamer:
         red_llm: LLM | None = None,
         *,
         encoder: Encoder | None = None,
+        catalogue: Catalogue | None = None,
         options: RedTeamOptions | None = None,
         cancel: Callable[[], None] | None = None,
         **changes: Any,
@@ -59,6 +62,7 @@ class RedTeamer:
         self.red_llm = red_llm or llm
         self.options = chosen(RedTeamOptions, options, changes)
         self.encoder = encoder if self.options.closed_loop else None
+        self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
@@ -193,6 +197,7 @@ class _Game:
         covered, unlisted = listed(self.tree, tokens=self.options.tokens, turn=number - 1)
         return ImagineScenario(
             shown=self.options.shown,
+            catalogue=self.teamer.catalogue,
             covered=covered,
             unlisted=unlisted,
             thin=thin(self.tree, turn=number - 1),

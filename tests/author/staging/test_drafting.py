@@ -14,7 +14,9 @@ from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 
 
 def scene_of(draft: SceneDraft) -> Scene:
-    fields = {name: getattr(draft, name) for name in SceneDraft.model_fields if name != "reasoning"}
+    fields = {
+        name: getattr(draft, name) for name in Scene.model_fields if name in SceneDraft.model_fields
+    }
     return Scene(id="x", scenario_id="x", **fields)
 
 
