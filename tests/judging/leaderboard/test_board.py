@@ -34,6 +34,8 @@ ROWS = st.builds(
     control=st.builds(Control, safe=RATES, decidable=RATES, collision_free=RATES),
 )
 
+REFERENCES = ROWS.map(lambda row: row.model_copy(update={"kind": "reference", "protocol": "ours"}))
+
 
 def counted(row: Standing) -> dict[str, list[Rate]]:
     return {
@@ -66,7 +68,7 @@ def test_the_missing_share_is_of_what_was_asked(row, task):
 
 
 @settings(max_examples=40)
-@given(st.lists(ROWS, max_size=6), st.sampled_from(TASKS))
+@given(st.lists(ROWS | REFERENCES, max_size=6), st.sampled_from(TASKS))
 def test_the_floor_is_the_best_reference_of_ours_that_does_not_know_the_truth(rows, task):
     able = [
         row

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.judging._parsing import Detected, names_nothing, read_aspect, read_named_aspect
@@ -89,6 +89,9 @@ def test_a_share_is_read_as_it_is_written(n, form):
 
 
 @given(st.integers(0, 1300))
+@example(10)
+@example(100)
+@example(1000)
 def test_a_bare_number_above_ten_is_a_percentage_and_one_up_to_one_a_share(tenths):
     number = tenths / 10
     wanted = number if number <= 1 else number / 100 if 10 < number <= 100 else None

@@ -16,6 +16,7 @@ from oodscen.judging._parsing import read_description
         ("I'm sorry, I can't help.", None, "refused"),
         ("...", None, "unparsed"),
         ("Wet", None, "unparsed"),
+        ('{"description": "<a description of the frame>"}', None, "unparsed"),
         ("Rain", "Rain", "answered"),
         ('{"description": "..."} {"description": "A road."}', "A road.", "answered"),
         ("I cannot see the frame. ".ljust(299, "x") + "x", None, "refused"),
