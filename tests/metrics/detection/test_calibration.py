@@ -44,3 +44,8 @@ def test_text_like_the_baseline_is_not_called_odd():
     found = metrics.report(texts[1::2]).calibration
     assert found.share_below_5_percent < 0.2
     assert metrics.report(["zebra xylophone"]).calibration.p_values[0] < 0.05
+
+
+def test_a_p_of_5_percent_is_counted():
+    found = calibrate([1.0], np.zeros(19), 19)
+    assert (found.p_values, found.share_below_5_percent) == ((0.05,), 1.0)
