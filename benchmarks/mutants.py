@@ -30,18 +30,30 @@ ROOT = Path(__file__).parent.parent
 COPIED = ("oodscen", "adapters", "tests", "pyproject.toml")
 
 MODULES = {
-    "oodscen/tree/_scenario_tree.py": ("tests/tree",),
-    "oodscen/tree/_edit_log.py": ("tests/tree",),
-    "oodscen/tree/_merge.py": ("tests/tree",),
+    "oodscen/tree/_scenario_tree.py": (
+        "tests/tree/test_scenario_tree.py",
+        "tests/tree/test_edit_log.py",
+    ),
+    "oodscen/tree/_edit_log.py": (
+        "tests/tree/test_edit_log.py",
+        "tests/tree/test_scenario_tree.py",
+    ),
+    "oodscen/tree/_merge.py": ("tests/tree/test_merge.py",),
     "oodscen/driving/_roads/geometry.py": ("tests/driving/roads/test_geometry.py",),
     "oodscen/driving/_surrogate_safety.py": ("tests/driving/test_surrogate_safety.py",),
-    "oodscen/statistics/_resampling.py": ("tests/statistics",),
-    "oodscen/statistics/_intervals.py": ("tests/statistics",),
+    "oodscen/statistics/_resampling.py": (
+        "tests/statistics/test_resampling.py",
+        "tests/statistics/test_tests.py",
+    ),
+    "oodscen/statistics/_intervals.py": ("tests/statistics/test_intervals.py",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/board.py": ("tests/judging/leaderboard",),
-    "oodscen/llm/_json_objects.py": ("tests/llm/test_ask.py", "tests/judging/parsing"),
-    "oodscen/study/_store.py": ("tests/study",),
+    "oodscen/llm/_json_objects.py": (
+        "tests/llm/test_ask.py",
+        "tests/judging/parsing/test_reading.py",
+    ),
+    "oodscen/study/_store.py": ("tests/study/test_store.py",),
 }
 """The core modules, and the tests that must notice their mutants."""
 
@@ -279,15 +291,13 @@ def measure(count: int, seed: int, only: str, workers: int) -> list[dict[str, ob
             finally:
                 free.put(copy)
 
-        results = list(tqdm(pool.map(survives, drawn), total=len(drawn), disable=None))
-    survivors = []
-    for mutant, survived in zip(drawn, results, strict=True):
-        if survived and (mutant.module, mutant.mutated_line) not in EQUIVALENT:
-            survivors.append(mutant)
-            print(
-                f"{mutant.module}:{mutant.line}: {mutant.before!r} -> {mutant.after!r}",
-                file=sys.stderr,
-            )
+        survivors = []
+        results = tqdm(pool.map(survives, drawn), total=len(drawn), disable=None)
+        for mutant, survived in zip(drawn, results, strict=True):
+            if survived and (mutant.module, mutant.mutated_line) not in EQUIVALENT:
+                survivors.append(mutant)
+                change = f"{mutant.before!r} -> {mutant.after!r}"
+                print(f"{mutant.module}:{mutant.line}: {change}", file=sys.stderr, flush=True)
     equal = sum((one.module, one.mutated_line) in EQUIVALENT for one in drawn)
     rows: list[dict[str, object]] = []
     for module in limits:
