@@ -264,19 +264,25 @@ def measure(count: int, seed: int, only: str, workers: int) -> list[dict[str, ob
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(workers) as pool:
         for copy in copies(workers, Path(folder)):
             free.put(copy)
-        first = free.get()
+        modules = [module for module in MODULES if only in module]
+
+        def seconds(module: str) -> float:
+            copy, start = free.get(), time.monotonic()
+            try:
+                if not run_tests(copy, MODULES[module], None):
+                    raise SystemExit(f"{MODULES[module]} fails before anything is broken")
+            finally:
+                free.put(copy)
+            return time.monotonic() - start
+
+        limits = {
+            module: 30 + 10 * spent
+            for module, spent in zip(modules, pool.map(seconds, modules), strict=True)
+        }
         drawn = []
-        limits = {}
-        for module, tests in MODULES.items():
-            if only not in module:
-                continue
-            start = time.monotonic()
-            if not run_tests(first, tests, None):
-                raise SystemExit(f"{', '.join(tests)} fails before anything is broken")
-            limits[module] = 30 + 10 * (time.monotonic() - start)
+        for module in modules:
             every = mutants_of(module)
             drawn += random.Random(f"{seed}:{module}").sample(every, min(count, len(every)))
-        free.put(first)
 
         def survives(mutant: Mutant) -> bool:
             copy = free.get()
