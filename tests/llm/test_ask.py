@@ -1,8 +1,8 @@
 """Asking: every valid answer hidden in noise is found, and nothing but our errors comes out."""
 
 import json
-import re
 import pickle
+import re
 
 import pytest
 from hypothesis import given
