@@ -14,6 +14,7 @@ from oodscen._cli.options import (
     extras_options,
     llm_options,
     out_option,
+    picture_options,
     red_options,
     seed_option,
     simulator_option,
@@ -24,6 +25,7 @@ from oodscen._cli.paths import READABLE, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
+from oodscen.protocols import Camera
 
 if TYPE_CHECKING:
     from oodscen.data._scenario import Scenario
@@ -250,6 +252,7 @@ def augment(
 @simulator_option
 @seed_option
 @extras_options
+@picture_options
 @click.option("--workers", default=1, show_default=True, type=click.IntRange(1, 256))
 def simulate(
     scenes: Path,
@@ -259,6 +262,8 @@ def simulate(
     traces: bool,
     annotations: bool,
     video: Any,
+    width: int | None,
+    height: int | None,
     workers: int,
 ) -> None:
     """Run every scene of the file SCENES; episodes and frames go into the folder OUT.
@@ -277,7 +282,8 @@ def simulate(
         raise DataError("scenes", issues, source=str(scenes))
     make_simulator(simulator).close()
     study, episodes = Study(out), {}
-    job = Job(simulator, seed, Extras(traces, annotations, video))
+    camera = Camera(width or Camera.width, height or Camera.height)
+    job = Job(simulator, seed, Extras(traces, annotations, video), camera=camera)
     with study.store.writing():
         if taken := [name for name in study.own() if name in _SIMULATED]:
             raise FolderTaken(str(out), taken)

@@ -15,6 +15,7 @@ from oodscen._cli.options import (
     json_option,
     judging_options,
     llm_options,
+    picture_options,
     red_options,
     seed_option,
     simulator_option,
@@ -72,6 +73,13 @@ from oodscen.errors import UsageError
     type=click.IntRange(1, 999),
     help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]",
 )
+@click.option(
+    "--set",
+    "sets",
+    multiple=True,
+    type=click.IntRange(min=1),
+    help="Size of a text set from the diverse tree; repeatable.  [default: 10, 100, 1000 if built-in]",
+)
 @style_option
 @click.option(
     "--candidates",
@@ -97,6 +105,7 @@ from oodscen.errors import UsageError
     help="Processes that simulate.  [default: number of CPUs]",
 )
 @extras_options
+@picture_options
 @seed_option
 @click.option("--quick", is_flag=True, help="A complete small run in seconds.")
 @click.option(

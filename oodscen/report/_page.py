@@ -216,6 +216,17 @@ def _summary(found: Material, counts: Counts) -> list[str]:
         sentences.append(
             f"In {counts.mixed} of {_plural(counts.ran, 'scene')} the choice of action matters: at least one available action is safe and at least one is not."
         )
+    looks = [one for one in found.episodes if one.sighting is not None]
+    if looks:
+        below = sum(one.is_below_floor for one in looks)
+        sentences.append(
+            f"At the decision a viewer can name the hazard in {len(looks) - below} of {_plural(len(looks), 'scene')} with an unusual actor"
+            + (
+                f"; the other {below}, too small, faint, dark or hidden, are not judged."
+                if below
+                else "."
+            )
+        )
     seconds = _seconds(found.info)
     seed = found.config.get("seed")
     if seconds is not None:

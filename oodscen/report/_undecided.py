@@ -6,6 +6,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from oodscen.data._sighting import TO_NAME
 from oodscen.report._load import Material
 from oodscen.study import Study
 
@@ -23,7 +24,9 @@ def part(study: Study, found: Material) -> Markup:
     if not undecided:
         return Markup("")
     told = {str(line.get("id")): line for line in found.restagings}
-    restaged = sum(bool(one.restaged) for one in found.episodes)
+    restaged = sum(
+        bool(one.restaged) and not one.restaged.startswith(TO_NAME) for one in found.episodes
+    )
     rows = Markup("").join(
         Markup(
             '<tr><th scope="row"><a href="#scene-{}"><bdi>{}</bdi></a></th><td>{}</td><td>{}</td></tr>'

@@ -27,10 +27,13 @@ NEAREST = 0.93
 class Describer:
     """Asks the tree-LLM for texts along each path; near duplicates and off-topic texts are redrawn.
 
+    A model that gives fewer texts than it is asked for has run dry: the kind bears no more. It is not asked
+    again, and near duplicates and off-topic texts are left out, though never all texts of a path.
+
     Args:
         llm: The tree-LLM.
         encoder: Measures the similarity of two texts of a path; without one only identical texts are duplicates.
-        per_path: Texts per path.
+        per_path: Texts per path, as far as its kind bears them.
         style: `natural`, `paper`, `terse`, `verbose` or `first-person`.
         nearest: Largest cosine between two texts of one path.
         redraws: Maximum number of redraws of near duplicates and off-topic texts before they are accepted.
@@ -86,7 +89,7 @@ class Describer:
         self.threads = threads
 
     def run(self, tree: ScenarioTree) -> list[Scenario]:
-        """Return `per_path` scenarios for every leaf, in tree order, all with different texts.
+        """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
 
         Raises:
             LLMError: When the model fails on a path.
@@ -105,20 +108,24 @@ class Describer:
         return [again.get(scenario.id, scenario) for scenario in scenarios]
 
     def path(self, leaf: str, path: tuple[str, ...], count: int) -> list[Scenario]:
-        """Return `count` scenarios `<leaf>-001`, `<leaf>-002` ... for one path.
+        """Return scenarios `<leaf>-001`, `<leaf>-002` ... for one path: `count`, or as many as its kind bears.
 
         Raises:
             LLMError: When the model fails.
             UsageError: When too few candidates lie inside the band.
         """
-        texts = self._draw(path, count * self.candidates, avoid=())
+        texts, is_dry = self._draw(path, count * self.candidates, avoid=())
         for _ in range(self.redraws):
             unfit = self._near_duplicates(texts) | self._off_topic(texts)
             if not unfit:
                 break
             kept = [text for index, text in enumerate(texts) if index not in unfit]
-            fresh = self._draw(path, len(unfit), avoid=tuple(texts))
-            texts = kept + fresh
+            if is_dry:
+                texts = kept or texts[:1]
+                break
+            fresh, is_dry = self._draw(path, len(unfit), avoid=tuple(texts))
+            texts = kept + fresh or texts[:1]
+        count = min(count, len(texts))
         if self.metrics is not None and (self.candidates > 1 or self.band is not None):
             low, high = self.band or (-np.inf, np.inf)
             chosen = self.metrics.select(texts, count, low=low, high=high)
@@ -131,6 +138,8 @@ class Describer:
     def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
         """Return new versions of scenarios that repeat an earlier text, ignoring case and punctuation.
 
+        A repetition stays if the model has no other text.
+
         Raises:
             LLMError: When the model fails.
         """
@@ -142,9 +151,11 @@ class Describer:
             words = plain(item.text)
             if words in seen:
                 own = tuple(other.text for other in items if other.leaf == item.leaf)
-                fresh = self._draw(item.path, 1, avoid=own, taken=taken)[0]
-                again.append(self._scenario(item.id, fresh, item.leaf, item.path))
-                words = plain(fresh)
+                fresh, _ = self._draw(item.path, 1, avoid=own, taken=taken)
+                if not fresh:
+                    continue
+                again.append(self._scenario(item.id, fresh[0], item.leaf, item.path))
+                words = plain(fresh[0])
                 taken.add(words)
             seen.add(words)
         return again
@@ -173,18 +184,25 @@ class Describer:
         count: int,
         avoid: tuple[str, ...],
         taken: set[str] | None = None,
-    ) -> list[str]:
-        """Ask for texts until enough are not `taken`; later questions avoid the ones that are."""
+    ) -> tuple[list[str], bool]:
+        """Ask for texts until enough are not `taken`; later questions avoid the ones that are.
+
+        Returns:
+            The texts, and true if the model gave fewer than it was asked for.
+        """
         texts: list[str] = []
         refused: list[str] = []
         while len(texts) < count:
             wanted = min(self.batch, count - len(texts))
             earlier = (*avoid, *texts, *refused)
             prompt = DescribePath(path=path, count=wanted, avoid=earlier, style=self.style)
-            for text in ask(self.llm, prompt, sample=self.sample).texts:
+            found = ask(self.llm, prompt, sample=self.sample).texts
+            for text in found:
                 kept = refused if plain(text) in (taken or ()) else texts
                 kept.append(one_line(text))
-        return texts
+            if len(found) < wanted:
+                return texts, True
+        return texts, False
 
     def _off_topic(self, texts: list[str]) -> set[int]:
         """Return the positions of texts that are not about driving, if the encoder can tell."""

@@ -40,7 +40,7 @@ def changed(value, annotation=None):
     elif isinstance(value, bool):
         yield not value
     elif isinstance(value, (int, float)):
-        yield value + 1
+        yield 2 * value + 1
 
 
 def variants(prompt):

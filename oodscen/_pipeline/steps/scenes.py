@@ -177,8 +177,8 @@ def _asked(
 def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     """Run every scene and its ordinary twin in worker processes; only this process writes.
 
-    Scenes in which all or none of the actions are safe do not test a decision, so they are re-staged if that
-    helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
+    A scene whose hazard cannot be named at the decision is decided later, if a safe action is left then. Scenes
+    in which all or none of the actions are safe do not test a decision, so they are re-staged if that helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
     holds the scenes that were run. A scene edited there by hand replaces the staged one, and is run.
 
     Returns:
@@ -207,7 +207,14 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
 
 def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     """Run the scenes that lack an episode, each with its twin; update `staged` with the outcomes."""
-    job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
+    job = Job(
+        run.config.simulator,
+        run.config.seed,
+        run.extras,
+        twins=True,
+        restages=True,
+        camera=run.config.camera,
+    )
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
@@ -243,7 +250,8 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
         run: The run's context.
         scenes: The scenes that were run for the episodes.
     """
-    job = Job(run.config.simulator, run.config.seed, protocol="paper")
+    camera = run.config.camera
+    job = Job(run.config.simulator, run.config.seed, protocol="paper", camera=camera)
     items = {scene.id: scene for scene in scenes}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:

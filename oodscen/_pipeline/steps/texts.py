@@ -115,7 +115,11 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
 
 
 def _is_whole(rows: Sequence[Mapping[str, Any]], path: tuple[str, ...], count: int) -> bool:
-    """Return whether the lines of a path are complete and about this path, or record its failure."""
+    """Return whether the lines of a path are complete and about this path, or record its failure.
+
+    A path whose kind bears fewer texts looks like one that was interrupted: it is written again, from the
+    answers on record.
+    """
     if any(tuple(row["path"]) != path for row in rows):
         return False
     return len(rows) == count or any(row.get("status") == "failed" for row in rows)

@@ -1,6 +1,6 @@
 """The red-LLM's prompt: imagine an OOD scenario that the tree may lack."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, Field
 
@@ -13,6 +13,11 @@ class ImaginedScenario(BaseModel):
 
     reasoning: str = Field(default="", description="what is missing or rare, in a sentence")
     text: str = Field(description="one or two sentences about the ego vehicle and what it meets")
+    once_in_km: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="kilometres of urban driving in which a vehicle meets this kind about once",
+    )
 
 
 class ImagineScenario(Prompt[ImaginedScenario]):
@@ -32,6 +37,15 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     """Labels of the groups with the fewest leaves."""
     refused: tuple[str, ...] = ()
     """Recent proposals that were rejected as nothing new."""
+    rarity_km: tuple[float, float] | None = None
+    """Wanted rarity: the kind is met about once in so many kilometres, least and most."""
+    corner: str = ""
+    """Label of the group to look at, while others look at others."""
+
+    def variables(self) -> dict[str, Any]:
+        """Return the fields, with the wanted rarity in words."""
+        rarity = " to ".join(f"{km:.3g}" for km in self.rarity_km or ())
+        return {**super().variables(), "rarity": rarity}
 
     def check(self, answer: ImaginedScenario) -> list[Issue]:
         """Return a fault unless the text is one short paragraph."""

@@ -7,13 +7,15 @@ from typing import NamedTuple
 from oodscen._concurrency import cancelling
 from oodscen._paper import FEW_SHOTS, ITERATIONS
 from oodscen._text import one_line
-from oodscen.errors import AnswerError, DataError, Issue, LLMError
+from oodscen.errors import AnswerError, DataError, Issue, LLMError, UsageError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
-from oodscen.stages._redteam.excerpt import excerpt, listed, thin
+from oodscen.stages._redteam.excerpt import corner, excerpt, listed, thin
+from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.novelty import Nearness, Novelty
+from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
 from oodscen.stages._redteam.stopping import Limits, Progress, Stop
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
@@ -52,6 +54,9 @@ class RedTeamer:
         cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
         broadenings: Number of broadenings of a leaf before it is split.
         tokens: Room for the tree in a prompt; only a part of a larger tree is shown.
+        rarity: Band of Remark 1 as kilometres in which a kind is met about once, least and most: proposals
+            that the red-LLM itself puts outside are refused. Without it common kinds are asked for first and
+            rarer ones once nothing new comes, and nothing is refused.
     """
 
     def __init__(
@@ -73,6 +78,7 @@ class RedTeamer:
         cancel: Callable[[], None] | None = None,
         broadenings: int = BROADENINGS,
         tokens: int = TOKENS,
+        rarity: tuple[float, float] | None = None,
     ) -> None:
         self.llm = llm
         self.red_llm = red_llm or llm
@@ -95,6 +101,9 @@ class RedTeamer:
         self.cancel = cancel
         self.broadenings = broadenings
         self.tokens = tokens
+        if rarity is not None and not 0.0 < rarity[0] < rarity[1]:
+            raise UsageError("rarity: kilometres are positive, and the first are fewer")
+        self.rarity = rarity
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
         """Return the tree after all rounds; each edit holds its round, text and reason."""
@@ -147,14 +156,15 @@ class RedTeamer:
         try:
             said = ask(counted, question, sample=number, attempts=attempts)
         except (LLMError, DataError) as error:
-            return _Proposal("", counted.calls, error)
-        return _Proposal(one_line(said.text), counted.calls, None)
+            return _Proposal("", None, counted.calls, error)
+        return _Proposal(one_line(said.text), said.once_in_km, counted.calls, None)
 
 
 class _Proposal(NamedTuple):
     """A proposal of the red-LLM, or the error instead of it."""
 
     text: str
+    once_in_km: float | None
     calls: int
     error: LLMError | DataError | None
 
@@ -179,6 +189,7 @@ class _Game:
         self.teamer = teamer
         self.tree = tree
         self.progress = Progress(teamer.limits)
+        self.rarity = Rarity(teamer.rarity)
         self.novelty = Novelty(
             tree,
             teamer.encoder,
@@ -207,6 +218,7 @@ class _Game:
         self.progress.add(item)
         if self.teamer.closed_loop:
             self.novelty.learn(item, self.tree)
+            self.rarity.add(item)
             for edit in item.edits:
                 self._count(edit.op, edit.node)
             if item.text and not any(edit.op in ("add", "broaden") for edit in item.edits):
@@ -230,12 +242,15 @@ class _Game:
             unlisted=unlisted,
             thin=thin(self.tree, turn=number - 1),
             refused=tuple(self._in_vain),
+            rarity_km=self.rarity.wanted,
+            corner=corner(self.tree, number, of=teamer.in_flight),
         )
 
     def _decided(self, number: int, proposal: _Proposal) -> Round:
         known = Round(
             round=number,
             text=proposal.text,
+            once_in_km=proposal.once_in_km,
             nodes=len(self.tree),
             calls=proposal.calls,
             seen=max(number - self.teamer.in_flight, 0) if self.teamer.closed_loop else 0,
@@ -253,6 +268,8 @@ class _Game:
             )
             if found.is_too_near:
                 return _refused(known, found)
+            if why := self.rarity.fault(proposal.once_in_km):
+                return known.model_copy(update={"decision": "implausible", "reason": why})
         return self._placed(known)
 
     def _placed(self, known: Round) -> Round:
@@ -260,13 +277,15 @@ class _Game:
         counted = _Counted(teamer.llm)
         attempts = self.progress.attempts(known.calls)
         try:
-            question = self._where(known.text)
-            placed = ask(
-                counted,
-                question,
-                sample=known.round,
-                check=lambda answer: _misfits(question, tree, answer),
-                attempts=attempts,
+            question, names = self._where(known.text)
+            placed = names.answered(
+                ask(
+                    counted,
+                    question,
+                    sample=known.round,
+                    check=lambda answer: _misfits(question, tree, answer, names),
+                    attempts=attempts,
+                )
             )
             if question.procedure == "paper":
                 placed = placed.model_copy(update={"members": [], "also": []})
@@ -294,8 +313,11 @@ class _Game:
             }
         )
 
-    def _where(self, text: str) -> PlaceScenario:
-        """Return the question about the whole tree, or about the part of a large one that matters for a text."""
+    def _where(self, text: str) -> tuple[PlaceScenario, Names]:
+        """Return the question about the whole tree, or about the part of a large one that matters for a text.
+
+        Ids in the question follow the current labels; the names translate those of the answer.
+        """
         tree, closed = self.tree, self.teamer.closed_loop
         part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.teamer.tokens)
         shown = {node.id for node in part.nodes}
@@ -304,19 +326,24 @@ class _Game:
             for name in shown
             if self._broadened.get(name, 0) >= self.teamer.broadenings and not tree.children[name]
         ]
-        return PlaceScenario(
+        question = PlaceScenario(
             text=text,
             nodes=part.nodes,
             hidden=part.hidden,
             full=tuple(sorted(often)) if closed else (),
             procedure="closed" if closed else "paper",
         )
+        names = Names.of(tree, shown & self._broadened.keys())
+        return names.asked(question), names
 
 
-def _misfits(question: PlaceScenario, tree: ScenarioTree, answer: PlacedScenario) -> list[Issue]:
+def _misfits(
+    question: PlaceScenario, tree: ScenarioTree, answer: PlacedScenario, names: Names
+) -> list[Issue]:
     """Return the faults that only the whole tree reveals, if the question's own check finds none."""
     if question.check(answer):
         return []
+    answer = names.answered(answer)
     if question.procedure == "paper":
         answer = answer.model_copy(update={"members": []})
     return misfits(tree, answer)
