@@ -231,9 +231,12 @@ def augment(
     """
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
+    from oodscen.driving._sight.nameable import AdvisingCheck
 
     model = make_llm(llm, seed=seed, api_base=api_base)
-    augmenter = Augmenter(model, make_simulator(simulator).catalogue(), claims=claims)
+    augmenter = Augmenter(
+        model, make_simulator(simulator).catalogue(), check=AdvisingCheck(), claims=claims
+    )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []
     for scenario in tqdm(items, desc="augment", disable=None):

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -230,8 +230,18 @@ def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
             better = stage(
                 found.scene, found.simulated, simulator, job.seed, job.extras.traces, job.camera
             )
+            if episode.restaged and better.scene is not found.scene:
+                better = _described(
+                    better, f"{episode.restaged}; {better.simulated.episode.restaged}"
+                )
             found = better._replace(tried=found.tried + better.tried)
     return found
+
+
+def _described(found: Restaging, how: str) -> Restaging:
+    """Return a re-staging with another description of the change."""
+    episode = found.simulated.episode.model_copy(update={"restaged": how})
+    return found._replace(simulated=replace(found.simulated, episode=episode))
 
 
 def _extra_files(

@@ -1,5 +1,6 @@
 """The look of a hazard in the frame at the decision, and the floor below which a viewer cannot name it."""
 
+import math
 from typing import ClassVar
 
 from oodscen.data._base import Data
@@ -22,7 +23,7 @@ def apparent_size(height: float, area: float) -> float:
     Upright things are as large as they are high. What lies flat or is low and wide counts as a square of its
     area, but no more than twice its height, since a thin line shows no shape.
     """
-    return max(height, min(area**0.5, 2.0 * height))
+    return max(height, min(math.sqrt(area), 2.0 * height))
 
 
 class Sighting(Data):

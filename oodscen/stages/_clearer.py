@@ -9,6 +9,7 @@ from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import Cruise, find_map, load_corridor
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._sight.decision_view import drawn
+from oodscen.driving._sight.nameable import LATEST_S, LOOK_S
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator, State
@@ -16,10 +17,6 @@ from oodscen.stages._restage import Attempt, Restaging, changed
 from oodscen.stages._simulate import Simulated, approach, simulate
 from oodscen.stages._visibility import sighting
 
-LATEST_S = 6.0
-"""Greatest delay of a decision, s."""
-LOOK_S = 0.2
-"""Interval between the moments that are tried, s."""
 MOST_MOMENTS = 6
 """Largest number of moments that are tried per approach speed."""
 SLOWER = (1.0, 0.85, 0.7, 0.55)
@@ -46,8 +43,8 @@ def clearer(
     """Return the scene with the first later decision at which a viewer can name the hazard, and its run.
 
     The blind approach does not depend on the decision. It is driven on, and the first moments at which the
-    hazard can be named are tried, until some action is safe and another is not. If there is none, the ego
-    approaches more slowly. If nothing helps, the scene and its run are returned unchanged, with the reasons.
+    hazard can be named are tried, until some action is safe and another is not; where all were safe, all may
+    stay safe. If there is none, the ego approaches more slowly. If nothing helps, the scene and its run are returned unchanged, with the reasons.
 
     Args:
         scene: A scene whose hazard cannot be named at the decision.
@@ -58,6 +55,8 @@ def clearer(
         camera: The camera; by default the ego's dash camera.
     """
     tried: list[Attempt] = []
+    before = simulated.episode
+    is_too_easy = bool(before.safe_set) and not before.is_decidable
     for share in SLOWER:
         speed = round(scene.ego.speed * share, 2)
         ego = scene.ego.model_copy(update={"speed": speed})
@@ -70,7 +69,7 @@ def clearer(
                     f"{TO_NAME}{named}decision {_said(scene.decision)} -> {_said(variant.decision)}"
                 )
                 probe = simulate(variant, simulator, seed=seed, render=False).episode
-                if not probe.is_decidable:
+                if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
                     whys.append(
                         f"named at {seen.distance_m:g} m, where "
                         + (

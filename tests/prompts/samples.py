@@ -77,7 +77,8 @@ SAMPLES = (
         unlisted=7,
         thin=("Animals",),
         refused=("A stag leaps onto the road.",),
-        rarity_km=(1e4, 1e6),
+        least_km=1e4,
+        most_km=1e6,
         corner="Animals",
     ),
     PlaceScenario(

@@ -19,6 +19,17 @@ BUILTIN = ("OOD", "Environmental", "Debris", "Large cardboard box on the road")
 PATH = ("OOD", "Environmental", "Debris", "Box on the road")
 
 
+class CountingLLM:
+    """Counts the calls of a model."""
+
+    def __init__(self, llm):
+        self.name, self.calls, self.llm = llm.name, 0, llm
+
+    def complete(self, request):
+        self.calls += 1
+        return self.llm.complete(request)
+
+
 def writer(texts):
     """Return a model that hands out prepared texts, skipping those to avoid."""
 
@@ -48,19 +59,19 @@ def test_near_duplicates_are_replaced():
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(1, 12))
 def test_a_path_has_as_many_texts_as_its_kind_bears(bears, wanted, batch):
     texts = [f"The ego meets obstacle number {number} on its way." for number in range(bears)]
-    llm = writer(texts)
+    llm = CountingLLM(writer(texts))
     found = Describer(llm, batch=batch).path("box", PATH, wanted)
     assert [item.text for item in found] == texts[:wanted]
-    assert len(llm.requests) <= -(-min(bears, wanted) // batch) + 1
+    assert llm.calls <= -(-min(bears, wanted) // batch) + 1
 
 
 def test_a_writer_that_has_run_dry_is_not_asked_again_and_its_near_duplicates_go():
     first = "A large cardboard box lies in the middle of the lane ahead of the ego vehicle."
     near = "In the middle of the lane ahead of the ego vehicle lies a large cardboard box."
-    llm = writer([first, near])
+    llm = CountingLLM(writer([first, near]))
     found = Describer(llm, HashEncoder(), nearest=0.9).path("b", PATH, 3)
     assert [item.text for item in found] == [first]
-    assert len(llm.requests) == 1
+    assert llm.calls == 1
 
 
 @given(st.integers(1, 300), st.integers(1, 40))

@@ -12,6 +12,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
+from oodscen.driving._sight.nameable import AdvisingCheck
 from oodscen.errors import LLMError, StudyError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
@@ -38,7 +39,9 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two scenes of one text.
         DataError: When a line of `scenes.jsonl` is malformed.
     """
-    augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
+    augmenter = Augmenter(
+        run.llm, run.simulator.catalogue(), check=AdvisingCheck(), context=run.config.context
+    )
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
     written = _written(run, by_id, before)

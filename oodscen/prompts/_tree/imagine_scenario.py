@@ -1,6 +1,6 @@
 """The red-LLM's prompt: imagine an OOD scenario that the tree may lack."""
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
@@ -37,15 +37,12 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     """Labels of the groups with the fewest leaves."""
     refused: tuple[str, ...] = ()
     """Recent proposals that were rejected as nothing new."""
-    rarity_km: tuple[float, float] | None = None
-    """Wanted rarity: the kind is met about once in so many kilometres, least and most."""
+    least_km: float | None = None
+    """Wanted rarity: the kind is met about once in so many kilometres at least; `None` without a wish."""
+    most_km: float | None = None
+    """The same at most."""
     corner: str = ""
     """Label of the group to look at, while others look at others."""
-
-    def variables(self) -> dict[str, Any]:
-        """Return the fields, with the wanted rarity in words."""
-        rarity = " to ".join(f"{km:.3g}" for km in self.rarity_km or ())
-        return {**super().variables(), "rarity": rarity}
 
     def check(self, answer: ImaginedScenario) -> list[Issue]:
         """Return a fault unless the text is one short paragraph."""

@@ -242,7 +242,8 @@ class _Game:
             unlisted=unlisted,
             thin=thin(self.tree, turn=number - 1),
             refused=tuple(self._in_vain),
-            rarity_km=self.rarity.wanted,
+            least_km=self.rarity.wanted[0],
+            most_km=self.rarity.wanted[1],
             corner=corner(self.tree, number, of=teamer.in_flight),
         )
 
