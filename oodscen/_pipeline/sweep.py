@@ -256,7 +256,7 @@ def _extra_files(
         for moment, frame in simulated.frames.items():
             state = simulated.state_of(moment)
             notes = annotate(frame, state, scene, catalogue, job.camera)
-            classes = semantic_map(frame, state, scene, catalogue)
+            classes = semantic_map(frame, state, scene, catalogue, job.camera)
             for name, data in encode_annotations(moment, frame, notes, classes).items():
                 files[f"frames/{scene.id}/{name}"] = data
     if job.extras.video:

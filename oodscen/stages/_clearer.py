@@ -1,6 +1,7 @@
 """Moves of a scene's decision to the moment from which a viewer can name the hazard."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
@@ -44,7 +45,8 @@ def clearer(
 
     The blind approach does not depend on the decision. It is driven on, and the first moments at which the
     hazard can be named are tried, until some action is safe and another is not; where all were safe, all may
-    stay safe. If there is none, the ego approaches more slowly. If nothing helps, the scene and its run are returned unchanged, with the reasons.
+    stay safe. If there is none, the ego approaches more slowly. If nothing helps, the scene and its run are
+    returned unchanged, with the reasons.
 
     Args:
         scene: A scene whose hazard cannot be named at the decision.
@@ -57,52 +59,58 @@ def clearer(
     tried: list[Attempt] = []
     before = simulated.episode
     is_too_easy = bool(before.safe_set) and not before.is_decidable
-    for share in SLOWER:
-        speed = round(scene.ego.speed * share, 2)
-        ego = scene.ego.model_copy(update={"speed": speed})
-        slowed = scene if share == 1.0 else changed(scene, ego=ego)
-        named = "" if share == 1.0 else f"approach speed {scene.ego.speed:g} -> {speed:g} m/s, "
+    for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
+        slowed, how = scene, TO_NAME
+        if share < 1.0:
+            slowed = _slowed(scene, share)
+            how += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
         whys: list[str] = []
         try:
-            for variant, seen in _later(slowed, simulator, seed, camera or Camera()):
-                how = (
-                    f"{TO_NAME}{named}decision {_said(scene.decision)} -> {_said(variant.decision)}"
-                )
+            for variant, distance in _later(slowed, simulator, seed, camera or Camera()):
                 probe = simulate(variant, simulator, seed=seed, render=False).episode
                 if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
-                    whys.append(
-                        f"named at {seen.distance_m:g} m, where "
-                        + (
-                            "every action is safe"
-                            if probe.safe_set
-                            else "no action is safe any more"
-                        )
-                    )
+                    fate = "every action is safe" if probe.safe_set else "no action is safe"
+                    whys.append(f"{distance:g} m away it can be named, but {fate}")
                     continue
                 again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
                 if again.episode.is_below_floor:
                     continue
+                how += f"decision {_said(scene.decision)} -> {_said(variant.decision)}"
                 episode = again.episode.model_copy(update={"restaged": how})
-                run = Simulated(episode, again.states, again.frames, again.trace, again.rollouts)
-                return Restaging(variant, run, tuple(tried))
+                return Restaging(variant, replace(again, episode=episode), tuple(tried))
         except OodscenError as error:
             whys.append(f"it cannot be run: {str(error).strip().splitlines()[-1].strip(' -')}")
         why = whys[0] if whys else "the hazard cannot be named before the ego reaches it"
-        tried.append(Attempt(f"{TO_NAME}{named}a later decision", why))
+        tried.append(Attempt(f"{how}a later decision", why))
     return Restaging(scene, simulated, tuple(tried))
+
+
+def _slowed(scene: Scene, share: float) -> Scene:
+    """Return the scene with a slower ego; ordinary traffic that starts behind it slows alike."""
+    actors = []
+    for actor in scene.actors:
+        parameters = actor.behaviour.parameters
+        is_behind = actor.placement.ahead_m < 0.0 and actor.id not in scene.hazard.actors
+        if is_behind and "speed" in parameters:
+            slower = {**parameters, "speed": round(parameters["speed"] * share, 2)}
+            behaviour = actor.behaviour.model_copy(update={"parameters": slower})
+            actor = actor.model_copy(update={"behaviour": behaviour})
+        actors.append(actor)
+    ego = scene.ego.model_copy(update={"speed": round(scene.ego.speed * share, 2)})
+    return changed(scene, ego=ego, actors=actors)
 
 
 def _later(
     scene: Scene, simulator: Simulator, seed: int, camera: Camera
-) -> Iterator[tuple[Scene, Sighting]]:
-    """Yield the scene with decisions at which the hazard can be named, from its own decision on."""
+) -> Iterator[tuple[Scene, float]]:
+    """Yield the scene with decisions at which the hazard can be named, each with the distance from there, m."""
     catalogue = simulator.catalogue()
     corridor = load_corridor(find_map(scene.map, catalogue))
     # The variants are run in the same simulator: all moments are found first.
     for later in list(islice(_moments(scene, simulator, seed, camera), MOST_MOMENTS)):
         value = value_in(scene.decision, later.state, corridor)
         decision = scene.decision.model_copy(update={"value": value})
-        yield changed(scene, decision=decision), later.seen
+        yield changed(scene, decision=decision), later.seen.distance_m
 
 
 def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> Iterator[_Later]:

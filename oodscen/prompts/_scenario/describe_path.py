@@ -11,11 +11,11 @@ from oodscen.prompts._base import Prompt
 Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
 """Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
 catalogue, a full account, or the driver's own words."""
+STYLES: tuple[Style, ...] = get_args(Style)
 SHOWN = 400
 """Tokens of existing texts that a question shows."""
 CHARACTERS = 4
 """Characters per token of English text."""
-STYLES: tuple[Style, ...] = get_args(Style)
 
 
 class Descriptions(BaseModel):

@@ -16,6 +16,7 @@ class ImaginedScenario(BaseModel):
     once_in_km: float | None = Field(
         default=None,
         gt=0.0,
+        le=1e18,
         description="kilometres of urban driving in which a vehicle meets this kind about once",
     )
 
