@@ -3,9 +3,10 @@
 import pytest
 
 from oodscen import simulate
-from oodscen.data._scene import Trigger
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
-from oodscen.stages._clearer import SLOWER, clearer
+from oodscen.stages._clearer import SLOWER, _slowed, clearer
+from oodscen.stages._restage import changed
 from oodscen.testing import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -58,3 +59,17 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     assert [attempt.why for attempt in found.tried] == [
         "the hazard cannot be named before the ego reaches it"
     ] * len(SLOWER)
+
+
+@pytest.mark.parametrize("share", [0.85, 0.5])
+def test_only_ordinary_traffic_behind_slows_with_the_ego(share):
+    scene = example_scene()
+    behaviour = Behaviour(name="follow_lane", parameters={"speed": 8.0, "headway": 1.0})
+    cars = [
+        Actor(id=name, asset="car", placement=Placement(ahead_m=ahead), behaviour=behaviour)
+        for name, ahead in (("behind", -20.0), ("ahead", 30.0))
+    ]
+    slowed = _slowed(changed(scene, actors=(*scene.actors, *cars)), share)
+    speeds = {one.id: one.behaviour.parameters.get("speed") for one in slowed.actors}
+    assert speeds == {"box": None, "behind": 8.0 * share, "ahead": 8.0}
+    assert slowed.ego.speed == scene.ego.speed * share
