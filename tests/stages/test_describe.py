@@ -13,7 +13,7 @@ from oodscen.prompts import STYLES, DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.stages._describe import spread, spread_subset
 from oodscen.testing import FunctionLLM, HashEncoder
-from oodscen.tree._scenario_tree import Node
+from oodscen.tree._scenario_tree import TreeEdit
 
 BUILTIN = ("OOD", "Environmental", "Debris", "Large cardboard box on the road")
 PATH = ("OOD", "Environmental", "Debris", "Box on the road")
@@ -142,13 +142,9 @@ def test_what_cannot_be_is_refused_at_once(options):
 
 def test_texts_of_different_paths_that_agree_are_written_again():
     texts = ["The ego vehicle meets a box.", "A carton lies ahead of the ego vehicle."]
-    tree = ScenarioTree(
-        nodes=(
-            Node(id="root", parent=None, label="Out of distribution"),
-            Node(id="environmental", parent="root", label="Environmental"),
-            Node(id="a", parent="environmental", label="Box"),
-            Node(id="b", parent="environmental", label="Carton"),
-        )
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="a", parent="environmental", label="Box"),
+        TreeEdit(op="add", node="b", parent="environmental", label="Carton"),
     )
     found = Describer(writer(texts), per_path=1).run(tree)
     assert [item.text for item in found] == texts

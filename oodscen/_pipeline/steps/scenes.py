@@ -13,7 +13,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
 from oodscen.driving._sight.nameable import AdvisingCheck
-from oodscen.errors import LLMError, StudyError
+from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
 
@@ -36,11 +36,14 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         The scenes as they were staged.
 
     Raises:
-        StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two scenes of one text.
-        DataError: When a line of `scenes.jsonl` is malformed.
+        DataError: When a line of `scenes.jsonl` is malformed or belongs to no text, or two belong to one text.
     """
     augmenter = Augmenter(
-        run.llm, run.simulator.catalogue(), check=AdvisingCheck(), context=run.config.context
+        run.llm,
+        run.simulator.catalogue(),
+        check=AdvisingCheck(),
+        context=run.config.context,
+        encoder=run.encoder,
     )
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
@@ -104,12 +107,14 @@ def _written(
         source = f"{run.store.path(SCENES)}, line {number}"
         scene = Scene.parse(line, source=source)
         if scene.id in found:
-            raise StudyError(f"{source}: there are two scenes {scene.id!r}; remove one")
+            issue = Issue("", f"there are two scenes {scene.id!r}; remove one")
+            raise DataError(Scene.noun, [issue], source=source)
         if scene.id not in texts and _is_by_hand(scene, staged.get(scene.id)):
-            raise StudyError(
-                f"{source}: there is no text {scene.id!r} in this study; remove the line, and run the scene by "
-                "itself with `oodscen simulate`"
+            fault = (
+                f"there is no text {scene.id!r} in this study; remove the line, and run the scene by itself with "
+                "`oodscen simulate`"
             )
+            raise DataError(Scene.noun, [Issue("", fault)], source=source)
         found[scene.id] = scene
     return found
 
@@ -213,7 +218,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     job = Job(
         run.config.simulator,
         run.config.seed,
-        run.extras,
+        run.options.extras,
         twins=True,
         restages=True,
         camera=run.config.camera,
@@ -222,7 +227,9 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
         wanted = [staged[name].scene for name in dict.fromkeys(todo.values())]
-        for result in sweep(job, wanted, workers=run.workers, executor=run.executor):
+        for result in sweep(
+            job, wanted, workers=run.options.workers, executor=run.options.executor
+        ):
             name = result.episode.id
             if name in staged:
                 tried = tuple(attempt._asdict() for attempt in result.tried)
@@ -258,7 +265,9 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     items = {scene.id: scene for scene in scenes}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
-        for result in sweep(job, list(todo.values()), workers=run.workers, executor=run.executor):
+        for result in sweep(
+            job, list(todo.values()), workers=run.options.workers, executor=run.options.executor
+        ):
             result.save(run.store)
             yield result.episode
 
@@ -274,4 +283,9 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
 
 
 def _has_files(run: Context, line: Mapping[str, Any]) -> bool:
-    return all(run.has(file) for file in (*line["frames"].values(), *line["files"]))
+    """Return whether the files of an episode are there, as they were written."""
+    written = line.get("file_sha256", {})
+    return all(
+        run.has(file) and (file not in written or run.store.digest(file) == written[file])
+        for file in (*line["frames"].values(), *line["files"])
+    )

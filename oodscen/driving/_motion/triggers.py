@@ -16,7 +16,16 @@ CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}
 def fires(
     code: int, value: float, time: float, ahead: float, ego_speed: float, actor_speed: float
 ) -> bool:
-    """Return whether a trigger's condition holds; the kernel form of `is_reached`."""
+    """Return whether a trigger's condition holds.
+
+    Args:
+        code: One of `CODES`.
+        value: Threshold, s or m.
+        time: Time since the start, s.
+        ahead: Distance from the ego's centre to the actor's along the road, m; negative if behind.
+        ego_speed: The ego's speed along the road, m/s.
+        actor_speed: The actor's speed along the road, m/s; negative if it drives against the ego's direction.
+    """
     if code == TIME:
         return time >= value - 1e-9
     distance = abs(ahead)
@@ -24,22 +33,6 @@ def fires(
         return distance <= value
     closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
     return distance <= max(0.0, value * closing)
-
-
-def is_reached(
-    kind: str, value: float, *, time: float, ahead: float, ego_speed: float, actor_speed: float
-) -> bool:
-    """Return whether a trigger's condition holds.
-
-    Args:
-        kind: `time`, `distance` or `ttc`.
-        value: Threshold, s or m.
-        time: Time since the start, s.
-        ahead: Distance from the ego's centre to the actor's along the road, m; negative if behind.
-        ego_speed: The ego's speed along the road, m/s.
-        actor_speed: The actor's speed along the road, m/s; negative if it drives against the ego's direction.
-    """
-    return fires(CODES[kind], value, time, ahead, ego_speed, actor_speed)
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
@@ -57,14 +50,7 @@ def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor
     if trigger.kind == "time":
         return fires(TIME, trigger.value, state.time, 0.0, 0.0, 0.0)
     ahead, ego_speed, actor_speed = _between(trigger.actor or owner or "", state, corridor)
-    return is_reached(
-        trigger.kind,
-        trigger.value,
-        time=state.time,
-        ahead=ahead,
-        ego_speed=ego_speed,
-        actor_speed=actor_speed,
-    )
+    return fires(CODES[trigger.kind], trigger.value, state.time, ahead, ego_speed, actor_speed)
 
 
 def value_in(trigger: Trigger, state: State, corridor: Corridor) -> float:

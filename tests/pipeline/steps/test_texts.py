@@ -2,6 +2,7 @@
 
 from oodscen import ScenarioTree
 from oodscen._pipeline.context import Context
+from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.texts import DRY, describe
 from oodscen.testing import FunctionLLM
 from oodscen.tree._scenario_tree import TreeEdit
@@ -26,7 +27,8 @@ def test_a_path_that_ran_dry_is_on_record_and_done(tmp_path):
     config = QUICK.model_copy(update={"llm": "writer", "per_path": 3, "max_paths": None})
     found = []
     for _ in range(2):
-        run = Context(tmp_path, config, models={"writer": FunctionLLM(answer)}, retry=True)
+        options = RunOptions(models={"writer": FunctionLLM(answer)}, retry=True)
+        run = Context(tmp_path, config, options)
         run.prepare()
         with run.store.writing():
             found.append(describe(run, TREE))
