@@ -11,6 +11,7 @@ from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
+from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 
 if TYPE_CHECKING:
@@ -105,9 +106,28 @@ red_options = _options(
         help=f"Reject proposals at least this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
     ),
     click.option(
+        "--rarity",
+        nargs=2,
+        type=FiniteRange(0, min_open=True),
+        metavar="LO HI",
+        help="Refuse kinds met more often than once in LO km, or more rarely than once in HI km.",
+    ),
+    click.option(
         "--broadenings",
         type=click.IntRange(min=0),
         help=f"Number of times a leaf is broadened before it is split.  [default: {BROADENINGS}]",
+    ),
+)
+picture_options = _options(
+    click.option(
+        "--width",
+        type=click.IntRange(64, 4096),
+        help=f"Columns of the frames, in pixels.  [default: {Camera.width}]",
+    ),
+    click.option(
+        "--height",
+        type=click.IntRange(48, 4096),
+        help=f"Rows of the frames, in pixels.  [default: {Camera.height}]",
     ),
 )
 style_option = click.option(

@@ -39,6 +39,11 @@ def summary(info: dict[str, Any]) -> str:
         f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
         f"{counts['verdicts']} verdicts",
     ]
+    if below := counts.get("below_floor"):
+        lines.append(
+            f"{below} scenes are not judged: at the decision their hazard is too small, faint, dark or hidden to "
+            "be named"
+        )
     failures = {name: number for name, number in info["failures"].items() if number}
     if failures:
         listed = ", ".join(f"{number} in {name}" for name, number in failures.items())

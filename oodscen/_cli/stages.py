@@ -14,6 +14,7 @@ from oodscen._cli.options import (
     extras_options,
     llm_options,
     out_option,
+    picture_options,
     red_options,
     seed_option,
     simulator_option,
@@ -24,6 +25,7 @@ from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
+from oodscen.protocols import Camera
 
 if TYPE_CHECKING:
     from oodscen.data._scenario import Scenario
@@ -242,9 +244,12 @@ def augment(
     """
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
+    from oodscen.driving._sight.nameable import AdvisingCheck
 
     model = make_llm(llm, seed=seed, api_base=api_base)
-    augmenter = Augmenter(model, make_simulator(simulator).catalogue(), claims=claims)
+    augmenter = Augmenter(
+        model, make_simulator(simulator).catalogue(), check=AdvisingCheck(), claims=claims
+    )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []
     for scenario in tqdm(items, desc="augment", disable=None):
@@ -263,6 +268,7 @@ def augment(
 @simulator_option
 @seed_option
 @extras_options
+@picture_options
 @click.option(
     "--workers",
     default=1,
@@ -278,6 +284,8 @@ def simulate(
     traces: bool,
     annotations: bool,
     video: Any,
+    width: int | None,
+    height: int | None,
     workers: int,
 ) -> None:
     """Simulate every scene of the file SCENES into the folder OUT.
@@ -296,7 +304,8 @@ def simulate(
         raise DataError("scenes", issues, source=str(scenes))
     make_simulator(simulator).close()
     study, episodes = Study(out), {}
-    job = Job(simulator, seed, Extras(traces, annotations, video))
+    camera = Camera(width or Camera.width, height or Camera.height)
+    job = Job(simulator, seed, Extras(traces, annotations, video), camera=camera)
     with study.store.writing():
         if taken := [name for name in study.own() if name in _SIMULATED]:
             raise FolderTaken(str(out), taken)

@@ -15,6 +15,7 @@ from oodscen._cli.options import (
     json_option,
     judging_options,
     llm_options,
+    picture_options,
     red_options,
     seed_option,
     simulator_option,
@@ -81,6 +82,13 @@ from oodscen.errors import UsageError
     type=click.IntRange(1, 999),
     help=f"Texts per simulatable path.  [default: {paper.PER_PATH}]",
 )
+@click.option(
+    "--set",
+    "sets",
+    multiple=True,
+    type=click.IntRange(min=1),
+    help="Size of a text set from the diverse tree; repeatable.  [default: 10, 100, 1000 if built-in]",
+)
 @style_option
 @click.option(
     "--candidates",
@@ -106,6 +114,7 @@ from oodscen.errors import UsageError
     help="Simulation processes.  [default: number of CPUs]",
 )
 @extras_options
+@picture_options
 @seed_option
 @click.option("--quick", is_flag=True, help="Run a small but complete study in seconds.")
 @click.option("--retry-failed", is_flag=True, help="Also redo items whose answers were invalid.")

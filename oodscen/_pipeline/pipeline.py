@@ -152,6 +152,7 @@ class Pipeline:
             "twins": sum(e.status == "ok" and e.is_twin for e in episodes),
             "restaged": sum(bool(episode.restaged) for episode in episodes),
             "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
+            "below_floor": sum(episode.is_below_floor for episode in episodes),
             "verdicts": len(verdicts),
             "outcomes": outcomes(verdicts),
             **judged(verdicts),

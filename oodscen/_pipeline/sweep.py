@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Literal
@@ -18,9 +18,10 @@ from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
 from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
-from oodscen.protocols import Frame, Simulator
+from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
-from oodscen.stages._restage import Attempt, restaged
+from oodscen.stages._clearer import clearer
+from oodscen.stages._restage import Attempt, Restaging, restaged
 from oodscen.stages._simulate import Simulated, simulate
 from oodscen.stages._video import View, record
 from oodscen.study._store import Store
@@ -58,7 +59,10 @@ class Job:
     protocol: Literal["ours", "paper"] = "ours"
     """Protocol as in `simulate`; frames of the paper's whole trace are named `whole-<moment>.jpg`."""
     restages: bool = False
-    """Re-stage scenes in which all or none of the actions are safe."""
+    """Re-stage scenes whose hazard cannot be named at the decision, or in which all or none of the actions are
+    safe."""
+    camera: Camera = field(default_factory=Camera)
+    """The camera of the frames."""
 
 
 @dataclass(frozen=True)
@@ -193,12 +197,15 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     try:
         given, tried = scene, tuple[Attempt, ...]()
         simulated = simulate(
-            scene, simulator, seed=job.seed, traces=job.extras.traces, protocol=job.protocol
+            scene,
+            simulator,
+            seed=job.seed,
+            camera=job.camera,
+            traces=job.extras.traces,
+            protocol=job.protocol,
         )
-        if job.restages and not scene.is_twin and not simulated.episode.is_decidable:
-            scene, simulated, tried = restaged(
-                scene, simulated, simulator, job.seed, job.extras.traces
-            )
+        if job.restages and not scene.is_twin:
+            scene, simulated, tried = _improved(job, simulator, scene, simulated)
         extra = _extra_files(job, simulator, scene, simulated)
     except MissingExtra:
         raise
@@ -222,6 +229,29 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed, tried)
 
 
+def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
+    """Return the scene, re-staged if its hazard cannot be named or its choice does not matter, and its run."""
+    found = Restaging(scene, simulated)
+    for stage in (clearer, restaged):
+        episode = found.simulated.episode
+        if episode.is_below_floor if stage is clearer else not episode.is_decidable:
+            better = stage(
+                found.scene, found.simulated, simulator, job.seed, job.extras.traces, job.camera
+            )
+            if episode.restaged and better.scene is not found.scene:
+                better = _described(
+                    better, f"{episode.restaged}; {better.simulated.episode.restaged}"
+                )
+            found = better._replace(tried=found.tried + better.tried)
+    return found
+
+
+def _described(found: Restaging, how: str) -> Restaging:
+    """Return a re-staging with another description of the change."""
+    episode = found.simulated.episode.model_copy(update={"restaged": how})
+    return found._replace(simulated=replace(found.simulated, episode=episode))
+
+
 def _extra_files(
     job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
 ) -> dict[str, bytes]:
@@ -233,15 +263,23 @@ def _extra_files(
     if job.extras.annotations:
         for moment, frame in simulated.frames.items():
             state = simulated.state_of(moment)
-            notes = annotate(frame, state, scene, catalogue)
-            classes = semantic_map(frame, state, scene, catalogue)
+            notes = annotate(frame, state, scene, catalogue, job.camera)
+            classes = semantic_map(frame, state, scene, catalogue, job.camera)
             for name, data in encode_annotations(moment, frame, notes, classes).items():
                 files[f"frames/{scene.id}/{name}"] = data
     if job.extras.video:
         action = next(iter(simulated.episode.safe_set), None)
         with temporary_folder() as folder:
             path = Path(folder, "video.mp4")
-            record(scene, simulator, path, driver=action, view=job.extras.video, seed=job.seed)
+            record(
+                scene,
+                simulator,
+                path,
+                driver=action,
+                view=job.extras.video,
+                seed=job.seed,
+                camera=job.camera,
+            )
             files[f"videos/{scene.id}.mp4"] = path.read_bytes()
     return files
 

@@ -4,6 +4,7 @@ from typing import Literal
 
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
+from oodscen.data._sighting import Sighting
 from oodscen.data._twins import is_twin
 
 ACTIONS = (
@@ -83,6 +84,9 @@ class Episode(Data):
     hazard_visible: bool | None = None
     """True if an unusual actor is visible in one of the frames, or the weather differs from the ordinary one;
     `None` for twins and without frames."""
+    sighting: Sighting | None = None
+    """The look of the hazard at the decision; `None` for twins, without frames, and where only the weather is
+    the hazard."""
     trace_sha256: str = ""
     """SHA-256 of all states up to the decision point."""
     is_deterministic: bool = True
@@ -103,6 +107,11 @@ class Episode(Data):
     def is_twin(self) -> bool:
         """Return whether this is the episode of an ordinary twin."""
         return is_twin(self.scene_id)
+
+    @property
+    def is_below_floor(self) -> bool:
+        """Return whether a viewer cannot name the hazard at the decision; such scenes are not judged."""
+        return self.sighting is not None and bool(self.sighting.faults)
 
     @property
     def safe_set(self) -> tuple[str, ...]:

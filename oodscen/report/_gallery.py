@@ -358,6 +358,11 @@ def _facts(episode: Episode | None, names: Mapping[str, str]) -> list[list[str]]
         )
     if episode.restaged:
         facts.append(["Re-staged", episode.restaged])
+    if (look := episode.sighting) is not None:
+        what = f"{names.get(look.actor, words.plain(look.actor))}, {look.height_px:g} pixels high in a picture of 480 rows, {look.distance_m:g} m away"
+        if look.faults:
+            what += f"; not judged, since it is {' and '.join(look.faults)}"
+        facts.append(["Hazard at the decision", what])
     if episode.followers:
         facts.append(
             [

@@ -48,6 +48,10 @@ class Counts:
     """Scenes in which one available action is safe and another is not."""
     all_safe: int
     none_safe: int
+    sighted: int
+    """Scenes with an unusual actor, seen at the decision."""
+    below_floor: int
+    """Those of them whose hazard cannot be named."""
 
 
 @dataclass(frozen=True)
@@ -177,6 +181,8 @@ def _counts(found: Material, choices: Sequence[str]) -> Counts:
         mixed=tally["mixed"],
         all_safe=tally["all"],
         none_safe=tally["none"],
+        sighted=sum(one.sighting is not None for one in found.episodes),
+        below_floor=sum(one.is_below_floor for one in found.episodes),
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from oodscen.data._sighting import TO_NAME
 from oodscen.judging._drives import drive_board, remarks
 from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._load import Material
@@ -42,7 +43,9 @@ def undecided(study: Study, found: Material) -> Variables | None:
     told = {str(line.get("id")): line for line in found.restagings}
     return {
         "count": len(episodes),
-        "restaged": sum(bool(one.restaged) for one in found.episodes),
+        "restaged": sum(
+            bool(one.restaged) and not one.restaged.startswith(TO_NAME) for one in found.episodes
+        ),
         "rows": [
             {
                 "id": one.scene_id,

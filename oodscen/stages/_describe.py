@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 class Describer:
     """Asks the tree-LLM for texts along each path; near duplicates and off-topic texts are redrawn.
 
+    A model that gives fewer texts than it is asked for has run dry: the kind bears no more. It is not asked
+    again, and near duplicates and off-topic texts are left out, though never all texts of a path.
+
     Args:
         llm: The tree-LLM.
         encoder: Measures the similarity of two texts of a path; without one only identical texts are duplicates.
@@ -57,7 +60,7 @@ class Describer:
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
 
     def run(self, tree: ScenarioTree) -> list[Scenario]:
-        """Return `per_path` scenarios for every leaf, in tree order, all with different texts.
+        """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
 
         Raises:
             LLMError: When the model fails on a path.
@@ -76,20 +79,24 @@ class Describer:
         return [again.get(scenario.id, scenario) for scenario in scenarios]
 
     def path(self, leaf: str, path: tuple[str, ...], count: int) -> list[Scenario]:
-        """Return `count` scenarios `<leaf>-001`, `<leaf>-002` ... for one path.
+        """Return scenarios `<leaf>-001`, `<leaf>-002` ... for one path: `count`, or as many as its kind bears.
 
         Raises:
             LLMError: When the model fails.
             UsageError: When too few candidates lie inside the band.
         """
-        texts = self._draw(path, count * self.options.candidates, avoid=())
+        texts, is_dry = self._draw(path, count * self.options.candidates, avoid=())
         for _ in range(self.options.redraws):
             unfit = self._near_duplicates(texts) | self._off_topic(texts)
             if not unfit:
                 break
             kept = [text for index, text in enumerate(texts) if index not in unfit]
-            fresh = self._draw(path, len(unfit), avoid=tuple(texts))
-            texts = kept + fresh
+            if is_dry:
+                texts = kept or texts[:1]
+                break
+            fresh, is_dry = self._draw(path, len(unfit), avoid=tuple(texts))
+            texts = kept + fresh or texts[:1]
+        count = min(count, len(texts))
         if self.metrics is not None and self.options.is_selective:
             low, high = self.options.band or (-np.inf, np.inf)
             selected = self.metrics.select(texts, count, low=low, high=high)
@@ -102,6 +109,8 @@ class Describer:
     def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
         """Return new versions of scenarios that repeat an earlier text, ignoring case and punctuation.
 
+        A repetition stays if the model has no other text.
+
         Raises:
             LLMError: When the model fails.
         """
@@ -113,9 +122,11 @@ class Describer:
             words = plain(item.text)
             if words in seen:
                 own = tuple(other.text for other in items if other.leaf == item.leaf)
-                fresh = self._draw(item.path, 1, avoid=own, taken=taken)[0]
-                again.append(self._scenario(item.id, fresh, item.leaf, item.path))
-                words = plain(fresh)
+                fresh, _ = self._draw(item.path, 1, avoid=own, taken=taken)
+                if not fresh:
+                    continue
+                again.append(self._scenario(item.id, fresh[0], item.leaf, item.path))
+                words = plain(fresh[0])
                 taken.add(words)
             seen.add(words)
         return again
@@ -144,8 +155,12 @@ class Describer:
         count: int,
         avoid: tuple[str, ...],
         taken: set[str] | None = None,
-    ) -> list[str]:
-        """Ask for texts until enough are not `taken`; later questions avoid the ones that are."""
+    ) -> tuple[list[str], bool]:
+        """Ask for texts until enough are not `taken`; later questions avoid the ones that are.
+
+        Returns:
+            The texts, and true if the model gave fewer than it was asked for.
+        """
         texts: list[str] = []
         refused: list[str] = []
         while len(texts) < count:
@@ -158,10 +173,13 @@ class Describer:
                 style=self.options.style,
                 catalogue=self.catalogue,
             )
-            for text in ask(self.llm, prompt, sample=self.options.sample).texts:
+            found = ask(self.llm, prompt, sample=self.options.sample).texts
+            for text in found:
                 kept = refused if plain(text) in (taken or ()) else texts
                 kept.append(one_line(text))
-        return texts
+            if len(found) < wanted:
+                return texts, True
+        return texts, False
 
     def _off_topic(self, texts: list[str]) -> set[int]:
         """Return the positions of texts that are not about driving, if the encoder can tell."""

@@ -1,9 +1,9 @@
 """Options of the stages: parameters that travel together, as frozen values."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from oodscen._paper import FEW_SHOTS, ITERATIONS, PER_PATH
 from oodscen.data._base import Data
@@ -45,12 +45,23 @@ class RedTeamOptions(Data):
     """Number of broadenings of a leaf before it is split."""
     tokens: int = TOKENS
     """Room for the tree in a prompt; only a part of a larger tree is shown."""
+    rarity: tuple[float, float] | None = None
+    """Band of Remark 1 as kilometres in which a kind is met about once, least and most: proposals that the
+    red-LLM itself puts outside are refused. Without it common kinds are asked for first and rarer ones once
+    nothing new comes, and nothing is refused.
+    """
     in_flight: int = Field(default=1, ge=1)
     """Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago. Decisions are
     taken in the order of the rounds.
     """
     threads: int | None = None
     """Threads that ask; they change no result. As many as `in_flight` if left out."""
+
+    @model_validator(mode="after")
+    def _is_a_band(self) -> Self:
+        if self.rarity is not None and not 0.0 < self.rarity[0] < self.rarity[1]:
+            raise ValueError("rarity: kilometres are positive, and the first are fewer")
+        return self
 
 
 class DescribeOptions(Data):
@@ -59,7 +70,7 @@ class DescribeOptions(Data):
     noun: ClassVar[str] = "describe options"
 
     per_path: int = PER_PATH
-    """Texts per path."""
+    """Texts per path, as far as its kind bears them."""
     style: Style = "natural"
     nearest: float = 0.93
     """Largest cosine between two texts of one path."""

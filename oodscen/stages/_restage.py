@@ -7,7 +7,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
-from oodscen.protocols import Simulator
+from oodscen.protocols import Camera, Simulator
 from oodscen.stages._simulate import Simulated, simulate
 
 COMPANION = "companion"
@@ -32,7 +32,12 @@ class Restaging(NamedTuple):
 
 
 def restaged(
-    scene: Scene, simulated: Simulated, simulator: Simulator, seed: int, traces: bool = False
+    scene: Scene,
+    simulated: Simulated,
+    simulator: Simulator,
+    seed: int,
+    traces: bool = False,
+    camera: Camera | None = None,
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
@@ -45,6 +50,7 @@ def restaged(
         simulator: The simulator for the variants.
         seed: Seed of the simulator's random streams.
         traces: Keep the ground truth of every action's rollout.
+        camera: The camera; by default the ego's dash camera.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
@@ -57,13 +63,16 @@ def restaged(
             if why := _refusal(probe, simulated.episode):
                 tried.append(Attempt(how, why))
                 continue
-            again = simulate(variant, simulator, seed=seed, traces=traces)
+            again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
         except OodscenError as error:
             fault = str(error).strip().splitlines()[-1].strip(" -")
             tried.append(Attempt(how, f"it cannot be run: {fault}"))
             continue
         if simulated.episode.hazard_visible and not again.episode.hazard_visible:
             tried.append(Attempt(how, "the hazard would be in no frame"))
+            continue
+        if again.episode.is_below_floor and not simulated.episode.is_below_floor:
+            tried.append(Attempt(how, "the hazard could not be named"))
             continue
         episode = again.episode.model_copy(update={"restaged": how})
         run = Simulated(episode, again.states, again.frames, again.trace, again.rollouts)
@@ -96,21 +105,21 @@ def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[
         value = round(scene.decision.value * factor, 2)
         decision = scene.decision.model_copy(update={"value": value})
         how = f"decision {scene.decision.kind} {scene.decision.value:g} -> {value:g}"
-        yield _changed(scene, decision=decision), how
+        yield changed(scene, decision=decision), how
     for factor in (1.1, 1.2, 1.3) if is_too_easy else (0.9, 0.8, 0.7):
         speed = round(min(scene.ego.speed * factor, 45.0), 2)
         ego = scene.ego.model_copy(update={"speed": speed})
-        yield _changed(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
+        yield changed(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
     has_car = any(asset.id == "car" for asset in catalogue.assets)
     if is_too_easy and has_car and all(actor.id != COMPANION for actor in scene.actors):
         for lane, side in ((1, "left"), (-1, "right")):
             companion = _companion(scene, ahead_m=3.5, lane=lane)
             how = f"a car drives beside the ego in the next lane on the {side}"
-            yield _changed(scene, actors=(*scene.actors, companion)), how
+            yield changed(scene, actors=(*scene.actors, companion)), how
         for gap in (14.0, 10.0):
             companion = _companion(scene, ahead_m=-gap, lane=0)
             how = f"a car follows {gap:g} m behind"
-            yield _changed(scene, actors=(*scene.actors, companion)), how
+            yield changed(scene, actors=(*scene.actors, companion)), how
 
 
 def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
@@ -124,5 +133,6 @@ def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
     )
 
 
-def _changed(scene: Scene, **fields: object) -> Scene:
+def changed(scene: Scene, **fields: object) -> Scene:
+    """Return a scene with other fields, validated anew."""
     return Scene.model_validate({**scene.model_dump(), **fields})

@@ -18,6 +18,7 @@ from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
+from oodscen.stages._visibility import sighting
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -118,7 +119,7 @@ def _simulated(
     is_paper = protocol == "paper"
     can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
     going_back = _Snapshots(simulator) if can_go_back else None
-    states, controls, fired = _approach(scene, simulator, seed, going_back)
+    states, controls, fired = approach(scene, simulator, seed, going_back)
     fingerprint, decision_s = _fingerprint(states), round(states[-1].time, 6)
     shown = (camera or Camera()) if render else None
     if is_paper:
@@ -161,6 +162,9 @@ def _simulated(
         },
         visible=visible,
         hazard_visible=_shows_hazard(scene, frames, visible),
+        sighting=sighting(scene, states[-1], frames["last"], simulator.catalogue(), shown)
+        if shown and not is_paper
+        else None,
         trace_sha256=fingerprint,
         is_deterministic=is_deterministic,
         actions=outcomes,
@@ -267,10 +271,14 @@ def _shows_hazard(
     return False
 
 
-def _approach(
+def approach(
     scene: Scene, simulator: Simulator, seed: int, snapshots: _Snapshots | None = None
 ) -> tuple[list[State], list[Control], bool]:
-    """Drive blindly until the decision's trigger fires, a collision or leaving the road, or the time limit."""
+    """Drive blindly until the decision's trigger fires, a collision or leaving the road, or the time limit.
+
+    Returns:
+        The states, the controls between them, and true if the trigger fired.
+    """
     state = simulator.reset(scene, seed)
     corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
     driver = Cruise()

@@ -1,5 +1,6 @@
 """The configuration of a study; equal configurations give the same bytes."""
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
@@ -18,6 +19,7 @@ from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Data, issues_of
 from oodscen.errors import DataError
 from oodscen.prompts import Style
+from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 
 
@@ -74,12 +76,17 @@ class StudyConfig(Data):
     """Minimum similarity to an earlier proposal at which a proposal is refused."""
     nearest_label: float = Field(default=NEAREST_LABEL, ge=-1.0, le=1.01)
     """Minimum similarity to a leaf's label at which a proposal is refused."""
+    rarity: tuple[float, float] | None = None
+    """Band of rarity: proposals met about once in fewer or more kilometres are refused."""
     broadenings: int = Field(default=BROADENINGS, ge=0)
     """Number of broadenings of a leaf before it is split."""
     per_path: int = Field(default=paper.PER_PATH, ge=1, le=999)
     """Texts per path of the simulatable tree."""
     sets: tuple[int, ...] = paper.SETS
-    """Sizes of the text sets from the diverse tree."""
+    """Sizes of the text sets from the diverse tree.
+
+    If left out: the paper's if the built-in author writes, none where they would cost calls.
+    """
     style: Style = "natural"
     """Register of the texts."""
     candidates: int = Field(default=1, ge=1, le=100)
@@ -90,12 +97,18 @@ class StudyConfig(Data):
     """Maximum number of paths to simulate; all if left out."""
     band: tuple[float, float] | None = None
     """OOD-ness band (paper, remark 1): scenarios outside it are not staged."""
+    width: int = Field(default=Camera.width, ge=64, le=4096)
+    """Columns of the frames, pixels."""
+    height: int = Field(default=Camera.height, ge=48, le=4096)
+    """Rows of the frames, pixels."""
     seed: int = Field(default=0, ge=0, le=MAX_SEED)
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if self.band is not None and self.band[0] >= self.band[1]:
             raise ValueError("band: the lower bound must be below the upper one")
+        if self.rarity is not None and not 0.0 < self.rarity[0] < self.rarity[1]:
+            raise ValueError("rarity: kilometres are positive, and the first are fewer")
         if any(size < 1 for size in self.sets):
             raise ValueError("sets: sizes are positive")
         if self.judge is not None and is_builtin(self.judge):
@@ -112,6 +125,10 @@ class StudyConfig(Data):
     @classmethod
     def _typed(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         """Raise this library's error, also for configurations made in a script."""
+        if isinstance(value, Mapping) and value.get("sets") is None:
+            value = {name: item for name, item in value.items() if name != "sets"}
+            if not is_builtin(str(value.get("llm", DEFAULT_LLM))):
+                value["sets"] = ()
         try:
             return handler(value)
         except ValidationError as error:
@@ -136,6 +153,11 @@ class StudyConfig(Data):
             "max_paths": 4,
         }
         return cls(**{**small, **changes})
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of the frames."""
+        return Camera(width=self.width, height=self.height)
 
     @property
     def models(self) -> tuple[str, ...]:

@@ -95,11 +95,22 @@ class _Restaged(Data):
     scene: Scene | None = None
 
 
+class _Dry(Data):
+    """A line of `dry.jsonl`."""
+
+    noun: ClassVar[str] = "path that ran dry"
+
+    file: str
+    leaf: str
+    texts: int
+
+
 _KINDS: Mapping[str, type[Data]] = {
     "redteam.jsonl": Round,
     "edits.jsonl": TreeEdit,
     "pruned.jsonl": PruneDecision,
     "scenarios.jsonl": Scenario,
+    "dry.jsonl": _Dry,
     "claims.jsonl": _Told,
     "staged.jsonl": Staging,
     "scenes.jsonl": Scene,

@@ -80,6 +80,9 @@ SAMPLES = (
         unlisted=7,
         thin=("Animals",),
         refused=("A stag leaps onto the road.",),
+        least_km=1e4,
+        most_km=1e6,
+        corner="Animals",
     ),
     PlaceScenario(
         text="A stag leaps onto the road.",

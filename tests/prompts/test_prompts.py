@@ -62,7 +62,7 @@ def changed(value, unshown, annotation=None):
     elif isinstance(value, bool):
         yield not value
     elif isinstance(value, (int, float)):
-        yield value + 1
+        yield 2 * value + 1
 
 
 def variants(prompt):

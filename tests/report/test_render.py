@@ -46,6 +46,29 @@ def test_summary_says_what_happened_in_numbers(study: Study) -> None:
     assert "No language model wrote the tree" in top
 
 
+def test_summary_counts_the_hazards_that_cannot_be_named(study: Study) -> None:
+    sizes = iter((100.0, 4.0))
+
+    def look(line: str) -> str:
+        episode = json.loads(line)
+        size = next(sizes, None) if episode["scene_id"] == episode["id"] else None
+        if size is not None:
+            episode["sighting"] = {
+                "actor": "a",
+                "distance_m": 30.0,
+                "height_px": size,
+                "size_px": size,
+            }
+        return json.dumps(episode)
+
+    assert "can name the hazard" not in section(page(study), "top")
+    edit(study, "episodes.jsonl", lambda text: "\n".join(map(look, text.splitlines())) + "\n")
+    top = section(page(study), "top")
+    assert (
+        "can name the hazard in 1 of 2 scenes with an unusual actor; the other 1, too small" in top
+    )
+
+
 def test_a_language_model_is_named(make_study: Callable[..., Study]) -> None:
     top = section(page(make_study(llm="gpt-4o", red_llm="builtin")), "top")
     assert "written by the language model “gpt-4o”" in top

@@ -13,10 +13,21 @@ from oodscen.prompts import STYLES, DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.stages._describe import spread, spread_subset
 from oodscen.testing import FunctionLLM, HashEncoder
-from oodscen.tree._scenario_tree import Node
+from oodscen.tree._scenario_tree import TreeEdit
 
 BUILTIN = ("OOD", "Environmental", "Debris", "Large cardboard box on the road")
 PATH = ("OOD", "Environmental", "Debris", "Box on the road")
+
+
+class CountingLLM:
+    """Counts the calls of a model."""
+
+    def __init__(self, llm):
+        self.name, self.calls, self.llm = llm.name, 0, llm
+
+    def complete(self, request):
+        self.calls += 1
+        return self.llm.complete(request)
 
 
 def writer(texts):
@@ -43,6 +54,24 @@ def test_near_duplicates_are_replaced():
     other = "Under a bridge the ego comes upon a carton blown there by the wind at dusk."
     describer = Describer(writer([first, near, other]), HashEncoder(), nearest=0.9)
     assert {item.text for item in describer.path("b", PATH, 2)} == {first, other}
+
+
+@given(st.integers(1, 12), st.integers(1, 12), st.integers(1, 12))
+def test_a_path_has_as_many_texts_as_its_kind_bears(bears, wanted, batch):
+    texts = [f"The ego meets obstacle number {number} on its way." for number in range(bears)]
+    llm = CountingLLM(writer(texts))
+    found = Describer(llm, batch=batch).path("box", PATH, wanted)
+    assert [item.text for item in found] == texts[:wanted]
+    assert llm.calls <= -(-min(bears, wanted) // batch) + 1
+
+
+def test_a_writer_that_has_run_dry_is_not_asked_again_and_its_near_duplicates_go():
+    first = "A large cardboard box lies in the middle of the lane ahead of the ego vehicle."
+    near = "In the middle of the lane ahead of the ego vehicle lies a large cardboard box."
+    llm = CountingLLM(writer([first, near]))
+    found = Describer(llm, HashEncoder(), nearest=0.9).path("b", PATH, 3)
+    assert [item.text for item in found] == [first]
+    assert llm.calls == 1
 
 
 @given(st.integers(1, 300), st.integers(1, 40))
@@ -113,13 +142,9 @@ def test_what_cannot_be_is_refused_at_once(options):
 
 def test_texts_of_different_paths_that_agree_are_written_again():
     texts = ["The ego vehicle meets a box.", "A carton lies ahead of the ego vehicle."]
-    tree = ScenarioTree(
-        nodes=(
-            Node(id="root", parent=None, label="Out of distribution"),
-            Node(id="environmental", parent="root", label="Environmental"),
-            Node(id="a", parent="environmental", label="Box"),
-            Node(id="b", parent="environmental", label="Carton"),
-        )
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="a", parent="environmental", label="Box"),
+        TreeEdit(op="add", node="b", parent="environmental", label="Carton"),
     )
     found = Describer(writer(texts), per_path=1).run(tree)
     assert [item.text for item in found] == texts

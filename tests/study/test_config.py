@@ -4,6 +4,7 @@ import pytest
 
 from oodscen import _paper as paper
 from oodscen.errors import DataError
+from oodscen.protocols import Camera
 from oodscen.study import StudyConfig
 
 
@@ -12,6 +13,24 @@ def test_the_default_follows_the_paper():
     assert (config.nodes, config.iterations, config.per_path) == (40, 100, 10)
     assert config.sets == paper.SETS
     assert config.llm == "builtin"
+
+
+def test_text_sets_are_written_where_they_cost_nothing_or_are_asked_for():
+    assert StudyConfig(llm="gpt-4o").sets == ()
+    assert StudyConfig(llm="gpt-4o", sets=(7,)).sets == (7,)
+    assert StudyConfig.parse({"llm": "gpt-4o", "sets": None}).sets == ()
+    assert StudyConfig.parse(StudyConfig().model_dump()).sets == paper.SETS
+
+
+def test_the_picture_has_the_size_that_is_asked_for():
+    camera = StudyConfig(width=1280, height=960).camera
+    assert (camera.width, camera.height) == (1280, 960)
+    assert StudyConfig().camera == Camera()
+
+
+def test_a_band_of_rarity_must_be_ordered():
+    with pytest.raises(DataError, match="rarity"):
+        StudyConfig.parse({"rarity": [1e6, 1e4]})
 
 
 def test_all_faults_are_reported_at_once():

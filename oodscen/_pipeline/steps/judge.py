@@ -57,6 +57,8 @@ def evaluate(
 ) -> list[Verdict]:
     """Judge the reference answerers and every named model on scenes and twins.
 
+    Scenes whose hazard cannot be named at the decision are left out together with their twins.
+
     Writes `verdicts.jsonl` and, from it, `leaderboard.json`. At the end a judge model scores the open aspects
     of all verdicts, including those of earlier runs and of references; `opinions.jsonl` holds its answers.
 
@@ -64,6 +66,9 @@ def evaluate(
     items left by a model that was given up, and last items that failed before; these keep their old verdict
     if they are not asked again.
     """
+    unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
+    episodes = [episode for episode in episodes if scene_of(episode.scene_id) not in unseen]
+    scenes = [scene for scene in scenes if scene.id not in unseen]
     models = _models(run, episodes, scenarios, scenes)
     shown: dict[Protocol, Sequence[Episode]] = {"ours": episodes}
     if "paper" in run.config.protocols:

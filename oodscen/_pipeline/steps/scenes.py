@@ -12,6 +12,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
+from oodscen.driving._sight.nameable import AdvisingCheck
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
@@ -38,7 +39,11 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         DataError: When a line of `scenes.jsonl` is malformed or belongs to no text, or two belong to one text.
     """
     augmenter = Augmenter(
-        run.llm, run.simulator.catalogue(), context=run.config.context, encoder=run.encoder
+        run.llm,
+        run.simulator.catalogue(),
+        check=AdvisingCheck(),
+        context=run.config.context,
+        encoder=run.encoder,
     )
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
@@ -180,8 +185,8 @@ def _asked(
 def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     """Run every scene and its ordinary twin in worker processes; only this process writes.
 
-    Scenes in which all or none of the actions are safe do not test a decision, so they are re-staged if that
-    helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
+    A scene whose hazard cannot be named at the decision is decided later, if a safe action is left then. Scenes
+    in which all or none of the actions are safe do not test a decision, so they are re-staged if that helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
     holds the scenes that were run. A scene edited there by hand replaces the staged one, and is run.
 
     Returns:
@@ -210,7 +215,14 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
 
 def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     """Run the scenes that lack an episode, each with its twin; update `staged` with the outcomes."""
-    job = Job(run.config.simulator, run.config.seed, run.options.extras, twins=True, restages=True)
+    job = Job(
+        run.config.simulator,
+        run.config.seed,
+        run.options.extras,
+        twins=True,
+        restages=True,
+        camera=run.config.camera,
+    )
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
@@ -248,7 +260,8 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
         run: The run's context.
         scenes: The scenes that were run for the episodes.
     """
-    job = Job(run.config.simulator, run.config.seed, protocol="paper")
+    camera = run.config.camera
+    job = Job(run.config.simulator, run.config.seed, protocol="paper", camera=camera)
     items = {scene.id: scene for scene in scenes}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:

@@ -1,6 +1,6 @@
 """The stages that write texts: for the simulatable tree, and the text sets of the diverse tree."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from oodscen._concurrency import as_finished
@@ -13,6 +13,9 @@ from oodscen.metrics import Metrics
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.stages._describe import Describer, spread, spread_subset
 from oodscen.tree._scenario_tree import ScenarioTree
+
+DRY = "dry.jsonl"
+"""File with a line per path whose kind bears fewer texts than were asked for."""
 
 
 def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
@@ -62,10 +65,11 @@ def _describe(
     for line in run.store.lines(file):
         if not run.is_again(line):
             lines.setdefault(line["leaf"], []).append(line)
+    dry = {line["leaf"]: line["texts"] for line in run.store.lines(DRY) if line["file"] == file}
     done = {
         leaf: rows
         for leaf, rows in lines.items()
-        if leaf in paths and _is_whole(rows, paths[leaf], counts[leaf])
+        if leaf in paths and _is_whole(rows, paths[leaf], {counts[leaf], dry.get(leaf, -1)})
     }
 
     def work(leaf: str) -> list[dict[str, Any]]:
@@ -80,6 +84,8 @@ def _describe(
         run.store.write_lines(file, (row for rows in done.values() for row in rows))
     run.progress(stage, len(done), len(paths))
     for leaf, rows in as_finished(work, todo, threads=run.threads, cancel=run.cancel):
+        if len(rows) < counts[leaf] and "error" not in rows[0]:
+            run.store.append(DRY, {"file": file, "leaf": leaf, "texts": len(rows)})
         for row in rows:
             run.store.append(file, row)
         done[leaf] = rows
@@ -119,8 +125,16 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
     return [again.get(row["id"], row) for row in rows]
 
 
-def _is_whole(rows: Sequence[Mapping[str, Any]], path: tuple[str, ...], count: int) -> bool:
-    """Return whether the lines of a path are complete and about this path, or record its failure."""
+def _is_whole(
+    rows: Sequence[Mapping[str, Any]], path: tuple[str, ...], counts: Collection[int]
+) -> bool:
+    """Return whether the lines of a path are complete and about this path, or record its failure.
+
+    Args:
+        rows: The lines of the path.
+        path: The labels of the path.
+        counts: Accepted numbers of lines: as many as were asked for, or as the kind bears.
+    """
     if any(tuple(row["path"]) != path for row in rows):
         return False
-    return len(rows) == count or any(row.get("status") == "failed" for row in rows)
+    return len(rows) in counts or any(row.get("status") == "failed" for row in rows)

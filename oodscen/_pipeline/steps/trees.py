@@ -49,6 +49,7 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
         threads=run.models.threads(run.config.red_llm or run.config.llm),
         cancel=run.cancel,
         broadenings=run.config.broadenings,
+        rarity=run.config.rarity,
         tokens=TOKENS if run.config.context is None else min(TOKENS, run.config.context // 2),
     )
     for item in teamer.rounds(tree, done) if teamer.stopped_by(done) is None else ():

@@ -1,5 +1,7 @@
 """Triggers by time, distance along the road or time to collision."""
 
+import math
+
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._kernels import part
@@ -47,12 +49,35 @@ def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor
     """
     if trigger.kind == "time":
         return fires(TIME, trigger.value, state.time, 0.0, 0.0, 0.0)
-    row = state.ids.index(trigger.actor or owner or "")
+    ahead, ego_speed, actor_speed = _between(trigger.actor or owner or "", state, corridor)
+    return fires(CODES[trigger.kind], trigger.value, state.time, ahead, ego_speed, actor_speed)
+
+
+def value_in(trigger: Trigger, state: State, corridor: Corridor) -> float:
+    """Return the value of a trigger with which it fires in a state, rounded up to thousandths.
+
+    Args:
+        trigger: A decision's trigger; its own value does not matter.
+        state: The world's state.
+        corridor: The scene's road.
+    """
+    if trigger.kind == "time":
+        return round(state.time, 3)
+    ahead, ego_speed, actor_speed = _between(trigger.actor or "", state, corridor)
+    distance = abs(ahead)
+    if trigger.kind == "ttc":
+        closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
+        distance = distance / closing if closing > 0.0 else 0.0
+    return math.ceil(1000.0 * distance) / 1000.0
+
+
+def _between(actor: str, state: State, corridor: Corridor) -> tuple[float, float, float]:
+    """Return the distance from the ego to an actor along the road, and the speeds of both along it."""
+    row = state.ids.index(actor)
     places = []
     for index in (0, row):
         x, y, _, yaw = map(float, state.poses[index])
         s = corridor.locate(x, y)[0] if state.places is None else float(state.places[index, 0])
         places.append((s, float(state.speeds[index]) * corridor.alignment(s, yaw)))
     (ego_s, ego_speed), (actor_s, actor_speed) = places
-    code = CODES[trigger.kind]
-    return fires(code, trigger.value, state.time, actor_s - ego_s, ego_speed, actor_speed)
+    return actor_s - ego_s, ego_speed, actor_speed

@@ -175,6 +175,10 @@ class Eye:
             [(0.5 * width + focal * x / z, 0.5 * height + focal * y / z) for x, y, z in points]
         )
 
+    def distance(self, body: Solid) -> float:
+        """Return the distance from the camera to the middle of a body, m."""
+        return math.dist(self.place, (body.x, body.y, body.z + 0.5 * body.height))
+
     def see(self, body: Solid, others: Sequence[Solid], road: Corridor | None = None) -> Sight:
         """Return the appearance of one body.
 
@@ -184,7 +188,7 @@ class Eye:
             road: The road whose crest may hide it.
         """
         outline = self.silhouette(body)
-        distance = math.dist(self.place, (body.x, body.y, body.z + 0.5 * body.height))
+        distance = self.distance(body)
         shown = clipped(outline, self.camera.width, self.camera.height)
         size = area(shown)
         if size <= 0.0:

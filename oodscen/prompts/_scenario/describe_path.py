@@ -13,6 +13,10 @@ Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
 """Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
 catalogue, a full account, or the driver's own words."""
 STYLES: tuple[Style, ...] = get_args(Style)
+SHOWN = 400
+"""Tokens of existing texts that a question shows."""
+CHARACTERS = 4
+"""Characters per token of English text."""
 
 
 class Descriptions(BaseModel):
@@ -31,23 +35,31 @@ class DescribePath(Prompt[Descriptions]):
     path: tuple[str, ...]
     """Labels from the root down to the leaf."""
     count: int
-    """Number of texts to write."""
+    """Number of texts to write, at most."""
     avoid: tuple[str, ...] = ()
-    """Existing texts that must not be repeated."""
+    """Existing texts that must not be repeated. The question shows the last ones, `SHOWN` tokens of them."""
     style: Style = "natural"
     """Register of the texts."""
     catalogue: CatalogueDigest | None = None
     """What the texts may ask for; `None` leaves it open."""
 
     def variables(self) -> dict[str, Any]:
-        """Return the fields, with the style's instructions in words."""
-        return {**super().variables(), "register": _REGISTERS[self.style]}
+        """Return the fields, with the style's instructions in words and the texts to show."""
+        return {
+            **super().variables(),
+            "register": _REGISTERS[self.style],
+            "shown": _last(self.avoid, SHOWN * CHARACTERS),
+        }
 
     def check(self, answer: Descriptions) -> list[Issue]:
-        """Return faults if there are too few texts, or texts of unreasonable length, or duplicates."""
+        """Return faults if there are too many texts, texts of unreasonable length, or duplicates.
+
+        Fewer texts than asked for say that the kind bears no more; none at all, only if some exist.
+        """
         issues = []
-        if len(answer.texts) != self.count:
-            issues.append(Issue("texts", f"give {self.count}, not {len(answer.texts)}"))
+        least = 0 if self.avoid else 1
+        if not least <= len(answer.texts) <= self.count:
+            issues.append(Issue("texts", f"give {least} to {self.count}, not {len(answer.texts)}"))
         seen = {plain(text) for text in self.avoid}
         for index, text in enumerate(answer.texts):
             if not 20 <= len(text.strip()) <= 600:
@@ -71,6 +83,15 @@ _REGISTERS: dict[Style, str] = {
     "verbose": "Three or four full sentences: the road, the weather, the other traffic, the event and what follows from it.",
     "first-person": "The driver's own words: `I`, `my car`, `my lane`; the ego vehicle is not called ego.",
 }
+
+
+def _last(texts: tuple[str, ...], room: int) -> tuple[str, ...]:
+    """Return the last texts that fit into so many characters together, at least one."""
+    first = len(texts)
+    while first and (first == len(texts) or room >= len(texts[first - 1])):
+        first -= 1
+        room -= len(texts[first])
+    return texts[first:]
 
 
 def plain(text: str) -> str:

@@ -14,6 +14,12 @@ class ImaginedScenario(BaseModel):
 
     reasoning: str = Field(default="", description="what is missing or rare, in a sentence")
     text: str = Field(description="one or two sentences about the ego vehicle and what it meets")
+    once_in_km: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e18,
+        description="kilometres of urban driving in which a vehicle meets this kind about once",
+    )
 
 
 class ImagineScenario(Prompt[ImaginedScenario]):
@@ -35,6 +41,12 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     """Labels of the groups with the fewest leaves."""
     refused: tuple[str, ...] = ()
     """Recent proposals that were rejected as nothing new."""
+    least_km: float | None = None
+    """Wanted rarity: the kind is met about once in so many kilometres at least; `None` without a wish."""
+    most_km: float | None = None
+    """The same at most."""
+    corner: str = ""
+    """Label of the group to look at, while others look at others."""
 
     def check(self, answer: ImaginedScenario) -> list[Issue]:
         """Return a fault unless the text is one short paragraph."""

@@ -9,7 +9,8 @@ from oodscen._text import one_line
 from oodscen.data._base import Data
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
-from oodscen.tree._labels import label_fault, same_words
+from oodscen.prompts._tree.kind_labels import kind_fault
+from oodscen.tree._labels import same_words
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree
 
 MOST_ALSO = 3
@@ -132,7 +133,7 @@ def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
     taken = {same_words(node.label): node.id for node in nodes}
     issues = []
     for name, label in found.items():
-        if fault := label_fault(label):
+        if fault := kind_fault(label):
             issues.append(Issue(name, fault))
         elif same_words(label) in taken:
             message = f"the tree has a node {label!r} already: [{taken[same_words(label)]}]"

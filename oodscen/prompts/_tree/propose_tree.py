@@ -14,7 +14,8 @@ from oodscen.prompts._tree.classify_examples import (
     ClassifiedExample,
     ClassifyExamples,
 )
-from oodscen.tree._labels import label_fault, same_words
+from oodscen.prompts._tree.kind_labels import kind_fault
+from oodscen.tree._labels import same_words
 from oodscen.tree._scenario_tree import CLASSES
 
 MAX_DEPTH = 12
@@ -26,7 +27,7 @@ class ProposedNode(BaseModel):
 
     number: int = Field(description="counted from 1; the root is 1")
     parent: int = Field(description="number of the parent, listed before; 0 for the root")
-    label: str = Field(description="a short noun phrase")
+    label: str = Field(description="a kind, in at most eight words")
     example: int | None = Field(
         default=None, description="number of the example it comes from, counted from 1"
     )
@@ -84,7 +85,7 @@ class ProposeTree(Prompt[ProposedTree]):
                 )
             if index > 0 and node.parent not in known:
                 issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
-            if fault := label_fault(one_line(node.label)):
+            if fault := kind_fault(one_line(node.label)):
                 issues.append(Issue(f"{path}.label", fault))
             if node.example is not None and not 1 <= node.example <= len(self.asked.given):
                 issues.append(Issue(f"{path}.example", f"there is no example {node.example}"))

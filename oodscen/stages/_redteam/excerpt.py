@@ -124,6 +124,33 @@ def thin(tree: ScenarioTree, *, turn: int = 0) -> tuple[str, ...]:
     return tuple(found)
 
 
+def corner(tree: ScenarioTree, number: int, *, of: int) -> str:
+    """Return the label of the family that one of several simultaneous proposals should look at.
+
+    Proposals in flight together get different families, as far as there are as many, in both classes by
+    turns. A single proposal at a time is free: its corner is empty.
+
+    Args:
+        tree: The tree.
+        number: The round's number.
+        of: Number of proposals in flight.
+    """
+    if of <= 1:
+        return ""
+    classes = [node.id for node in tree.nodes if node.parent == ROOT]
+    families = [
+        [node for node in tree.nodes if node.parent == name and tree.children[node.id]]
+        for name in classes
+    ]
+    turns = [
+        group[place]
+        for place in range(max(map(len, families), default=0))
+        for group in families
+        if place < len(group)
+    ]
+    return turns[(number - 1) % len(turns)].label if turns else ""
+
+
 # ------------------------------------------------------------------ by words
 
 

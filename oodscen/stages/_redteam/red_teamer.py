@@ -13,8 +13,10 @@ from oodscen.prompts import CatalogueDigest, ImagineScenario, PlacedScenario, Pl
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._options import RedTeamOptions, chosen
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
-from oodscen.stages._redteam.excerpt import excerpt, listed, thin
+from oodscen.stages._redteam.excerpt import corner, excerpt, listed, thin
+from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.novelty import Nearness, Novelty
+from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
 from oodscen.stages._redteam.stopping import Progress, Stop
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -118,14 +120,15 @@ class RedTeamer:
         try:
             said = ask(counted, question, sample=number, attempts=attempts)
         except (LLMError, DataError) as error:
-            return _Proposal("", counted.calls, error)
-        return _Proposal(one_line(said.text), counted.calls, None)
+            return _Proposal("", None, counted.calls, error)
+        return _Proposal(one_line(said.text), said.once_in_km, counted.calls, None)
 
 
 class _Proposal(NamedTuple):
     """A proposal of the red-LLM, or the error instead of it."""
 
     text: str
+    once_in_km: float | None
     calls: int
     error: LLMError | DataError | None
 
@@ -151,6 +154,7 @@ class _Game:
         self.options = teamer.options
         self.tree = tree
         self.progress = Progress(self.options)
+        self.rarity = Rarity(self.options.rarity)
         self.novelty = Novelty(
             tree,
             teamer.encoder,
@@ -179,6 +183,7 @@ class _Game:
         self.progress.add(item)
         if self.options.closed_loop:
             self.novelty.learn(item, self.tree)
+            self.rarity.add(item)
             for edit in item.edits:
                 self._count(edit.op, edit.node)
             if item.text and not any(edit.op in ("add", "broaden") for edit in item.edits):
@@ -202,12 +207,16 @@ class _Game:
             unlisted=unlisted,
             thin=thin(self.tree, turn=number - 1),
             refused=tuple(self._in_vain),
+            least_km=self.rarity.wanted[0],
+            most_km=self.rarity.wanted[1],
+            corner=corner(self.tree, number, of=self.options.in_flight),
         )
 
     def _decided(self, number: int, proposal: _Proposal) -> Round:
         known = Round(
             round=number,
             text=proposal.text,
+            once_in_km=proposal.once_in_km,
             nodes=len(self.tree),
             calls=proposal.calls,
             seen=max(number - self.options.in_flight, 0) if self.options.closed_loop else 0,
@@ -225,6 +234,8 @@ class _Game:
             )
             if found.is_too_near:
                 return _refused(known, found)
+            if why := self.rarity.fault(proposal.once_in_km):
+                return known.model_copy(update={"decision": "implausible", "reason": why})
         return self._placed(known)
 
     def _placed(self, known: Round) -> Round:
@@ -232,13 +243,15 @@ class _Game:
         counted = _Counted(teamer.llm)
         attempts = self.progress.attempts(known.calls)
         try:
-            question = self._where(known.text)
-            placed = ask(
-                counted,
-                question,
-                sample=known.round,
-                check=lambda answer: _misfits(question, tree, answer),
-                attempts=attempts,
+            question, names = self._where(known.text)
+            placed = names.answered(
+                ask(
+                    counted,
+                    question,
+                    sample=known.round,
+                    check=lambda answer: _misfits(question, tree, answer, names),
+                    attempts=attempts,
+                )
             )
             if question.procedure == "paper":
                 placed = placed.model_copy(update={"members": [], "also": []})
@@ -266,8 +279,11 @@ class _Game:
             }
         )
 
-    def _where(self, text: str) -> PlaceScenario:
-        """Return the question about the whole tree, or about the part of a large one that matters for a text."""
+    def _where(self, text: str) -> tuple[PlaceScenario, Names]:
+        """Return the question about the whole tree, or about the part of a large one that matters for a text.
+
+        Ids in the question follow the current labels; the names translate those of the answer.
+        """
         tree, closed = self.tree, self.options.closed_loop
         part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.options.tokens)
         shown = {node.id for node in part.nodes}
@@ -276,19 +292,24 @@ class _Game:
             for name in shown
             if self._broadened.get(name, 0) >= self.options.broadenings and not tree.children[name]
         ]
-        return PlaceScenario(
+        question = PlaceScenario(
             text=text,
             nodes=part.nodes,
             hidden=part.hidden,
             full=tuple(sorted(often)) if closed else (),
             procedure="closed" if closed else "paper",
         )
+        names = Names.of(tree, shown & self._broadened.keys())
+        return names.asked(question), names
 
 
-def _misfits(question: PlaceScenario, tree: ScenarioTree, answer: PlacedScenario) -> list[Issue]:
+def _misfits(
+    question: PlaceScenario, tree: ScenarioTree, answer: PlacedScenario, names: Names
+) -> list[Issue]:
     """Return the faults that only the whole tree reveals, if the question's own check finds none."""
     if question.check(answer):
         return []
+    answer = names.answered(answer)
     if question.procedure == "paper":
         answer = answer.model_copy(update={"members": []})
     return misfits(tree, answer)

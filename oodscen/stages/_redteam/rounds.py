@@ -11,6 +11,7 @@ Decision = Literal[
     "broaden",
     "covered",
     "duplicate",
+    "implausible",
     "not-ood",
     "off-topic",
     "malformed",
@@ -19,7 +20,8 @@ Decision = Literal[
 
 `add`: a new leaf. `split`: an overly broad leaf became a family, with a new leaf in it. `broaden`: a leaf's
 label was widened. `covered`: a leaf describes it already. `duplicate`: too similar to what exists, so that
-the tree-LLM was not asked. `not-ood`: ordinary driving. `off-topic`: not about driving. `malformed`: an
+the tree-LLM was not asked. `implausible`: met too rarely or too often for the band that is set, by the
+red-LLM's own estimate; the tree-LLM was not asked. `not-ood`: ordinary driving. `off-topic`: not about driving. `malformed`: an
 answer stayed invalid, or did not fit the tree.
 """
 
@@ -49,6 +51,8 @@ class Round(Data):
     """True if a failed round may succeed later."""
     text: str = ""
     """The red-LLM's proposal."""
+    once_in_km: float | None = None
+    """The red-LLM's estimate: kilometres in which a vehicle meets this kind about once; `None` if it gave none."""
     decision: Decision | None = None
     """`None` if no answer came."""
     reason: str = ""

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._scene import Trigger
 from oodscen.driving import is_due
-from oodscen.driving._motion.triggers import CODES, fires
+from oodscen.driving._motion.triggers import CODES, fires, value_in
 from oodscen.protocols import Control, State
 from tests.driving.staging import actor, scene, world
 
@@ -52,6 +52,31 @@ def test_a_state_tells_what_the_world_knows(kind: str, map: str) -> None:
         seen.add(known)
         one.step(Control())
     assert seen == {False, True}
+
+
+@pytest.mark.parametrize("kind", ["time", "distance", "ttc"])
+def test_a_trigger_can_be_set_to_fire_first_in_a_given_state(kind: str) -> None:
+    one = world(scene(actor("a", "car", "wrong_way", ahead=120.0, speed=9.0)))
+    trigger = Trigger(kind=kind, value=1.0, actor="a")
+    states = []
+    for step in range(60):
+        states.append(
+            State(
+                step=step,
+                time=one.time,
+                ids=one.ids,
+                poses=one.poses(),
+                speeds=one.speeds(),
+                gaps=np.full(2, np.inf),
+                off_road=False,
+            )
+        )
+        one.step(Control())
+    for place in (20, 40):
+        value = value_in(trigger, states[place], one.corridor)
+        moved = trigger.model_copy(update={"value": value})
+        due = [is_due(moved, None, state, one.corridor) for state in states]
+        assert due.index(True) == place
 
 
 def test_a_trigger_may_watch_another_actor() -> None:

@@ -68,6 +68,23 @@ def test_a_constant_scores_exactly_what_its_action_scored(study, action):
         assert rows[episode.id].outcome == ("unavailable" if unavailable else "answered")
 
 
+def test_scenes_below_the_floor_are_left_out_with_their_twins_and_counted(folder, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    file = out / "episodes.jsonl"
+    rows = [json.loads(line) for line in file.read_text().splitlines()]
+    below = next(row for row in rows if row["sighting"])
+    below["sighting"]["size_px"] = 3.0
+    file.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
+    study = run_study(out, CONFIG)
+    unjudged = {below["id"], f"{below['id']}~twin"}
+    assert {row.scene_id for row in study.verdicts} == {row["id"] for row in rows} - unjudged
+    assert study.info["counts"]["below_floor"] == 1
+    words = html.parse(study.folder / "report.html").getroot().text_content()
+    assert "the other 1, too small" in words
+    assert "not judged, since it is small" in words
+
+
 def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(folder, out)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.prompts import PlaceScenario
-from oodscen.stages._redteam.excerpt import by_words, excerpt, listed, thin
+from oodscen.stages._redteam.excerpt import by_words, corner, excerpt, listed, thin
 from oodscen.tree._scenario_tree import TreeEdit
 
 
@@ -97,6 +97,15 @@ def test_words_rank_labels():
     scores = by_words("The dogs run towards the ego vehicle.", labels)
     assert max(scores) == scores[1]
     assert by_words("", labels) == [0.0, 0.0, 0.0]
+
+
+@given(shapes, st.integers(2, 8), st.integers(1, 30))
+def test_proposals_in_flight_together_look_at_different_families(shape, flying, first):
+    tree = grown(shape)
+    found = [corner(tree, number, of=flying) for number in range(first, first + flying)]
+    assert len(set(found)) == min(flying, len(shape))
+    assert set(found) <= {f"Family {number}" for number in range(len(shape))}
+    assert corner(tree, first, of=1) == ""
 
 
 def test_rare_words_weigh_more_than_common_ones():

@@ -101,19 +101,20 @@ def test_a_leaf_that_was_broadened_often_enough_is_split():
 
     def placing(request):
         asked.append(request.prompt.full)
-        if "fog" in request.prompt.full:
+        node = request.prompt.nodes[-1].id
+        if node in request.prompt.full:
             return {
                 "reasoning": "",
                 "decision": "split",
-                "node": "fog",
+                "node": node,
                 "label": "Smoke across the road",
                 "category": "Hidden road",
             }
         label = f"Fog or mist {request.sample}"
-        return {"reasoning": "", "decision": "broaden", "node": "fog", "label": label}
+        return {"reasoning": "", "decision": "broaden", "node": node, "label": label}
 
     rounds, tree = play(placing, iterations=3, broadenings=2)
-    assert asked[:3] == [(), (), ("fog",)]
+    assert asked[:3] == [(), (), ("fog-or-mist-2",)]
     assert [item.decision for item in rounds] == ["broaden", "broaden", "split"]
     assert tree.by_id["fog"].label == "Hidden road"
     below = [tree.by_id[name].label for name in tree.children["fog"]]
@@ -123,7 +124,8 @@ def test_a_leaf_that_was_broadened_often_enough_is_split():
 
 def test_a_paper_label_stays_attested_below_a_split():
     tree = TREE.apply(TreeEdit(op="broaden", node="fog", label="Thick fog at night, cars ahead"))
-    answer = {"reasoning": "", "decision": "split", "node": "fog", "label": "Smoke"}
+    node = "thick-fog-at-night-cars-ahead"
+    answer = {"reasoning": "", "decision": "split", "node": node, "label": "Smoke"}
     _, tree = play({**answer, "category": "Hidden road"}, tree=tree, broadenings=0)
     leaf = tree.by_id[tree.children["fog"][0]]
     assert (leaf.label, leaf.attested) == ("Thick fog at night, cars ahead", "paper")

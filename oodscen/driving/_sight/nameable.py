@@ -1,0 +1,164 @@
+"""Advice to a stager whose hazard cannot be named at the decision, from a trial run of the kinematic world."""
+
+from collections.abc import Sequence
+
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Scene
+from oodscen.data._sighting import LEAST_SIZE_PX, Sighting
+from oodscen.driving._motion.actions import ACTION_DRIVERS, Cruise, action_driver, is_available
+from oodscen.driving._motion.triggers import value_in
+from oodscen.driving._motion.world import KinematicWorld
+from oodscen.driving._roads.building import find_map, load_corridor
+from oodscen.driving._sight.decision_view import drawn
+from oodscen.driving._sight.placement import APPROACH_S, check_scene
+from oodscen.driving._sight.scene_checks import CAMERA, Body, bodies
+from oodscen.driving._sight.visibility import Eye
+from oodscen.errors import Issue
+from oodscen.protocols import Camera, State
+
+LATEST_S = 6.0
+"""Greatest delay of a decision, s."""
+LOOK_S = 0.2
+"""Interval between the later moments that are tried, s."""
+
+
+def visibility_issues(
+    scene: Scene, catalogue: Catalogue, *, camera: Camera = CAMERA
+) -> list[Issue]:
+    """Return why a viewer cannot name the hazard of a scene at its decision, and what would do.
+
+    The kinematic world is run without rendering, so contrast and light are not judged. A scene is accepted
+    as it is if a later decision makes its hazard large enough while some action is still safe: running the
+    scene moves the decision there by itself.
+
+    Args:
+        scene: A scene that `check_scene` accepts.
+        catalogue: The simulator's catalogue.
+        camera: The camera on the ego.
+
+    Returns:
+        At most one issue, at the actor that is easiest to name.
+    """
+    if scene.is_twin or not scene.hazard.actors:
+        return []
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    world = KinematicWorld(corridor, scene, catalogue, 0)
+    driver = Cruise()
+    while not world.is_due(scene.decision) and world.time < APPROACH_S:
+        world.step(driver.act(world.observe()))
+
+    def look() -> Sighting | None:
+        return drawn(scene, bodies(scene, catalogue, world.poses()), corridor, camera)
+
+    now = look()
+    if now is None or not now.faults:
+        return []
+    cast = bodies(scene, catalogue, world.poses())
+    large: tuple[Sighting, float] | None = None
+    steps = round(LOOK_S / world.dt)
+    for step in range(round(LATEST_S / world.dt)):
+        if _has_crashed(world):
+            break
+        later = look() if step % steps == 0 else None
+        if later is not None and not later.faults:
+            large = large or (later, value_in(scene.decision, _state(world), corridor))
+            if _has_way_out(world, scene):
+                return []
+        world.step(driver.act(world.observe()))
+    row = next(row for row, actor in enumerate(scene.actors) if actor.id == now.actor)
+    fault = f"{_fault(now, cast, row + 1, camera)}; {_remedy(scene, large)}"
+    return [Issue(f"actors[{row}]", fault)]
+
+
+def _fault(now: Sighting, cast: Sequence[Body], row: int, camera: Camera) -> str:
+    """Return what is wrong with the look of a body at the decision."""
+    who = f"{now.actor!r} ({cast[row].asset})"
+    if "outside" in now.faults:
+        return f"{who} is outside the camera's view at the decision"
+    if "hidden" in now.faults:
+        eye = Eye(camera, cast[0].solid)
+        others = [one for place, one in enumerate(cast) if place not in (0, row)]
+        shares = {one.id: eye.see(cast[row].solid, [one.solid]).hidden for one in others}
+        cause = max(shares, key=lambda name: shares[name], default="")
+        behind = f"{cause!r}" if cause and shares[cause] > 0.0 else "a crest of the road"
+        return f"{100.0 * now.hidden:.0f} % of {who} is hidden behind {behind} at the decision"
+    return (
+        f"at the decision {who} is {now.distance_m:.0f} m away and as large as {now.size_px:.0f} pixels in a picture of "
+        f"480 rows: a viewer needs {LEAST_SIZE_PX:.0f} to name it"
+    )
+
+
+def _remedy(scene: Scene, large: tuple[Sighting, float] | None) -> str:
+    """Return what would make the hazard nameable while a safe action is left."""
+    if large is None:
+        return (
+            "before the ego reaches it, it is never seen well enough: place it nearer to the ego's way and clear of "
+            "other things, or use something larger"
+        )
+    seen, value = large
+    return (
+        f"{seen.distance_m:.0f} m away it is seen well enough ({scene.decision.kind} {value:.3g}), but no action is safe any "
+        f"more from there: decide there with a slower ego than {scene.ego.speed:g} m/s or a free lane, or use something larger"
+    )
+
+
+def _has_crashed(world: KinematicWorld) -> bool:
+    published = world.publish()
+    return published.is_off_road or bool((published.gaps[1:] <= 0.0).any())
+
+
+def _has_way_out(world: KinematicWorld, scene: Scene) -> bool:
+    """Return whether some action is safe from the current state, to which the world returns."""
+    start = world.snapshot()
+    for action in ACTION_DRIVERS:
+        is_safe = _is_safe(world, scene, action)
+        world.restore(start)
+        if is_safe:
+            return True
+    return False
+
+
+def _is_safe(world: KinematicWorld, scene: Scene, action: str) -> bool:
+    """Execute an action up to the scene's horizon; return whether the ego touches nothing and stays on the road."""
+    if not is_available(action, world.observe()):
+        return False
+    driver = action_driver(action)
+    for _ in range(max(1, round(scene.horizon_s / world.dt))):
+        world.step(driver.act(world.observe()))
+        if _has_crashed(world):
+            return False
+    return True
+
+
+def _state(world: KinematicWorld) -> State:
+    published = world.publish()
+    return State(
+        step=world.step_count,
+        time=world.time,
+        ids=world.ids,
+        poses=published.poses,
+        speeds=published.speeds,
+        gaps=published.gaps,
+        off_road=published.is_off_road,
+        places=published.places,
+    )
+
+
+class AdvisingCheck:
+    """`check_scene`, and once per scene the advice of `visibility_issues`.
+
+    A hazard that cannot be named is no reason to refuse a scene for good: the first valid staging of every
+    scene is told of it, later ones are accepted.
+    """
+
+    def __init__(self) -> None:
+        """Start with no scene advised."""
+        self._advised: set[str] = set()
+
+    def __call__(self, scene: Scene, catalogue: Catalogue) -> list[Issue]:
+        """Return the faults of a scene; if it has none, the advice, unless it was given before."""
+        issues = check_scene(scene, catalogue)
+        if issues or scene.id in self._advised:
+            return issues
+        self._advised.add(scene.id)
+        return visibility_issues(scene, catalogue)

@@ -1,0 +1,136 @@
+"""Moves of a scene's decision to the moment from which a viewer can name the hazard."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
+from typing import NamedTuple
+
+from oodscen.data._scene import Scene, Trigger
+from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
+from oodscen.driving import Cruise, find_map, load_corridor
+from oodscen.driving._motion.triggers import value_in
+from oodscen.driving._sight.decision_view import drawn
+from oodscen.driving._sight.nameable import LATEST_S, LOOK_S
+from oodscen.driving._sight.scene_checks import bodies
+from oodscen.errors import OodscenError
+from oodscen.protocols import Camera, Simulator, State
+from oodscen.stages._restage import Attempt, Restaging, changed
+from oodscen.stages._simulate import Simulated, approach, simulate
+from oodscen.stages._visibility import sighting
+
+MOST_MOMENTS = 6
+"""Largest number of moments that are tried per approach speed."""
+SLOWER = (1.0, 0.85, 0.7, 0.55)
+"""Shares of the approach speed that are tried in turn."""
+_MARGIN = 0.8
+"""Share of the least size at which the outline of boxes makes a frame worth rendering."""
+
+
+class _Later(NamedTuple):
+    """A later moment at which the hazard can be named."""
+
+    state: State
+    seen: Sighting
+
+
+def clearer(
+    scene: Scene,
+    simulated: Simulated,
+    simulator: Simulator,
+    seed: int,
+    traces: bool = False,
+    camera: Camera | None = None,
+) -> Restaging:
+    """Return the scene with the first later decision at which a viewer can name the hazard, and its run.
+
+    The blind approach does not depend on the decision. It is driven on, and the first moments at which the
+    hazard can be named are tried, until some action is safe and another is not; where all were safe, all may
+    stay safe. If there is none, the ego approaches more slowly. If nothing helps, the scene and its run are
+    returned unchanged, with the reasons.
+
+    Args:
+        scene: A scene whose hazard cannot be named at the decision.
+        simulated: Its run.
+        simulator: The simulator for the trials.
+        seed: Seed of the simulator's random streams.
+        traces: Keep the ground truth of every action's rollout.
+        camera: The camera; by default the ego's dash camera.
+    """
+    tried: list[Attempt] = []
+    before = simulated.episode
+    is_too_easy = bool(before.safe_set) and not before.is_decidable
+    for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
+        slowed, how = scene, TO_NAME
+        if share < 1.0:
+            slowed = _slowed(scene, share)
+            how += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
+        whys: list[str] = []
+        try:
+            for variant, distance in _later(slowed, simulator, seed, camera or Camera()):
+                probe = simulate(variant, simulator, seed=seed, render=False).episode
+                if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
+                    fate = "every action is safe" if probe.safe_set else "no action is safe"
+                    whys.append(f"{distance:g} m away it can be named, but {fate}")
+                    continue
+                again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
+                if again.episode.is_below_floor:
+                    continue
+                how += f"decision {_said(scene.decision)} -> {_said(variant.decision)}"
+                episode = again.episode.model_copy(update={"restaged": how})
+                return Restaging(variant, replace(again, episode=episode), tuple(tried))
+        except OodscenError as error:
+            whys.append(f"it cannot be run: {str(error).strip().splitlines()[-1].strip(' -')}")
+        why = whys[0] if whys else "the hazard cannot be named before the ego reaches it"
+        tried.append(Attempt(f"{how}a later decision", why))
+    return Restaging(scene, simulated, tuple(tried))
+
+
+def _slowed(scene: Scene, share: float) -> Scene:
+    """Return the scene with a slower ego; ordinary traffic that starts behind it slows alike."""
+    actors = []
+    for actor in scene.actors:
+        parameters = actor.behaviour.parameters
+        is_behind = actor.placement.ahead_m < 0.0 and actor.id not in scene.hazard.actors
+        if is_behind and "speed" in parameters:
+            slower = {**parameters, "speed": round(parameters["speed"] * share, 2)}
+            behaviour = actor.behaviour.model_copy(update={"parameters": slower})
+            actor = actor.model_copy(update={"behaviour": behaviour})
+        actors.append(actor)
+    ego = scene.ego.model_copy(update={"speed": round(scene.ego.speed * share, 2)})
+    return changed(scene, ego=ego, actors=actors)
+
+
+def _later(
+    scene: Scene, simulator: Simulator, seed: int, camera: Camera
+) -> Iterator[tuple[Scene, float]]:
+    """Yield the scene with decisions at which the hazard can be named, each with the distance from there, m."""
+    catalogue = simulator.catalogue()
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    # The variants are run in the same simulator: all moments are found first.
+    for later in list(islice(_moments(scene, simulator, seed, camera), MOST_MOMENTS)):
+        value = value_in(scene.decision, later.state, corridor)
+        decision = scene.decision.model_copy(update={"value": value})
+        yield changed(scene, decision=decision), later.seen.distance_m
+
+
+def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> Iterator[_Later]:
+    """Drive blindly on from the decision and yield the moments at which the hazard can be named."""
+    catalogue = simulator.catalogue()
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    driver = Cruise()
+    state = approach(scene, simulator, seed)[0][-1]
+    steps = max(1, round(LOOK_S / simulator.dt))
+    for step in range(round(LATEST_S / simulator.dt)):
+        if state.contacts or state.off_road:
+            return
+        if step % steps == 0:
+            guess = drawn(scene, bodies(scene, catalogue, state.poses), corridor, camera)
+            if guess is not None and guess.size_px >= _MARGIN * LEAST_SIZE_PX:
+                seen = sighting(scene, state, simulator.render(camera), catalogue, camera)
+                if seen is not None and not seen.faults:
+                    yield _Later(state, seen)
+        state = simulator.step(driver.act(simulator.observe()))
+
+
+def _said(trigger: Trigger) -> str:
+    return f"{trigger.kind} {trigger.value:g}"

@@ -1,0 +1,65 @@
+"""Ids in a question that follow the current labels, while the tree keeps its own."""
+
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+from oodscen.prompts import PlacedScenario, PlaceScenario
+from oodscen.tree._scenario_tree import ScenarioTree, slug
+
+
+class Names(NamedTuple):
+    """The translation of ids between a tree and a question about it.
+
+    The id of a node stays when its label is widened. A model that reads "dog-on-the-road" takes the node for
+    a narrower kind than its label "Animal on the road" says.
+    """
+
+    shown: Mapping[str, str]
+    """Names in the question by the ids that they replace."""
+
+    @classmethod
+    def of(cls, tree: ScenarioTree, changed: Collection[str]) -> "Names":
+        """Return the names of the nodes whose labels have changed; all other ids stay as they are."""
+        shown: dict[str, str] = {}
+        taken = set(tree.by_id)
+        for node in tree.nodes:
+            name = slug(node.label)
+            if node.id not in changed or name == node.id or name in taken:
+                continue
+            taken.add(name)
+            shown[node.id] = name
+        return cls(shown)
+
+    def asked(self, question: PlaceScenario) -> PlaceScenario:
+        """Return a question with the names of the nodes."""
+        if not self.shown:
+            return question
+        nodes = tuple(
+            node.model_copy(
+                update={
+                    "id": self._name(node.id),
+                    "parent": node.parent and self._name(node.parent),
+                }
+            )
+            for node in question.nodes
+        )
+        hidden = tuple(one.model_copy(update={"id": self._name(one.id)}) for one in question.hidden)
+        full = tuple(sorted(map(self._name, question.full)))
+        return question.model_copy(update={"nodes": nodes, "hidden": hidden, "full": full})
+
+    def answered(self, answer: PlacedScenario) -> PlacedScenario:
+        """Return an answer with the ids of the tree."""
+        ids = {name: node for node, name in self.shown.items()}
+        if not ids:
+            return answer
+        also = [one.model_copy(update={"node": ids.get(one.node, one.node)}) for one in answer.also]
+        return answer.model_copy(
+            update={
+                "node": ids.get(answer.node, answer.node) if answer.node else answer.node,
+                "members": [ids.get(name, name) for name in answer.members],
+                "also": also,
+            }
+        )
+
+    def _name(self, node: str) -> str:
+        return self.shown.get(node, node)

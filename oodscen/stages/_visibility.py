@@ -1,0 +1,100 @@
+"""The look of a hazard in a rendered frame: size, contrast with its surroundings, light and occlusion."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Scene
+from oodscen.data._sighting import Sighting, apparent_size
+from oodscen.driving import find_map, load_corridor
+from oodscen.driving._sight.decision_view import SCALE_PX, best, drawn, groups
+from oodscen.driving._sight.scene_checks import Body, bodies
+from oodscen.driving._sight.visibility import Eye
+from oodscen.protocols import Camera, Frame, State
+
+NIGHT_DEG = -3.0
+"""Sun elevation below which a hazard must be lit, degrees."""
+_RING = 0.25
+"""Width of the surroundings around a hazard, as a share of its size in the picture."""
+
+
+def sighting(
+    scene: Scene, state: State, frame: Frame, catalogue: Catalogue, camera: Camera
+) -> Sighting | None:
+    """Measure the hazard of a scene in a frame.
+
+    A simulator whose frames hold no instance ids is measured by geometry alone, without contrast and light.
+
+    Args:
+        scene: The scene.
+        state: The world's state at the moment of the frame.
+        frame: The frame.
+        catalogue: Source of the actors' sizes.
+        camera: The camera of the frame.
+
+    Returns:
+        The look of the unusual actor or group that is easiest to name; `None` if the hazard has no actors.
+    """
+    if not scene.hazard.actors or scene.is_twin:
+        return None
+    cast = bodies(scene, catalogue, state.poses)
+    if frame.unhidden is None and not frame.ids.any():
+        return drawn(scene, cast, load_corridor(find_map(scene.map, catalogue)), camera)
+    eye = Eye(camera, cast[0].solid)
+    found = [_measured(scene, rows, cast, eye, frame) for rows in groups(scene, cast)]
+    return best(found)
+
+
+def _measured(
+    scene: Scene, rows: Sequence[int], cast: Sequence[Body], eye: Eye, frame: Frame
+) -> Sighting:
+    """Measure actors of one asset, given by their rows in the state."""
+    heights = {row: _extent(frame.ids == row + 1) for row in rows}
+    row = max(rows, key=lambda one: heights[one])
+    mask = np.isin(frame.ids, [one + 1 for one in rows])
+    scale = SCALE_PX / frame.ids.shape[0]
+    area = float(np.count_nonzero(mask))
+    whole = 0 if frame.unhidden is None else int(frame.unhidden[list(rows)].sum())
+    look: tuple[float | None, float | None] = None, None
+    if scene.hazard.weather is None:
+        look = _look(frame.rgb, mask, is_dark=scene.weather.sun_elevation_deg < NIGHT_DEG)
+    return Sighting(
+        actor=cast[row].id,
+        distance_m=round(eye.distance(cast[row].solid), 1),
+        height_px=round(scale * heights[row], 1),
+        size_px=round(scale * apparent_size(heights[row], area), 1),
+        hidden=round(1.0 - min(1.0, area / whole), 3) if whole else 0.0,
+        contrast=look[0],
+        brightness=look[1],
+    )
+
+
+def _extent(mask: NDArray[np.bool_]) -> int:
+    """Return the number of rows between the highest and the lowest pixel of a mask."""
+    filled = np.flatnonzero(mask.any(axis=1))
+    return int(filled[-1] - filled[0] + 1) if len(filled) else 0
+
+
+def _look(
+    rgb: NDArray[np.uint8], mask: NDArray[np.bool_], *, is_dark: bool
+) -> tuple[float | None, float | None]:
+    """Return the contrast of masked pixels with those around them and, in the dark, their brightness."""
+    if not mask.any():
+        return None, None
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    reach = max(2, round(_RING * max(len(rows), len(columns))))
+    window = tuple(
+        slice(max(0, int(a[0]) - reach), int(a[-1]) + reach + 1) for a in (rows, columns)
+    )
+    inside, colours = mask[window], rgb[window].astype(np.float64) / 255.0
+    own = colours[inside]
+    around = colours[~inside]
+    contrast = None
+    if len(around):
+        contrast = round(float(np.sqrt(np.mean((own - around.mean(axis=0)) ** 2))), 4)
+    if not is_dark:
+        return contrast, None
+    light = np.sort(own.mean(axis=1))[-max(1, len(own) // 10) :]
+    return contrast, round(float(light.mean()), 4)

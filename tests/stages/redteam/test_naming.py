@@ -1,0 +1,51 @@
+"""Ids in a question follow the labels; those of the tree stay."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen import ScenarioTree
+from oodscen.prompts import PlacedScenario, PlaceScenario
+from oodscen.stages._redteam.naming import Names
+from oodscen.tree._scenario_tree import TreeEdit, slug
+
+TREE = ScenarioTree.planted().apply(
+    TreeEdit(op="add", node="animals", parent="interactional", label="Animals"),
+    *(
+        TreeEdit(op="add", node=name, parent="animals", label=name)
+        for name in ("dog", "cat", "cow")
+    ),
+)
+
+
+@given(
+    st.lists(
+        st.sampled_from(["Beast", "Dog!", "Herd of beasts", "Cow, pig"]), max_size=3, unique=True
+    )
+)
+def test_names_are_unique_follow_the_labels_and_lead_back(labels):
+    nodes = ("dog", "cat", "cow")[: len(labels)]
+    tree = TREE.apply(
+        *(
+            TreeEdit(op="broaden", node=n, label=label)
+            for n, label in zip(nodes, labels, strict=True)
+        )
+    )
+    names = Names.of(tree, nodes)
+    question = names.asked(PlaceScenario(text="A cow.", nodes=tree.nodes, full=nodes))
+    shown = [node.id for node in question.nodes]
+    assert len(set(shown)) == len(shown)
+    assert set(question.full) <= set(shown)
+    assert "outline" in question.variables()
+    for before, node in zip(tree.nodes, question.nodes, strict=True):
+        assert node.label == before.label
+        if before.id in nodes:
+            assert node.id in (before.id, slug(before.label))
+        answer = PlacedScenario(
+            reasoning="",
+            decision="covered",
+            node=node.id,
+            members=[node.id],
+            also=[{"node": node.id}],
+        )
+        back = names.answered(answer)
+        assert (back.node, back.members, back.also[0].node) == (before.id, [before.id], before.id)

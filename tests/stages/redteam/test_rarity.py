@@ -1,0 +1,56 @@
+"""Common kinds are asked for first; a band refuses what lies outside."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen import RedTeamer
+from oodscen.errors import UsageError
+from oodscen.stages._redteam.rarity import Rarity
+from oodscen.stages._redteam.rounds import Round
+from oodscen.stages._redteam.thresholds import BARREN, COMMON_KM, RAREST_KM
+from oodscen.testing import FunctionLLM
+from tests.stages.redteam.test_red_teamer import ADDED, PIANO, TREE, model
+
+decisions = st.sampled_from(["add", "split", "broaden", "covered", "duplicate", None])
+
+
+@given(st.lists(decisions, max_size=60))
+def test_rarer_kinds_are_asked_for_only_when_nothing_new_comes(found):
+    rarity, before = Rarity(), COMMON_KM
+    for number, decision in enumerate(found, start=1):
+        rarity.add(Round(round=number, decision=decision))
+        most = rarity.wanted[1]
+        assert before <= most <= RAREST_KM
+        if decision in ("add", "split", None):
+            assert most == before
+        before = most
+    if len(found) < BARREN:
+        assert before == COMMON_KM
+
+
+@given(st.floats(1.0, 1e12))
+def test_a_band_refuses_what_lies_outside_and_nothing_else(km):
+    assert bool(Rarity((1e4, 1e6)).fault(km)) == (not 1e4 <= km <= 1e6)
+    assert Rarity((1e4, 1e6)).fault(None) == Rarity().fault(km) == ""
+
+
+def test_a_proposal_outside_the_band_costs_one_call_and_changes_nothing():
+    def answer(request):
+        if request.prompt.purpose != "imagine-scenario":
+            return ADDED
+        assert "1e+04 to 1e+06" in request.messages[-1].text
+        return {"reasoning": "", "text": PIANO, "once_in_km": 10.0 ** (9 + request.sample)}
+
+    teamer = RedTeamer(FunctionLLM(answer), iterations=2, rarity=(1e4, 1e6))
+    rounds = list(teamer.rounds(TREE))
+    assert [item.once_in_km for item in rounds] == [1e10, 1e11]
+    for item in rounds:
+        assert (item.decision, item.calls, item.edits) == ("implausible", 1, ())
+    assert list(teamer.rounds(TREE, rounds[:1])) == rounds[1:]
+
+
+@pytest.mark.parametrize("band", [(0.0, 1.0), (2.0, 1.0)])
+def test_a_band_that_is_none_is_refused_at_once(band):
+    with pytest.raises(UsageError):
+        RedTeamer(model(ADDED), rarity=band)

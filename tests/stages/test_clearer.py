@@ -1,0 +1,75 @@
+"""Decisions that come too early for a viewer move to where the hazard can be named."""
+
+import pytest
+
+from oodscen import simulate
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.protocols import Camera
+from oodscen.stages._clearer import SLOWER, _slowed, clearer
+from oodscen.stages._restage import changed
+from oodscen.testing import FlatSimulator
+from oodscen.testing._scenes import example_scene
+
+SMALL = Camera(width=160, height=120)
+
+
+@pytest.fixture(scope="module")
+def flat():
+    with FlatSimulator() as simulator:
+        yield simulator
+
+
+def far(**fields):
+    early = {"decision": Trigger(kind="distance", value=50.0, actor="box")}
+    return example_scene().model_copy(update={**early, **fields})
+
+
+@pytest.mark.parametrize(
+    "decision",
+    [
+        Trigger(kind="distance", value=50.0, actor="box"),
+        Trigger(kind="ttc", value=6.0, actor="box"),
+        Trigger(kind="time", value=1.0),
+    ],
+    ids=lambda one: one.kind,
+)
+def test_the_first_moment_at_which_it_can_be_named_is_taken(flat, decision):
+    scene = far(decision=decision)
+    before = simulate(scene, flat, camera=SMALL)
+    assert before.episode.sighting.faults == ("small",)
+    found = clearer(scene, before, flat, 0, camera=SMALL)
+    after = found.simulated.episode
+    assert after.sighting.faults == ()
+    assert after.is_decidable
+    assert after.decision_s > before.episode.decision_s
+    assert found.scene.decision.kind == decision.kind
+    assert found.scene == scene.model_copy(update={"decision": found.scene.decision})
+    assert after.restaged.startswith("to name the hazard: decision")
+    assert found.simulated.states[0].fingerprint() == before.states[0].fingerprint()
+
+
+def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
+    behind = example_scene().actors[0].placement.model_copy(update={"ahead_m": -40.0})
+    passed = example_scene().actors[0].model_copy(update={"placement": behind})
+    scene = far(actors=(passed,), decision=Trigger(value=1.0))
+    before = simulate(scene, flat, camera=SMALL)
+    found = clearer(scene, before, flat, 0, camera=SMALL)
+    assert found.scene is scene
+    assert found.simulated is before
+    assert [attempt.why for attempt in found.tried] == [
+        "the hazard cannot be named before the ego reaches it"
+    ] * len(SLOWER)
+
+
+@pytest.mark.parametrize("share", [0.85, 0.5])
+def test_only_ordinary_traffic_behind_slows_with_the_ego(share):
+    scene = example_scene()
+    behaviour = Behaviour(name="follow_lane", parameters={"speed": 8.0, "headway": 1.0})
+    cars = [
+        Actor(id=name, asset="car", placement=Placement(ahead_m=ahead), behaviour=behaviour)
+        for name, ahead in (("behind", -20.0), ("ahead", 30.0))
+    ]
+    slowed = _slowed(changed(scene, actors=(*scene.actors, *cars)), share)
+    speeds = {one.id: one.behaviour.parameters.get("speed") for one in slowed.actors}
+    assert speeds == {"box": None, "behind": 8.0 * share, "ahead": 8.0}
+    assert slowed.ego.speed == scene.ego.speed * share

@@ -1,0 +1,1 @@
+"""Pictures of red teams for the documentation."""
