@@ -1,5 +1,9 @@
 """Laws of the difference between two trees."""
 
+import math
+from typing import ClassVar
+
+import numpy as np
 import pytest
 from hypothesis import given
 
@@ -179,3 +183,26 @@ def test_size_is_no_obstacle():
     assert max(len(item.path) for item in found.removed) < 20
     assert len(found.to_mermaid().splitlines()) > 15_000
     assert diff(deep, deep).is_empty
+
+
+class Drawn:
+    """An encoder of a few labels that are drawn in a plane; all others are nothing."""
+
+    name, dimension = "drawn", 2
+    angles: ClassVar[dict[str, float]] = {"Fog": 0.0, "Thick fog": 0.2, "Smoke": 0.5}
+
+    def encode(self, texts):
+        rows = [
+            (math.cos(self.angles[text]), math.sin(self.angles[text]))
+            if text in self.angles
+            else (0.0, 0.0)
+            for text in texts
+        ]
+        return np.array(rows, np.float32).reshape(-1, 2)
+
+
+def test_only_nearest_neighbours_of_each_other_pair_by_meaning():
+    one = planted_apart(("a", "top", "Smoke"), ("b", "top", "Thick fog"))
+    other = planted_apart(("c", "top", "Fog"))
+    found = {pair.before: pair.after for pair in match(one, other, encoder=Drawn(), threshold=0.5)}
+    assert found == {"top": "top", "b": "c"}

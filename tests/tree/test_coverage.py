@@ -51,6 +51,7 @@ def test_each_leaf_lacks_the_first_thing_that_is_missing():
         episodes=[
             episode("failed-001", status="failed"),
             episode("same-001", ("safe", "safe", "no")),
+            episode("same-001~twin", status="failed"),
             episode("whole-001", ("safe", "hit", "no")),
             episode("whole-001~twin", ("safe", "safe")),
         ],

@@ -55,6 +55,23 @@ def test_a_node_that_was_removed_and_added_again_stands_where_it_stood():
     assert tree.children["environmental"] == ("a", "b", "c")
 
 
+def test_a_branch_keeps_its_own_order_of_nodes_that_another_branch_added_too():
+    trunk = ScenarioTree.planted()
+    fog, ice = (TreeEdit(op="add", node=n, parent="environmental", label=n) for n in ("fog", "ice"))
+    for edits in ((fog, ice), (ice, fog), (fog, ice)):
+        tree = trunk.apply(*edits)
+        assert [node.id for node in tree.nodes[3:]] == [edit.node for edit in edits]
+
+
+def test_undoing_a_label_takes_back_what_it_attested():
+    tree = FOG.apply(
+        TreeEdit(op="add", node="ice", parent="environmental", label="Ice"),
+        TreeEdit(op="broaden", node="ice", label="Ice or snow", attested="paper"),
+    )
+    assert tree.by_id["ice"].attested == "paper"
+    assert tree.undo().by_id["ice"] == tree.at(edit=len(tree.edits) - 1).by_id["ice"]
+
+
 @few
 @given(changes)
 def test_siblings_stand_in_the_order_in_which_they_were_first_added(steps):

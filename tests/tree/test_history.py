@@ -200,3 +200,15 @@ def test_a_narrowed_label_has_a_history_and_can_be_taken_back():
     assert "narrowed from “Fog or hail” to “Hail” by prune" in str(tree.provenance("a"))
     before = tree.undo().by_id["a"]
     assert (before.label, before.attested) == ("Fog or hail", "paper")
+
+
+def test_an_edit_whose_undoing_was_undone_is_in_force_again():
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog"),
+        TreeEdit(op="broaden", node="fog", label="Fog or smoke"),
+    )
+    last = len(tree.edits) - 1
+    again = tree.undo().undo(-1)
+    assert again.nodes == tree.nodes
+    assert not again.provenance("fog").later[0].is_undone
+    assert again.undo().edits[-1].undoes == last

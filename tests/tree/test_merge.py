@@ -142,6 +142,14 @@ def test_rounds_of_the_merged_tree_are_undone_apart():
     assert {edit.origin for edit in twice.edits if edit.node == "hail"} >= {"outer/merge-1"}
 
 
+def test_a_decision_that_was_undone_is_not_merged():
+    other = weather(("hail", "weather", "Hail"))
+    wider = other.apply(TreeEdit(op="broaden", node="hail", label="Hail or sleet")).undo()
+    merged = merge(ScenarioTree.planted(), wider)
+    assert merged.nodes == merge(ScenarioTree.planted(), other).nodes
+    assert [edit.op for edit in merged.edits if edit.node == "hail"] == ["add", "keep"]
+
+
 @few
 @given(trees)
 def test_a_tree_merged_with_itself_or_with_nothing_stays(tree):

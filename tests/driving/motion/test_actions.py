@@ -1,6 +1,9 @@
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
 from oodscen.driving import (
@@ -12,6 +15,7 @@ from oodscen.driving import (
     is_available,
 )
 from oodscen.driving._motion.actions import ChangeLane, PullOver
+from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation
 from tests.driving.staging import scene, world
@@ -117,3 +121,23 @@ def test_lanes_decide_what_is_available() -> None:
     assert not is_available("change_lane_left", world(scene(map="highway", lane=1)).observe())
     with pytest.raises(UnknownComponent):
         is_available("fly", right)
+
+
+@given(st.floats(0.1, 1.2), st.floats(3.0, 35.0), st.sampled_from(["lane", "side"]))
+def test_a_shift_uses_at_most_half_of_the_grip(friction: float, speed: float, goal: str) -> None:
+    start = replace(world(scene()).observe(), friction=friction, speed=speed)
+    driver = ChangeLane(1) if goal == "lane" else PullOver()
+    driver.begin(start)
+    bends = []
+    for part in range(101):
+        driver.travelled = driver.distance * part / 100.0
+        bends.append(abs(driver.course()[2]))
+    assert max(bends) * speed * speed <= min(2.5, 0.5 * friction * GRAVITY) * (1.0 + 1e-3)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0, 3.0, 4.5, 6.0])
+def test_pulling_over_slowly_keeps_the_corners_on_the_road(speed: float) -> None:
+    for road in ("residential_two_lane", "highway", "tunnel"):
+        result = drive(road, speed, 0, 1.0, "pull_over")
+        assert result is not None
+        assert result[0].ego.speed == 0.0

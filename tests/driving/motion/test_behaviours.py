@@ -485,3 +485,34 @@ def test_actors_that_belong_to_nobody_are_refused() -> None:
     )
     with pytest.raises(ValueError, match="ring"):
         world(scene(looped, box))
+
+
+def test_what_lies_flat_does_not_slow_a_driver_down() -> None:
+    car = actor("a", "car", "follow_lane", ahead=30.0, speed=9.0)
+    free = run(car, 5.0).motion("a")
+    flat = run(car, 5.0, actor("b", "puddle", ahead=60.0)).motion("a")
+    assert flat == free
+    assert run(car, 5.0, actor("b", "sofa", ahead=60.0)).motion("a").speed < free.speed
+
+
+def test_what_falls_from_high_up_bounces_once_or_more_and_rests() -> None:
+    carrier, box = staged("fall", "sofa", trigger=LATER, height=3.0)
+    result = world(scene(carrier, box, speed=0.0))
+    lifts = []
+    for _ in range(160):
+        result.step(Control())
+        lifts.append(result.motion("a").lift)
+    landed = lifts.index(0.0)
+    assert 0.1 < max(lifts[landed:]) < 1.0
+    assert lifts[-20:] == [0.0] * 20
+
+
+def test_drivers_brake_earlier_where_it_is_slippery() -> None:
+    cars = actor("a", "car", "follow_lane", speed=12.0), actor("b", "car", "stand", ahead=130.0)
+    gaps = []
+    for friction in (1.0, 0.3):
+        result = world(scene(*cars, speed=0.0, friction=friction))
+        while result.motion("a").acceleration > -0.5:
+            result.step(Control())
+        gaps.append(result.motion("b").s - result.motion("a").s)
+    assert gaps[1] > 1.1 * gaps[0]

@@ -2,13 +2,14 @@ import hashlib
 import math
 import subprocess
 import sys
+from itertools import permutations
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Trigger
+from oodscen.data._scene import Behaviour, Trigger
 from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld
 from oodscen.driving._motion.columns import SPEED, YAW, X, Y
 from oodscen.protocols import Control
@@ -148,3 +149,33 @@ def test_the_oncoming_lane_is_road() -> None:
 def test_a_lane_that_does_not_exist_is_refused(lane: int) -> None:
     with pytest.raises(ValueError, match="lanes"):
         world(scene(lane=lane))
+
+
+CONVOY = (
+    actor("car", "car", "follow_lane", ahead=40.0, speed=8.0),
+    actor("trailer", "car", "towed", ahead=34.0).model_copy(
+        update={"behaviour": Behaviour(name="towed", other="car")}
+    ),
+    actor("last", "car", "towed", ahead=28.0).model_copy(
+        update={"behaviour": Behaviour(name="towed", other="trailer")}
+    ),
+)
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))), ids=str)
+def test_what_is_towed_moves_alike_wherever_the_scene_names_it(order) -> None:
+    one, other = (world(scene(*(CONVOY[i] for i in rows))) for rows in ((0, 1, 2), order))
+    for _ in range(40):
+        one.step(Control())
+        other.step(Control())
+    for body in ("car", "trailer", "last"):
+        assert one.motion(body) == other.motion(body)
+
+
+def test_actors_that_tow_each_other_in_a_ring_are_refused() -> None:
+    ring = [
+        one.model_copy(update={"behaviour": Behaviour(name="towed", other=other)})
+        for one, other in zip(CONVOY, ("last", "car", "trailer"), strict=True)
+    ]
+    with pytest.raises(ValueError, match="in a ring"):
+        world(scene(*ring))

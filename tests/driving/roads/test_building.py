@@ -92,6 +92,15 @@ def test_left_hand_traffic_drives_on_the_left() -> None:
     assert [strip.direction for strip in road.strips] == [-1, -1, 1]
 
 
+@pytest.mark.parametrize("rule", ["RHT", "LHT"])
+def test_a_reversed_lane_is_driven_the_other_way(rule: str) -> None:
+    text = SECTIONS.format(rule=rule)
+    usual = build_corridor(read_road(text.encode()))
+    turned = text.replace('type="driving"', 'type="driving" direction="reversed"')
+    other = build_corridor(read_road(turned.encode()))
+    assert [strip.direction for strip in other.strips] == [-one.direction for one in usual.strips]
+
+
 def test_files_of_ones_own_are_found(tmp_path: Path) -> None:
     file = tmp_path / "own.xodr"
     file.write_text(SECTIONS.format(rule="RHT"))

@@ -9,7 +9,7 @@ from oodscen.data._catalogue import RoadMap
 from oodscen.driving import SHIPPED_MAPS, find_map, load_corridor
 from oodscen.driving._roads.building import build_route
 from oodscen.driving._roads.opendrive import read_network
-from oodscen.driving._roads.routes import Leg, find_route, followers
+from oodscen.driving._roads.routes import Leg, find_route, followers, lane_links
 from oodscen.errors import DataError
 from tests.driving.networks import file, lane, road, single_lane_junction
 from tests.driving.staging import CATALOGUE
@@ -113,3 +113,17 @@ def test_an_own_junction_file_starts_outside_the_junction(tmp_path: Path) -> Non
     corridor = load_corridor(found)
     assert not corridor.in_junction[round(corridor.start / corridor.step)]
     assert found.lanes == 2
+
+
+def test_lanes_of_a_connection_at_the_other_end_are_ignored() -> None:
+    data = single_lane_junction(0.0)
+    wrong = (
+        b'<connection id="9" incomingRoad="1" connectingRoad="11" contactPoint="end">'
+        b'<laneLink from="-2" to="-1"/></connection></junction>'
+    )
+    found = []
+    for text in (data, data.replace(b"</junction>", wrong)):
+        network = read_network(text)
+        before, through = Leg(network.roads["1"], True), Leg(network.roads["11"], True)
+        found.append(set(lane_links(network, before, through)))
+    assert found[0] == found[1] == {(-1, -1)}
