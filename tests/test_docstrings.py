@@ -39,9 +39,9 @@ def strays(tree: ast.AST) -> Iterator[int]:
 def docstrings(tree: ast.AST) -> Iterator[tuple[int, str]]:
     """Yield the line and text of every string that stands alone."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            if isinstance(node.value.value, str):
-                yield node.lineno, inspect.cleandoc(node.value.value)
+        value = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            yield value.lineno, inspect.cleandoc(value.value)
 
 
 def descriptions(schema: Any) -> Iterator[str]:

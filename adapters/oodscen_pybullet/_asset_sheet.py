@@ -218,9 +218,7 @@ def page() -> str:
     for name, categories in SHEETS.items():
         title = name.replace("_", " ")
         text += f"\n## {title.capitalize()}\n\n![{title}](pictures/assets/{name}.jpg)\n\n"
-        text += (
-            "| id | description | size, m | tags | states |\n| --- | --- | --- | --- | --- |\n"
-        )
+        text += "| id | description | size, m | tags | states |\n| --- | --- | --- | --- | --- |\n"
         for asset in _members(categories):
             size = f"{asset.length:g} x {asset.width:g} x {asset.height:g}"
             words = (asset.description, size, ", ".join(asset.tags), ", ".join(asset.states))
