@@ -80,7 +80,7 @@ def _read(made: Any, name: str, absent: object) -> Any:
 
 
 def _fault(kind: str, made: Any, name: str) -> str:
-    """Return what is wrong with a required member, or an empty string."""
+    """Return the fault of a required member, or an empty string."""
     if name not in _PROMISES[kind].values:
         return ""
     try:
@@ -124,12 +124,12 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
     if kind == "simulator":
         return SimulatorCrash(label, reason(error))
     if kind == "encoder":
-        return EncoderError(f"the encoder {label!r} broke down: {reason(error)}")
+        return EncoderError(f"the encoder {label!r} failed: {reason(error)}")
     if kind == "llm":
         is_retryable = isinstance(error, TimeoutError | ConnectionError)
-        words = f"{label} broke down: {reason(error)}"
+        words = f"{label} failed: {reason(error)}"
         return LLMError(words, model=label, retryable=is_retryable)
-    return UsageError(f"the {kind} {label!r} broke down: {reason(error)}")
+    return UsageError(f"the {kind} {label!r} failed: {reason(error)}")
 
 
 def reason(error: BaseException) -> str:

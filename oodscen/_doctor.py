@@ -21,7 +21,7 @@ class Finding(NamedTuple):
     what: str
     is_ok: bool
     detail: str
-    """A version, or what is wrong and how to fix it."""
+    """A version, or a fault and its fix."""
 
 
 def examine() -> list[Finding]:

@@ -124,7 +124,7 @@ def _tag(text: str) -> str:
 
 
 def _remove_stale(target: Path) -> None:
-    """Delete what writers of this file left half written when they were killed on this machine."""
+    """Delete partial copies of this file by writers that were killed on this machine."""
     for path in target.parent.glob(f".*-{_tag(gethostname())}-{_tag(target.name)}-*.oodscen-part"):
         match = _PART.fullmatch(path.name)
         if match and not _is_running(int(match["pid"])):
@@ -174,7 +174,7 @@ def inside(folder: Path, name: str) -> Path:
     """
     path, shown = PurePosixPath(name), repr(name[:100])
     if not name or "\0" in name or path.is_absolute() or ".." in path.parts:
-        raise ValueError(f"{shown} is no name of a file inside the folder")
+        raise ValueError(f"{shown} is not the name of a file inside the folder")
     real = os.path.realpath(folder)
     if not os.path.realpath(folder / name).startswith(os.path.join(real, "")):
         raise ValueError(f"{shown} leads outside the folder")

@@ -100,4 +100,4 @@ def _int(text: str) -> int:
 
 
 def _refused(text: str) -> None:
-    raise ValueError(f"{text[:20]} is no number that can be read")
+    raise ValueError(f"{text[:20]} is not a readable number")

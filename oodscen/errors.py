@@ -228,7 +228,7 @@ class SimulatorCrash(SimulatorError):
         self.reason = reason
         self.retryable = retryable
         """True if a later try may succeed: a process can die for outside reasons."""
-        super().__init__(f"the simulator {simulator!r} broke down: {reason}")
+        super().__init__(f"the simulator {simulator!r} crashed: {reason}")
 
 
 class EncoderError(OodscenError):
@@ -244,7 +244,7 @@ class StudyMissing(StudyError, UsageError):
 
     def __init__(self, folder: str) -> None:
         self.folder = folder
-        super().__init__(f"{folder} holds no study (there is no study.json)")
+        super().__init__(f"{folder} holds no study: it has no study.json")
 
 
 class FolderTaken(UsageError):
@@ -255,7 +255,7 @@ class FolderTaken(UsageError):
         self.names = tuple(names)
         super().__init__(
             f"{folder} holds {', '.join(self.names)} already; nothing is overwritten: choose another "
-            "folder, or move that away"
+            "folder, or move these files away"
         )
 
 
@@ -301,7 +301,7 @@ class EndpointDown(RunStopped):
         self.endpoint = endpoint
         self.reason = reason
         super().__init__(
-            f"{endpoint} is given up: {reason}; the same command continues once this is mended"
+            f"{endpoint} is given up: {reason}; fix this and run the same command to continue"
         )
 
 

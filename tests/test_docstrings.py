@@ -1,13 +1,24 @@
-"""Every string that stands alone documents what stands right above it."""
+"""Every string that stands alone documents the line above it, and prose avoids a few bad habits."""
 
 import ast
+import inspect
+import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from oodscen.prompts import QUESTIONS
+
 ROOT = Path(__file__).parent.parent
 FILES = sorted(path for part in ("oodscen", "adapters") for path in (ROOT / part).rglob("*.py"))
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+OPENING = re.compile(r"(What|Whether|How|Where|Which|Who|Whose|Of|So many|So often|Those)\b")
+"""Openings that hide the subject of a docstring."""
+HABIT = re.compile(r"\b(whoever|nobody|somebody|anew|so often)\b", re.IGNORECASE)
+QUOTED = re.compile(r"^```.*?^```$|`[^`]*`|yields to nobody", re.DOTALL | re.MULTILINE)
+"""Code, and words of the catalogue of behaviours, which are part of recorded prompts."""
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -23,6 +34,33 @@ def strays(tree: ast.AST) -> Iterator[int]:
                 if is_text and not isinstance(above, (*DOCUMENTED, ast.Assign, ast.AnnAssign)):
                     yield one.lineno
                 above = None if isinstance(one, DOCUMENTED) else one
+
+
+def docstrings(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Yield the line and text of every string that stands alone."""
+    for node in ast.walk(tree):
+        value = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            yield value.lineno, inspect.cleandoc(value.value)
+
+
+def descriptions(schema: Any) -> Iterator[str]:
+    """Yield the descriptions in a JSON schema."""
+    if isinstance(schema, dict):
+        if isinstance(schema.get("description"), str):
+            yield schema["description"]
+        for value in schema.values():
+            yield from descriptions(value)
+
+
+SENT = {text for prompt in QUESTIONS for text in descriptions(prompt.answer_schema())}
+"""Docstrings that models read: a change gives the prompt another version."""
+
+
+def faults(text: str) -> list[str]:
+    """Return the phrases of a docstring that the lint refuses."""
+    opening = OPENING.match(text)
+    return [*([opening[0]] if opening else []), *HABIT.findall(QUOTED.sub("", text))]
 
 
 @pytest.mark.parametrize(
@@ -47,3 +85,34 @@ def test_no_docstring_is_astray() -> None:
         for line in strays(ast.parse(path.read_text(encoding="utf-8")))
     ]
     assert found == []
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Where an actor starts.", ["Where"]),
+        ("Of an asset.", ["Of"]),
+        ("So many proposals, and nobody reads them.", ["So many", "nobody"]),
+        ("Whatever a model answers, as text.", []),
+        ("The wheel turns anew.", ["anew"]),
+        ("Return the subject `somebody`.", []),
+        ("Offset to the left, m.", []),
+    ],
+)
+def test_the_lint_finds_habits(text: str, found: list[str]) -> None:
+    assert faults(text) == found
+
+
+def test_docstrings_start_with_their_subject() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{line}: {phrases}"
+        for path in FILES
+        for line, text in docstrings(ast.parse(path.read_text(encoding="utf-8")))
+        if (phrases := faults(text)) and text not in SENT
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.stem)
+def test_pages_avoid_habits(page: Path) -> None:
+    assert HABIT.findall(QUOTED.sub("", page.read_text(encoding="utf-8"))) == []

@@ -46,16 +46,16 @@ _PAGE = """\
 
 <!-- Written by `python -m oodscen_pybullet._asset_sheet docs`; edit the catalogue or that module. -->
 
-Everything that the PyBullet adapter can place in a scene: {count} assets, all generated from code. Sizes are length (along x, the direction of travel),
-width and height in metres at rest; they are those of the meshes, which a test measures. A scene names an asset by its id; `state` is one of its states,
-the first by default. The vehicle under test is {ego}.
+Look up the {count} assets that the PyBullet adapter can place in a scene, all generated from code. Sizes are length (along x, the direction of
+travel), width and height of the mesh in metres at rest. A scene names an asset by its id; `state` is one of its states, the first by default.
+The vehicle under test is {ego}.
 
-- Brake lamps light up by themselves below -1 m/s²; head and tail lamps are on in the dark, in fog and in rain, unless a vehicle merely stands with its
-  lamps off or is `unlit`, which puts out its brake lamps as well. Indicators, hazard lamps, beacons, arrow boards and amber signals flash at 1.5 Hz, as a function of time.
-- Legs and arms swing with the way that is covered, in eight steps per stride, at a walk and at a run; pedals and a wheelchair's wheels turn likewise.
-- Signs, signals and work-zone boards show their faces to traffic that drives along their own heading: place them with heading 0.
-- What is tagged `flat` is driven over and collides with nothing; `car_door` turns about its front edge.
-- What comes in several paints or clothes chooses by the scene's seed: {painted}.
+- Brake lamps light up below -1 m/s². Head and tail lamps are on in the dark, in fog and in rain, unless a vehicle stands with its lamps off or is
+  `unlit`, which also turns off its brake lamps. Indicators, hazard lamps, beacons, arrow boards and amber signals flash at 1.5 Hz.
+- Legs and arms swing with the distance covered, in eight steps per stride, at a walk and at a run; pedals and a wheelchair's wheels turn likewise.
+- Signs, signals and work-zone boards face the traffic that drives along their own heading: place them with heading 0.
+- Assets tagged `flat` are driven over and collide with nothing; `car_door` turns about its front edge.
+- The scene's seed chooses the paint or clothes of these assets: {painted}.
 
 ![A walk and a run](pictures/assets/gaits.jpg)
 
@@ -218,9 +218,7 @@ def page() -> str:
     for name, categories in SHEETS.items():
         title = name.replace("_", " ")
         text += f"\n## {title.capitalize()}\n\n![{title}](pictures/assets/{name}.jpg)\n\n"
-        text += (
-            "| id | what one sees | size, m | tags | states |\n| --- | --- | --- | --- | --- |\n"
-        )
+        text += "| id | description | size, m | tags | states |\n| --- | --- | --- | --- | --- |\n"
         for asset in _members(categories):
             size = f"{asset.length:g} x {asset.width:g} x {asset.height:g}"
             words = (asset.description, size, ", ".join(asset.tags), ", ".join(asset.states))

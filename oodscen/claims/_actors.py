@@ -16,7 +16,7 @@ from oodscen.driving._trace import Course, Trace
 
 Floats = NDArray[np.float64]
 Verdict = tuple[bool | None, str]
-"""A verdict on a claim (`None` if it cannot be decided) and what the scene shows."""
+"""A verdict on a claim (`None` if it cannot be decided), and a description of the scene."""
 
 _STILL = 0.5
 """Speed below which an actor counts as standing, m/s; gusts and milling about exceed it."""

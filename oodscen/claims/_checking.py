@@ -36,7 +36,7 @@ class Finding(Data):
     status: Literal["holds", "fails", "open"]
     """`open` if neither the scene nor the catalogue decides the claim."""
     found: str
-    """Description of what the scene shows."""
+    """Description of the content of the scene."""
     path: str = ""
     """Path of the relevant part of the scene."""
 
@@ -146,9 +146,9 @@ class _Role(NamedTuple):
 
     fitting: tuple[Seen, ...]
     is_told: bool = False
-    """True if the scene says who stands for it."""
+    """True if the scene names the actors that show it."""
     why_not: str = ""
-    """The reason why those actors cannot be it, if none can."""
+    """Reason why none of those actors can be it."""
     is_of_map: bool = False
     """True if the scene says that the road itself shows it."""
 
@@ -161,7 +161,7 @@ def _role(
     catalogue: Catalogue,
     likeness: Likeness | None,
 ) -> _Role:
-    """Return who may show a thing: those that the scene names if they can be it, else whom its noun fits."""
+    """Return the actors that may show a thing: those named by the scene if they fit, else those that its noun fits."""
     told = scene.stands_for.get(subject)
     if not told:
         return _Role(tuple(one for one in seen if may_be(subject, one.asset)))

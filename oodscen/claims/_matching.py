@@ -13,9 +13,9 @@ from oodscen.encoders._check import encode
 from oodscen.protocols import Encoder
 
 OF_THE_MAP = "map"
-"""The name, in place of an actor's id, of what the road itself shows."""
+"""Name used instead of an actor's id for things that the road itself shows."""
 _LEAST = 0.3
-"""Least cosine between a noun phrase and an asset that may be what it names."""
+"""Minimum cosine between a noun phrase and an asset that it may name."""
 _MARGIN = 0.12
 """Largest difference of that cosine to that of the nearest asset."""
 _SURE = 0.55
@@ -79,7 +79,7 @@ def doubt(
     catalogue: Catalogue,
     likeness: Likeness | None = None,
 ) -> str:
-    """Return why an asset cannot be what a noun phrase names; empty if it can.
+    """Return the reason why an asset does not fit a noun phrase; empty if it fits.
 
     Args:
         subject: The noun phrase, such as `uprooted maple`.

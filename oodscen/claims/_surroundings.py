@@ -20,7 +20,7 @@ LIGHT_SNOW, HEAVY_SNOW = 2.0, 4.0
 _TURN_RAD = math.radians(50.0)
 
 Verdict = tuple[bool | None, str]
-"""A verdict on a claim (`None` if it cannot be decided) and what the scene shows."""
+"""A verdict on a claim (`None` if it cannot be decided), and a description of the scene."""
 
 
 def judge_surroundings(

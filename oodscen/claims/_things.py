@@ -44,7 +44,7 @@ class Named(Protocol):
 
     @property
     def description(self) -> str:
-        """Description of what a person sees."""
+        """Description of the asset as a person sees it."""
         ...
 
 
@@ -64,7 +64,7 @@ class Thing:
     faint: bool = False
     """True if naming the thing does not imply that it is visible."""
     vague: bool = False
-    """True if it stands for anyone or anything. Each claim about it then needs only one actor for
+    """True if the name means anyone or anything. Each claim about it then needs only one actor for
     which it holds."""
 
     @property
@@ -147,7 +147,7 @@ def is_head(subject: str) -> bool:
 
 
 def may_be(subject: str, asset: "Named") -> bool:
-    """Return whether an asset may be what a noun phrase names.
+    """Return whether an asset fits a noun phrase.
 
     An unknown name is compared with the words of the asset.
     """

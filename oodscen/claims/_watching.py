@@ -1,4 +1,4 @@
-"""Rollouts of a scene without a reacting ego: the approach, the decision and what follows."""
+"""Rollouts of a scene without a reacting ego: the approach, the decision and the time after it."""
 
 from collections.abc import Mapping
 

@@ -37,7 +37,7 @@ class Addition(Data):
     """Id of an asset or behaviour; a kind of weather; the traits of one map, joined by ` + `; of a
     state `asset: state`."""
     category: Category | None = None
-    """Of an asset."""
+    """Category of the asset; `None` for other kinds."""
 
     @model_validator(mode="before")
     @classmethod

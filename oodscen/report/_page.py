@@ -51,7 +51,7 @@ class Counts:
     sighted: int
     """Scenes with an unusual actor, seen at the decision."""
     below_floor: int
-    """Those of them whose hazard cannot be named."""
+    """Scenes whose hazard cannot be named at the decision."""
 
 
 @dataclass(frozen=True)

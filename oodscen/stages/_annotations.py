@@ -58,7 +58,7 @@ class ActorAnnotation(Data):
     asset: str
     category: str
     is_hazard: bool
-    """True if the actor is (part of) what makes the scene OOD."""
+    """True if the actor is part of the hazard."""
     box: Box | None
     """Box around the visible pixels; `None` if there are none."""
     box_projected: Box | None

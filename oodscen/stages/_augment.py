@@ -119,10 +119,10 @@ class Augmenter:
         return scene_of_draft(scenario, draft, self.catalogue)
 
     def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
-        """Return the maps of which all claims about the road hold; empty without such claims.
+        """Return the maps that satisfy all claims about the road; empty without such claims.
 
         Raises:
-            AnswerError: When there are such claims, and no map.
+            AnswerError: When no map satisfies them.
         """
         from oodscen.claims._roads import fitting_roads, of_roads
 
@@ -132,7 +132,9 @@ class Augmenter:
         roads = fitting_roads(told, self.catalogue.maps)
         if not roads:
             said = "; ".join(map(str, told))
-            fault = Issue("cannot_show", f"no road of the simulator is all of this: {said}")
+            fault = Issue(
+                "cannot_show", f"the simulator has no road with all of these properties: {said}"
+            )
             raise AnswerError(self.llm.name, StageScene.purpose, [fault], "", 0)
         return roads
 

@@ -75,7 +75,7 @@ def drive(
 
 
 class RuleBasedDriver:
-    """Keeps its lane, follows whatever is ahead, and brakes hard when it gets close.
+    """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
 
     The intelligent-driver model (Treiber, Hennecke and Helbing, "Congested traffic states in empirical
     observations and microscopic simulations", 2000) with emergency braking below a time to collision. It

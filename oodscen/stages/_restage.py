@@ -1,4 +1,4 @@
-"""Re-staging of scenes in which all or no actions are safe, which tell nothing about a driver."""
+"""Re-staging of scenes in which all or no actions are safe: these cannot tell drivers apart."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -41,7 +41,7 @@ def restaged(
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
-    Other actors keep their behaviour: none yields that did not before. If no variant helps, the scene and its
+    Other actors keep their behaviour: an actor that did not yield before does not yield now. If no variant helps, the scene and its
     run are returned unchanged, with the rejected variants and the reasons.
 
     Args:

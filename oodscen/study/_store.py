@@ -165,8 +165,8 @@ class Store:
         except OSError as error:
             reason = error.strerror or str(error)
             raise StudyError(
-                f"cannot write {target}: {reason}; what was written before is intact, the "
-                "same command continues once this is mended"
+                f"cannot write {target}: {reason}; earlier results are intact: fix this and run the "
+                "same command to continue"
             ) from error
 
 

@@ -1,4 +1,4 @@
-"""Checks, from its frames, that a simulator really shows what a scene says."""
+"""Checks, on rendered frames, that a simulator shows a scene as specified."""
 
 import math
 from collections.abc import Mapping
@@ -40,7 +40,7 @@ _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision
 def check_truth(
     scene: Scene, simulator: Simulator, *, seed: int = 0, camera: Camera | None = None
 ) -> list[Issue]:
-    """Run a scene and return issues for whatever its states and frames do not show as specified.
+    """Run a scene and return an issue for every difference between its states and frames and its specification.
 
     The checks: the hazard is visible in a key frame; the visual range, measured from contrast against
     depth, matches the configured one; actors start where the scene places them and appear where the states
@@ -190,7 +190,7 @@ def _unseen(scene: Scene, simulated: Simulated) -> Issue:
 
 
 def _outcomes(scene: Scene, simulated: Simulated) -> list[Issue]:
-    """Return issues for whatever the episode's record lacks."""
+    """Return an issue for everything that the episode's record lacks."""
     episode, issues = simulated.episode, []
     if not episode.decision_fired:
         issues.append(Issue("decision", "the trigger never fires"))

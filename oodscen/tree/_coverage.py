@@ -93,7 +93,7 @@ LACKS: Mapping[Lack, str] = {
     "episode": "with a scene but no episode that ran",
     "choice": "with episodes in which every action, or none, is safe",
 }
-"""Descriptions of what a leaf lacks, by the names that `Tally.lacks` uses."""
+"""Descriptions of the items that a leaf can lack, by their names in `Tally.lacks`."""
 
 
 COUNTS = (
@@ -156,7 +156,7 @@ def coverage(
 
 
 def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
-    """Count what a study holds for each node of one of its trees.
+    """Count the texts, scenes and episodes of a study for each node of one of its trees.
 
     Args:
         study: A study, finished or not; parts that it does not hold yet count as missing.

@@ -67,9 +67,9 @@ def test_a_failure_is_logged_and_passes_through(error):
 
 def test_an_error_that_is_no_typed_one_is_logged_and_costs_the_question():
     calls = []
-    with pytest.raises(LLMError, match="broke down: KeyError: 'bug'"):
+    with pytest.raises(LLMError, match="failed: KeyError: 'bug'"):
         ask(LoggedLLM(ScriptedLLM([KeyError("bug")]), calls.append), QUESTION)
-    assert [call.error for call in calls] == ["LLMError: scripted broke down: KeyError: 'bug'"]
+    assert [call.error for call in calls] == ["LLMError: scripted failed: KeyError: 'bug'"]
 
 
 def test_what_the_model_is_shows_through():

@@ -179,6 +179,6 @@ def test_a_text_without_a_road_is_not_asked_about():
         ]
     }
     llm = ScriptedLLM([claims])
-    with pytest.raises(AnswerError, match="no road of the simulator"):
+    with pytest.raises(AnswerError, match="the simulator has no road"):
         Augmenter(llm, CATALOGUE).run(SCENARIO.model_copy(update={"text": text}))
     assert len(llm.requests) == 1

@@ -12,7 +12,7 @@ from oodscen_pybullet._rendering.stage import Stage
 
 
 def choose_camera(engine: ModuleType) -> Callable[[], Stage]:
-    """Return what opens a stage: the rasteriser's, or PyBullet's own with a warning without numba."""
+    """Return the opener of a stage: the rasteriser's or, with a warning, PyBullet's own without numba."""
     if is_compiled():
         return Canvas
     warnings.warn(

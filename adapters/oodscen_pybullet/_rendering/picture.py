@@ -99,7 +99,7 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
 
 
 def _plate(picture: Picture, rate: float, air: Sequence[float]) -> d.Plate:
-    """Return what the kernel develops: extinction in 1/m and the air's colour are given."""
+    """Return the inputs of the kernel: extinction in 1/m and the air's colour are given."""
     view, light, shot = picture.view, picture.light, picture.shot
     across, upwards = view.slopes()
     spread = [_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]

@@ -154,9 +154,9 @@ class _Reading:
         return not (thing.name in phrases.INERT and value in _WILFUL)
 
     def _on_foot(self, subject: Subject, start: int) -> Subject | None:
-        """Return who walks, if a verb is for people on foot; `None` if nobody can.
+        """Return the subject who walks, if a verb is for people on foot; `None` if no subject can walk.
 
-        Vehicles do not walk: their driver does. Somebody unnamed who walks is a pedestrian.
+        The subject of a vehicle that "walks" is its driver; an unnamed subject is a pedestrian.
         """
         thing = subject.mention.thing
         is_vehicle = thing.group == "vehicle" and thing.name not in phrases.CYCLES

@@ -82,7 +82,7 @@ def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tu
 def truth_issues(
     scene: Scene, corridor: Corridor, moments: Moments, *, camera: Camera = CAMERA
 ) -> list[Issue]:
-    """Return issues that would make a person doubt what a scene is said to show.
+    """Return issues that would make a person doubt that a scene shows its hazard.
 
     In at least one moment the hazard must be visible, or the weather must clearly differ from the ordinary
     weather; no body may float, sink or stand inside another.

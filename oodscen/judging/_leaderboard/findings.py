@@ -66,7 +66,7 @@ def answer(board: Leaderboard) -> list[str]:
 
 
 def called(reference: str) -> str:
-    """Return what a reference does, in words, given its short name."""
+    """Return the description of a reference, given its short name."""
     name, _, action = reference.partition(":")
     if name == "constant" and action:
         return f"always answering the same (“{reference}”)"

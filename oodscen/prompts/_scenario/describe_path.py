@@ -41,7 +41,7 @@ class DescribePath(Prompt[Descriptions]):
     style: Style = "natural"
     """Register of the texts."""
     catalogue: CatalogueDigest | None = None
-    """What the texts may ask for; `None` leaves it open."""
+    """Simulator content that the texts may ask for; `None` allows anything."""
 
     def variables(self) -> dict[str, Any]:
         """Return the fields, with the style's instructions in words and the texts to show."""

@@ -13,7 +13,7 @@ from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest
 
 _BLANK: Mapping[str, Any] = {"map": "", "ego": {"speed": 0}, "hazard": {}, "decision": {}}
-"""What is required of a draft, in one that says that the text cannot be shown."""
+"""Placeholders for the required fields of a draft whose text cannot be shown."""
 
 
 class SceneDraft(BaseModel):
@@ -32,7 +32,7 @@ class SceneDraft(BaseModel):
     )
     hazard: Hazard
     decision: Trigger
-    """Where it names no actor, a distance or time to collision is that to the first of `hazard.actors`."""
+    """A distance or time to collision without an actor refers to the first of `hazard.actors`."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
     cannot_show: str = Field(
         default="",

@@ -32,7 +32,7 @@ class ImagineScenario(Prompt[ImaginedScenario]):
     shown: tuple[str, ...]
     """The few-shot examples."""
     catalogue: CatalogueDigest | None = None
-    """What the simulator of the study can show; `None` in the paper's open loop."""
+    """Content of the study's simulator; `None` in the paper's open loop."""
     covered: tuple[str, ...] = ()
     """Labels of the existing leaves; in the paper's open loop this field and all that follow are empty."""
     unlisted: int = 0

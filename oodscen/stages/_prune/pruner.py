@@ -287,7 +287,7 @@ def _unique(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _all(lists: Sequence[tuple[Means, ...]]) -> tuple[Means, ...]:
-    """Return the union of what realises the branches below a node."""
+    """Return the union of the assets, behaviours and weather that show the branches below a node."""
     if len(lists) == 1:
         return lists[0]
     return tuple(dict.fromkeys(one for means in lists for one in means))

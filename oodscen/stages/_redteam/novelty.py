@@ -1,4 +1,4 @@
-"""The similarity of a proposal to what exists: the labels of the leaves, and earlier proposals."""
+"""Similarity of a proposal to the labels of the leaves and to earlier proposals."""
 
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
@@ -110,7 +110,7 @@ class Novelty:
         return [leaves[place].id for place in order]
 
     def learn(self, item: Round, tree: ScenarioTree) -> None:
-        """Remember what a round proposed and changed.
+        """Remember the proposal and the changes of a round.
 
         Args:
             item: The round.

@@ -56,7 +56,7 @@ class Round(Data):
     decision: Decision | None = None
     """`None` if no answer came."""
     reason: str = ""
-    """The tree-LLM's reason; for a duplicate, what it is too similar to."""
+    """The tree-LLM's reason; for a duplicate, the label or proposal that it resembles."""
     edits: tuple[TreeEdit, ...] = ()
     """Edits of the tree; a covered text leaves a `keep`."""
     nodes: int = 0

@@ -1,4 +1,4 @@
-"""Estimates of how much is left to find: Good-Turing coverage and Chao1 over the rounds.
+"""Estimates of the kinds left to find: Good-Turing coverage and Chao1 over the rounds.
 
 Each round that names a kind is an observation, like an animal's species in a survey. Kinds in the initial
 tree are known; all others are new. `f1` and `f2` count the new kinds that were met once and twice.
@@ -85,7 +85,7 @@ class Saturation(Data):
 
 
 def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
-    """Estimate from the log of a red team how much it has left to find.
+    """Estimate, from the log of a red team, the number of kinds left to find.
 
     Args:
         rounds: All rounds in order, from the first.

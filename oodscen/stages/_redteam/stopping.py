@@ -28,7 +28,7 @@ class Progress:
         self._tally = Tally()
 
     def add(self, item: Round) -> None:
-        """Count a finished round; a round without an answer says nothing about novelty."""
+        """Count a finished round; a round without an answer does not affect `patience`."""
         self.round = item.round
         self.calls += item.calls
         if item.decision in NEW:
@@ -54,7 +54,7 @@ class Progress:
         return min(ATTEMPTS, left if spent else left - 1)
 
     def is_certain(self, number: int) -> bool:
-        """Return whether a later round will be played in full, whatever the rounds before it bring."""
+        """Return whether a later round will be played in full, regardless of the rounds before it."""
         return self._stop(number - self.round - 1) is None
 
     def _stop(self, ahead: int) -> Stop | None:
