@@ -3,15 +3,8 @@ from itertools import pairwise
 import pytest
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import (
-    ACTION_DRIVERS,
-    SHIPPED_MAPS,
-    Cruise,
-    KinematicWorld,
-    action_driver,
-    is_available,
-)
-from oodscen.driving._motion.actions import ChangeLane, PullOver
+from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld, action_driver
+from oodscen.driving._motion.actions import ACTION_DRIVERS, ChangeLane, PullOver, is_available
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation
 from tests.driving.staging import scene, world
