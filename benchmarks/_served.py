@@ -74,10 +74,9 @@ def study(out: Path, log: Path, faults: float, kill_after: int) -> None:
         faults: Fraction of the requests that fail.
         kill_after: Number of requests after which this process kills itself, at a random moment; 0 is never.
     """
-    from oodscen import make_llm
+    from oodscen import StudyConfig, make_llm
     from oodscen._pipeline import run_study
     from oodscen.llm._remote.limits import Traffic
-    from oodscen.study import StudyConfig
     from oodscen.testing import AnsweringServer
 
     config = StudyConfig(

@@ -28,7 +28,8 @@ from oodscen import (
 )
 from oodscen._seeding import stream
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.claims import check_claims, judge_claims
+from oodscen.claims import check_claims
+from oodscen.claims._checking import judge_claims
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.driving._trace import Trace

@@ -21,12 +21,13 @@ from tqdm import tqdm
 
 from oodscen import RedTeamer, TreeGrower, make_encoder, make_llm
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM
-from oodscen.author import BuiltinAuthor
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._imagining import Habits, Imagination
-from oodscen.encoders import CachedEncoder, encode
+from oodscen.encoders import CachedEncoder
+from oodscen.encoders._check import encode
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask
-from oodscen.prompts import PlaceScenario
+from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.protocols import LLM, Encoder
 from oodscen.stages._redteam.rounds import Round
 from oodscen.stages._redteam.saturation import Saturation, saturation

@@ -18,6 +18,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
 from oodscen._registry import make_simulator
 from oodscen.data._episode import ACTIONS, Episode
@@ -28,7 +29,6 @@ from oodscen.judging._items import CAUTIOUS
 from oodscen.judging._safety import safety_figures
 from oodscen.llm._remote.limits import Caps, Traffic
 from oodscen.stages._drive import RuleBasedDriver, drive
-from oodscen.study import Study, StudyConfig
 from oodscen.testing import AnsweringServer
 
 Row = dict[str, Any]

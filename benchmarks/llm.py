@@ -23,15 +23,14 @@ from tqdm import tqdm
 KEY = "sk-test-planted-0123456789abcdef"
 os.environ.update(OPENAI_API_KEY=KEY, OODSCEN_OFFLINE="1")
 
-from oodscen import Scene, make_simulator  # noqa: E402
+from oodscen import Scene, Study, make_simulator  # noqa: E402
 from oodscen._concurrency import as_finished  # noqa: E402
 from oodscen.driving import check_scene  # noqa: E402
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError  # noqa: E402
 from oodscen.llm._ask import ask  # noqa: E402
 from oodscen.llm._remote.limits import Caps, Traffic  # noqa: E402
 from oodscen.llm._remote.litellm import LiteLLM, load_litellm, wire_message  # noqa: E402
-from oodscen.prompts import ImagineScenario  # noqa: E402
-from oodscen.study import Study  # noqa: E402
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario  # noqa: E402
 from oodscen.testing import AnsweringServer, FunctionLLM  # noqa: E402
 
 PARTS = ("throughput", "caps", "dead", "faults", "kills")

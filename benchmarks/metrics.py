@@ -21,10 +21,13 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from oodscen.baselines import load_controls, load_off_topic, ordinary_driving
+from oodscen import Metrics
+from oodscen.baselines import load_controls, load_off_topic
 from oodscen.baselines._embedded import open_embeddings
-from oodscen.encoders import MiniLM, OnnxMiniLM
-from oodscen.metrics import DETECTORS, Metrics
+from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.encoders._minilm import MiniLM
+from oodscen.encoders._onnx import OnnxMiniLM
+from oodscen.metrics._detection.detectors import DETECTORS
 from oodscen.metrics._diversity import diversity
 from oodscen.metrics._selection import most_diverse
 from oodscen.metrics._vectors import similarity as kernel

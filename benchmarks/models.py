@@ -27,15 +27,12 @@ from oodscen.errors import AnswerError
 from oodscen.llm._ask import read_answer
 from oodscen.llm._prefix import LEAST_TOKENS
 from oodscen.llm._remote.litellm import load_litellm
-from oodscen.prompts import (
-    CatalogueDigest,
-    DescribePath,
-    ExtractClaims,
-    JudgeBranch,
-    SceneDraft,
-    StageScene,
-)
 from oodscen.prompts._base import Prompt
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.extract_claims import ExtractClaims
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
+from oodscen.prompts._tree.judge_branch import JudgeBranch
 from oodscen.stages._augment import scene_of_draft
 from oodscen.testing import FunctionLLM
 

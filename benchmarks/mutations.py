@@ -23,11 +23,12 @@ from typing import Any, NamedTuple
 from click.testing import CliRunner
 from tqdm import tqdm
 
+from oodscen import Study, StudyConfig
 from oodscen._cli import main as cli
 from oodscen._pipeline import run_study
 from oodscen.errors import OodscenError
 from oodscen.judging._constant_answerers import ConstantAnswerer
-from oodscen.study import TABLES, TREES, Study, StudyConfig
+from oodscen.study._study import TABLES, TREES
 from oodscen.testing import FunctionLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from oodscen import Describer, Scenario, make_llm
+from oodscen import Describer, Metrics, Scenario, Study, StudyConfig, make_llm
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._registry import DEFAULT_LLM, make_encoder
@@ -30,13 +30,11 @@ from oodscen.author._reading.recognition import Recogniser
 from oodscen.baselines import load_baseline
 from oodscen.encoders import CachedEncoder
 from oodscen.errors import AnswerError
-from oodscen.metrics import Interval, Metrics
 from oodscen.metrics._vectors.similarity import unit
-from oodscen.prompts import STYLES
-from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._scenario.describe_path import STYLES, plain
 from oodscen.stages._describe import spread_subset
+from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean
-from oodscen.study import Study, StudyConfig
 
 OTHERS = {
     "redteam": "_text_redteam",

@@ -15,8 +15,13 @@ from collections.abc import Callable
 
 from tqdm import tqdm
 
-from oodscen.testing import HashEncoder
-from oodscen.tree import coverage, diff, merge, replay, to_dot, to_mermaid, to_nested_json, to_page
+from oodscen.testing._encoder import HashEncoder
+from oodscen.tree._comparison import diff
+from oodscen.tree._coverage import coverage
+from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
+from oodscen.tree._history import replay
+from oodscen.tree._html import to_page
+from oodscen.tree._merge import merge
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 FACTOR = 4

@@ -1,8 +1,8 @@
 """Runs a custom driver in closed loop beside the shipped one, in a scene and its ordinary twin."""
 
-from oodscen import make_simulator
+from oodscen import drive, make_simulator
 from oodscen.driving import Cruise, action_driver
-from oodscen.stages import RuleBasedDriver, drive
+from oodscen.stages import RuleBasedDriver
 from oodscen.testing import example_scene
 
 

@@ -123,15 +123,14 @@ def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
         UsageError: If no provider knows the name, or the network is forbidden.
     """
     from oodscen._registry import make_llm
-    from oodscen.llm._remote.limits import Price
 
     llm = make_llm(name, api_base=api_base)
     calls: list[Call] = []
     logged = LoggedLLM(llm, calls.append)
     price = getattr(llm, "price", None)
     known = (
-        f"${price.input_usd:g} in and ${price.output_usd:g} out per million tokens"
-        if isinstance(price, Price)
+        f"${price[0]:g} in and ${price[1]:g} out per million tokens"
+        if isinstance(price, tuple)
         else f"not known; a cap on cost needs --price {name}=IN,OUT"
     )
     findings = [_tried("answer", lambda: _answer(logged, calls))]
@@ -144,7 +143,7 @@ def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
 
 def _answer(llm: LLM, calls: list[Call]) -> str:
     from oodscen.llm._ask import ask
-    from oodscen.prompts import ImagineScenario
+    from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 
     text = ask(llm, ImagineScenario(shown=("A deer crosses the road.",))).text
     repairs = len(calls) - 1
@@ -155,7 +154,7 @@ def _answer(llm: LLM, calls: list[Call]) -> str:
 def _image(llm: LLM) -> str:
     from oodscen.data._messages import Image
     from oodscen.llm._ask import ask
-    from oodscen.prompts import DescribeFrame
+    from oodscen.prompts._judging.describe_frame import DescribeFrame
 
     with temporary_folder() as folder:
         path = Path(folder) / "red.png"
@@ -191,7 +190,8 @@ def _tried(what: str, check: Callable[[], str]) -> Finding:
 
 
 def _author() -> str:
-    from oodscen.author import load_knowledge, validate_knowledge
+    from oodscen.author import load_knowledge
+    from oodscen.author._knowledge.validation import validate_knowledge
 
     issues = validate_knowledge()
     if issues:

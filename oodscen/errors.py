@@ -33,6 +33,35 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+__all__ = [
+    "AnswerError",
+    "BudgetExceeded",
+    "DataError",
+    "EncoderError",
+    "EndpointDown",
+    "FolderTaken",
+    "InUse",
+    "Issue",
+    "LLMError",
+    "LateError",
+    "MissingExtra",
+    "NotAskedError",
+    "OodscenError",
+    "RefusedError",
+    "ReplayMiss",
+    "ResponseError",
+    "RunStopped",
+    "SceneError",
+    "SimulatorCrash",
+    "SimulatorError",
+    "SpawnError",
+    "StudyError",
+    "StudyMismatch",
+    "StudyMissing",
+    "UnknownComponent",
+    "UsageError",
+]
+
 
 class Issue(NamedTuple):
     """One fault in the data."""

@@ -96,8 +96,8 @@ class Completion(Data):
 class LLM(Protocol):
     """A language model or vision-language model.
 
-    Optional members: `price`, an `oodscen.llm.Price`, for caps on cost; `speaks_for`, the name of
-    the model whose words this one repeats, as a replay does.
+    Optional members: `price`, a tuple of USD per million tokens of input and of output;
+    `speaks_for`, the name of the model whose words this one repeats, as a replay does.
     """
 
     name: str

@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
-from oodscen.prompts import OodAspect
+from oodscen.prompts._judging.name_aspect import OodAspect
 
 
 @st.composite

@@ -16,8 +16,8 @@ from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.driving import find_map
 from oodscen.errors import DataError, UsageError
-from oodscen.metrics import score_file
-from oodscen.testing import HashEncoder
+from oodscen.metrics._score import score_file
+from oodscen.testing._encoder import HashEncoder
 
 KINDS = ("fifo", "endless", "folder", "link to fifo", "link to endless", "socket", "nothing")
 

@@ -12,14 +12,16 @@ from hypothesis import strategies as st
 from oodscen._text import whole
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Trigger, Weather
 from oodscen.llm._ask import read_answer
-from oodscen.prompts import QUESTIONS, PlacedScenario, SceneDraft
+from oodscen.prompts import QUESTIONS
+from oodscen.prompts._scenario.stage_scene import SceneDraft
+from oodscen.prompts._tree.place_scenario import PlacedScenario
 from tests import strategies  # noqa: F401  # says how claims are drawn
 
 often = settings(
     max_examples=max(200, settings.default.max_examples),
     suppress_health_check=[HealthCheck.too_slow],
 )
-KINDS = list(dict.fromkeys(question.answer for question in QUESTIONS))
+KINDS = list(dict.fromkeys(question.answer for question in QUESTIONS.values()))
 
 words = st.text(max_size=30)
 numbers = st.floats(0.5, 40.0)

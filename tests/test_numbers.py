@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen import Metrics, StudyConfig
 from oodscen._numbers import finite_number, whole_number
 from oodscen.errors import UsageError
 from oodscen.judging._leaderboard.power import power_of, scenes_needed
-from oodscen.metrics import Metrics
 from oodscen.protocols import Camera
 from oodscen.stages._simulate import simulate
-from oodscen.study import StudyConfig
-from oodscen.testing import FlatSimulator, HashEncoder
+from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 STRANGE = [math.nan, math.inf, -math.inf, 1e308, -1, 10**400, "3", None, b"3", [], 1j, True]

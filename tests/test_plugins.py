@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from oodscen import Metrics, StudyConfig
 from oodscen import _registry as registry
 from oodscen._cli import main
 from oodscen._pipeline import Extras, run_study
 from oodscen._pipeline.sweep import Job, run_chunk
 from oodscen._registry import driver_maker, make_catalogue, make_encoder, make_llm, make_simulator
-from oodscen.encoders import encode
+from oodscen.encoders._check import encode
 from oodscen.errors import (
     EncoderError,
     LLMError,
@@ -22,13 +23,12 @@ from oodscen.errors import (
     UsageError,
 )
 from oodscen.llm._ask import ask
-from oodscen.metrics import Metrics
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Control
 from oodscen.stages._drive import drive
 from oodscen.stages._simulate import simulate
-from oodscen.study import StudyConfig
-from oodscen.testing import FlatSimulator, check_simulator
+from oodscen.testing import check_simulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 from tests.pipeline.quick import QUICK
 

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen.errors import UsageError
 from oodscen.protocols import MAX_SIZE, Camera, Control
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 

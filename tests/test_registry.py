@@ -16,10 +16,12 @@ from oodscen._registry import (
     names,
     survey,
 )
-from oodscen.encoders import SentenceTransformerEncoder
+from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
-from oodscen.testing import FlatSimulator, HashEncoder, ScriptedLLM
+from oodscen.testing import ScriptedLLM
+from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat import FlatSimulator
 
 
 class Plain:
@@ -127,7 +129,7 @@ def test_the_seed_reaches_a_model_that_takes_one(plugins):
 
 def test_a_reference_to_a_module_works_for_every_kind():
     assert find("llm", "oodscen.judging._constant_answerers:RandomAnswerer") is RandomAnswerer
-    assert isinstance(make_encoder("oodscen.testing:HashEncoder"), HashEncoder)
+    assert isinstance(make_encoder("oodscen.testing._encoder:HashEncoder"), HashEncoder)
     with pytest.raises(UsageError, match="Missing"):
         make_encoder("oodscen.testing:Missing")
     with pytest.raises(UsageError, match="no module 'no_such_module_anywhere'"):

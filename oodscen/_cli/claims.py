@@ -44,7 +44,7 @@ def faithful(
     text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
-    from oodscen.claims import check_faithful
+    from oodscen.claims._check import check_faithful
     from oodscen.driving import check_scene
 
     texts, faulty = {}, []

@@ -35,10 +35,10 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     from oodscen._registry import driver_maker, make_simulator
     from oodscen.data._twins import scene_of
     from oodscen.judging._drives import current, drive_board, remarks
-    from oodscen.report import write_report
+    from oodscen.report._render import write_report
     from oodscen.stages._drive import RuleBasedDriver
     from oodscen.stages._drive import drive as drive_scenes
-    from oodscen.study import Study
+    from oodscen.study._study import Study
 
     study = Study.open(out)
     click.get_current_context().with_resource(study.store.writing())

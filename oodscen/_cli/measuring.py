@@ -41,7 +41,7 @@ def score(
 ) -> None:
     """Measure OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
     from oodscen import make_encoder
-    from oodscen.metrics import score_file, table_of_file
+    from oodscen.metrics._score import score_file, table_of_file
 
     report: Any
     if table:

@@ -184,7 +184,7 @@ def describe(
     """
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
     from oodscen.baselines import load_baseline
-    from oodscen.metrics import Metrics
+    from oodscen.metrics._metrics import Metrics
 
     model = make_llm(llm, seed=seed, api_base=api_base)
     measure = make_encoder(encoder) if encoder else None
@@ -295,7 +295,7 @@ def simulate(
     """
     from oodscen import Scene, make_simulator
     from oodscen._pipeline.sweep import Extras, Job, sweep
-    from oodscen.study import Study
+    from oodscen.study._study import Study
 
     items = read_lines(Scene, scenes)
     counts = Counter(scene.id for scene in items)

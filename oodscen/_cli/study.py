@@ -145,7 +145,8 @@ def run(
     """
     from oodscen._pipeline import Extras, RunOptions, estimate, run_study
     from oodscen.llm._accounting import Ledger
-    from oodscen.study import Study, StudyConfig
+    from oodscen.study._config import StudyConfig
+    from oodscen.study._study import Study
 
     traffic = traffic_from(choices)
     given = {name: value for name, value in choices.items() if value not in (None, ())}
@@ -226,7 +227,8 @@ def evaluate(
     from oodscen._pipeline import run_study
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.leaderboard import Leaderboard
-    from oodscen.study import Study, StudyConfig
+    from oodscen.study._config import StudyConfig
+    from oodscen.study._study import Study
 
     before = Study.open(out)
     click.get_current_context().with_resource(before.store.writing())
@@ -274,7 +276,7 @@ def evaluate(
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
 def report(out: Path) -> None:
     """Rewrite the report of the study in the folder OUT."""
-    from oodscen.report import write_report
-    from oodscen.study import Study
+    from oodscen.report._render import write_report
+    from oodscen.study._study import Study
 
     click.echo(str(write_report(Study.open(out)).resolve()))

@@ -84,7 +84,7 @@ def diff(
     as_json: bool,
 ) -> None:
     """Print the nodes that OTHER adds to, removes from, renames and moves in the tree ONE."""
-    from oodscen.tree import diff as compare
+    from oodscen.tree._comparison import diff as compare
 
     found = compare(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
     say(
@@ -115,7 +115,7 @@ def merge(
     out: Path | None,
 ) -> None:
     """Merge the nodes that only the tree OTHER has into the tree ONE."""
-    from oodscen.tree import merge as merged
+    from oodscen.tree._merge import merge as merged
 
     trees = _read(one, which), _read(other, which)
     found = merged(*trees, name=name, **_meaning(encoder, threshold))
@@ -135,8 +135,8 @@ def merge(
 @json_option
 def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
     """Count the texts, scenes, episodes and outcomes per node of the study FOLDER, and list the gaps."""
-    from oodscen.study import Study
-    from oodscen.tree import study_coverage
+    from oodscen.study._study import Study
+    from oodscen.tree._coverage import study_coverage
 
     found = study_coverage(Study.open(folder), which)
     say(found.model_dump_json(indent=2) if as_json else str(found))
@@ -158,15 +158,13 @@ def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
 @out_option
 def export(place: Path, form: str, which: str, out: Path | None) -> None:
     """Export a tree for another tool."""
-    from oodscen import tree as trees
-
     found = _read(place, which)
     makers = {
-        "mermaid": trees.to_mermaid,
-        "dot": trees.to_dot,
+        "mermaid": ScenarioTree.to_mermaid,
+        "dot": ScenarioTree.to_dot,
         "json": ScenarioTree.to_json,
-        "nested": trees.to_nested_json,
-        "html": trees.to_page,
+        "nested": ScenarioTree.to_nested_json,
+        "html": ScenarioTree.to_page,
     }
     write(out, makers[form](found))
 
@@ -193,7 +191,7 @@ def replay(
     out: Path | None,
 ) -> None:
     """Print the edit log of a tree up to a given point, or with --out write the tree at that point."""
-    from oodscen.tree import replay as played
+    from oodscen.tree._history import replay as played
 
     found = _read(place, which)
     if (edit, round_, stage) != (None, None, None):
@@ -222,7 +220,7 @@ def replay(
 def _read(place: Path, which: str) -> ScenarioTree:
     """Read a tree from a file or from a study's folder."""
     if place.is_dir():
-        from oodscen.study import Study
+        from oodscen.study._study import Study
 
         study = Study.open(place)
         if not study.store.has(f"tree.{which}.json"):
@@ -234,7 +232,7 @@ def _read(place: Path, which: str) -> ScenarioTree:
 
 def _meaning(encoder: str | None, threshold: float | None) -> dict[str, Any]:
     from oodscen._registry import make_encoder
-    from oodscen.tree._matching import THRESHOLD
+    from oodscen.tree._scenario_tree import THRESHOLD
 
     made: Encoder | None = make_encoder(encoder) if encoder is not None else None
     return {"encoder": made, "threshold": THRESHOLD if threshold is None else threshold}

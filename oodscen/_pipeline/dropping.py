@@ -79,7 +79,7 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     study.store.write("study.json", canonical_json(info) + "\n")
     study.store.write_lines("verdicts.jsonl", kept)
     study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
-    from oodscen.report import write_report
+    from oodscen.report._render import write_report
 
     write_report(study)
     return counts

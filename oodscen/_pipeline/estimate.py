@@ -20,8 +20,11 @@ from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.limits import Price
 from oodscen.llm._remote.litellm import known_price, load_litellm
 from oodscen.llm._remote.usage import IMAGE_TOKENS
-from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect
 from oodscen.prompts._base import Prompt
+from oodscen.prompts._judging.choose_action import ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.stages._evaluate import OPTIONS
 from oodscen.study._config import StudyConfig

@@ -182,7 +182,7 @@ class Pipeline:
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
     def _report(self) -> None:
-        from oodscen.report import write_report
+        from oodscen.report._render import write_report
 
         write_report(self.study)
 

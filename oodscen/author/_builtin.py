@@ -20,26 +20,20 @@ from oodscen.author._taxonomy import TreeAuthor
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
 from oodscen.errors import LLMError
-from oodscen.prompts import (
-    Claims,
+from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText
+from oodscen.prompts._scenario.describe_path import DescribePath, Descriptions, plain
+from oodscen.prompts._scenario.extract_claims import Claims, ExtractClaims
+from oodscen.prompts._scenario.stage_scene import StageScene
+from oodscen.prompts._tree.classify_examples import (
     Classification,
     ClassifiedExample,
     ClassifyExamples,
-    DescribeOrdinary,
-    DescribePath,
-    Descriptions,
-    Examples,
-    ExtractClaims,
-    GiveExamples,
-    ImaginedScenario,
-    ImagineScenario,
-    JudgeBranch,
-    OrdinaryText,
-    PlaceScenario,
-    ProposeTree,
-    StageScene,
 )
-from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._tree.give_examples import Examples, GiveExamples
+from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
+from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.place_scenario import PlaceScenario
+from oodscen.prompts._tree.propose_tree import ProposeTree
 from oodscen.protocols import Completion, Request
 
 _ACTS = frozenset(

@@ -8,9 +8,13 @@ from oodscen.author._reading.label_reading import Alternative, Part, Reading
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
-from oodscen.prompts import BranchJudgement, CatalogueDigest, JudgeBranch
-from oodscen.prompts._digest import WeatherLimits
-from oodscen.prompts._tree.judge_branch import WEATHER_SCALES, Substitute
+from oodscen.prompts._digest import CatalogueDigest, WeatherLimits
+from oodscen.prompts._tree.judge_branch import (
+    WEATHER_SCALES,
+    BranchJudgement,
+    JudgeBranch,
+    Substitute,
+)
 from oodscen.tree._scenario_tree import MAX_LABEL
 
 __all__ = ["Judge", "Realisation", "WeatherLimits", "realise"]

@@ -9,7 +9,7 @@ import numpy as np
 from oodscen._seeding import stream
 from oodscen.author._knowledge.base import Hazard, Knowledge
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 
 
 @dataclass(frozen=True)

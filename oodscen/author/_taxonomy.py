@@ -8,8 +8,8 @@ import numpy as np
 from oodscen.author._knowledge.base import Hazard, Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.errors import LLMError
-from oodscen.prompts import PlacedScenario, PlaceScenario, ProposedNode, ProposedTree, ProposeTree
-from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits
+from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits, PlacedScenario, PlaceScenario
+from oodscen.prompts._tree.propose_tree import ProposedNode, ProposedTree, ProposeTree
 from oodscen.tree._scenario_tree import CLASSES, ROOT, Node
 
 _ROOT_LABEL = "Out-of-distribution driving scenario"

@@ -51,7 +51,7 @@ class Baseline(Data):
 
 
 def load_baseline(
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     layout: LayoutName | Literal["auto", "plain"] = "auto",
     parts: Sequence[str] | None = None,
@@ -61,7 +61,7 @@ def load_baseline(
 ) -> Baseline:
     """Read a baseline from a file of your own, or from one of a public driving data set.
 
-    Your own files (`plain`): lines, JSON lines with `text`, a JSON list, or CSV or TSV with a
+    Without a path it is the bundled one. Your own files (`plain`): lines, JSON lines with `text`, a JSON list, or CSV or TSV with a
     column `text`. Data sets, as they are distributed: DriveLM, nuScenes, Talk2Car, BDD-X and
     CityFlow-NL; see `oodscen.baselines._datasets` for their files, texts and licences.
 
@@ -69,10 +69,11 @@ def load_baseline(
     occurs once, and `tabulated` OOD-ness does not change. Random draws from the baseline do change.
 
     Args:
-        path: The file.
+        path: The file; the bundled texts of ordinary driving if left out.
         layout: The file's layout; `auto` detects it from the content, `plain` is a file of your own.
         parts: The texts of a data set to read, e.g. `["scene"]` for the scene descriptions of
-            DriveLM; by default those that `oodscen.baselines._datasets` lists first.
+            DriveLM; by default those that `oodscen.baselines._datasets` lists first. Of the bundled
+            texts, `["handwritten"]` are those that were written by hand.
         distinct: Keep only the first of equal texts.
         name: The name shown in reports; the file's name by default.
         licence: Licence for redistribution of the texts; that of the data set by default.
@@ -82,6 +83,8 @@ def load_baseline(
             layout: one issue per place.
         UsageError: If there is no such layout or part.
     """
+    if path is None:
+        return _bundled(parts)
     file = Path(path)
     found = _dataset(file, layout)
     if found is None and parts is not None:
@@ -96,6 +99,17 @@ def load_baseline(
         source=f"{origin.title}, {file.name}" if origin else file.name,
         licence=licence or (origin.licence if origin else ""),
     )
+
+
+def _bundled(parts: Sequence[str] | None) -> Baseline:
+    from oodscen.baselines._handwritten import handwritten_driving
+    from oodscen.baselines._ordinary import ordinary_driving
+
+    if parts is None:
+        return ordinary_driving()
+    if tuple(parts) == ("handwritten",):
+        return handwritten_driving()
+    raise UsageError("the only part of the bundled baseline is `handwritten`")
 
 
 def _dataset(file: Path, layout: str) -> tuple[Layout, Any] | None:

@@ -1,6 +1,6 @@
 """Baselines of embeddings on disk, of any size: vectors are read a block at a time.
 
-`write_embeddings(path, encoder, texts)` creates one; `open_embeddings(path, encoder)` opens it. Two formats:
+`Metrics.write_embeddings(path, texts)` creates one; `Metrics(encoder, path)` opens it. Two formats:
 
     .npy                float32 [N, d], memory-mapped; `<name>.npy.json` beside it records the encoder
     .arrow, .feather    Arrow IPC files with a column `vector` (fixed-size list of float32); the encoder's name
@@ -24,6 +24,9 @@ from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
 
 _BATCH = 4096
+
+EMBEDDED = (".npy", ".arrow", ".feather")
+"""Extensions of the files that hold embeddings."""
 
 
 class EmbeddedBaseline:
@@ -119,7 +122,7 @@ def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
     if maker != encoder.name:
         raise UsageError(
             f"{file.name} holds embeddings of {maker}, not of {encoder.name}: use that encoder, or write "
-            "them again with write_embeddings"
+            "them again with `Metrics.write_embeddings`"
         )
     if rows.shape[1] != encoder.dimension or not len(rows):
         fault = f"has the shape {rows.shape}, not [N, {encoder.dimension}] with N at least 1"
@@ -137,7 +140,7 @@ def _npy(file: Path) -> tuple[Any, str]:
         about = parse_object(read_utf8(_about(file), "embeddings", limit=1 << 20))
         maker = str(about["encoder"])
     except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
-        fault = f"cannot be read ({error}); write it again with write_embeddings"
+        fault = f"cannot be read ({error}); write it again with `Metrics.write_embeddings`"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     if rows.ndim != 2 or rows.dtype != np.float32:
         fault = f"is {rows.dtype} of shape {rows.shape}, not float32 [N, d]"

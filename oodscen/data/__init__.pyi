@@ -1,15 +1,9 @@
-from ._additions import extended as extended
-from ._base import Data as Data
 from ._catalogue import Asset as Asset
 from ._catalogue import Catalogue as Catalogue
 from ._catalogue import RoadMap as RoadMap
 from ._catalogue import WeatherRange as WeatherRange
-from ._claim import Claim as Claim
 from ._episode import ACTIONS as ACTIONS
-from ._episode import ActionOutcome as ActionOutcome
 from ._episode import Episode as Episode
-from ._messages import Image as Image
-from ._messages import Message as Message
 from ._scenario import Scenario as Scenario
 from ._scene import Actor as Actor
 from ._scene import Behaviour as Behaviour

@@ -1,13 +1,16 @@
 """A simulator's vocabulary: static data that is readable without starting the simulator."""
 
-from collections.abc import Collection, Mapping
-from typing import ClassVar, Literal
+from collections.abc import Collection, Iterable, Mapping
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
 from oodscen.data._base import Data
 from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.errors import Issue, close_matches
+
+if TYPE_CHECKING:
+    from oodscen.data._additions import Addition
 
 Category = Literal[
     "vehicle", "cyclist", "pedestrian", "animal", "object", "work_zone", "vegetation", "signal"
@@ -141,6 +144,19 @@ class Catalogue(Data):
     def map(self, name: str) -> RoadMap:
         """Return a map by id; raises `KeyError` if it is unknown."""
         return {road.id: road for road in self.maps}[name]
+
+    def extended(self, additions: "Iterable[Addition]") -> "Catalogue":
+        """Return the catalogue extended by placeholders for some additions.
+
+        A placeholder has a name and a plausible size but cannot be drawn: it shows what could be
+        staged, not how it would look.
+
+        Args:
+            additions: The additions, e.g. those of `Pruner.restoration`.
+        """
+        from oodscen.data._additions import extended
+
+        return extended(self, additions)
 
     def bodies(self, scene: Scene) -> list[tuple[str, Asset, str]]:
         """Return id, asset and state of every body in a scene: `ego`, then the actors in order.

@@ -1,5 +1,7 @@
 """The record of one simulated scene."""
 
+import math
+from collections.abc import Iterable, Mapping
 from typing import Literal
 
 from oodscen.data._base import Data
@@ -20,6 +22,23 @@ ACTIONS = (
 
 MOMENTS = ("first", "middle", "last")
 """The three frames of the paper's protocol, in order."""
+
+ENOUGH_M = 0.5
+"""The smallest gap with enough margin, m. A vehicle passing in the next lane is about 1 m away."""
+ENOUGH_TTC_S = 1.5
+"""The smallest time to collision with enough margin, s. Below it a conflict is serious (van der Horst and Hogema,
+"Time-to-collision and collision avoidance systems", 1993).
+"""
+INTERVENTIONS = (
+    "keep_speed",
+    "slow_down",
+    "change_lane_right",
+    "change_lane_left",
+    "stop",
+    "pull_over",
+    "emergency_brake",
+)
+"""The actions from the least to the most intrusive; unlisted actions come last."""
 
 
 class ActionOutcome(Data):
@@ -49,6 +68,47 @@ class ActionOutcome(Data):
     def is_unsafe(self) -> bool:
         """Return whether the action can be executed and is not safe."""
         return not (self.safe or self.unavailable)
+
+
+def as_offered(actions: Iterable[str]) -> list[str]:
+    """Sort actions in the order in which they are offered, unknown ones last."""
+    known = set(actions)
+    return [*(name for name in ACTIONS if name in known), *sorted(known - set(ACTIONS))]
+
+
+def has_enough_margin(outcome: ActionOutcome) -> bool:
+    """Return whether an action was safe and kept a margin of `ENOUGH_M` and `ENOUGH_TTC_S` to everything."""
+    is_near = outcome.margin_m is not None and outcome.margin_m < ENOUGH_M
+    is_soon = outcome.min_ttc_s is not None and outcome.min_ttc_s < ENOUGH_TTC_S
+    return outcome.safe and not (is_near or is_soon)
+
+
+def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
+    """Return the best of the safe actions; `None` if no action is safe.
+
+    Actions with enough margin come first (`has_enough_margin`); among them the least intrusive is best
+    (`INTERVENTIONS`), then the one with gentler braking. If no action has enough margin, the largest gap wins,
+    then the least intrusive action.
+    """
+    ranked = []
+    for index, name in enumerate(as_offered(outcomes)):
+        outcome = outcomes[name]
+        if outcome.safe:
+            gap = math.inf if outcome.margin_m is None else outcome.margin_m
+            braking = outcome.peak_deceleration or 0.0
+            is_listed = name in INTERVENTIONS
+            rank = INTERVENTIONS.index(name) if is_listed else len(INTERVENTIONS)
+            is_enough = has_enough_margin(outcome)
+            order = (rank, braking, -gap) if is_enough else (-gap, rank, braking)
+            ranked.append((not is_enough, order, index, name))
+    return min(ranked)[-1] if ranked else None
+
+
+def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
+    """Return the probability that an action drawn at random from those offered is safe."""
+    if not outcomes:
+        return None
+    return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
 
 
 class Episode(Data):
@@ -117,6 +177,19 @@ class Episode(Data):
     def safe_set(self) -> tuple[str, ...]:
         """Ids of the safe actions."""
         return tuple(name for name, outcome in self.actions.items() if outcome.safe)
+
+    @property
+    def best_action(self) -> str | None:
+        """The best of the safe actions; `None` if no action is safe.
+
+        The least intrusive one with enough margin; if none has enough, the one with the largest gap.
+        """
+        return best_action(self.actions)
+
+    @property
+    def base_rate(self) -> float | None:
+        """The probability that an action drawn at random from those offered is safe."""
+        return base_rate(self.actions)
 
     @property
     def is_decidable(self) -> bool:

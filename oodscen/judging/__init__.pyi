@@ -1,14 +1,6 @@
 from ._aspects.matching import names_aspect as names_aspect
-from ._constant_answerers import ConstantAnswerer as ConstantAnswerer
-from ._constant_answerers import RandomAnswerer as RandomAnswerer
 from ._drives import drive_board as drive_board
-from ._drives import remarks as remarks
-from ._leaderboard.findings import answer as answer
-from ._leaderboard.findings import findings as findings
 from ._leaderboard.leaderboard import leaderboard as leaderboard
-from ._leaderboard.leaderboard import paper_example as paper_example
-from ._leaderboard.power import power_of as power_of
+from ._leaderboard.paper_example import paper_example as paper_example
 from ._leaderboard.power import scenes_needed as scenes_needed
 from ._parsing import read_action as read_action
-from ._safety import base_rate as base_rate
-from ._safety import best_action as best_action

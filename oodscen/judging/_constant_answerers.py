@@ -13,7 +13,11 @@ from oodscen.data._episode import ACTIONS
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.judging._references import Answers, AspectOption, Case
-from oodscen.prompts import ChooseAction, ChooseAspect, DescribeFrame, NameAspect, NameOodAspect
+from oodscen.prompts._judging.choose_action import ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.protocols import Completion, Request
 
 UNSEEN = "A road ahead of the ego vehicle."

@@ -117,6 +117,10 @@ class DriveBoard(Data):
         """The drivers, best first."""
         return tuple(dict.fromkeys(row.driver for row in self.rows))
 
+    def remarks(self) -> list[str]:
+        """Return sentences that name the figures that do not show skill."""
+        return remarks(self)
+
 
 MEANS = (
     "min_ttc_s",

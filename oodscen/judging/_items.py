@@ -7,12 +7,11 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._episode import Episode
+from oodscen.data._episode import Episode, has_enough_margin
 from oodscen.data._scenario import Scenario
 from oodscen.data._twins import scene_of
 from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.opinions import is_open
-from oodscen.judging._safety import has_enough_margin
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

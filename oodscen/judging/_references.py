@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._base import Data
-from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._episode import ACTIONS, Episode, best_action
 from oodscen.data._twins import is_twin, scene_of
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError, MissingExtra
-from oodscen.judging._safety import best_action
 from oodscen.protocols import LLM, Completion, Request
 
 Features = NDArray[np.float64]

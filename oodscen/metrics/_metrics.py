@@ -1,7 +1,9 @@
 """The paper's metrics over sets of texts."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +11,18 @@ from numpy.typing import NDArray
 from oodscen._conformance import conforming
 from oodscen._numbers import finite_number, whole_number
 from oodscen._seeding import MAX_SEED, stream
-from oodscen.baselines._baseline import Baseline
-from oodscen.baselines._embedded import EmbeddedBaseline
+from oodscen.baselines._baseline import Baseline, load_baseline
+from oodscen.baselines._duplicates import NearDuplicates, near_duplicates
+from oodscen.baselines._embedded import (
+    EMBEDDED,
+    EmbeddedBaseline,
+    open_embeddings,
+    write_embeddings,
+)
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.baselines._texts import check_texts
 from oodscen.data._scenario import Scenario
-from oodscen.encoders import all_minilm
+from oodscen.encoders._all_minilm import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.metrics._comparison import Comparison, SetDistance, compare, distance
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
@@ -25,6 +33,9 @@ from oodscen.metrics._selection import Band, Method, Selection, band, select
 from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import Space
 from oodscen.protocols import Encoder
+
+if TYPE_CHECKING:
+    from oodscen.metrics._table import Table
 
 Texts = Sequence[str | Scenario]
 
@@ -38,8 +49,9 @@ class Metrics:
 
     Args:
         encoder: By default all-MiniLM-L6-v2, as in the paper.
-        baseline: Texts of ordinary driving, by default the bundled ones; or embeddings on disk of any
-            number, from `open_embeddings`.
+        baseline: Texts of ordinary driving, by default the bundled ones; or the path of a file of such texts,
+            as for `load_baseline`, or of their embeddings by this encoder (`.npy`, `.arrow`, `.feather`), of
+            any number: see `write_embeddings`.
         seed: Seed of every random draw: bootstrap, batches, subsamples.
         device: Device that searches for the nearest baseline texts: `cpu`; a torch device such as `cuda`;
             or `auto`, CUDA if available. Values agree to 1e-6, not to the last bit.
@@ -48,13 +60,13 @@ class Metrics:
     def __init__(
         self,
         encoder: Encoder | None = None,
-        baseline: Baseline | EmbeddedBaseline | Sequence[str] | None = None,
+        baseline: Baseline | EmbeddedBaseline | Sequence[str] | str | Path | None = None,
         *,
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
         self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
-        self.baseline = _as_baseline(baseline)
+        self.baseline = _as_baseline(baseline, self.encoder)
         self.seed = whole_number("seed", seed, 0, MAX_SEED)
         self._space = Space(self.encoder, self.baseline, seed, device)
 
@@ -261,6 +273,73 @@ class Metrics:
             vectors = vectors[np.sort(chosen[:sample])]
         return diversity(vectors, self.encoder.name, seed=self.seed)
 
+    def near_duplicates(
+        self, texts: Texts, threshold: float = 0.9, *, by_meaning: bool = False
+    ) -> NearDuplicates:
+        """Return the texts that resemble an earlier one.
+
+        Args:
+            texts: At least one; time grows with the square of their number.
+            threshold: Smallest similarity that counts, in (0, 1].
+            by_meaning: Compare embeddings by cosine, instead of sets of three-letter sequences by their
+                Jaccard index.
+
+        Raises:
+            DataError: If there is no text, or one is blank or not a text.
+            UsageError: If the threshold is not in (0, 1].
+        """
+        plain = check_texts(texts)
+        return near_duplicates(self._space.vectors(plain) if by_meaning else plain, threshold)
+
+    def write_embeddings(self, path: str | Path, texts: Iterable[str]) -> int:
+        """Write the embeddings of texts to a `.npy` file, to serve as a baseline of any size.
+
+        Args:
+            path: The file; replaced only after all texts are written.
+            texts: Any number of texts; they are read once and not kept.
+
+        Returns:
+            The number of texts.
+        """
+        return write_embeddings(path, self.encoder, texts)
+
+    def paper_table(
+        self, texts: Texts, *, sizes: Sequence[int] = (10, 100, 1000), repeats: int = 10
+    ) -> "Table":
+        """Return the paper's table: batches of the baseline, and random draws of the texts by size.
+
+        Args:
+            texts: The scenarios; all of them make the last row.
+            sizes: Sizes of the draws; sizes above the number of texts are left out.
+            repeats: Draws per size, as in the paper; figures are their means.
+        """
+        from oodscen.metrics._table import paper_table
+
+        return paper_table(self, texts, sizes=sizes, repeats=repeats)
+
+    def score_file(
+        self,
+        path: str | Path,
+        *,
+        band: tuple[float, float] | None = None,
+        definition: Definition = "tabulated",
+    ) -> Report:
+        """Return the OOD-ness and diversity of the texts in a file.
+
+        Args:
+            path: Plain lines, JSON lines with `text` (and `path` or `leaf`, if known), a JSON list, or
+                CSV with a column `text`.
+            band: Bounds of OOD-ness; only the texts inside are reported.
+            definition: Definition of OOD-ness.
+
+        Raises:
+            DataError: If the file cannot be read, or a line has no text.
+            UsageError: If no text lies inside the band.
+        """
+        from oodscen.metrics._score import score_records
+
+        return score_records(self, path, band=band, definition=definition)
+
     def compare(
         self,
         a: Texts,
@@ -302,12 +381,15 @@ class Metrics:
 
 
 def _as_baseline(
-    baseline: Baseline | EmbeddedBaseline | Sequence[str] | None,
+    baseline: Baseline | EmbeddedBaseline | Sequence[str] | str | Path | None, encoder: Encoder
 ) -> Baseline | EmbeddedBaseline:
     if baseline is None:
         return ordinary_driving()
     if isinstance(baseline, Baseline | EmbeddedBaseline):
         return baseline
+    if isinstance(baseline, str | Path):
+        is_embedded = Path(baseline).suffix in EMBEDDED
+        return open_embeddings(baseline, encoder) if is_embedded else load_baseline(baseline)
     return Baseline(texts=check_texts(baseline, Baseline.noun))
 
 

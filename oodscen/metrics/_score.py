@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from oodscen.baselines._baseline import Baseline, load_baseline
+from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._texts import Record, read_records
 from oodscen.errors import UsageError
 from oodscen.metrics._metrics import Metrics
@@ -37,9 +37,20 @@ def score_file(
         UsageError: If no text lies inside the band.
         EncoderError: If the encoder fails.
     """
+    return score_records(
+        Metrics(encoder, baseline, seed=seed), path, band=band, definition=definition
+    )
+
+
+def score_records(
+    metrics: Metrics,
+    path: str | Path,
+    *,
+    band: tuple[float, float] | None = None,
+    definition: Definition = "tabulated",
+) -> Report:
+    """Return the report of the texts in a file; see `Metrics.score_file`."""
     records = read_records(path)
-    reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline
-    metrics = Metrics(encoder, reference, seed=seed)
     texts = [record.text for record in records]
     if band is None:
         return metrics.report(texts, _groups(records), definition=definition)
@@ -74,8 +85,7 @@ def table_of_file(
         EncoderError: If the encoder fails.
     """
     texts = [record.text for record in read_records(path)]
-    reference = load_baseline(baseline) if isinstance(baseline, str | Path) else baseline
-    return paper_table(Metrics(encoder, reference, seed=seed), texts)
+    return paper_table(Metrics(encoder, baseline, seed=seed), texts)
 
 
 def _groups(records: list[Record]) -> tuple[str, ...] | None:

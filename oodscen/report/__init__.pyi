@@ -1,5 +1,4 @@
 from ._charts.plots import distributions as distributions
 from ._charts.plots import embedding_map as embedding_map
 from ._charts.plots import size_curve as size_curve
-from ._render import write_report as write_report
 from ._sections import PARTS as PARTS

@@ -17,7 +17,8 @@ from oodscen.judging._drives import current
 from oodscen.metrics._measurements import Measurements
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
-from oodscen.study import TABLES, TREES, Store, Study
+from oodscen.study._store import Store
+from oodscen.study._study import TABLES, TREES, Study
 from oodscen.tree._scenario_tree import ScenarioTree
 
 Row = TypeVar("Row", bound=Data)

@@ -12,7 +12,7 @@ from oodscen.report._charts import sets as charts
 from oodscen.report._charts.canvas import Canvas, signed
 from oodscen.report._load import Material
 from oodscen.statistics._intervals import Interval
-from oodscen.study import Study
+from oodscen.study._study import Study
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline
 from oodscen.report._load import Material, dig, mapping, number
 from oodscen.stages._evaluate import OPTIONS
-from oodscen.study import Study
+from oodscen.study._study import Study
 
 _SHOWN_FAILURES = 200
 _OPEN_FAILURES = 12

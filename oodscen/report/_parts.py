@@ -9,7 +9,7 @@ from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._load import Material
 from oodscen.stages._prune.restoration import restoration, restoration_rows
 from oodscen.stages._redteam.saturation import saturation
-from oodscen.study import Study
+from oodscen.study._study import Study
 from oodscen.tree._coverage import LACKS, coverage
 
 _MOST_ADDITIONS = 15

@@ -20,7 +20,7 @@ from oodscen.report import _phrasing as words
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas, signed
 from oodscen.report._sections import Drawn
-from oodscen.study import Study
+from oodscen.study._study import Study
 
 FILE = "report.html"
 """Name of the page in the study's folder."""

@@ -8,7 +8,7 @@ from oodscen.report import _parts as parts
 from oodscen.report._load import Material
 from oodscen.report._measures import pictures
 from oodscen.report._simulators import simulators
-from oodscen.study import Study
+from oodscen.study._study import Study
 
 Place = Literal["drives", "undecided", "metrics", "growth", "pruning", "coverage"]
 

@@ -5,8 +5,7 @@ from typing import Any
 
 from oodscen.report._load import Material, printable
 from oodscen.stages._prune.side_by_side import Comparison, Side, Tally
-from oodscen.study import Study
-from oodscen.study._study import CATALOGUES
+from oodscen.study._study import CATALOGUES, Study
 
 _KINDS = {
     "vehicle": "vehicles",

@@ -105,6 +105,22 @@ class FrameAnnotations(Data):
     actors: tuple[ActorAnnotation, ...]
     """Annotations of the actors, in the scene's order."""
 
+    def save(
+        self, folder: str | Path, name: str, frame: Frame, classes: NDArray[np.uint8]
+    ) -> list[Path]:
+        """Write `NAME.json`, `NAME.ids.png`, `NAME.classes.png` and `NAME.depth.png`.
+
+        Args:
+            folder: The folder; created if it does not exist.
+            name: Name of the frame, e.g. `last`.
+            frame: Provides ids and depth.
+            classes: The frame's semantic map.
+
+        Raises:
+            MissingExtra: When OpenCV is not installed.
+        """
+        return save_annotations(folder, name, frame, self, classes)
+
 
 def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None

@@ -14,8 +14,9 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import AnswerError, Issue
 from oodscen.llm._ask import ATTEMPTS, ask
-from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
+from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
 
 if TYPE_CHECKING:

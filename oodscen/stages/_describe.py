@@ -1,7 +1,7 @@
 """The describer, which writes distinct texts, and their twins, for the paths of a tree (paper, section III-B)."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -12,14 +12,15 @@ from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import encode
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
-from oodscen.prompts import CatalogueDigest, DescribeOrdinary, DescribePath
-from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
+from oodscen.prompts._scenario.describe_path import STYLES, DescribePath, plain
 from oodscen.protocols import LLM, Encoder
 from oodscen.stages._options import DescribeOptions, chosen
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
-    from oodscen.metrics import Metrics
+    from oodscen.metrics._metrics import Metrics
 
 
 class Describer:
@@ -40,6 +41,9 @@ class Describer:
     Raises:
         UsageError: For an unknown option, a value that is not allowed, or a selection without metrics.
     """
+
+    styles: ClassVar[tuple[str, ...]] = STYLES
+    """Names of the styles that `style` accepts."""
 
     def __init__(
         self,

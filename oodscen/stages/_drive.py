@@ -10,7 +10,8 @@ from oodscen._conformance import working
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scene import Scene
 from oodscen.data._twins import is_twin, twin_id
-from oodscen.driving import Cruise, find_map, is_due, load_corridor
+from oodscen.driving import Cruise, find_map, load_corridor
+from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State

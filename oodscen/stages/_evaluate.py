@@ -35,20 +35,12 @@ from oodscen.judging._parsing import (
 )
 from oodscen.judging._references import AspectOption, Case, Reference, is_reference
 from oodscen.llm._ask import ask
-from oodscen.prompts import (
-    ActionOption,
-    ChooseAction,
-    ChooseAspect,
-    ChosenAction,
-    ChosenAspect,
-    DescribeFrame,
-    FrameDescription,
-    NameAspect,
-    NamedAspect,
-    NameOodAspect,
-    OodAspect,
-    Prompt,
-)
+from oodscen.prompts import Prompt
+from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction, ChosenAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect, ChosenAspect
+from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
+from oodscen.prompts._judging.name_aspect import NameAspect, OodAspect
+from oodscen.prompts._judging.name_ood_aspect import NamedAspect, NameOodAspect
 from oodscen.protocols import LLM
 
 __all__ = ["OPTIONS", "aspect_options", "evaluate", "names_aspect", "unjudged"]

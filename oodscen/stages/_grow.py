@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from oodscen._paper import FEW_SHOTS, NODES, attestation
 from oodscen._text import one_line
 from oodscen.llm._ask import ask, speaker
-from oodscen.prompts import ClassifyExamples, GiveExamples, ProposedTree, ProposeTree
+from oodscen.prompts._tree.classify_examples import ClassifyExamples
+from oodscen.prompts._tree.give_examples import GiveExamples
+from oodscen.prompts._tree.propose_tree import ProposedTree, ProposeTree
 from oodscen.protocols import LLM
 from oodscen.tree._scenario_tree import CLASSES, ROOT, ScenarioTree, TreeEdit, slug
 

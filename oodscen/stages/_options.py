@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from oodscen._paper import FEW_SHOTS, ITERATIONS, PER_PATH
 from oodscen.data._base import Data
 from oodscen.errors import DataError, UsageError
-from oodscen.prompts import Style
+from oodscen.prompts._scenario.describe_path import Style
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
 
 Options = TypeVar("Options", bound=Data)

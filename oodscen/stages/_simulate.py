@@ -13,7 +13,9 @@ from oodscen._seeding import MAX_SEED
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scene import Scene
-from oodscen.driving import Cruise, action_driver, find_map, is_available, is_due, load_corridor
+from oodscen.driving import Cruise, action_driver, find_map, load_corridor
+from oodscen.driving._motion.actions import is_available
+from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import UnknownComponent

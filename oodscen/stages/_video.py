@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import Cruise, action_driver, find_map, is_due, load_corridor
+from oodscen.driving import Cruise, action_driver, find_map, load_corridor
+from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import Body, bodies
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError

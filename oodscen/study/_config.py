@@ -18,7 +18,7 @@ from oodscen._registry import (
 from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Data, issues_of
 from oodscen.errors import DataError
-from oodscen.prompts import Style
+from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 

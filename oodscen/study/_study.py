@@ -24,6 +24,8 @@ from oodscen.errors import (
     UnknownComponent,
 )
 from oodscen.judging._aspects.opinions import Opinion
+from oodscen.judging._drives import DriveBoard, drive_board
+from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.llm._call_log import Call
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
@@ -33,6 +35,7 @@ from oodscen.study._config import StudyConfig
 from oodscen.study._record import Info
 from oodscen.study._staging import Staging
 from oodscen.study._store import Store
+from oodscen.tree._coverage import Coverage, study_coverage
 from oodscen.tree._edit_log import TreeEdit
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -275,6 +278,30 @@ class Study:
         from oodscen.data._drive_result import DriveResult
 
         return self._rows(DriveResult, "drives.jsonl")
+
+    def leaderboard(self) -> Leaderboard:
+        """Return the leaderboard of the study's verdicts."""
+        whole = self._rows(Episode, "episodes.paper.jsonl")
+        return leaderboard(
+            self.verdicts, self.episodes, self.scenarios, whole=whole, seed=self.config.seed
+        )
+
+    def drive_board(self) -> DriveBoard:
+        """Return the results of every driver of `oodscen drive`."""
+        return drive_board(self.drives, self.scenarios, seed=self.config.seed)
+
+    def coverage(self, tree: str = "simulatable") -> Coverage:
+        """Count what the study holds for each node of one of its trees.
+
+        Args:
+            tree: `initial`, `diverse` or `simulatable`. For the two larger trees, the texts of the
+                text sets count as well as the scenarios.
+
+        Raises:
+            UnknownComponent: If the tree has another name.
+            DataError: If a file cannot be read, or is malformed.
+        """
+        return study_coverage(self, tree)
 
     def trace(self, scene_id: str) -> "pa.Table":
         """Return the ground truth of one episode as an Arrow table; its first column is `phase`.

@@ -1,8 +1,5 @@
-from ._check import QUICK as QUICK
 from ._check import check_simulator as check_simulator
-from ._encoder import HashEncoder as HashEncoder
 from ._flat import FlatSimulator as FlatSimulator
-from ._flat_catalogue import FLAT_CATALOGUE as FLAT_CATALOGUE
 from ._llm import FunctionLLM as FunctionLLM
 from ._llm import ScriptedLLM as ScriptedLLM
 from ._scenes import example_scene as example_scene

@@ -52,6 +52,7 @@ def check_simulator(
     simulator: Factory | str,
     *,
     scenes: Sequence[Scene] | None = None,
+    quick: bool = False,
     parts: Collection[str] = PARTS,
     resets: int = RESETS,
     progress: Callable[[str], None] | None = None,
@@ -73,7 +74,8 @@ def check_simulator(
             classes and functions of importable modules, can run in a fresh process; for anything defined in a
             script or notebook that part is skipped with a warning.
         scenes: Additional scenes that must run; by default one per map is made.
-        parts: The parts of `PARTS` to check; `QUICK` takes seconds.
+        quick: Skip the parts that take more than seconds: `appearance`, `process` and `leaks`.
+        parts: The parts to check, of `PARTS`.
         resets: Number of resets in the `leaks` part.
         progress: Called with the name of every part as it begins.
 
@@ -84,6 +86,8 @@ def check_simulator(
     for part in parts:
         if part not in PARTS:
             raise UnknownComponent("part", part, PARTS)
+    if quick:
+        parts = [part for part in parts if part in QUICK]
     factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
     check = _Check(parts, progress or (lambda part: None))
     with check.finding("the factory works"):

@@ -1,15 +1,1 @@
-from ._comparison import diff as diff
-from ._coverage import coverage as coverage
-from ._coverage import study_coverage as study_coverage
 from ._edit_log import TreeEdit as TreeEdit
-from ._export import to_dot as to_dot
-from ._export import to_mermaid as to_mermaid
-from ._export import to_nested_json as to_nested_json
-from ._history import replay as replay
-from ._html import to_page as to_page
-from ._labels import label_fault as label_fault
-from ._matching import match as match
-from ._merge import merge as merge
-from ._provenance import provenance as provenance
-from ._scenario_tree import Node as Node
-from ._scenario_tree import ScenarioTree as ScenarioTree

@@ -6,8 +6,8 @@ from typing import ClassVar, Literal
 from oodscen.data._base import Data
 from oodscen.protocols import Encoder
 from oodscen.tree._export import mermaid_text
-from oodscen.tree._matching import THRESHOLD, Match, match
-from oodscen.tree._scenario_tree import ScenarioTree
+from oodscen.tree._matching import Match, match
+from oodscen.tree._scenario_tree import THRESHOLD, ScenarioTree
 
 
 class Placed(Data):

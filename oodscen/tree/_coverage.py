@@ -13,7 +13,7 @@ from oodscen.tree._labels import same_words
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
-    from oodscen.study import Study
+    from oodscen.study._study import Study
 
 Kind = Literal["root", "class", "family", "leaf"]
 Lack = Literal["", "text", "scene", "episode", "choice"]

@@ -14,12 +14,7 @@ from oodscen.metrics._vectors.similarity import Vectors, unit
 from oodscen.protocols import Encoder
 from oodscen.tree._edit_log import Node, TreeEdit
 from oodscen.tree._labels import same_words
-from oodscen.tree._scenario_tree import CLASSES, ScenarioTree
-
-THRESHOLD = 0.75
-"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for
-MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
-is lost."""
+from oodscen.tree._scenario_tree import CLASSES, THRESHOLD, ScenarioTree
 
 _BLOCK = 1024
 

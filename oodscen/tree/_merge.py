@@ -4,8 +4,8 @@ from oodscen.protocols import Encoder
 from oodscen.tree._edit_log import Node, TreeEdit, added, adding
 from oodscen.tree._history import undone_edits
 from oodscen.tree._labels import same_words
-from oodscen.tree._matching import THRESHOLD, Match, match
-from oodscen.tree._scenario_tree import ScenarioTree
+from oodscen.tree._matching import Match, match
+from oodscen.tree._scenario_tree import THRESHOLD, ScenarioTree
 
 
 def merge(

@@ -7,11 +7,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NoReturn, Self
 
 from oodscen._files import read_utf8
 from oodscen.data._base import Data, canonical_json, digest
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene
 from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
 from oodscen.tree._edit_log import Growth, Node, TreeEdit, adding, slug
 from oodscen.tree._labels import MAX_LABEL, label_fault
 
 if TYPE_CHECKING:
+    from oodscen.protocols import Encoder
+    from oodscen.tree._comparison import TreeDiff
+    from oodscen.tree._coverage import Coverage
     from oodscen.tree._provenance import Provenance
 
 __all__ = [
@@ -30,6 +36,12 @@ ROOT = "root"
 
 CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
+
+
+THRESHOLD = 0.75
+"""Centred cosine (`oodscen.metrics._vectors.centring`) from which two labels mean the same, for
+MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
+is lost."""
 
 
 class TreeFile(Data):
@@ -201,6 +213,12 @@ class ScenarioTree:
 
         return provenance(self, node_id)
 
+    def replay(self) -> "Iterator[tuple[TreeEdit, ScenarioTree]]":
+        """Yield every edit with the tree after it, starting with the first."""
+        from oodscen.tree._history import replay
+
+        return replay(self)
+
     def before(self, index: int) -> Node | None:
         """Return the state of an edit's node before that edit; `None` if the node did not exist.
 
@@ -208,6 +226,101 @@ class ScenarioTree:
             index: Position in `edits`, from 0.
         """
         return self._index.before[index]
+
+    # --------------------------------------------------------- against others
+
+    def diff(
+        self,
+        other: "ScenarioTree",
+        *,
+        encoder: "Encoder | None" = None,
+        threshold: float = THRESHOLD,
+    ) -> "TreeDiff":
+        """Return the nodes that another tree adds, removes, relabels or moves.
+
+        Args:
+            other: The tree to compare with.
+            encoder: Pairs nodes by meaning if neither id nor label pairs them.
+            threshold: Least centred cosine of two labels with the same meaning.
+
+        Raises:
+            UsageError: If the threshold is not a cosine.
+            EncoderError: If the encoder fails.
+        """
+        from oodscen.tree._comparison import diff
+
+        return diff(self, other, encoder=encoder, threshold=threshold)
+
+    def merge(
+        self,
+        other: "ScenarioTree",
+        *,
+        encoder: "Encoder | None" = None,
+        threshold: float = THRESHOLD,
+        name: str | None = None,
+    ) -> "ScenarioTree":
+        """Return this tree, with the nodes that only another one has added in their places.
+
+        The log of this tree stays as it is. Every path of either tree remains a path, and merging
+        the same tree again changes nothing.
+
+        Args:
+            other: The tree to merge in.
+            encoder: Pairs nodes by meaning if neither id nor label pairs them.
+            threshold: Least centred cosine of two labels with the same meaning.
+            name: Name of the other tree in the log; `merge-1`, `merge-2` ... if left out.
+
+        Raises:
+            UsageError: If the threshold is not a cosine.
+            EncoderError: If the encoder fails.
+        """
+        from oodscen.tree._merge import merge
+
+        return merge(self, other, encoder=encoder, threshold=threshold, name=name)
+
+    def coverage(
+        self,
+        *,
+        texts: Iterable[Scenario] = (),
+        scenes: Iterable[Scene] = (),
+        episodes: Iterable[Episode] = (),
+    ) -> "Coverage":
+        """Count the texts, scenes and episodes that cover each node; `Study.coverage` does it for a study.
+
+        Args:
+            texts: The texts; each belongs to the leaf that it names.
+            scenes: The staged scenes; each belongs to the leaf of its text.
+            episodes: The episodes of the scenes, including those of twins.
+        """
+        from oodscen.tree._coverage import coverage
+
+        return coverage(self, texts=texts, scenes=scenes, episodes=episodes)
+
+    # ------------------------------------------------------------------ export
+
+    def to_mermaid(self) -> str:
+        """Return the tree as a Mermaid flowchart; leaves that the paper names have a bold border."""
+        from oodscen.tree._export import to_mermaid
+
+        return to_mermaid(self)
+
+    def to_dot(self) -> str:
+        """Return the tree in Graphviz's DOT language; node names are the ids."""
+        from oodscen.tree._export import to_dot
+
+        return to_dot(self)
+
+    def to_nested_json(self) -> str:
+        """Return the tree as nested JSON objects, without its log."""
+        from oodscen.tree._export import to_nested_json
+
+        return to_nested_json(self)
+
+    def to_page(self) -> str:
+        """Return the whole tree as a separate page, light or dark by the reader's preference."""
+        from oodscen.tree._html import to_page
+
+        return to_page(self)
 
     # -------------------------------------------------------------------- read
 
@@ -305,6 +418,11 @@ class ScenarioTree:
             f"{'  ' * depth}- {node.label}{f' [{node.id}]' if ids else ''}"
             for node, depth in self.walk()
         )
+
+    @staticmethod
+    def label_fault(label: str) -> str:
+        """Return why a text cannot be a label, or an empty string."""
+        return label_fault(label)
 
     def new_id(self, label: str) -> str:
         """Return an id for a new node: the label's slug, with a number if it is taken.

@@ -6,18 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.author._knowledge.base import Knowledge
 from oodscen.errors import LLMError
-from oodscen.prompts import (
-    CatalogueDigest,
-    ClassifyExamples,
-    DescribeFrame,
-    DescribePath,
-    GiveExamples,
-    ImagineScenario,
-    StageScene,
-)
-from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._scenario.describe_path import DescribePath, plain
+from oodscen.prompts._scenario.stage_scene import StageScene
+from oodscen.prompts._tree.classify_examples import ClassifyExamples
+from oodscen.prompts._tree.give_examples import GiveExamples
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Request
 
 

@@ -1,8 +1,10 @@
 import pytest
 
-from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._feasibility import WeatherLimits, realise
-from oodscen.prompts import CatalogueDigest, JudgeBranch
+from oodscen.author._knowledge.base import Knowledge
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._tree.judge_branch import JudgeBranch
 
 
 def branch(hazard) -> tuple[str, ...]:

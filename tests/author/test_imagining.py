@@ -3,11 +3,10 @@
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author import Knowledge
 from oodscen.author._imagining import Habits, Imagination
-from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.base import Hazard, Knowledge
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 
 
 @pytest.fixture(scope="module")

@@ -4,15 +4,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.author import BuiltinAuthor
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.errors import LLMError
-from oodscen.prompts import (
-    ClassifyExamples,
-    GiveExamples,
-    ImagineScenario,
-    PlaceScenario,
-    ProposeTree,
-)
+from oodscen.prompts._tree.classify_examples import ClassifyExamples
+from oodscen.prompts._tree.give_examples import GiveExamples
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
+from oodscen.prompts._tree.place_scenario import PlaceScenario
+from oodscen.prompts._tree.propose_tree import ProposeTree
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 ASKED = ClassifyExamples(

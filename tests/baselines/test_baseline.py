@@ -1,6 +1,7 @@
 import pytest
 
-from oodscen.baselines import Baseline, load_baseline
+from oodscen.baselines import load_baseline
+from oodscen.baselines._baseline import Baseline
 from oodscen.errors import DataError
 
 

@@ -3,9 +3,8 @@ from collections import Counter
 
 import pytest
 
-from oodscen.baselines import ordinary_driving
 from oodscen.baselines._controls import load_controls
-from oodscen.baselines._ordinary import bare
+from oodscen.baselines._ordinary import bare, ordinary_driving
 
 TUNE, FROZEN = load_controls("tune"), load_controls("frozen")
 ALL = (*TUNE, *FROZEN)

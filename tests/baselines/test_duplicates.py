@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.baselines import near_duplicates, ordinary_driving
-from oodscen.baselines._ordinary import bare
+from oodscen.baselines._duplicates import near_duplicates
+from oodscen.baselines._ordinary import bare, ordinary_driving
 from oodscen.errors import DataError, UsageError
 
 quick = settings(deadline=None, max_examples=40)

@@ -3,9 +3,9 @@ import json
 import numpy as np
 import pytest
 
+from oodscen import Metrics
 from oodscen.baselines._embedded import open_embeddings, write_embeddings
 from oodscen.errors import DataError, UsageError
-from oodscen.metrics import Metrics
 from oodscen.testing._encoder import HashEncoder
 
 TEXTS = [f"car {i} waits at light {i * 7}" for i in range(50)]

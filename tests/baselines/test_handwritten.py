@@ -1,7 +1,6 @@
 import re
 
-from oodscen.baselines import handwritten_driving
-from oodscen.baselines._handwritten import by_subject
+from oodscen.baselines._handwritten import by_subject, handwritten_driving
 from oodscen.baselines._ordinary import bare
 
 TEXTS = handwritten_driving().texts

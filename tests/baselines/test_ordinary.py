@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
-from oodscen.baselines import handwritten_driving, ordinary_driving
-from oodscen.baselines._ordinary import bare, draw
+from oodscen.baselines._handwritten import handwritten_driving
+from oodscen.baselines._ordinary import bare, draw, ordinary_driving
 from oodscen.errors import UsageError
 
 TEXTS = draw(2000)
@@ -18,7 +18,7 @@ def test_the_baseline_is_drawn_and_written_by_hand_and_all_its_texts_differ():
 
 
 def test_another_process_draws_the_same():
-    program = "from oodscen.baselines import ordinary_driving as o; print(o().digest())"
+    program = "from oodscen.baselines._ordinary import ordinary_driving as o; print(o().digest())"
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
     assert run.stdout.decode().strip() == ordinary_driving().digest()
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.baselines import check_texts, read_records
+from oodscen.baselines._texts import check_texts, read_records
 from oodscen.errors import DataError
 
 plain = st.lists(

@@ -2,7 +2,8 @@
 
 import pytest
 
-from oodscen.claims import check_claims, judge_claims
+from oodscen.claims import check_claims
+from oodscen.claims._checking import judge_claims
 from oodscen.claims._watching import watch
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather

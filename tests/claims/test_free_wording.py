@@ -8,7 +8,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.claims import check_claims
 from oodscen.claims._matching import Likeness
-from oodscen.encoders import MiniLM
+from oodscen.encoders._minilm import MiniLM
 from oodscen.stages._augment import Augmenter
 from oodscen.testing import FunctionLLM
 

@@ -5,8 +5,8 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.claims._matching import Likeness, doubt, likeness_of
 from oodscen.claims._things import may_be
-from oodscen.encoders import MiniLM
-from oodscen.testing import HashEncoder
+from oodscen.encoders._minilm import MiniLM
+from oodscen.testing._encoder import HashEncoder
 
 CATALOGUE = load_catalogue()
 

@@ -9,7 +9,7 @@ from oodscen import ScenarioTree
 from oodscen._cli import main
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.stages._redteam.rounds import Round
-from oodscen.testing import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 
 @pytest.fixture(scope="module")

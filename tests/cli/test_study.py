@@ -127,7 +127,7 @@ def test_an_interruption_exits_with_130_and_names_the_command(study, monkeypatch
         raise KeyboardInterrupt
 
     monkeypatch.setattr("oodscen._pipeline.run_study", interrupt)
-    monkeypatch.setattr("oodscen.report.write_report", interrupt)
+    monkeypatch.setattr("oodscen.report._render.write_report", interrupt)
     monkeypatch.setattr("oodscen._pipeline.dropping.drop_models", lambda study, names: {})
     order = (
         ("evaluate", study, "--drop", "x", "--vlm", "a b")
@@ -173,7 +173,7 @@ def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
         return tmp_path
 
     (tmp_path / "study.json").write_text("{}")
-    monkeypatch.setattr("oodscen.report.write_report", hang_up)
+    monkeypatch.setattr("oodscen.report._render.write_report", hang_up)
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         assert invoke("report", tmp_path).exit_code == 0

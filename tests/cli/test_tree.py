@@ -8,8 +8,9 @@ from click.testing import CliRunner
 from oodscen._cli import main
 from oodscen._cli.tree import _TREES
 from oodscen.data._scenario import Scenario
-from oodscen.study import TREES, Store
-from oodscen.tree import to_mermaid
+from oodscen.study._store import Store
+from oodscen.study._study import TREES
+from oodscen.tree._export import to_mermaid
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 BEFORE = ScenarioTree.planted().apply(

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from oodscen.data._additions import Addition, AdditionKind, extended, map_with
 from oodscen.data._catalogue import Catalogue
-from oodscen.prompts import CatalogueDigest
-from oodscen.testing import FlatSimulator
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.testing._flat import FlatSimulator
 
 CATALOGUE = FlatSimulator().catalogue()
 NAMES = st.text(st.characters(codec="utf-8", categories=["L", "N", "Z"]), min_size=1).filter(

@@ -7,7 +7,7 @@ import pytest
 
 from oodscen import simulate
 from oodscen.data import ACTIONS, Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 
 SCENE = Scene(
     id="s",

@@ -3,7 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data import ACTIONS, ActionOutcome, Episode
+from oodscen.data import ACTIONS, Episode
+from oodscen.data._episode import ActionOutcome
 
 outcomes = st.sampled_from(
     [

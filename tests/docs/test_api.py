@@ -1,6 +1,8 @@
-"""The page of public names lists what the packages list, and nothing public is left out."""
+"""The page of public names lists what the packages list, and docs and examples use nothing else."""
 
+import ast
 import importlib
+import json
 import pkgutil
 import re
 from pathlib import Path
@@ -9,13 +11,17 @@ import pytest
 
 import oodscen
 
-PAGE = (Path(__file__).parents[2] / "docs" / "api.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
 LISTED = {
     name: set(re.findall(r"`(\w+)`", listing))
     for name, listing in re.findall(r"^## `([\w.]+)`\n\n[^\n]*\n\n([^\n]*)$", PAGE, re.MULTILINE)
 }
-MODULES = ("oodscen.errors", "oodscen.protocols")
-"""Modules of one file, whose public names are those that they define."""
+UNLISTED = {f"oodscen.{name}" for name in ("metrics", "numerics", "statistics", "study")}
+"""Packages that list no name."""
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+TEXTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.*") if path.suffix != ".pyc")
 
 
 def test_every_public_package_has_its_section():
@@ -24,17 +30,36 @@ def test_every_public_package_has_its_section():
         for module in pkgutil.iter_modules(oodscen.__path__)
         if not module.name.startswith("_")
     }
-    assert {*LISTED, "oodscen.numerics"} == {"oodscen", *found}
+    assert {*LISTED, *UNLISTED} == {"oodscen", *found}
+    assert not any(getattr(importlib.import_module(name), "__all__", ()) for name in UNLISTED)
 
 
-@pytest.mark.parametrize("name", [name for name in LISTED if name not in MODULES])
+@pytest.mark.parametrize("name", LISTED)
 def test_a_package_lists_its_names_and_has_them(name):
     package = importlib.import_module(name)
     assert LISTED[name] == set(package.__all__)
     assert all(hasattr(package, listed) for listed in LISTED[name])
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_a_module_has_the_names_that_are_listed(name):
-    module = importlib.import_module(name)
-    assert all(hasattr(module, listed) for listed in LISTED[name])
+def test_the_page_counts_its_names():
+    counted = set().union(*(names for name, names in LISTED.items() if name != "oodscen.errors"))
+    assert f"\n{len(counted)} names," in PAGE
+
+
+@pytest.mark.parametrize("path", [*TEXTS, *EXAMPLES], ids=lambda path: path.name)
+def test_docs_and_examples_import_public_names_only(path):
+    text = path.read_text(encoding="utf-8")
+    blocks = BLOCK.findall(text) if path.suffix == ".md" else [text]
+    if path.suffix == ".ipynb":
+        cells = json.loads(text)["cells"]
+        blocks = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    for block in blocks:
+        code = re.sub(r"^\s*[%!].*$", "", block, flags=re.MULTILINE)
+        for node in ast.walk(ast.parse(code)):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("oodscen"):
+                known = LISTED.get(node.module or "", set())
+                private = {alias.name for alias in node.names} - known
+                assert not private, f"{node.module}: {private}"
+            elif isinstance(node, ast.Import):
+                names = {alias.name for alias in node.names if alias.name.startswith("oodscen")}
+                assert names <= {"oodscen"}, names

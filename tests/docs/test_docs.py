@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from oodscen import StudyConfig
 from oodscen._pipeline import run_study
-from oodscen.baselines import Baseline
-from oodscen.study import StudyConfig
+from oodscen.baselines._baseline import Baseline
 from tests.pipeline.quick import ORDINARY
 
 ROOT = Path(__file__).parents[2]

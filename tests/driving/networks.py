@@ -1,7 +1,7 @@
 """OpenDRIVE texts that the driving tests share."""
 
-from oodscen.driving import read_network
 from oodscen.driving._roads.network import Road
+from oodscen.driving._roads.opendrive import read_network
 
 LANE = (
     '<lane id="{id}" type="{type}"><link>{link}</link>'

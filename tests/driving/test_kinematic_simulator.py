@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Trigger
-from oodscen.driving import Box, Cruise, MirrorSimulator, gap
+from oodscen.driving import Cruise, MirrorSimulator
+from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Camera, Control, Frame, Simulator
 from oodscen.testing._flat import FlatSimulator

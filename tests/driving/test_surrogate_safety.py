@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from oodscen.driving import Box, gap
+from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._surrogate_safety import (
     TTC_LIMIT_S,
     Footprints,

@@ -11,7 +11,7 @@ from oodscen.driving._trace import Trace
 from oodscen.driving._trace_table import COLUMNS
 from oodscen.errors import DataError, UsageError
 from oodscen.protocols import Control
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._scenes import example_scene
 

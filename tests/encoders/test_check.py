@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oodscen.encoders import check_embeddings
+from oodscen.encoders._check import check_embeddings
 from oodscen.errors import EncoderError
 from oodscen.testing._encoder import HashEncoder
 

@@ -4,8 +4,8 @@ import sys
 import numpy as np
 import pytest
 
-from oodscen.encoders import MiniLM
 from oodscen.encoders import _minilm as minilm
+from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import EncoderError, MissingExtra
 from oodscen.protocols import Encoder
 

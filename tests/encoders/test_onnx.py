@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 
-from oodscen.encoders import MiniLM, OnnxMiniLM, all_minilm
+from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import cache_folder
+from oodscen.encoders._minilm import MiniLM
+from oodscen.encoders._onnx import OnnxMiniLM
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Encoder
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from oodscen.encoders import SentenceTransformerEncoder
 from oodscen.encoders import _minilm as minilm
+from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError
 
 

@@ -9,14 +9,11 @@ from oodscen.data._messages import Image
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.judging._constant_answerers import ASPECT, ConstantAnswerer, RandomAnswerer
 from oodscen.llm._ask import ask
-from oodscen.prompts import (
-    ActionOption,
-    ChooseAction,
-    ChooseAspect,
-    DescribeFrame,
-    NameAspect,
-    NameOodAspect,
-)
+from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.protocols import LLM
 from tests.prompts.samples import SAMPLES
 

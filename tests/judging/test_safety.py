@@ -7,16 +7,18 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from oodscen import make_simulator, simulate
-from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.driving._sight.placement import check_scene
-from oodscen.judging._safety import (
+from oodscen.data._episode import (
+    ACTIONS,
     INTERVENTIONS,
+    ActionOutcome,
+    Episode,
     base_rate,
     best_action,
     has_enough_margin,
-    safety_figures,
 )
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.driving._sight.placement import check_scene
+from oodscen.judging._safety import safety_figures
 from oodscen.stages._restage import restaged, variants
 from oodscen.testing._scenes import example_scene
 

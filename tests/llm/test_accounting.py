@@ -11,7 +11,7 @@ from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._capped import MeteredLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._remote.limits import Caps, Price, Traffic
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Usage
 from oodscen.testing import FunctionLLM, ScriptedLLM
 

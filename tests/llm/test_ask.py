@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 
 from oodscen.errors import AnswerError, Issue, LLMError
 from oodscen.llm._ask import MAX_ANSWER, QUOTED, SHOWN_ISSUES, ask, read_answer
-from oodscen.prompts import QUESTIONS, ImaginedScenario, ImagineScenario, SceneDraft
+from oodscen.prompts import QUESTIONS
+from oodscen.prompts._scenario.stage_scene import SceneDraft
+from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
 from oodscen.testing import FunctionLLM, ScriptedLLM
 from tests import strategies  # noqa: F401  # says how claims are drawn
 from tests.prompts.samples import SAMPLES
@@ -18,7 +20,9 @@ from tests.prompts.samples import SAMPLES
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
 GOOD = {"reasoning": "rare", "text": "A grand piano lies across the ego vehicle's lane."}
 
-answer_types = [question.answer for question in QUESTIONS if question.answer is not SceneDraft]
+answer_types = [
+    question.answer for question in QUESTIONS.values() if question.answer is not SceneDraft
+]
 answers = st.one_of(*map(st.from_type, answer_types))
 prose = st.text(st.characters(exclude_characters="{}", exclude_categories=["Cs"]))
 braces = st.sampled_from(["", "Sure! ", "The set {x} holds. ", "Open { and ", "f(x) = {1, 2}. "])

@@ -9,7 +9,7 @@ from oodscen.errors import LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Completion, Usage
 from oodscen.testing import FunctionLLM, ScriptedLLM
 

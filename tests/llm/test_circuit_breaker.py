@@ -4,7 +4,7 @@ import pytest
 
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, NotAskedError
 from oodscen.llm._circuit_breaker import ContainedLLM
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import FunctionLLM
 

@@ -20,7 +20,7 @@ from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.offline import OutsideError, enforce, is_offline
 from oodscen.llm._remote.transport import guard, responds
 from oodscen.llm._replay import Recorder, RecordingLLM
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
 from tests.llm.rogue import BEGINNING, answering, dripping, redirecting, talking

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._messages import Message
 from oodscen.llm._prefix import LEAST_TOKENS, cacheable_share
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))

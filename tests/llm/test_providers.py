@@ -11,7 +11,8 @@ from oodscen.errors import LLMError
 from oodscen.llm._ask import ask
 from oodscen.llm._remote.limits import Caps, Price, Traffic
 from oodscen.llm._remote.litellm import LiteLLM
-from oodscen.prompts import DescribeFrame, ImagineScenario
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from tests.llm.wires import serving
 
 KEY = "sk-test-planted-0123456789abcdef"

@@ -1,7 +1,8 @@
 import pytest
 
+from oodscen import Metrics
 from oodscen.data._scenario import Scenario
-from oodscen.metrics import DETECTORS, Metrics
+from oodscen.metrics._detection.detectors import DETECTORS
 from oodscen.metrics._measurements import BEST, Measurements, measurements, picture_data
 from oodscen.testing._encoder import HashEncoder
 

@@ -6,12 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen import Metrics
 from oodscen._seeding import stream
-from oodscen.baselines import Baseline, ordinary_driving
+from oodscen.baselines._baseline import Baseline
+from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data._scenario import Scenario
-from oodscen.encoders import CachedEncoder, MiniLM
+from oodscen.encoders import CachedEncoder
+from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, EncoderError, UsageError
-from oodscen.metrics import Metrics, Report, auroc
+from oodscen.metrics._report import Report
+from oodscen.statistics._auroc import auroc
 from oodscen.testing._encoder import HashEncoder
 
 

@@ -2,9 +2,10 @@ import json
 
 import pytest
 
-from oodscen.baselines import Baseline
+from oodscen import Metrics
+from oodscen.baselines._baseline import Baseline
 from oodscen.errors import DataError, UsageError
-from oodscen.metrics import Metrics, score_file
+from oodscen.metrics._score import score_file
 from oodscen.testing._encoder import HashEncoder
 
 TEXTS = ["a deer jumps onto the road", "a car waits at the light", "a sofa lies in the lane"]
@@ -58,7 +59,7 @@ def test_a_file_that_is_missing_or_empty_is_a_data_error(tmp_path):
 
 
 def test_the_table_has_every_definition_of_every_size(tmp_path):
-    from oodscen.metrics import table_of_file
+    from oodscen.metrics._score import table_of_file
 
     path = tmp_path / "many.txt"
     path.write_text("\n".join(f"a deer {i} jumps over car {i % 7}" for i in range(30)))

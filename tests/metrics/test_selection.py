@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen import Metrics
 from oodscen.errors import UsageError
-from oodscen.metrics import Metrics
 from oodscen.metrics._selection import most_diverse
 from oodscen.metrics._vectors.similarity import unit
 from oodscen.testing._encoder import HashEncoder

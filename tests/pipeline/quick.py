@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from oodscen.study import StudyConfig
+from oodscen import StudyConfig
 
 ORDINARY = Path(__file__).with_name("ordinary.txt")
 QUICK = StudyConfig.quick(simulator="flat", encoder="hash", baseline=str(ORDINARY), seed=3)

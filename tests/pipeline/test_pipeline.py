@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from oodscen import Study
+from oodscen import Study, write_report
 from oodscen._cli import main
 from oodscen._pipeline import estimate, run_study
 from oodscen._pipeline.dropping import drop_models
@@ -25,7 +25,6 @@ from oodscen.errors import (
     StudyMismatch,
     UnknownComponent,
 )
-from oodscen.report import write_report
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK
 

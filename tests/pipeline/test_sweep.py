@@ -9,12 +9,13 @@ import cv2
 import numpy as np
 import pytest
 
+from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
 from oodscen._pipeline.sweep import Extras, Job, sweep
 from oodscen.data._episode import MOMENTS
 from oodscen.errors import MissingExtra, StudyError, UsageError
 from oodscen.stages._annotations import FrameAnnotations
-from oodscen.study import Store, Study, StudyConfig
+from oodscen.study._store import Store
 from oodscen.testing._scenes import example_scene
 from tests.pipeline.quick import QUICK
 

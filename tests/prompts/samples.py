@@ -2,29 +2,24 @@
 
 from oodscen.data._claim import Claim
 from oodscen.data._messages import Image
-from oodscen.prompts import (
-    ActionOption,
-    CatalogueDigest,
-    ChooseAction,
-    ChooseAspect,
-    ClassifyExamples,
-    DescribeFrame,
-    DescribeOrdinary,
-    DescribePath,
-    ExtractClaims,
-    GiveExamples,
-    ImagineScenario,
-    JudgeAspect,
-    JudgeBranch,
-    NameAspect,
-    NameOodAspect,
-    PlaceScenario,
-    ProposeTree,
-    StageScene,
-)
-from oodscen.prompts._digest import AssetLine, BehaviourLine, MapLine
+from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest, MapLine
+from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction
+from oodscen.prompts._judging.choose_aspect import ChooseAspect
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._judging.judge_aspect import JudgeAspect
+from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.prompts._landmarks import Landmark
-from oodscen.prompts._tree.place_scenario import Hidden
+from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
+from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.extract_claims import ExtractClaims
+from oodscen.prompts._scenario.stage_scene import StageScene
+from oodscen.prompts._tree.classify_examples import ClassifyExamples
+from oodscen.prompts._tree.give_examples import GiveExamples
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
+from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.place_scenario import Hidden, PlaceScenario
+from oodscen.prompts._tree.propose_tree import ProposeTree
 from oodscen.tree._scenario_tree import Node
 
 DIGEST = CatalogueDigest(

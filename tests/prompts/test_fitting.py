@@ -5,8 +5,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.prompts import CatalogueDigest, JudgeBranch, StageScene
+from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import ANSWER_TOKENS, fitted, tokens_of
+from oodscen.prompts._scenario.stage_scene import StageScene
+from oodscen.prompts._tree.judge_branch import JudgeBranch
 
 CATALOGUE = CatalogueDigest.of(load_catalogue())
 PATH = ("OOD", "Interactional", "Animals", "Deer on the road")

@@ -13,17 +13,15 @@ from pydantic import BaseModel, ValidationError
 from oodscen.data._claim import Claim
 from oodscen.data._messages import Image
 from oodscen.errors import DataError
-from oodscen.prompts import (
-    QUESTIONS,
-    DescribePath,
-    ImagineScenario,
-    JudgeBranch,
-    PlaceScenario,
-    StageScene,
-)
+from oodscen.prompts import QUESTIONS
 from oodscen.prompts import _base as base
 from oodscen.prompts._base import data_block
 from oodscen.prompts._digest import AssetLine, BehaviourLine, MapLine
+from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._scenario.stage_scene import StageScene
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
+from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.tree._scenario_tree import Node
 from tests.prompts.samples import DIGEST, NODES, PATH, SAMPLES
 
@@ -73,7 +71,7 @@ def variants(prompt):
 
 
 def test_there_is_a_sample_of_every_question_with_every_field_filled():
-    assert tuple(map(type, SAMPLES)) == QUESTIONS
+    assert tuple(map(type, SAMPLES)) == tuple(QUESTIONS.values())
     for prompt in SAMPLES:
         assert all(getattr(prompt, name) for name in type(prompt).model_fields)
 
@@ -130,25 +128,27 @@ def test_earlier_turns_repeat_the_conversation_word_for_word():
 
 
 def test_versions_are_stable_and_tell_questions_apart():
-    versions = [question.version() for question in QUESTIONS]
-    assert versions == [question.version() for question in QUESTIONS]
+    versions = [question.version() for question in QUESTIONS.values()]
+    assert versions == [question.version() for question in QUESTIONS.values()]
     assert len(set(versions)) == len(QUESTIONS)
     assert all(re.fullmatch(r"[0-9a-f]{12}", version) for version in versions)
 
 
 @pytest.mark.parametrize("template", ["_catalogue.md", "stage_scene.md", "describe_frame.md"])
 def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
-    before = {question: question.version() for question in QUESTIONS}
+    before = {question: question.version() for question in QUESTIONS.values()}
     source = base._source
     monkeypatch.setattr(
         base, "_source", lambda name: source(name) + ("changed" if name == template else "")
     )
     base._version.cache_clear()
     try:
-        after = {question: question.version() for question in QUESTIONS}
+        after = {question: question.version() for question in QUESTIONS.values()}
     finally:
         base._version.cache_clear()
-    differing = {question.purpose for question in QUESTIONS if before[question] != after[question]}
+    differing = {
+        question.purpose for question in QUESTIONS.values() if before[question] != after[question]
+    }
     assert (
         differing
         == {

@@ -10,12 +10,13 @@ import cv2
 import numpy as np
 import pytest
 
+from oodscen import Study, StudyConfig
 from oodscen.data._bird_sketch import Body, Lane, Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.data._verdict import Verdict
-from oodscen.metrics import BaselineBatch, Diversity, Neighbour, Oodness, Report
+from oodscen.metrics._diversity import Diversity
 from oodscen.metrics._measurements import (
     BaselineUsed,
     DetectorPicture,
@@ -26,11 +27,12 @@ from oodscen.metrics._measurements import (
     Pictures,
     SizeCurve,
 )
+from oodscen.metrics._oodness import Neighbour, Oodness
+from oodscen.metrics._report import BaselineBatch, Report
 from oodscen.stages._prune.pruner import PruneDecision, all_decisions
 from oodscen.stages._redteam.red_teamer import Round
-from oodscen.statistics import Interval
 from oodscen.statistics._auroc import Auroc
-from oodscen.study import Study, StudyConfig
+from oodscen.statistics._intervals import Interval
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LEAVES = {

@@ -10,11 +10,10 @@ from typing import Any
 
 import pytest
 
+from oodscen import Study, write_report
 from oodscen.report import _page as pages
-from oodscen.report import write_report
 from oodscen.report._load import read
 from oodscen.report._render import render
-from oodscen.study import Study
 from tests.report.conftest import build_study
 from tests.report.test_render import HOSTILE
 

@@ -3,11 +3,11 @@ from typing import Any
 
 import pytest
 
+from oodscen import Study
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scene import Weather
 from oodscen.report._gallery import choice, conditions, payload
 from oodscen.report._load import read
-from oodscen.study import Study
 
 SAFE, HIT = ActionOutcome(safe=True), ActionOutcome(safe=False)
 GONE = ActionOutcome(safe=False, unavailable=True)

@@ -1,8 +1,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen import Study
 from oodscen.report._load import dig, number, printable, read
-from oodscen.study import Study
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats(allow_nan=False) | st.text(),

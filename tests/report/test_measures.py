@@ -3,15 +3,14 @@
 import pytest
 from lxml import html
 
+from oodscen import Metrics, Study
 from oodscen.data._scenario import Scenario
-from oodscen.metrics import Metrics
 from oodscen.metrics._measurements import Measurements, measurements
 from oodscen.report import _measures as measures
 from oodscen.report._load import Material, read
 from oodscen.report._render import rendered
 from oodscen.report._sections import Drawn
-from oodscen.study import Study
-from oodscen.testing import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 ORDINARY = [f"The ego follows vehicle {i} in its lane on street {i % 7}." for i in range(120)]
 TEXTS = [

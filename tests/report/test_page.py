@@ -1,9 +1,9 @@
 from lxml import html
 
+from oodscen import Study
 from oodscen.report._load import Material, read
 from oodscen.report._page import context
 from oodscen.report._render import render
-from oodscen.study import Study
 
 
 def test_calls_are_summed_by_purpose(study: Study) -> None:

@@ -2,6 +2,7 @@
 
 from lxml import html
 
+from oodscen import Study
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
@@ -9,7 +10,6 @@ from oodscen.report._load import Material
 from oodscen.report._parts import covered, driving, undecided
 from oodscen.report._render import rendered
 from oodscen.report._sections import Drawn
-from oodscen.study import Study
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from lxml import html
 
+from oodscen import Study, write_report
 from oodscen.errors import StudyError
-from oodscen.report import write_report
-from oodscen.study import TABLES, Study
+from oodscen.study._study import TABLES
 
 HOSTILE = (
     '<script>alert("x")</script><img src=x onerror=alert(1)>"\'><a href="javascript:alert(2)">'

@@ -6,12 +6,12 @@ from typing import Any, get_args
 import jinja2
 import pytest
 
+from oodscen import Study
 from oodscen.errors import DataError, Issue
 from oodscen.report import _sections as sections
 from oodscen.report._load import Material, read
 from oodscen.report._render import rendered
 from oodscen.report._sections import PARTS, Drawn, Part, Place, drawn
-from oodscen.study import Study
 
 
 def hello(study: Study, found: Material) -> Mapping[str, Any]:

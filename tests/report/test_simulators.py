@@ -1,5 +1,6 @@
 """The comparison of simulators on the page: figures, what is lacking, what is dropped and why."""
 
+from oodscen import Study
 from oodscen._pipeline.steps.compare import CATALOGUES
 from oodscen._registry import make_catalogue
 from oodscen.data._additions import Addition
@@ -9,8 +10,7 @@ from oodscen.report._sections import Drawn, drawn
 from oodscen.report._simulators import simulators
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._prune.side_by_side import compare
-from oodscen.study import Study
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LABELS = {"dog": "A dog", "ridge": "Rain or snow", "box": "A box"}

@@ -13,7 +13,7 @@ from oodscen.stages._annotations import (
     save_annotations,
     semantic_map,
 )
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 
 CAMERA = Camera(width=320, height=240)
 

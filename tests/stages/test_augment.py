@@ -4,7 +4,8 @@ import pytest
 
 from oodscen import Augmenter, Scenario
 from oodscen.errors import AnswerError
-from oodscen.testing import FlatSimulator, ScriptedLLM
+from oodscen.testing import ScriptedLLM
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 SCENARIO = Scenario(

@@ -7,12 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Describer, Metrics, Scenario, ScenarioTree
-from oodscen.author import BuiltinAuthor
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.errors import UsageError
-from oodscen.prompts import STYLES, DescribeOrdinary
-from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
+from oodscen.prompts._scenario.describe_path import STYLES, plain
 from oodscen.stages._describe import spread, spread_subset
-from oodscen.testing import FunctionLLM, HashEncoder
+from oodscen.testing import FunctionLLM
+from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 
 BUILTIN = ("OOD", "Environmental", "Debris", "Large cardboard box on the road")

@@ -9,7 +9,7 @@ from oodscen.driving import Cruise
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import RuleBasedDriver, drive
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 

@@ -4,8 +4,8 @@ import pytest
 
 from oodscen import TreeGrower
 from oodscen.errors import AnswerError
-from oodscen.prompts import PlaceScenario, ProposeTree
-from oodscen.prompts._tree.propose_tree import MAX_DEPTH
+from oodscen.prompts._tree.place_scenario import PlaceScenario
+from oodscen.prompts._tree.propose_tree import MAX_DEPTH, ProposeTree
 from oodscen.testing import ScriptedLLM
 from oodscen.tree._scenario_tree import ROOT
 

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen import Describer, RedTeamer
 from oodscen.errors import UsageError
-from oodscen.stages import DescribeOptions, Describer, RedTeamer, RedTeamOptions
+from oodscen.stages._options import DescribeOptions, RedTeamOptions
 from oodscen.testing import FunctionLLM
 
 LLM = FunctionLLM(lambda request: {})

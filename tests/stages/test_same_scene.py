@@ -13,7 +13,7 @@ from oodscen import Augmenter, Scenario, make_llm
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving import check_scene
 from oodscen.stages._simulate import simulate
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from tests.data.test_scene import scenes as any_scenes
 

@@ -8,7 +8,7 @@ from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import Behaviour, Trigger
 from oodscen.errors import SceneError
 from oodscen.protocols import Camera
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 SMALL = Camera(width=80, height=60)

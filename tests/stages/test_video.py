@@ -9,7 +9,7 @@ from oodscen.driving import SHIPPED_MAPS
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.protocols import Camera, Control
 from oodscen.stages._video import Video, birds_eye, record
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 SMALL = Camera(width=96, height=64)

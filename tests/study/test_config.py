@@ -2,10 +2,10 @@
 
 import pytest
 
+from oodscen import StudyConfig
 from oodscen import _paper as paper
 from oodscen.errors import DataError
 from oodscen.protocols import Camera
-from oodscen.study import StudyConfig
 
 
 def test_the_default_follows_the_paper():

@@ -1,7 +1,6 @@
 """The record of a study says plainly who wrote the texts."""
 
-from oodscen import __version__
-from oodscen.study import StudyConfig
+from oodscen import StudyConfig, __version__
 from oodscen.study._record import authors, record
 
 

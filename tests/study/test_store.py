@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError, StudyError
-from oodscen.study import Store
+from oodscen.study._store import Store
 
 ROWS = st.lists(
     st.fixed_dictionaries(

@@ -7,7 +7,7 @@ import pytest
 from oodscen import Scenario, Study
 from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent
 from oodscen.stages._redteam.red_teamer import Round
-from oodscen.study import Store
+from oodscen.study._store import Store
 
 
 @pytest.fixture

@@ -10,8 +10,9 @@ from oodscen.data._scene import Weather
 from oodscen.driving import SHIPPED_MAPS
 from oodscen.errors import SpawnError, UnknownComponent
 from oodscen.protocols import Control, Frame, State
-from oodscen.testing import FlatSimulator, check_simulator
+from oodscen.testing import check_simulator
 from oodscen.testing._check import PARTS, QUICK
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._isolation import process_faults
 from tests.driving.staging import actor, scene

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen._concurrency import as_finished
 from oodscen.errors import LLMError
-from oodscen.prompts import ImaginedScenario
+from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.testing import FunctionLLM, ScriptedLLM
 from tests.prompts.samples import SAMPLES

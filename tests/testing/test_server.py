@@ -14,7 +14,7 @@ from oodscen.data._messages import Image
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask
 from oodscen.llm._remote.litellm import LiteLLM
-from oodscen.prompts import DescribeFrame
+from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.testing import AnsweringServer, FunctionLLM
 from tests.prompts.samples import SAMPLES
 

@@ -7,7 +7,8 @@ import pytest
 
 from oodscen.data._scene import Hazard, Trigger, Weather
 from oodscen.protocols import Camera
-from oodscen.testing import FlatSimulator, check_truth
+from oodscen.testing import check_truth
+from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 from oodscen.testing._truth import measured_visual_range
 

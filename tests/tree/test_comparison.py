@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 
 from oodscen.errors import UsageError
-from oodscen.testing import HashEncoder
-from oodscen.tree import diff, match
-from oodscen.tree._comparison import TreeDiff
+from oodscen.testing._encoder import HashEncoder
+from oodscen.tree._comparison import TreeDiff, diff
 from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._matching import match
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 from tests.tree.woods import broad, chain, changes, few, grown, trees
 

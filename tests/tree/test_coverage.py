@@ -3,12 +3,11 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen import StudyConfig
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
-from oodscen.study import StudyConfig
 from oodscen.testing._scenes import example_scene
-from oodscen.tree import coverage, study_coverage
-from oodscen.tree._coverage import Coverage
+from oodscen.tree._coverage import Coverage, coverage, study_coverage
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.tree.woods import few, trees
 

@@ -3,8 +3,9 @@
 import pytest
 from hypothesis import given
 
+from oodscen import ScenarioTree
 from oodscen.errors import DataError
-from oodscen.tree import ScenarioTree, TreeEdit
+from oodscen.tree import TreeEdit
 from tests.tree.woods import changes, few, grown
 
 FOG = ScenarioTree.planted().apply(

@@ -6,8 +6,8 @@ import re
 
 from hypothesis import given
 
-from oodscen.tree import to_dot, to_mermaid, to_nested_json
 from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
 from oodscen.tree._scenario_tree import ScenarioTree
 from tests.tree.woods import broad, chain, few, trees
 

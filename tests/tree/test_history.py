@@ -7,8 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
-from oodscen.tree import replay
 from oodscen.tree._edit_log import MAX_DEPTH
+from oodscen.tree._history import replay
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 from tests.tree.woods import changes, few, grown, trees
 

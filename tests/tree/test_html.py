@@ -4,9 +4,8 @@ from html.parser import HTMLParser
 
 from hypothesis import given
 
-from oodscen.tree import to_page
 from oodscen.tree._edit_log import MAX_DEPTH
-from oodscen.tree._html import MAX_SHOWN, Remark, notebook_html, tree_html
+from oodscen.tree._html import MAX_SHOWN, Remark, notebook_html, to_page, tree_html
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.tree.woods import ADDRESSED, HOSTILE, broad, chain, few, trees
 

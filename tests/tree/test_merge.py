@@ -5,10 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
-from oodscen.testing import HashEncoder
-from oodscen.tree import diff, match, merge
+from oodscen.testing._encoder import HashEncoder
+from oodscen.tree._comparison import diff
 from oodscen.tree._edit_log import MAX_DEPTH
 from oodscen.tree._labels import same_words
+from oodscen.tree._matching import match
+from oodscen.tree._merge import merge
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.tree.woods import broad, chain, few, trees
 

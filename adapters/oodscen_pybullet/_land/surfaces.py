@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving import Corridor, LaneStrip
-from oodscen.driving._roads.corridor import DRIVABLE, Outline
+from oodscen.driving import Corridor
+from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip, Outline
 from oodscen_pybullet._land.ground import Course, Ground, Way
 from oodscen_pybullet._land.terrain import KERB, Theme
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv

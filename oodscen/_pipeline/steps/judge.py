@@ -29,7 +29,8 @@ from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._references import Blind, Novelty, Oracle, is_reference
 from oodscen.llm._circuit_breaker import ContainedLLM
 from oodscen.llm._remote.limits import JUDGING
-from oodscen.prompts import NameAspect, prompt_versions
+from oodscen.prompts._judging.name_aspect import NameAspect
+from oodscen.prompts._questions import prompt_versions
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import aspect_options, unjudged
 from oodscen.stages._evaluate import evaluate as judge_episode

@@ -6,8 +6,8 @@ from oodscen._pipeline.context import Context
 from oodscen.baselines import load_baseline
 from oodscen.data._base import digest
 from oodscen.data._scenario import Scenario
-from oodscen.metrics import Metrics
 from oodscen.metrics._measurements import Measurements, measurements
+from oodscen.metrics._metrics import Metrics
 
 
 def measure(

@@ -9,8 +9,8 @@ from oodscen._registry import is_builtin
 from oodscen.baselines import load_baseline
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
-from oodscen.metrics import Metrics
 from oodscen.metrics._detection.guard import is_calibrated
+from oodscen.metrics._metrics import Metrics
 from oodscen.stages._describe import Describer, spread, spread_subset
 from oodscen.tree._scenario_tree import ScenarioTree
 

@@ -19,7 +19,8 @@ from oodscen.author._staging.drafting import Stager
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.errors import AnswerError, Issue, LLMError
-from oodscen.prompts import CatalogueDigest, StageScene
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.protocols import Completion, Request
 from oodscen.stages._augment import Augmenter
 

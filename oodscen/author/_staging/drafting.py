@@ -22,9 +22,9 @@ from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Trigger
 from oodscen.data._scene import Hazard as Unusual
 from oodscen.errors import LLMError
-from oodscen.prompts import SceneDraft, StageScene
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
 _DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
 _LEAST_SPEED = 3.0

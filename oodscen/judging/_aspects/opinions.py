@@ -10,7 +10,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.judging._aspects.matching import is_same_wording, names_aspect
 from oodscen.llm._ask import ask
-from oodscen.prompts import JudgeAspect
+from oodscen.prompts._judging.judge_aspect import JudgeAspect
 from oodscen.protocols import LLM
 
 

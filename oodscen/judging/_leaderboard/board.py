@@ -1,12 +1,15 @@
 """The data of a leaderboard: rates, figures and comparisons."""
 
 from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._tests import PairedTest
+
+if TYPE_CHECKING:
+    from oodscen.judging._leaderboard.findings import Finding
 
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
@@ -102,7 +105,7 @@ class Control(Data):
     """Over the ordinary twins: a safe action was chosen."""
     needless: Rate = Rate()
     """Over the twins in which keeping the speed is safe with enough margin
-    (`oodscen.judging._safety.has_enough_margin`): the action braked hard, stopped or pulled over.
+    (`oodscen.data._episode.has_enough_margin`): the action braked hard, stopped or pulled over.
     """
 
 
@@ -228,6 +231,18 @@ class Leaderboard(Data):
     def standing(self, model: str) -> Standing | None:
         """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
+
+    def findings(self) -> "list[Finding]":
+        """Return three findings per model: it notices, it names, it acts."""
+        from oodscen.judging._leaderboard.findings import findings
+
+        return findings(self)
+
+    def answer(self) -> list[str]:
+        """Return a few sentences on which model to trust with what, and how certainly."""
+        from oodscen.judging._leaderboard.findings import answer
+
+        return answer(self)
 
     def floor(self, task: Task) -> Standing | None:
         """Return the best reference in a task that does not know the truth."""

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._episode import Episode
+from oodscen.data._episode import Episode, as_offered
 from oodscen.data._scenario import Scenario
 from oodscen.data._twins import is_twin
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
@@ -31,7 +31,6 @@ from oodscen.judging._leaderboard.board import (
     score,
 )
 from oodscen.judging._leaderboard.paper_example import paper_example
-from oodscen.judging._safety import as_offered
 from oodscen.statistics._answers import above_chance, d_prime, intraclass
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds

@@ -44,6 +44,20 @@ class SampleSize(Data):
     """Scenes per model, in whole paths."""
     paths: int
 
+    def power_of(self, scenes: int) -> float:
+        """Return the probability that this many scenes per model show the difference."""
+        return power_of(
+            self.first,
+            self.second,
+            scenes,
+            paired=self.is_paired,
+            agreement=self.agreement,
+            alpha=self.alpha,
+            comparisons=self.comparisons,
+            per_path=self.per_path,
+            icc=self.icc,
+        )
+
     def __str__(self) -> str:
         how = (
             f"both models on the same scenes (their answers correlate by {self.agreement:.2g})"

@@ -334,7 +334,7 @@ class Traffic:
 
     Args:
         caps: The spending limits of the run.
-        prices: Prices by model name, which override litellm's.
+        prices: Prices by model name, USD per million tokens of input and of output; they override litellm's.
         concurrency: Maximum number of concurrent requests to one endpoint.
         patience_s: As for `Endpoint`.
         strikes: As for `Endpoint`.
@@ -349,7 +349,7 @@ class Traffic:
         self,
         caps: Caps | None = None,
         *,
-        prices: Mapping[str, Price] | None = None,
+        prices: Mapping[str, tuple[float, float]] | None = None,
         concurrency: int = CONCURRENCY,
         patience_s: float | None = PATIENCE_S,
         strikes: int = STRIKES,
@@ -360,7 +360,9 @@ class Traffic:
         if patience_s is not None:
             check_seconds("patience_s", patience_s)
         self.budget = Budget(caps, clock=clock)
-        self.prices = {model: check_price(model, price) for model, price in (prices or {}).items()}
+        self.prices = {
+            model: check_price(model, Price(*price)) for model, price in (prices or {}).items()
+        }
         self.concurrency = concurrency
         self._settings = (patience_s, strikes, clock)
         self._leniency = 1.0

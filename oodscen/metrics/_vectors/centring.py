@@ -21,7 +21,7 @@ def unit_rows(encoder: Encoder, texts: Iterable[str]) -> Vector:
     Raises:
         EncoderError: If the encoder fails.
     """
-    from oodscen.encoders import encode
+    from oodscen.encoders._check import encode
 
     rows = encode(encoder, list(texts)).astype(np.float64)
     lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))

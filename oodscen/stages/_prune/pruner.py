@@ -1,7 +1,7 @@
 """The pruner, which reduces the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from typing import ClassVar, Literal, TypeVar
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 from oodscen._concurrency import as_finished
 from oodscen._paper import attestation
@@ -11,10 +11,15 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask, speaker
-from oodscen.prompts import CatalogueDigest, JudgeBranch
+from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
+from oodscen.prompts._tree.judge_branch import JudgeBranch
 from oodscen.protocols import LLM
 from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
+
+if TYPE_CHECKING:
+    from oodscen.stages._prune.restoration import Restoration
+    from oodscen.stages._prune.side_by_side import Comparison
 
 _LONGEST_REASON = 1_000
 """Maximum length of a model's reason that is stored, in characters."""
@@ -131,6 +136,50 @@ class Pruner:
             cancel=self.cancel,
         ):
             yield decision
+
+    @staticmethod
+    def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
+        """Return the tree after decisions on its leaves, as `run` does after its own."""
+        return pruned(tree, judged)
+
+    @staticmethod
+    def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+        """Extend the decisions on leaves to every node, in tree order."""
+        return all_decisions(tree, judged)
+
+    @staticmethod
+    def restoration(decisions: Iterable[PruneDecision]) -> "Restoration":
+        """Rank the additions that would restore the branches that pruning dropped.
+
+        A leaf is restored when everything that it lacks is added. This holds for the same judge:
+        `Catalogue.extended` makes the catalogue with which to ask it again.
+
+        Args:
+            decisions: Decisions on leaves, or on every node; inner nodes are ignored.
+        """
+        from oodscen.stages._prune.restoration import restoration
+
+        return restoration(decisions)
+
+    @staticmethod
+    def compare(
+        tree: ScenarioTree,
+        catalogues: Mapping[str, Catalogue],
+        judged: Mapping[str, Sequence[PruneDecision]],
+    ) -> "Comparison":
+        """Compare the decisions of several catalogues about one tree.
+
+        Args:
+            tree: The diverse tree.
+            catalogues: The catalogues by name.
+            judged: The decisions about all leaves, by the same names.
+
+        Raises:
+            ValueError: When catalogues and decisions have different names.
+        """
+        from oodscen.stages._prune.side_by_side import compare
+
+        return compare(tree, catalogues, judged)
 
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
         asked = {

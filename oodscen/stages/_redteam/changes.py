@@ -5,8 +5,7 @@ from typing import Any
 from oodscen._paper import attestation
 from oodscen._text import one_line
 from oodscen.errors import Issue
-from oodscen.prompts import PlacedScenario
-from oodscen.prompts._tree.place_scenario import MOST_ALSO, label_issues
+from oodscen.prompts._tree.place_scenario import MOST_ALSO, PlacedScenario, label_issues
 from oodscen.stages._redteam.rounds import RunnerUp
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 

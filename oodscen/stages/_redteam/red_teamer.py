@@ -9,7 +9,9 @@ from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.llm._ask import ask, speaker
-from oodscen.prompts import CatalogueDigest, ImagineScenario, PlacedScenario, PlaceScenario
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
+from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._options import RedTeamOptions, chosen
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
@@ -18,6 +20,7 @@ from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.novelty import Nearness, Novelty
 from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
+from oodscen.stages._redteam.saturation import Saturation, saturation
 from oodscen.stages._redteam.stopping import Progress, Stop
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -114,6 +117,16 @@ class RedTeamer:
         for item in rounds:
             progress.add(item)
         return progress.stop
+
+    @staticmethod
+    def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
+        """Estimate from the log of a red team how much it has left to find.
+
+        Args:
+            rounds: All rounds in order, from the first.
+            patience: Number of rounds without a new kind that count as dry, and number of recent rounds.
+        """
+        return saturation(rounds, patience=patience)
 
     def _imagine(self, question: ImagineScenario, number: int, attempts: int) -> "_Proposal":
         counted = _Counted(self.red_llm)

@@ -7,7 +7,7 @@ from oodscen._paper import ATTESTED
 from oodscen.author import load_knowledge
 from oodscen.author._feasibility import realise
 from oodscen.data._catalogue import Catalogue
-from oodscen.prompts import CatalogueDigest
+from oodscen.prompts._digest import CatalogueDigest
 
 CATALOGUE = load_catalogue()
 DIGEST = CatalogueDigest.of(CATALOGUE)
@@ -61,7 +61,7 @@ def test_it_shows_whatever_the_paper_simulated_in_it(diverse_labels):
 
 @pytest.fixture
 def diverse_labels():
-    from oodscen.author import BuiltinAuthor
+    from oodscen.author._builtin import BuiltinAuthor
 
     return [hazard.label for hazard in BuiltinAuthor()._trees.simulated]
 

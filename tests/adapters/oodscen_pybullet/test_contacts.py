@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oodscen_pybullet._contacts import Bodies, Pose
 from oodscen_pybullet._engine import load_pybullet
 
-from oodscen.driving import Box, gap
+from oodscen.driving._motion.boxes import Box, gap
 
 EGO = (4.5, 1.85, 1.5)
 SIZES = ((0.91, 1.1, 1.02), (0.6, 2.0, 1.0), (0.8, 0.6, 0.1), (0.1, 0.84, 2.64), (10.9, 2.88, 3.0))

@@ -12,7 +12,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._catalogue import Asset
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving import Box, gap
+from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing._check import PARTS, check_simulator

@@ -6,7 +6,7 @@ import pytest
 
 from oodscen._doctor import examine_knowledge
 from oodscen.author._knowledge.inspection import inspect_knowledge
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 
 FLAT = {"flat": FlatSimulator().catalogue()}
 PIANO = """

@@ -5,11 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen.author import BuiltinAuthor
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._writing.compose import Composer
 from oodscen.llm._ask import ask
-from oodscen.prompts import ExtractClaims
+from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 

@@ -5,10 +5,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen._registry import make_catalogue
-from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._reading.alternatives import alternatives, conjuncts, subject
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.prompts import CatalogueDigest, JudgeBranch
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._tree.judge_branch import JudgeBranch
 
 THINGS = {
     "Deer": "deer",

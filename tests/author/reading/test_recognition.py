@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen.author import Knowledge
+from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._reading.stemming import stems
 from oodscen.author._writing.compose import Composer

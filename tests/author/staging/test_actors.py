@@ -1,7 +1,8 @@
 import pytest
 
-from oodscen.author import BuiltinAuthor
-from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
 
 def staged(author: BuiltinAuthor, ask, digest: CatalogueDigest, text: str) -> list[SceneDraft]:

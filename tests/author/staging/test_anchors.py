@@ -1,7 +1,6 @@
 import pytest
 
-from oodscen.author import Knowledge
-from oodscen.author._knowledge.base import Recipe
+from oodscen.author._knowledge.base import Knowledge, Recipe
 from oodscen.author._staging.anchors import (
     ahead_of_start,
     has_landmarks,

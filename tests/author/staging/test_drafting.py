@@ -3,14 +3,16 @@ import re
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author import BuiltinAuthor, Knowledge
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._feasibility import realise
+from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._writing.compose import Composer
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import check_scene
 from oodscen.errors import LLMError
-from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
 
 def scene_of(draft: SceneDraft) -> Scene:

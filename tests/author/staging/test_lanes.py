@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author import BuiltinAuthor, Knowledge
-from oodscen.author._knowledge.base import Counterpart, Recipe
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.author._knowledge.base import Counterpart, Knowledge, Recipe
 from oodscen.author._staging.lanes import settled, varied
-from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
-from oodscen.prompts._digest import MapLine
+from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
 ROAD = MapLine(
     id="x", description="", lanes=3, oncoming_lanes=0, speed_limit=14.0, traits=("one_way",)

@@ -6,14 +6,13 @@ from collections.abc import Iterator
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author import Knowledge
-from oodscen.author._knowledge.base import Clash, Place, Wording
+from oodscen.author._knowledge.base import Clash, Knowledge, Place, Wording
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
-from oodscen.prompts import STYLES
+from oodscen.prompts._scenario.describe_path import STYLES
 
 WORDING = Wording(openings=("x",), near=("x",), metres=("x",), near_ego=("x",), metres_ego=("x",))
 

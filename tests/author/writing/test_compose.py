@@ -3,8 +3,7 @@ import re
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author import Knowledge
-from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.base import Hazard, Knowledge
 from oodscen.author._writing.compose import Composer
 from oodscen.prompts._scenario.describe_path import plain
 

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen._seeding import stream
 from oodscen._text import stem
-from oodscen.author import Knowledge
+from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._reading.stemming import stems
 from oodscen.author._writing.compose import Composer

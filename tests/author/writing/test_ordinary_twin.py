@@ -7,12 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen.author import BuiltinAuthor, Knowledge, load_knowledge
+from oodscen.author import load_knowledge
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.compose import Composer
 from oodscen.errors import LLMError
-from oodscen.prompts import STYLES, DescribeOrdinary
-from oodscen.prompts._scenario.describe_path import plain
+from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
+from oodscen.prompts._scenario.describe_path import STYLES, plain
 
 
 def twin(author: BuiltinAuthor, ask, text: str, label: str = "") -> str:

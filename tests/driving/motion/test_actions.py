@@ -6,15 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
-from oodscen.driving import (
-    ACTION_DRIVERS,
-    SHIPPED_MAPS,
-    Cruise,
-    KinematicWorld,
-    action_driver,
-    is_available,
-)
-from oodscen.driving._motion.actions import ChangeLane, PullOver
+from oodscen.driving import SHIPPED_MAPS, Cruise, KinematicWorld, action_driver
+from oodscen.driving._motion.actions import ACTION_DRIVERS, ChangeLane, PullOver, is_available
 from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.errors import UnknownComponent
 from oodscen.protocols import Driver, Observation

@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Trigger
-from oodscen.driving import is_due
-from oodscen.driving._motion.triggers import CODES, fires, value_in
+from oodscen.driving._motion.triggers import CODES, fires, is_due, value_in
 from oodscen.protocols import Control, State
 from tests.driving.staging import actor, scene, world
 

@@ -1,7 +1,8 @@
 import pytest
 
 from oodscen.data._scene import Hazard, Trigger, Weather
-from oodscen.driving import SHIPPED_MAPS, check_scene, staging_issues
+from oodscen.driving import SHIPPED_MAPS, check_scene
+from oodscen.driving._sight.placement import staging_issues
 from tests.driving.staging import CATALOGUE, actor, scene
 
 

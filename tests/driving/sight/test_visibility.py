@@ -19,7 +19,7 @@ from oodscen.driving._sight.visibility import (
     visual_range,
 )
 from oodscen.protocols import Camera
-from oodscen.testing import FlatSimulator
+from oodscen.testing._flat import FlatSimulator
 from tests.driving.staging import actor, scene
 
 CAMERA = Camera()

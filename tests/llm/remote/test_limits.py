@@ -26,7 +26,7 @@ from oodscen.llm._remote.limits import (
 )
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import estimate_tokens
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
 

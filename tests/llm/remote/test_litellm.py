@@ -29,7 +29,8 @@ from oodscen.llm._remote.failures import retry_after as seconds_to_wait
 from oodscen.llm._remote.limits import Traffic
 from oodscen.llm._remote.litellm import LiteLLM, load_litellm, provider_seed, wire_message
 from oodscen.llm._remote.offline import is_loopback
-from oodscen.prompts import DescribeFrame, ImagineScenario
+from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Request
 from oodscen.testing import AnsweringServer, FunctionLLM
 

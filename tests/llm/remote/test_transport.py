@@ -14,7 +14,7 @@ from oodscen.errors import EndpointDown, LateError, LLMError, ResponseError, Run
 from oodscen.llm._remote.call_bounds import Bounds
 from oodscen.llm._remote.limits import Traffic
 from oodscen.llm._remote.litellm import LiteLLM
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
 from tests.llm.rogue import saying, talking

@@ -14,7 +14,7 @@ from oodscen.llm._capped import MeteredLLM
 from oodscen.llm._remote.limits import ANSWER_TOKENS, Caps, Price, Traffic
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import MOST_ANSWERED, MOST_USD, believed, count, estimate_tokens
-from oodscen.prompts import ImagineScenario
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Request, Usage
 from oodscen.testing import FunctionLLM
 from tests.llm.rogue import BEGINNING, saying, talking

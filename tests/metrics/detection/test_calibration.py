@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.metrics import Metrics
+from oodscen import Metrics
 from oodscen.metrics._detection.calibration import calibrate, held_out_scores, like_groups
 from oodscen.metrics._vectors.similarity import unit
 from oodscen.testing._encoder import HashEncoder

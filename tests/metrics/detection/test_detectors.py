@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from oodscen.metrics import DETECTORS, Metrics
+from oodscen import Metrics
 from oodscen.metrics._clauses import clauses
 from oodscen.metrics._detection.anchors import anchors
-from oodscen.metrics._detection.detectors import ledoit_wolf, shrunk
+from oodscen.metrics._detection.detectors import DETECTORS, ledoit_wolf, shrunk
 from oodscen.testing._encoder import HashEncoder
 
 ORDINARY = [

@@ -1,5 +1,5 @@
+from oodscen import Metrics
 from oodscen.baselines import load_controls, load_off_topic
-from oodscen.metrics import Metrics
 from oodscen.metrics._detection.guard import elsewhere
 from oodscen.testing._encoder import HashEncoder
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen._paper import ATTESTED
 from oodscen.metrics._vectors.centring import label_rows, unit_rows
-from oodscen.testing import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder()
 labels = st.lists(

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from oodscen import Metrics
 from oodscen.errors import UsageError
-from oodscen.metrics import Metrics
 from oodscen.metrics._variety import compression_ratio, distinct_n
 from oodscen.metrics._vectors.distances import frechet, mmd, remote_clique, vendi
 from oodscen.metrics._vectors.similarity import unit

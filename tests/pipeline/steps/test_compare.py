@@ -2,11 +2,11 @@
 
 import pytest
 
+from oodscen import StudyConfig
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import CATALOGUES, compare_catalogues
-from oodscen.author import BuiltinAuthor
-from oodscen.study import StudyConfig
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.testing import FunctionLLM
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.pipeline.quick import QUICK

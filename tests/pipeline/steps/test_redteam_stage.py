@@ -2,11 +2,10 @@
 
 import pytest
 
-from oodscen import make_llm
+from oodscen import StudyConfig, make_llm
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.trees import grow, redteam
-from oodscen.study import StudyConfig
 from oodscen.testing import FunctionLLM
 
 CONFIG = StudyConfig.quick(simulator="flat", encoder="hash", llm="model", in_flight=3, iterations=9)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._claim import Claim
-from oodscen.prompts import SceneDraft, StageScene
+from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from tests.prompts.samples import DIGEST
 
 ACTOR = {

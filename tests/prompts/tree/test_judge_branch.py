@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.prompts import BranchJudgement, JudgeBranch
+from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
 from oodscen.tree._labels import label_fault
 from tests.prompts.samples import DIGEST
 from tests.tree.woods import HOSTILE, REFUSED

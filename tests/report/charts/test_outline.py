@@ -4,9 +4,9 @@ import re
 
 from markupsafe import escape
 
+from oodscen import ScenarioTree, Study
 from oodscen.report._charts.outline import outline, remarks
-from oodscen.study import Study
-from oodscen.tree import ScenarioTree, TreeEdit
+from oodscen.tree import TreeEdit
 from oodscen.tree._edit_log import MAX_DEPTH
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen import Pruner, RedTeamer, ScenarioTree, TreeGrower
 from oodscen._registry import make_catalogue
-from oodscen.author import BuiltinAuthor
+from oodscen.author._builtin import BuiltinAuthor
 
 NAMES = ("pybullet", "carla-0.9.16")
 

@@ -8,9 +8,11 @@ from oodscen import Pruner, ScenarioTree, make_llm
 from oodscen._paper import attestation
 from oodscen._registry import make_catalogue
 from oodscen.errors import LLMError
-from oodscen.prompts import BranchJudgement, CatalogueDigest, JudgeBranch
+from oodscen.prompts._digest import CatalogueDigest
+from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
 from oodscen.stages._prune.pruner import PruneDecision, all_decisions, pruned
-from oodscen.testing import FlatSimulator, FunctionLLM
+from oodscen.testing import FunctionLLM
+from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import TreeEdit, slug
 
 

@@ -1,7 +1,7 @@
 """Decisions become edits that the tree accepts."""
 
 from oodscen import ScenarioTree
-from oodscen.prompts import PlacedScenario
+from oodscen.prompts._tree.place_scenario import PlacedScenario
 from oodscen.stages._redteam.changes import edits_of, misfits
 from oodscen.tree._scenario_tree import TreeEdit
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
-from oodscen.prompts import PlaceScenario
+from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.stages._redteam.excerpt import by_words, corner, excerpt, listed, thin
 from oodscen.tree._scenario_tree import TreeEdit
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError
-from oodscen.stages import RedTeamOptions
+from oodscen.stages._options import RedTeamOptions
 from oodscen.stages._redteam.rounds import Round
 from oodscen.stages._redteam.stopping import Progress
 

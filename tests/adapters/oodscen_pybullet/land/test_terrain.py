@@ -9,8 +9,8 @@ from oodscen_pybullet._land.terrain import Terrain
 from oodscen_pybullet._meshes import Mesh
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving import SHIPPED_MAPS, Corridor, LaneStrip, load_corridor
-from oodscen.driving._roads.corridor import OtherRoad
+from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
+from oodscen.driving._roads.corridor import LaneStrip, OtherRoad
 
 DEPTH = 0.1
 """So far may the ground reach into a lane, m."""

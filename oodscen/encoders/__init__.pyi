@@ -1,0 +1,1 @@
+from ._cached import CachedEncoder as CachedEncoder

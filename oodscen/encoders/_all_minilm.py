@@ -1,0 +1,15 @@
+"""The choice of the runtime of all-MiniLM-L6-v2."""
+
+from importlib.util import find_spec
+
+from oodscen.encoders._minilm import MiniLM
+from oodscen.encoders._onnx import OnnxMiniLM
+
+
+def all_minilm() -> MiniLM:
+    """Return all-MiniLM-L6-v2, in ONNX Runtime if the extra `onnx` is installed, else in torch.
+
+    The two differ by about 1e-6; the encoder's `name` tells which one it is.
+    """
+    parts = ("onnxruntime", "onnx", "tokenizers")
+    return OnnxMiniLM() if all(find_spec(part) for part in parts) else MiniLM()

@@ -1,0 +1,2 @@
+from ._base import Prompt as Prompt
+from ._questions import QUESTIONS as QUESTIONS
