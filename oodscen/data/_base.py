@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from oodscen._display import brief
 from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
@@ -49,6 +50,13 @@ class Data(BaseModel):
             DataError: If the file cannot be read or does not hold a valid value.
         """
         return cls.parse(read_text(path, cls.noun), source=str(path))
+
+    def __repr__(self) -> str:
+        shown = (name for name in type(self).model_fields if name in self.model_fields_set)
+        return brief(self, ((name, getattr(self, name)) for name in shown))
+
+    def __str__(self) -> str:
+        return repr(self)
 
     def to_json(self) -> str:
         """Return the canonical JSON text: sorted keys, no spaces, and the same bytes for equal values."""
