@@ -25,11 +25,11 @@ from oodscen.baselines import load_controls, load_off_topic, ordinary_driving
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.encoders import MiniLM, OnnxMiniLM
 from oodscen.metrics import DETECTORS, Metrics
-from oodscen.metrics._detection.separation import auroc_interval
 from oodscen.metrics._diversity import diversity
 from oodscen.metrics._selection import most_diverse
 from oodscen.metrics._vectors import similarity as kernel
 from oodscen.metrics._vectors.similarity import nearest, nearest_other, smallest, unit
+from oodscen.statistics._auroc import auroc_interval
 from oodscen.testing._encoder import HashEncoder
 
 PARTS = ("exactness", "speed", "memory", "encoding", "selection", "controls", "guard")
@@ -280,8 +280,15 @@ def controls() -> list[Row]:
         ),
     ]
     return rows + [
-        row(f"AUROC, {name}", f"{one.value:.3f} [{one.low:.3f}, {one.high:.3f}]", "", "", None)
+        row(
+            f"AUROC, {name}",
+            f"{one.value:.3f} [{one.interval.low:.3f}, {one.interval.high:.3f}]",
+            "",
+            "",
+            None,
+        )
         for name, one in found.items()
+        if one.interval
     ]
 
 

@@ -6,7 +6,7 @@ The benchmark makes a small study with judged models, drives and recordings. N t
 one of its files at random: a value replaced, a key duplicated, a line truncated, bytes that are not text, a
 folder in its place, ... Every reader and command then reads each broken study, and one of the writing commands
 writes to it. An error other than the library's own counts as a traceback; a file that differs, or is new, after
-a command that only reads or was refused counts as a changed input.
+a command that only reads or was refused counts as a changed input. A refusal must exit with code 2.
 """
 
 import argparse
@@ -272,7 +272,10 @@ def attempt(name: str, out: Path, ordinary: Path) -> str:
         if not isinstance(result.exception, SystemExit | None):
             error = result.exception
             return f"traceback: {type(error).__name__}: {error}"[:200]
-        may_write &= "oodscen: " not in result.output and result.exit_code != 2
+        is_refused = "oodscen: " in result.output
+        if is_refused and result.exit_code != 2:
+            return f"exit code {result.exit_code} for a malformed file"
+        may_write &= not is_refused and result.exit_code != 2
     after = files_of(out)
     if not may_write and after != before:
         names = {name for name in before | after if before.get(name) != after.get(name)}
@@ -313,9 +316,9 @@ def measure(count: int, seed: int, most: int | None) -> list[Row]:
         if one.fault:
             print(f"{one.file}, {one.mutation}, {one.reader}: {one.fault}", file=sys.stderr)
     rows: list[Row] = []
-    for kind in ("traceback", "changed input"):
+    for kind in ("traceback", "changed input", "exit code"):
         value = sum(one.fault.startswith(kind) for one in found)
-        name = f"{kind}s in {len(found):,} uses of studies with a broken file ({count:,} mutations)"
+        name = f"faults ({kind}) in {len(found):,} uses of studies with a broken file ({count:,} mutations)"
         rows.append({"name": name, "value": value, "unit": "", "target": "0", "holds": value == 0})
     return rows
 

@@ -21,9 +21,10 @@ from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet._rendering.appearance import Look
-from oodscen_pybullet._rendering.bullet_camera import BulletStage, Pose, Shot, Stage
+from oodscen_pybullet._rendering.bullet_camera import BulletStage
 from oodscen_pybullet._rendering.picture import Picture, develop
 from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
 from oodscen_pybullet._rendering.view import View
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
@@ -90,11 +91,8 @@ class Set:
         """Take the raw picture."""
         return stage.photograph(
             View.of(CAMERA, self.poses[0]),
-            sun=light.sun,
-            ambient=light.ambient,
-            diffuse=light.diffuse,
+            light,
             ground=self.poses[0][2] if has_shadows else None,
-            shades=light.shades,
         )
 
     def develop(self, stage: Stage, weather: Weather, light: Light) -> None:

@@ -5,11 +5,11 @@ import struct
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from zlib import compress, crc32
 
 from oodscen._conformance import reason, working
+from oodscen._files import temporary_folder
 from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.protocols import LLM
@@ -157,7 +157,7 @@ def _image(llm: LLM) -> str:
     from oodscen.llm._ask import ask
     from oodscen.prompts import DescribeFrame
 
-    with TemporaryDirectory() as folder:
+    with temporary_folder() as folder:
         path = Path(folder) / "red.png"
         path.write_bytes(_red_png())
         text = ask(llm, DescribeFrame(frames=(Image.from_file(path),))).description

@@ -1,19 +1,24 @@
 """File access: size-limited reading, atomic replacement, and names confined to a folder."""
 
+import hashlib
 import os
 import re
 import secrets
 import stat
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
+from socket import gethostname
+from tempfile import TemporaryDirectory
 
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, UsageError
 
 MAX_BYTES = 1 << 30
 """Maximum number of bytes read from one file. The largest public data set of driving texts has about 300 MB."""
 
-_PART = re.compile(r"\.(\d+)-[0-9a-f]{12}\.oodscen-part")
-"""Matches the names of partly written files, which contain the id of the writing process."""
+_PART = re.compile(
+    r"\.(?P<pid>\d+)-(?P<host>[0-9a-f]{8})-(?P<target>[0-9a-f]{8})-[0-9a-f]{8}\.oodscen-part"
+)
+"""Matches the names of partly written files: process, host and target, the latter two as digests."""
 
 
 def read_regular(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> bytes:
@@ -93,7 +98,8 @@ def replace(target: Path, data: bytes) -> None:
     Raises:
         OSError: If the file cannot be written.
     """
-    part = target.with_name(f".{os.getpid()}-{secrets.token_hex(6)}.oodscen-part")
+    part = target.with_name(_part_name(target))
+    _remove_stale(target)
     try:
         with part.open("xb") as file:
             file.write(data)
@@ -108,13 +114,56 @@ def replace(target: Path, data: bytes) -> None:
         raise
 
 
+def _part_name(target: Path) -> str:
+    """Return a new name for a partly written file."""
+    return f".{os.getpid()}-{_tag(gethostname())}-{_tag(target.name)}-{secrets.token_hex(4)}.oodscen-part"
+
+
+def _tag(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:8]
+
+
+def _remove_stale(target: Path) -> None:
+    """Delete what writers of this file left half written when they were killed on this machine."""
+    for path in target.parent.glob(f".*-{_tag(gethostname())}-{_tag(target.name)}-*.oodscen-part"):
+        match = _PART.fullmatch(path.name)
+        if match and not _is_running(int(match["pid"])):
+            with suppress(OSError):
+                path.unlink()
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True  # It belongs to somebody else.
+    return True
+
+
 def remove_parts(folder: Path) -> None:
     """Delete files that other processes left half written in a folder that only this process writes."""
     for path in folder.rglob(".*.oodscen-part"):
         match = _PART.fullmatch(path.name)
-        if match and int(match[1]) != os.getpid():
+        if match and int(match["pid"]) != os.getpid():
             with suppress(OSError):
                 path.unlink()
+
+
+def temporary_folder() -> TemporaryDirectory[str]:
+    """Create a temporary folder, which is deleted with the returned context.
+
+    Raises:
+        UsageError: If there is no place for temporary files, or it is full.
+    """
+    try:
+        return TemporaryDirectory(prefix="oodscen-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise UsageError(
+            f"cannot create a temporary folder: {error.strerror or error}; set TMPDIR to a folder that can be "
+            "written"
+        ) from None
 
 
 def inside(folder: Path, name: str) -> Path:

@@ -104,7 +104,10 @@ def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
 
 
 def _holder() -> dict[str, str | int]:
-    words = [Path(sys.argv[0]).name, *sys.argv[1:]] if sys.argv else ["python"]
+    program = Path(sys.argv[0] if sys.argv else "python")
+    # `python -m PACKAGE` runs the package's __main__.py.
+    name = program.parent.name if program.name == "__main__.py" else program.name
+    words = [name, *sys.argv[1:]]
     return {
         "pid": os.getpid(),
         "host": socket.gethostname(),

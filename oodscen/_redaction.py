@@ -1,14 +1,14 @@
 """Removes credentials from everything that is shown or written."""
 
 import base64
-import html
-import json
 import os
 import re
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from html.entities import html5
+from itertools import groupby
 from typing import Any
-from urllib.parse import parse_qsl, quote, quote_plus, urlsplit
+from urllib.parse import parse_qsl, urlsplit
 
 HIDDEN = "[redacted]"
 
@@ -58,7 +58,7 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
 
     Known are the given values, the values passed to `hide`, and the values of environment variables with KEY,
     TOKEN, SECRET, PASSWORD, CREDENTIALS, JWT, BEARER or PAT as a word in their names. They are also found when
-    escaped for JSON, HTML or an address, or in Base64. Values shorter than `SHORTEST` characters are kept.
+    any of their characters are escaped, as in JSON, HTML or an address, or in Base64. Values shorter than `SHORTEST` characters are kept.
     """
     held = (value for name, value in os.environ.items() if _SECRET_NAME.search(name))
     values = {value for value in (*held, *_told, *known) if len(value) >= SHORTEST}
@@ -94,26 +94,65 @@ def secrets_of(address: str) -> list[str]:
 @lru_cache(maxsize=64)
 def _any_of(values: frozenset[str]) -> re.Pattern[str]:
     """Return a pattern that matches these credentials in every encoding, and never matches if there are none."""
-    forms = sorted({form for value in values for form in _forms(value)}, key=len, reverse=True)
-    return re.compile("|".join([*map(_escaped, values), *map(re.escape, forms)]) or "(?!)")
+    longest_first = sorted(values, key=lambda value: (-len(value), value))
+    forms = sorted({form for value in values for form in _encoded(value)}, key=len, reverse=True)
+    return re.compile("|".join([*map(_escaped, longest_first), *map(re.escape, forms)]) or "(?!)")
 
 
 def _escaped(value: str) -> str:
-    """Return a pattern of a value of which JSON may have escaped any characters."""
-    return "".join(rf"(?:{re.escape(one)}|\\u(?i:{ord(one):04x}))" for one in value)
+    """Return a pattern of a value of which any characters may be escaped, each in its own way."""
+    pattern = ""
+    for one, run in groupby(value):
+        count = len(list(run))
+        # Every level of JSON doubles a backslash.
+        most = 4 * count if one == "\\" else count
+        pattern += f"(?:{_character(one)}){{{count},{most}}}"
+    return pattern
 
 
-def _forms(value: str) -> set[str]:
-    data = value.encode("utf-8", "replace")
-    quoted = {quote(data, safe=""), quote(data), quote_plus(data)}
-    lower = {re.sub("%[0-9A-F]{2}", lambda code: code[0].lower(), text) for text in quoted}
-    escaped = {json.dumps(value)[1:-1], json.dumps(value, ensure_ascii=False)[1:-1]}
-    return {value, html.escape(value), *quoted, *lower, *escaped, *_encoded(data)}
+@lru_cache(maxsize=1024)
+def _character(one: str) -> str:
+    r"""Return a pattern of a character as it is, or escaped for JSON, Python, HTML or an address.
+
+    Escaping twice is covered as well: `\\u005a`, `%255A`, `&amp;#90;`.
+    """
+    code = ord(one)
+    units = one.encode("utf-16-be", "surrogatepass")
+    pairs = zip(units[::2], units[1::2], strict=True)
+    data = one.encode("utf-8", "replace")
+    forms = [
+        rf"&(?:amp;)*#(?:0*{code}|[xX]0*(?i:{code:x}));?",
+        "".join(rf"{_SLASHES}u(?i:{high:02x}{low:02x})" for high, low in pairs),
+        rf"{_SLASHES}(?:u\{{0*(?i:{code:x})\}}|U(?i:{code:08x}))",
+        "".join(rf"%(?:25)*(?i:{byte:02x})" for byte in data),
+        rf"&(?:amp;)*(?:{'|'.join(map(re.escape, _NAMES[one]))});?" if one in _NAMES else "",
+        rf"{_SLASHES}x(?i:{code:02x})" if code < 256 else "",
+        rf"{_SLASHES}{re.escape(_SHORT.get(one, one))}" if one in _SHORT or one in "\"'/" else "",
+        r"\+" if one == " " else "",
+        re.escape(one),
+    ]
+    return "|".join(filter(None, forms))
 
 
-def _encoded(data: bytes) -> set[str]:
+def _entities() -> dict[str, list[str]]:
+    """Return the names of HTML's entities by the character that they stand for."""
+    found: dict[str, list[str]] = {}
+    for name, one in html5.items():
+        if len(one) == 1 and name.endswith(";"):
+            found.setdefault(one, []).append(name[:-1])
+    return found
+
+
+_NAMES = _entities()
+_SLASHES = r"\\{1,8}"
+"""The backslashes before an escape; bounded, as a search without a bound takes cubic time."""
+_SHORT = {"\b": "b", "\t": "t", "\n": "n", "\f": "f", "\r": "r"}
+"""JSON's short escapes of control characters."""
+
+
+def _encoded(value: str) -> set[str]:
     """Return the Base64 encodings of a value at every alignment, without characters shared with its neighbours."""
-    forms = set()
+    forms, data = set(), value.encode("utf-8", "replace")
     for before in range(3):
         first, end = -(-8 * before // 6), 8 * (before + len(data)) // 6
         for encode in (base64.b64encode, base64.urlsafe_b64encode):

@@ -180,6 +180,8 @@ def make_llm(
     if not isinstance(llm, str):
         return cast(LLM, conforming("llm", llm))
     _refuse_long("llm", llm)
+    if not llm.strip():
+        raise UsageError("the name of a model is empty")
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):

@@ -1,7 +1,9 @@
-"""Makes text from outside safe for files, pages and terminals."""
+"""Makes text from outside safe for files, pages and terminals, and reduces words to their stems."""
 
 import re
 import unicodedata
+from functools import cache, lru_cache
+from typing import Any
 
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -32,3 +34,22 @@ def one_line(text: str) -> str:
 def is_visible(text: str) -> bool:
     """Return whether the text has at least one visible character."""
     return any(unicodedata.category(char)[0] in "LNPS" and char not in BLANK for char in text)
+
+
+@lru_cache(maxsize=16_384)
+def stem(word: str) -> str:
+    """Return the stem that the inflections of an English word share: `blocked` and `blocking` give `block`.
+
+    Args:
+        word: A single word in lower case.
+    """
+    found: str = _stemmer().stemWord(word)
+    return found
+
+
+@cache
+def _stemmer() -> Any:
+    # The package loads the rules of every language, so it is imported only where words are compared.
+    import snowballstemmer
+
+    return snowballstemmer.stemmer("english")

@@ -3,14 +3,18 @@
 An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a
 scene into states and frames, and a `Driver` turns observations into controls. Implementations are
 plain classes with these members; no base class is required. Most simulators are shorter as
-subclasses of `oodscen.driving.MirrorSimulator`.
+subclasses of `oodscen.driving.MirrorSimulator`. Members that a docstring calls optional are looked
+up by name and may be missing.
+
+Units are SI: metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x
+forward, y to the left, z up; angles and curvatures are positive to the left (counter-clockwise).
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +69,6 @@ class Request:
 class Usage(Data):
     """The tokens and the cost of one call."""
 
-    noun: ClassVar[str] = "usage"
-
     input_tokens: int = 0
     output_tokens: int = 0
     cached_tokens: int = 0
@@ -77,8 +79,6 @@ class Usage(Data):
 
 class Completion(Data):
     """A language model's response to one request."""
-
-    noun: ClassVar[str] = "completion"
 
     text: str
     """The raw response text; only lone surrogates are replaced."""
@@ -94,7 +94,11 @@ class Completion(Data):
 
 @runtime_checkable
 class LLM(Protocol):
-    """A language model or vision-language model."""
+    """A language model or vision-language model.
+
+    Optional members: `price`, an `oodscen.llm.Price`, for caps on cost; `speaks_for`, the name of
+    the model whose words this one repeats, as a replay does.
+    """
 
     name: str
     """The model's name in reports, e.g. `gpt-4o`."""
@@ -113,7 +117,10 @@ class LLM(Protocol):
 
 @runtime_checkable
 class Encoder(Protocol):
-    """A text encoder."""
+    """A text encoder.
+
+    Optional member: `cacheable`, true if vectors may be stored on disk under `name`.
+    """
 
     @property
     def name(self) -> str:
@@ -126,7 +133,11 @@ class Encoder(Protocol):
         ...
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
-        """Return one row per text, in order: always [n, d] float32."""
+        """Return one row per text, in order: always [n, d] float32.
+
+        Raises:
+            EncoderError: If there are no vectors.
+        """
         ...
 
 
@@ -139,7 +150,7 @@ MAX_SIZE = 8192
 
 @dataclass(frozen=True)
 class Camera:
-    """A forward-looking camera on the ego."""
+    """A pinhole camera on the ego that looks forward; pixels are square."""
 
     width: int = 640
     height: int = 480
@@ -148,6 +159,7 @@ class Camera:
     x: float = 0.6
     """Distance ahead of the ego's centre, m."""
     y: float = 0.0
+    """Distance to the left of the ego's centre, m."""
     z: float = 1.4
     """Height above the road, m; the default is a dash camera's."""
     pitch_deg: float = 2.0
@@ -182,10 +194,10 @@ class Frame:
 
 @dataclass(frozen=True)
 class Control:
-    """The ego's control input for one step."""
+    """The ego's control input for one step. The simulator limits it to what the tyres can transmit."""
 
     acceleration: float = 0.0
-    """m/s^2 along the vehicle; limited by the road's friction."""
+    """Acceleration along the vehicle, m/s^2; braking ends at a standstill and never reverses."""
     steering: float = 0.0
     """Front wheel angle, rad, left positive."""
 
@@ -212,13 +224,14 @@ class State:
     speeds: NDArray[np.float64]
     """[n], m/s along the heading; negative in reverse."""
     gaps: NDArray[np.float64]
-    """[n], m between the ego's body and each actor's; 0 on contact, infinity for row 0 and for distant actors."""
+    """[n], m between the ego's box and each actor's, as the catalogue sizes them; 0 exactly on contact,
+    infinity for row 0, beyond 60 m, and for bodies that can be driven over or through."""
     off_road: bool
-    """True if the ego has left the drivable road."""
+    """True if any part of the ego's footprint is beside the drivable road."""
     accelerations: NDArray[np.float64] | None = None
     """[n], m/s^2 along the heading, averaged over the last step; `None` if unknown."""
     places: NDArray[np.float64] | None = None
-    """[n, 2]: s and t on the scene's corridor, m; `None` if unknown."""
+    """[n, 2]: s along the scene's corridor and t to its left, m; `None` if unknown."""
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -234,7 +247,15 @@ class State:
 
 @runtime_checkable
 class Simulator(Protocol):
-    """Runs scenes, one at a time, in fixed steps."""
+    """Runs scenes, one at a time, in fixed steps.
+
+    The same scene, seed and controls give the same bytes, whatever ran before. Nothing expensive
+    starts before the first `reset`. `step`, `render` and `observe` follow a `reset`.
+
+    Optional members: `snapshot()`, which returns the state of all motion as plain data, and
+    `restore(snapshot)`, which returns to it within the same scene and returns the `State`. Without
+    both, every action is tried by resetting and repeating the approach.
+    """
 
     name: str
     dt: float
@@ -245,7 +266,11 @@ class Simulator(Protocol):
         ...
 
     def reset(self, scene: Scene, seed: int) -> State:
-        """Load a scene. The same scene and seed give the same bytes, whatever ran before.
+        """Load a scene and return its first state, at time 0.
+
+        Args:
+            scene: The scene; the ego starts where its map says.
+            seed: The seed of everything random in the scene.
 
         Raises:
             SceneError: If the catalogue or the road refuses the scene.
@@ -254,11 +279,15 @@ class Simulator(Protocol):
         ...
 
     def step(self, control: Control) -> State:
-        """Advance by exactly one `dt`. Collisions are reported in the state, never raised."""
+        """Advance by exactly one `dt`.
+
+        Collisions and leaving the road are reported in the state, never raised. The caller ends the
+        run; until then the bodies keep moving as if they had not touched.
+        """
         ...
 
     def render(self, camera: Camera) -> Frame:
-        """Render the current state."""
+        """Render the current state, which does not change it."""
         ...
 
     def observe(self) -> "Observation":
@@ -284,37 +313,46 @@ class Simulator(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """The input of a driver."""
+    """The input of a driver. Offsets are from the centre of the lane in which the ego started."""
 
     time: float
+    """Seconds since the start."""
     speed: float
     """The ego's speed, m/s."""
     offset_m: float
-    """Offset of the ego's centre from its starting lane's centre, m, left positive."""
+    """Offset of the ego's centre, m, left positive."""
     heading_error: float
-    """Heading of the ego relative to its starting lane, rad, left positive."""
+    """Heading of the ego relative to that lane, rad, left positive."""
     curvature: float
-    """Curvature of the starting lane at the look-ahead point, 1/m, left positive."""
+    """Curvature of that lane 0.2 s ahead, at least 1 m, in 1/m, left positive."""
     wheelbase: float
+    """Distance between the ego's axles, m."""
     lane_left_m: float | None
-    """Offset of the next driving lane's centre to the left, m; `None` if there is none."""
+    """Offset of the driving lane to the left of the ego's current one, m, oncoming lanes included;
+    `None` if there is none."""
     lane_right_m: float | None
-    """Offset of the next driving lane's centre to the right, m (negative); `None` if there is none."""
+    """Offset of the driving lane to the right of the ego's current one, m; `None` if there is none."""
     roadside_m: float
-    """Offset at which the ego is clear of the lane, m, or the furthest right that the road allows."""
+    """Offset at which a stopped ego stands 0.2 m to the right of all driving lanes, m, or as far to the
+    right as the drivable road allows, 0.25 m from its edge."""
     friction: float
     """Friction scale of the road; 1 is dry asphalt."""
     visual_range_m: float = 10_000.0
     """Distance that a driver can see through fog, rain and snow, m."""
     curve_speed: float = math.inf
-    """Fastest current speed at which the curves ahead can still be taken on a dry road, m/s."""
+    """Fastest current speed from which a driver can still slow down for the curves ahead on a dry
+    road, at 60 % of the grip in a curve, m/s."""
     frame: Frame | None = None
     """The camera picture; `None` unless the driver requests frames."""
 
 
 @runtime_checkable
 class Driver(Protocol):
-    """Controls the ego."""
+    """Controls the ego in one episode; every episode gets a new driver.
+
+    Optional members: `wants_frames`, true to get a camera picture with every observation, and
+    `look(state)`, which is called before `act` with the true state, for drivers that cheat.
+    """
 
     def act(self, observation: Observation) -> Control:
         """Return the control for the next step."""

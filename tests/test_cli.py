@@ -73,7 +73,7 @@ def test_an_unwritable_folder_is_one_line(tmp_path):
     (tmp_path / "file").write_text("")
     result = call("run", tmp_path / "file" / "out", *QUICK)
     assert result.exit_code == 1
-    assert "cannot read or write" in result.stderr
+    assert "cannot write" in result.stderr
 
 
 def test_the_stages_alone_lead_from_a_tree_to_frames(tmp_path):
@@ -130,7 +130,7 @@ def test_a_file_that_is_no_text_is_one_line(tmp_path):
     (tmp_path / "s.jsonl").write_bytes(b"\xff\xfe\x00")
     result = call("simulate", tmp_path / "s.jsonl", tmp_path / "sim", "--simulator", "flat")
     assert result.exit_code == 2
-    assert "byte 0 is not UTF-8" in result.stderr
+    assert "is not UTF-8 text" in result.stderr
 
 
 def test_a_malformed_file_reports_every_line_and_path(tmp_path):

@@ -1,19 +1,21 @@
 """Files that a user names: regular ones, up to a size, whatever else lies there."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen._files import read_regular, read_utf8
+from oodscen._files import _part_name, read_regular, read_utf8, replace, temporary_folder
 from oodscen._registry import make_catalogue
 from oodscen.author import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.driving import find_map
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
 from oodscen.metrics import score_file
 from oodscen.testing import HashEncoder
 
@@ -118,3 +120,39 @@ def test_text_is_utf8_with_or_without_a_mark(tmp_path):
     with pytest.raises(DataError) as caught:
         read_utf8(path, "thing")
     assert caught.value.issues[0].path == "line 4"
+
+
+def test_a_missing_place_for_temporary_files_is_one_line(monkeypatch, tmp_path):
+    with temporary_folder() as folder:
+        assert Path(folder).is_dir()
+    assert not Path(folder).exists()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
+    with pytest.raises(
+        UsageError, match=r"^cannot create a temporary folder: No such file.* TMPDIR"
+    ):
+        temporary_folder()
+    found = CliRunner().invoke(main, ["run", str(tmp_path / "out"), "--quick", "--dry-run"])
+    assert (found.exit_code, found.output.count("\n")) == (2, 1)
+
+
+def test_parts_of_dead_writers_of_the_same_target_go_at_its_next_write(tmp_path):
+    target, other = tmp_path / "a.json", tmp_path / "b.json"
+    with subprocess.Popen([sys.executable, "-c", ""]) as dead:
+        dead.wait()
+    names = {}
+    for pid in (dead.pid, os.getpid(), 1):
+        for path in (target, other):
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr("oodscen._files.os.getpid", lambda pid=pid: pid)
+                names[pid, path] = tmp_path / _part_name(path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("oodscen._files.gethostname", lambda: "elsewhere")
+        names["host", target] = tmp_path / _part_name(target).replace(
+            str(os.getpid()), str(dead.pid)
+        )
+    for path in names.values():
+        path.write_text("")
+    replace(target, b"new")
+    gone = {name for name, path in names.items() if not path.exists()}
+    assert gone == {(dead.pid, target)}
+    assert target.read_bytes() == b"new"

@@ -110,3 +110,10 @@ def test_a_secret_in_the_command_is_not_written(tmp_path, monkeypatch):
         said = json.loads(lock_file(tmp_path).read_text())
     assert said["command"].startswith("oodscen run")
     assert "secret" not in said["command"]
+
+
+def test_the_holder_is_called_by_the_name_of_its_program(tmp_path, monkeypatch):
+    for program in ("/usr/bin/oodscen", "/site-packages/oodscen/__main__.py"):
+        monkeypatch.setattr("sys.argv", [program, "run", "out"])
+        with locked(tmp_path, "study"):
+            assert json.loads(lock_file(tmp_path).read_text())["command"] == "oodscen run out"

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import is_visible, one_line, plain, whole
+from oodscen._text import is_visible, one_line, plain, stem, whole
 
 halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
 
@@ -39,3 +39,24 @@ def test_what_shows_nothing_is_not_visible(text):
 def test_a_line_has_the_words_and_nothing_else(text):
     assert one_line(text).split(" ") == (text.split() or [""])
     assert one_line(one_line(text)) == one_line(text)
+
+
+@pytest.mark.parametrize(
+    "forms",
+    [
+        ("tree", "trees"),
+        ("block", "blocks", "blocked", "blocking"),
+        ("lorry", "lorries"),
+        ("crash", "crashes", "crashed"),
+        ("cone", "cones"),
+        ("skid", "skidded", "skidding"),
+    ],
+)
+def test_inflections_have_one_stem(forms):
+    assert len({stem(form) for form in forms}) == 1
+
+
+@given(st.from_regex("[a-z]{0,20}", fullmatch=True))
+def test_any_word_has_a_stem_that_is_no_longer_than_the_word(word):
+    assert len(stem(word)) <= len(word) + 1
+    assert bool(stem(word)) == bool(word)

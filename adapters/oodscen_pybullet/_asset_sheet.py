@@ -82,14 +82,7 @@ def photograph(
     canvas.show_scenery([_ground()], is_snowy=False)
     canvas.show_actors([MeshBuilder().box((0, 0, -9), (1, 1, 1), "grey").build(), look])
     canvas.pose_actors([(0.0, 0.0, 0.0, 0.0)] * 2)
-    shot = canvas.photograph(
-        view,
-        sun=light.sun,
-        ambient=light.ambient,
-        diffuse=light.diffuse,
-        ground=None if is_night else 0.0,
-        shades=light.shades,
-    )
+    shot = canvas.photograph(view, light, ground=None if is_night else 0.0)
     picture = Picture(
         shot=shot,
         view=view,

@@ -2,7 +2,7 @@
 
 import math
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,11 +21,11 @@ from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids
 from oodscen_pybullet._meshes.vehicles.cars import bonnet
-from oodscen_pybullet._renderers import Renderer, choose_renderer, open_stage
 from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
-from oodscen_pybullet._rendering.bullet_camera import Stage
+from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import Ball, filled, placed
 from oodscen_pybullet._rendering.picture import Picture, develop
+from oodscen_pybullet._rendering.stage import Stage
 from oodscen_pybullet._rendering.view import View
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
@@ -46,29 +46,19 @@ class PyBulletSimulator(MirrorSimulator):
     """Shows scenes with PyBullet; needs no display.
 
     PyBullet measures the distances between the catalogue's boxes; pictures come from a software
-    rasteriser, which adds light and weather from depth. The engine starts with the first scene and the
-    camera's world is built for the first picture. The very first picture after installation takes
-    some seconds while the rasteriser is compiled; numba caches the result on disk.
+    rasteriser, which adds light and weather from depth, or without numba from PyBullet's own camera,
+    with a `RuntimeWarning`. The engine starts with the first scene; the camera's world is built for
+    the first picture. The very first picture after installation takes some seconds while the
+    rasteriser is compiled; numba caches the result on disk.
     """
 
     name = "pybullet"
 
-    renderer: Renderer
-    """The camera in use: the rasteriser, or PyBullet's own."""
-
-    def __init__(self, renderer: Renderer = "raster") -> None:
-        """Choose a camera.
-
-        Args:
-            renderer: "raster" draws quickly, with numba; "pybullet" is PyBullet's own software
-                camera, which is also used, with a `RuntimeWarning`, if numba is missing.
-
-        Raises:
-            UnknownComponent: If there is no such camera.
-        """
+    def __init__(self) -> None:
+        """Start nothing yet."""
         super().__init__()
-        self.renderer = choose_renderer(renderer)
         self._engine: Any = None
+        self._open_stage: Callable[[], Stage]
         self._bodies: Bodies | None = None
         self._stages: OrderedDict[tuple[object, ...], tuple[Stage, Scenery]] = OrderedDict()
         self._loaded: tuple[Corridor, Scene, int] | None = None
@@ -91,7 +81,7 @@ class PyBulletSimulator(MirrorSimulator):
         """
         if self._bodies is None:
             self._engine = load_pybullet()
-            self.renderer = choose_renderer(self.renderer, is_tried=True)
+            self._open_stage = choose_camera(self._engine)
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
@@ -151,11 +141,8 @@ class PyBulletSimulator(MirrorSimulator):
         portal = Shelter(corridor).portal(view)
         shot = stage.photograph(
             view,
-            sun=light.sun,
-            ambient=light.ambient,
-            diffuse=light.diffuse,
+            light,
             ground=ground if light.daylight > DARK else None,
-            shades=light.shades,
             is_inside=portal is not None and portal.is_inside,
         )
         balls = [
@@ -211,7 +198,7 @@ class PyBulletSimulator(MirrorSimulator):
             oldest.close()
         traits = frozenset(road.traits)
         scenery = build_scenery(corridor, traits, seed, road.id, is_night=is_night, without=without)
-        stage = open_stage(self.renderer, self._engine)
+        stage = self._open_stage()
         stage.show_scenery(scenery.meshes, is_snowy=_is_snowy(scene), shelter=Shelter(corridor))
         self._stages[key] = (stage, replace(scenery, meshes=()))
         return self._stages[key]

@@ -53,14 +53,14 @@ class _Group(click.Group):
             if "--debug" in (sys.argv if args is None else args):
                 raise
             with suppress(OSError):
-                say(f"oodscen: {shortened(str(error))}", err=True)
+                say(f"oodscen: cannot write the output: {error.strerror or error}", err=True)
             drop_output()
             sys.exit(1)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         for word in args:
             if "\0" in word or whole(word) != word:
-                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is no text in UTF-8.")
+                raise click.UsageError(f"{one_line(plain(word))[:100]!r} is not valid UTF-8.")
         ctx.meta[_ORDER] = list(args)
         return super().parse_args(ctx, args)
 
@@ -78,7 +78,7 @@ class _Group(click.Group):
             again = ""
             if ctx.invoked_subcommand in ("run", "evaluate"):
                 command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
-                again = f"; what is done is written, and this command continues: {command}"
+                again = f"; finished work is saved, and this command continues: {command}"
             with suppress(OSError):  # the terminal has hung up
                 say(f"oodscen: interrupted{again}", err=True)
             ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
@@ -137,13 +137,13 @@ def _without(order: list[str], option: str) -> list[str]:
 
 
 EXIT_CODES = {
-    0: "all went well",
-    1: "some items failed, or a check says no; what succeeded is written",
-    2: "the request cannot be met: unknown name, malformed or empty file, folder of another study",
-    3: "stopped by a cap or a server that is down; the same command continues",
-    129: "interrupted by SIGHUP (the terminal is gone); the same command continues",
-    130: "interrupted by Ctrl-C (SIGINT); the same command continues",
-    143: "interrupted by SIGTERM; the same command continues",
+    0: "success",
+    1: "some items failed, a check failed, or a file cannot be written; what succeeded is written",
+    2: "invalid request: unknown name, unreadable or malformed file, folder of another study",
+    3: "stopped by a cap or a server that is down; run the same command to continue",
+    129: "interrupted by SIGHUP (terminal closed); run the same command to continue",
+    130: "interrupted by Ctrl-C (SIGINT); run the same command to continue",
+    143: "interrupted by SIGTERM; run the same command to continue",
 }
 
 _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())
@@ -154,7 +154,7 @@ _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in 
 @click.option("--debug", is_flag=True, help="Show tracebacks.")
 @click.pass_context
 def main(context: click.Context, debug: bool) -> None:
-    """Out-of-distribution driving scenarios: tree, texts, scenes, episodes, judged models."""
+    """Test automated driving on out-of-distribution scenarios written by language models."""
     enforce()
     here = os.getcwd()
     if here not in sys.path:

@@ -11,8 +11,9 @@ from tqdm import tqdm
 from oodscen._cli.options import json_option, llm_options, seed_option, simulator_option
 from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE
+from oodscen._files import read_utf8
 from oodscen.claims._check import Faithfulness, Unjudged
-from oodscen.data._base import Data, canonical_json, read_text
+from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 
 Value = TypeVar("Value", bound=Data)
@@ -21,7 +22,7 @@ Value = TypeVar("Value", bound=Data)
 @click.command()
 @click.argument("scenes", type=READABLE)
 @click.option(
-    "--scenarios", type=READABLE, required=True, help="The texts, one scenario per line, by id."
+    "--scenarios", type=READABLE, required=True, help="File of the texts, one scenario per line."
 )
 @llm_options
 @seed_option
@@ -36,10 +37,10 @@ def faithful(
     simulator: str,
     as_json: bool,
 ) -> None:
-    """Compare every scene of the file SCENES, whatever wrote it, with what its text says.
+    """Check every scene of the file SCENES against the claims of its text.
 
-    A malformed line, a scene without a text and a scene that cannot be staged are reported and counted; all
-    other scenes are compared. The exit code is 1 if there is one of these, or a scene that contradicts its
+    Scenes from any source are accepted. Malformed lines, scenes without a text and scenes that cannot be staged
+    are reported and counted, not checked. The exit code is 1 if there are any, or if a scene contradicts its
     text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
@@ -85,8 +86,8 @@ def faithful(
             for fault in failed.faults:
                 say(f"{failed.id}: {fault}")
         say(
-            f"{len(rows)} scenes, {claims} claims, {unfaithful} scenes that do not hold to them"
-            + (f", {len(unjudged)} of these could not be judged" if unjudged else "")
+            f"{len(rows)} scenes, {claims} claims, {unfaithful} unfaithful scenes"
+            + (f", {len(unjudged)} of them could not be checked" if unjudged else "")
         )
     sys.exit(bool(unfaithful))
 
@@ -97,7 +98,7 @@ def _values(kind: type[Value], path: Path) -> Iterator[tuple[int, Value | tuple[
     Raises:
         DataError: When the file has no line, or is not text.
     """
-    lines = read_text(path, kind.noun).split("\n")
+    lines = read_utf8(path, kind.noun).split("\n")
     if not any(map(str.strip, lines)):
         raise DataError(kind.noun, [Issue("", f"holds no {kind.noun}")], source=str(path))
     for number, line in enumerate(lines, start=1):

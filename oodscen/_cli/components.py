@@ -12,7 +12,7 @@ from oodscen._cli.output import bars, say
 @click.command()
 @json_option
 def plugins(as_json: bool) -> None:
-    """List the models, encoders and simulators that are installed."""
+    """List the installed models, encoders and simulators."""
     from oodscen._registry import survey
 
     rows = survey()
@@ -26,13 +26,13 @@ def plugins(as_json: bool) -> None:
 @click.command()
 @click.argument("what", required=False)
 @click.argument("name", required=False)
-@click.option("--api-base", help="With llm NAME: address of an OpenAI-compatible server.")
-@click.option("--quick", is_flag=True, help="With a simulator: only the parts that take seconds.")
+@click.option("--api-base", help="Address of an OpenAI-compatible server, for llm NAME.")
+@click.option("--quick", is_flag=True, help="Run only the checks of a simulator that take seconds.")
 @json_option
 def doctor(
     what: str | None, name: str | None, api_base: str | None, quick: bool, as_json: bool
 ) -> None:
-    """Check that everything the default run needs is installed, or check one component.
+    """Check the installation, or one component.
 
     `doctor llm NAME` asks a language model two small questions, one with a picture. `doctor knowledge [FILE]`
     inspects the knowledge base of the built-in author, or a file of your own. `doctor SIMULATOR` checks an
@@ -41,9 +41,9 @@ def doctor(
     from oodscen._doctor import examine, examine_knowledge, examine_llm, examine_simulator
 
     if name is not None and what not in ("llm", "knowledge"):
-        raise click.UsageError(f"{name!r} is too much: oodscen doctor SIMULATOR")
+        raise click.UsageError(f"unexpected argument {name!r}; usage: oodscen doctor SIMULATOR")
     if api_base is not None and what != "llm":
-        raise click.UsageError("--api-base goes with a model: oodscen doctor llm NAME")
+        raise click.UsageError("--api-base needs a model: oodscen doctor llm NAME")
     if what == "llm":
         if name is None:
             raise click.UsageError("name a model: oodscen doctor llm NAME")

@@ -22,16 +22,15 @@ if TYPE_CHECKING:
     "--driver",
     "drivers",
     multiple=True,
-    help="rule-based, or module:attr that makes a driver; repeatable.  [default: rule-based]",
+    help="Driver: rule-based, or a module:attr that creates one; repeatable.  [default: rule-based]",
 )
 @click.option("--limit", type=click.IntRange(min=1), help="Drive at most this many scenes.")
 @json_option
 def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool) -> None:
-    """Let driving stacks drive the scenes and twins of the study in the folder OUT.
+    """Run driving stacks in the scenes and twins of the study in the folder OUT.
 
-    Writes drives.jsonl beside the other files, prints the results of all drivers in it and updates the
-    report, which shows the same results. The exit code is 1 if a driver named here failed on an item; a
-    collision is not a failure.
+    Writes drives.jsonl, prints the results of all drivers in it and updates the report. The exit code is 1 if a
+    driver named here failed on an item; a collision is not a failure.
     """
     from oodscen._registry import driver_maker, make_simulator
     from oodscen.data._twins import scene_of
@@ -65,7 +64,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     ran = {scene.id for scene in scenes}
     here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
     if lost := len({one.id for one in before} - {row.id for row in rows}):
-        say(f"{lost} results of earlier drives are dropped: their scenes have changed", err=True)
+        say(f"{lost} earlier results are dropped, because their scenes have changed", err=True)
     sys.exit(any(row.status == "failed" for row in here))
 
 

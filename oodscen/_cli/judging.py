@@ -14,18 +14,24 @@ _COUNT = click.IntRange(1, MOST)
 @click.command()
 @click.argument("first", type=SHARE)
 @click.argument("second", type=SHARE)
-@click.option("--unpaired", is_flag=True, help="Each model is judged on scenes of its own.")
+@click.option("--unpaired", is_flag=True, help="The models are judged on different scenes.")
 @click.option(
     "--agreement",
     type=FiniteRange(-1.0, 1.0),
     default=0.0,
     show_default=True,
-    help="Correlation of right and wrong between both models on the same scenes.",
+    help="Correlation between the two models' results on the same scene.",
 )
-@click.option("--power", "wanted", type=SHARE, default=0.8, show_default=True)
-@click.option("--alpha", type=SHARE, default=0.05, show_default=True)
 @click.option(
-    "--comparisons", type=_COUNT, default=1, show_default=True, help="How many are made (Holm)."
+    "--power", "wanted", type=SHARE, default=0.8, show_default=True, help="Required power."
+)
+@click.option("--alpha", type=SHARE, default=0.05, show_default=True, help="Significance level.")
+@click.option(
+    "--comparisons",
+    type=_COUNT,
+    default=1,
+    show_default=True,
+    help="Number of comparisons (Holm correction).",
 )
 @click.option("--per-path", type=_COUNT, default=10, show_default=True, help="Scenes per path.")
 @click.option(
@@ -33,9 +39,9 @@ _COUNT = click.IntRange(1, MOST)
     type=FiniteRange(0.0, 1.0),
     default=0.2,
     show_default=True,
-    help="Likeness of the scenes of one path, 0 to 1.",
+    help="Intraclass correlation of the scenes of one path, 0 to 1.",
 )
-@click.option("--scenes", type=_COUNT, help="Say instead what power so many scenes have.")
+@click.option("--scenes", type=_COUNT, help="Print the power of this many scenes instead.")
 @json_option
 def power(
     first: float,
@@ -50,7 +56,7 @@ def power(
     scenes: int | None,
     as_json: bool,
 ) -> None:
-    """Print how many scenes it takes to tell the success rates FIRST and SECOND apart (0.66 0.51)."""
+    """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
     from oodscen.judging._leaderboard.power import power_of, scenes_needed
 
     needed = scenes_needed(
@@ -84,4 +90,4 @@ def power(
         effect = (
             f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
         )
-        click.echo(f"{scenes} scenes{effect} show that difference with a chance of {found:.0%}")
+        click.echo(f"{scenes} scenes{effect} detect that difference with a power of {found:.0%}")

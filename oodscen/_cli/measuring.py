@@ -15,18 +15,18 @@ from oodscen.errors import UsageError
 @click.command()
 @click.argument("texts", type=READABLE)
 @click.option(
-    "--baseline", type=READABLE, help="Ordinary-driving texts; the shipped corpus if left out."
+    "--baseline", type=READABLE, help="Texts of ordinary driving.  [default: the shipped corpus]"
 )
-@click.option("--encoder", default=DEFAULT_ENCODER, show_default=True)
+@click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Text encoder.")
 @click.option(
     "--band",
     nargs=2,
     type=FINITE,
     metavar="LO HI",
-    help="Count only texts inside this OOD-ness band.",
+    help="Count only texts whose OOD-ness lies between these values.",
 )
 @click.option(
-    "--table", is_flag=True, help="Print the paper's table, all definitions side by side."
+    "--table", is_flag=True, help="Print the paper's table, with all definitions side by side."
 )
 @seed_option
 @json_option
@@ -46,7 +46,7 @@ def score(
     report: Any
     if table:
         if band is not None:
-            raise UsageError("--table measures all texts: leave out --band")
+            raise UsageError("--table measures all texts; do not combine it with --band")
         report = table_of_file(texts, baseline=baseline, encoder=make_encoder(encoder), seed=seed)
     else:
         report = score_file(

@@ -1,13 +1,12 @@
 """Options shared by several commands."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from oodscen._cli.numbers import SHARE, FiniteRange
-from oodscen._cli.paths import PathName
+from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.errors import UsageError
@@ -34,74 +33,87 @@ llm_options = _options(
         "--llm",
         default=DEFAULT_LLM,
         show_default=True,
-        help="Model, by litellm's name, builtin, or replay:FILE.",
+        help="Model: a litellm name, builtin, or replay:FILE.",
     ),
     click.option("--api-base", help="Address of an OpenAI-compatible server."),
 )
-seed_option = click.option("--seed", default=0, show_default=True, type=click.IntRange(0, MAX_SEED))
+seed_option = click.option(
+    "--seed",
+    default=0,
+    show_default=True,
+    type=click.IntRange(0, MAX_SEED),
+    help="Seed of all random choices.",
+)
 simulator_option = click.option(
-    "--simulator", default=DEFAULT_SIMULATOR, show_default=True, help="Name, or module:attr."
+    "--simulator",
+    default=DEFAULT_SIMULATOR,
+    show_default=True,
+    help="Simulator: a registered name, or module:attr.",
 )
 out_option = click.option(
     "-o",
     "--out",
-    type=PathName(dir_okay=False, path_type=Path),
-    help="File to write; else standard output.",
+    type=OutputName(),
+    help="File to write.  [default: standard output]",
 )
 extras_options = _options(
     click.option(
-        "--traces", is_flag=True, help="Keep traces/SCENE.parquet: all ground truth, every action."
+        "--traces",
+        is_flag=True,
+        help="Write traces/SCENE.parquet: ground truth of every step and action.",
     ),
     click.option(
-        "--annotations", is_flag=True, help="Keep boxes, classes, ids and depth of every frame."
+        "--annotations", is_flag=True, help="Write boxes, classes, ids and depth of every frame."
     ),
     click.option(
         "--video",
         is_flag=False,
         flag_value="both",
         type=click.Choice(("ego", "bird", "both")),
-        help="Keep videos/SCENE.mp4 of the ego's camera, from above, or (alone) both.",
+        help="Write videos/SCENE.mp4 from the ego's camera, from above, or both (the default without a value).",
     ),
 )
 red_options = _options(
     click.option(
-        "--open-loop", is_flag=True, help="The paper's way: show and refuse nothing, split nothing."
+        "--open-loop",
+        is_flag=True,
+        help="Use the paper's open loop: no feedback to the model, no refusals, no splits.",
     ),
     click.option(
         "--red-patience",
         type=click.IntRange(min=1),
-        help="Stop red teaming after so many rounds in a row without a new kind.",
+        help="Stop red teaming after this many consecutive rounds without a new kind.",
     ),
     click.option(
         "--red-coverage",
         type=SHARE,
-        help="Stop red teaming when the Good-Turing coverage is above this.",
+        help="Stop red teaming once the Good-Turing coverage exceeds this share.",
     ),
     click.option(
         "--in-flight",
         type=click.IntRange(1, 256),
-        help="Proposals under way at once; each sees the tree as it was so many rounds ago.  [default: 1]",
+        help="Concurrent proposals; each sees the tree as it was this many rounds earlier.  [default: 1]",
     ),
     click.option(
         "--nearest",
         type=FiniteRange(-1.0, 1.01),
-        help=f"Refuse a proposal this similar to an earlier one.  [default: {NEAREST_TEXT}]",
+        help=f"Reject proposals at least this similar to an earlier one.  [default: {NEAREST_TEXT}]",
     ),
     click.option(
         "--nearest-label",
         type=FiniteRange(-1.0, 1.01),
-        help=f"Refuse a proposal this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
+        help=f"Reject proposals at least this similar to the label of a leaf.  [default: {NEAREST_LABEL}]",
     ),
     click.option(
         "--broadenings",
         type=click.IntRange(min=0),
-        help=f"So often a leaf is broadened before it is split.  [default: {BROADENINGS}]",
+        help=f"Number of times a leaf is broadened before it is split.  [default: {BROADENINGS}]",
     ),
 )
 style_option = click.option(
     "--style",
     type=click.Choice(("natural", "paper", "terse", "verbose", "first-person")),
-    help="Register of the texts.  [default: natural]",
+    help="Style of the texts.  [default: natural]",
 )
 judging_options = _options(
     click.option(
@@ -109,49 +121,51 @@ judging_options = _options(
         type=click.Choice(("ours", "paper")),
         default="ours",
         show_default=True,
-        help="`paper` adds the paper's exact protocol: whole traces, collisions only, no twins.",
+        help="Judging protocol; `paper` adds the paper's own: whole traces, collisions only, no twins.",
     ),
-    click.option("--judge", help="Model that decides whether an open aspect is right."),
+    click.option("--judge", help="Model that judges the open answers."),
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 traffic_options = _options(
     click.option(
-        "--max-requests", type=click.IntRange(min=0), help="Largest number of HTTP requests."
+        "--max-requests", type=click.IntRange(min=0), help="Maximum number of HTTP requests."
     ),
     click.option(
-        "--max-tokens", type=click.IntRange(min=0), help="Largest number of tokens, in and out."
+        "--max-tokens",
+        type=click.IntRange(min=0),
+        help="Maximum number of tokens, input and output together.",
     ),
-    click.option("--max-cost", type=FiniteRange(min=0), help="Largest cost, in USD."),
+    click.option("--max-cost", type=FiniteRange(min=0), help="Maximum cost in USD."),
     click.option(
-        "--max-seconds", type=FiniteRange(min=0), help="No request is begun after this time."
+        "--max-seconds", type=FiniteRange(min=0), help="Send no request after this many seconds."
     ),
     click.option(
         "--price",
         "prices",
         multiple=True,
         metavar="MODEL=IN,OUT",
-        help="USD per million tokens of input and output; repeatable.",
+        help="Price of a model in USD per million input and output tokens; repeatable.",
     ),
     click.option(
         "--concurrency",
         default=8,
         show_default=True,
         type=click.IntRange(1, 1_000),
-        help="Requests to one server at once, at most; fewer while it says that there are too many.",
+        help="Maximum number of concurrent requests per server; lowered while the server reports too many.",
     ),
     click.option(
         "--timeout",
         default=TIMEOUT_S,
         show_default=True,
         type=FiniteRange(0, LONGEST_S, min_open=True),
-        help="Seconds for one answer, to its last byte; tried once more, then only its item fails.",
+        help="Seconds until an answer must be complete; after one retry the item fails.",
     ),
     click.option(
         "--patience",
         default=PATIENCE_S,
         show_default=True,
         type=FiniteRange(1, LONGEST_S),
-        help="Seconds without a response to anything after which a server is given up.",
+        help="Seconds without any response after which a server is given up.",
     ),
 )
 
@@ -190,6 +204,6 @@ def _price(text: str) -> "tuple[str, Price]":
         model = ""
     if not model:
         raise UsageError(
-            f"{text!r} is no price; write MODEL=IN,OUT in USD per million tokens, e.g. gpt-4o=2.5,10"
+            f"{text!r} is not a price; write MODEL=IN,OUT in USD per million tokens, e.g. gpt-4o=2.5,10"
         )
     return model, check_price(model, Price(asked, answered))

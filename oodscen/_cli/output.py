@@ -1,7 +1,6 @@
 """Input and output of the commands."""
 
 import os
-import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -11,9 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from tqdm import tqdm
 
-from oodscen._files import replace
+from oodscen._cli.paths import is_written_through
+from oodscen._files import read_utf8, replace
 from oodscen._text import plain
-from oodscen.data._base import Data, read_text
+from oodscen.data._base import Data
 from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
 
 if TYPE_CHECKING:
@@ -58,13 +58,25 @@ def estimated(rows: Sequence["Account"]) -> str:
         cost = "price not known" if row.cost_usd is None else f"${row.cost_usd:.2f}"
         lines.append(
             f"{row.group[0]:10} {row.group[1]:28} {row.calls:6} calls  about {row.input_tokens:9,} tokens "
-            f"in {row.output_tokens:8,} out  {cost}"
+            f"in {row.output_tokens:8,} out  {cost}  {_cacheable([row])} cacheable"
         )
     costs = [row.cost_usd for row in rows]
     known = sum(cost for cost in costs if cost is not None)
     rest = "" if None not in costs else " and what has no known price (give one with --price)"
     total = f"{sum(row.calls for row in rows)} calls, about ${known:.2f}{rest}"
-    return "\n".join([*lines, f"together {total}; repairs and retries come on top"])
+    return "\n".join(
+        [
+            *lines,
+            f"together {total}; repairs and retries come on top",
+            f"{_cacheable(rows)} of the input tokens are a prefix that other calls share, which providers with a "
+            "prompt cache charge less for; the cost above is without a cache",
+        ]
+    )
+
+
+def _cacheable(rows: Sequence["Account"]) -> str:
+    asked = sum(row.input_tokens for row in rows)
+    return f"{sum(row.cacheable_tokens for row in rows) / asked:.0%}" if asked else "0%"
 
 
 def standings(board: "Leaderboard") -> str:
@@ -204,7 +216,7 @@ def write(out: Path | None, text: str) -> None:
         return
     data = f"{text}\n".encode()
     try:
-        if _is_written_through(out):
+        if is_written_through(out):
             with out.open("wb") as stream:
                 stream.write(data)
             return
@@ -216,13 +228,6 @@ def write(out: Path | None, text: str) -> None:
         replace(target, data)
     except OSError as error:
         raise OodscenError(f"cannot write {out}: {error.strerror or error}") from None
-
-
-def _is_written_through(out: Path) -> bool:
-    """Return whether a path is a device, a pipe, or a file that is already open, such as `/dev/stdout`."""
-    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
-        return True
-    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
 
 
 def _refuse_study(target: Path) -> None:
@@ -247,7 +252,7 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
         DataError: With every malformed line, or when the file has no lines.
     """
     rows, issues = [], []
-    for number, line in enumerate(read_text(path, kind.noun).split("\n"), start=1):
+    for number, line in enumerate(read_utf8(path, kind.noun).split("\n"), start=1):
         if line.strip():
             try:
                 rows.append(kind.parse(line))

@@ -1,10 +1,15 @@
-"""Option and argument types for paths."""
+"""Option and argument types for paths, and the check that a command's files are distinct."""
 
 import os
+import stat
+from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import click
+
+from oodscen.errors import UsageError
 
 
 class PathName(click.Path):
@@ -24,6 +29,66 @@ class PathName(click.Path):
         if self.exists and not (os.path.isfile(found) or os.path.isdir(found)):
             self.fail(f"{self.name.title()} {value!r} is no regular file.", param, ctx)
         return found
+
+
+class OutputName(PathName):
+    """A file that a command writes."""
+
+    def __init__(self) -> None:
+        super().__init__(dir_okay=False, path_type=Path)
+
+
+class FileCommand(click.Command):
+    """A command that refuses to write one file twice, or to replace a file that it reads."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command.
+
+        Raises:
+            UsageError: When two of its files are the same, links followed, before any work.
+        """
+        outputs = [
+            (param.opts[-1], ctx.params[param.name])
+            for param in self.params
+            if isinstance(param.type, OutputName) and param.name and ctx.params[param.name]
+        ]
+        outputs = [(name, path) for name, path in outputs if not is_written_through(path)]
+        for (name, path), (other, its) in combinations(outputs, 2):
+            if _is_same(path, its):
+                raise UsageError(f"{name} and {other} name the same file: {its}")
+        for name, path in outputs:
+            for other, its in self._inputs(ctx):
+                if _is_same(path, its):
+                    raise UsageError(f"{name} would replace a file that {other} reads: {its}")
+        return super().invoke(ctx)
+
+    def _inputs(self, ctx: click.Context) -> Iterator[tuple[str, Path]]:
+        """Yield the files that arguments and options name, also as in `replay:FILE#MODEL`."""
+        for param in self.params:
+            value = ctx.params.get(param.name or "")
+            if isinstance(param.type, OutputName):
+                continue
+            for one in value if isinstance(value, tuple) else (value,):
+                whole = str(one)
+                below = whole.partition(":")[2]
+                for name in (whole, below, below.rpartition("#")[0]):
+                    if os.path.isfile(name):
+                        yield param.opts[-1], Path(name)
+
+
+def is_written_through(out: Path) -> bool:
+    """Return whether a path is a device, a pipe, or a file that is already open, such as `/dev/stdout`."""
+    if str(out).startswith(("/dev/std", "/dev/fd/", "/proc/")):
+        return True
+    return out.exists() and not stat.S_ISREG(out.stat().st_mode)
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    """Return whether two paths lead to one file, which need not exist."""
+    try:
+        return os.path.samefile(one, other)
+    except OSError:
+        return os.path.realpath(one) == os.path.realpath(other)
 
 
 READABLE = PathName(exists=True, dir_okay=False, path_type=Path)

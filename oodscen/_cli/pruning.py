@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 from oodscen._cli.options import json_option, llm_options, out_option, seed_option, simulator_option
 from oodscen._cli.output import say, write, write_lines
-from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from oodscen.stages._prune.pruner import PruneDecision
     from oodscen.tree._scenario_tree import ScenarioTree
 
-_OUT = PathName(dir_okay=False, path_type=Path)
 
-
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("tree", type=READABLE)
 @llm_options
 @seed_option
@@ -30,14 +28,16 @@ _OUT = PathName(dir_okay=False, path_type=Path)
     "catalogues",
     multiple=True,
     metavar="NAME|FILE",
-    help="Instead of a simulator, what one can show: carla-0.9.16, a JSON file ...; several are compared.",
+    help="Catalogue to prune for instead of a simulator's: a name such as carla-0.9.16, or a JSON file; several are compared.",
+)
+@click.option("--exact", is_flag=True, help="Drop branches that need substitute assets.")
+@click.option(
+    "--decisions", type=OutputName(), help="File for the decision and reason of every node."
 )
 @click.option(
-    "--exact", is_flag=True, help="Drop branches that are shown with substitute assets only."
-)
-@click.option("--decisions", type=_OUT, help="File to write: a decision with its reason per node.")
-@click.option(
-    "--restore", type=_OUT, help="File to write: what would restore the dropped branches."
+    "--restore",
+    type=OutputName(),
+    help="File for the ranked additions that would restore dropped branches.",
 )
 @json_option
 @out_option
@@ -56,9 +56,9 @@ def prune(
 ) -> None:
     """Prune the tree in the file TREE to what a simulator can show.
 
-    Writes the simulatable tree, and a summary on standard error. Branches that need substitute assets stay
-    unless --exact is given; a study drops them, as with --exact. Several --catalogue options compare the
-    catalogues instead, and write a table of all branches, or the comparison as JSON with --json.
+    Writes the simulatable tree, and a summary to standard error. Branches that need substitute assets are kept
+    unless --exact is given; `oodscen run` always drops them. With several --catalogue options, writes a
+    comparison of the catalogues instead, as a table or with --json as JSON.
     """
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue
@@ -71,7 +71,9 @@ def prune(
     offered = {name: make_catalogue(name) for name in catalogues or (simulator,)}
     if len(offered) > 1:
         if decisions or restore:
-            raise UsageError("--decisions and --restore are for one catalogue; use --json")
+            raise UsageError(
+                "--decisions and --restore need a single catalogue; for several, use --json"
+            )
         judged = {name: _judged(model, one, grown, exact) for name, one in offered.items()}
         found = compare(grown, offered, judged)
         words = found.model_dump_json(indent=2) if as_json else str(found)

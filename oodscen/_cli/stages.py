@@ -20,7 +20,7 @@ from oodscen._cli.options import (
     style_option,
 )
 from oodscen._cli.output import read_lines, rounds_in_words, say, write, write_lines
-from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
 from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
@@ -33,40 +33,44 @@ _SIMULATED = ("study.json", "episodes.jsonl", "frames", "traces", "videos")
 """Files and folders whose presence makes `simulate` refuse a folder."""
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @llm_options
 @seed_option
 @click.option(
-    "--nodes", default=paper.NODES["initial"], show_default=True, type=click.IntRange(12, 2_000)
+    "--nodes",
+    default=paper.NODES["initial"],
+    show_default=True,
+    type=click.IntRange(12, 2_000),
+    help="Size of the tree.",
 )
 @out_option
 def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None) -> None:
-    """Grow an initial tree."""
+    """Grow the initial scenario tree."""
     from oodscen import TreeGrower, make_llm
 
     tree = TreeGrower(make_llm(llm, seed=seed, api_base=api_base), nodes=nodes).run()
     write(out, tree.to_json())
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("tree", type=READABLE)
 @llm_options
-@click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
+@click.option("--red-llm", help="Model that imagines scenarios.  [default: --llm]")
 @seed_option
 @click.option(
     "--iterations",
     type=click.IntRange(0, 100_000),
-    help=f"Rounds, at most.  [default: {paper.ITERATIONS}; with --budget as many as it allows]",
+    help=f"Maximum number of rounds.  [default: {paper.ITERATIONS}; with --budget, as many as it allows]",
 )
-@click.option("--budget", type=click.IntRange(min=0), help="Model calls, at most.")
+@click.option("--budget", type=click.IntRange(min=0), help="Maximum number of model calls.")
 @click.option(
     "--encoder",
     default=DEFAULT_ENCODER,
     show_default=True,
-    help="Encoder that finds near duplicates, as in a study; `none` refuses literal repetitions alone.",
+    help="Text encoder that detects near duplicates; `none` detects literal repetitions only.",
 )
 @red_options
-@click.option("--log", type=PathName(dir_okay=False, path_type=Path), help="File of the rounds.")
+@click.option("--log", type=OutputName(), help="File for the log of all rounds.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the saturation as JSON instead of the tree."
 )
@@ -86,7 +90,7 @@ def redteam(
     out: Path | None,
     **choices: Any,
 ) -> None:
-    """Red-team the tree in the file TREE."""
+    """Extend the tree in the file TREE by red teaming."""
     from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
     from oodscen.encoders import CachedEncoder
     from oodscen.stages._redteam.saturation import saturation
@@ -106,7 +110,7 @@ def redteam(
         },
     )
     played = []
-    total = None if teamer.limits.budget else teamer.limits.rounds
+    total = None if teamer.options.budget else teamer.options.iterations
     for item in tqdm(teamer.rounds(grown), total=total, desc="redteam", disable=None):
         grown = grown.apply(*item.edits)
         played.append(item)
@@ -123,29 +127,39 @@ def redteam(
         say(words, err=True)
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("tree", type=READABLE)
 @llm_options
 @seed_option
-@click.option("--per-path", default=paper.PER_PATH, show_default=True, type=click.IntRange(1, 999))
-@click.option("--encoder", help="Encoder that finds near duplicates; none if left out.")
+@click.option(
+    "--per-path",
+    default=paper.PER_PATH,
+    show_default=True,
+    type=click.IntRange(1, 999),
+    help="Texts per path.",
+)
+@click.option("--encoder", help="Text encoder that detects near duplicates.  [default: none]")
 @style_option
 @click.option(
     "--candidates",
     default=1,
     show_default=True,
     type=click.IntRange(1, 100),
-    help="Texts written for each that is kept; the most diverse are kept.",
+    help="Texts written per text kept; the most diverse are kept.",
 )
 @click.option(
     "--band",
     nargs=2,
     type=FINITE,
     metavar="LO HI",
-    help="Keep only texts whose OOD-ness lies in this band.",
+    help="Keep only texts whose OOD-ness lies between these values.",
 )
-@click.option("--baseline", type=READABLE, help="Ordinary-driving texts for the band.")
-@click.option("--twins", is_flag=True, help="Write every text's ordinary twin as well.")
+@click.option(
+    "--baseline",
+    type=READABLE,
+    help="Texts of ordinary driving, for the band.  [default: the shipped corpus]",
+)
+@click.option("--twins", is_flag=True, help="Also write the ordinary twin of every text.")
 @out_option
 def describe(
     tree: Path,
@@ -161,10 +175,10 @@ def describe(
     twins: bool,
     out: Path | None,
 ) -> None:
-    """Describe every path of the tree in the file TREE: one scenario per line.
+    """Write texts for every path of the tree in the file TREE, one scenario per line.
 
-    A path with too few texts inside --band, or for which the model gives no answer, is reported on standard
-    error; all other paths are written, and the exit code is 1.
+    Paths with too few texts inside --band, or without an answer from the model, are reported on standard error
+    and skipped; the exit code is then 1.
     """
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
     from oodscen.baselines import load_baseline
@@ -201,7 +215,7 @@ def describe(
     sys.exit(bool(failures))
 
 
-@click.command()
+@click.command(cls=FileCommand)
 @click.argument("scenarios", type=READABLE)
 @llm_options
 @seed_option
@@ -210,7 +224,7 @@ def describe(
     "--claims/--no-claims",
     default=True,
     show_default=True,
-    help="Compare every scene with what its text says.",
+    help="Check every scene against the claims of its text.",
 )
 @out_option
 def augment(
@@ -222,10 +236,9 @@ def augment(
     claims: bool,
     out: Path | None,
 ) -> None:
-    """Stage every scenario of the file SCENARIOS: one scene per line.
+    """Turn every scenario of the file SCENARIOS into a scene, one per line.
 
-    A text that cannot be staged is reported on standard error; all other texts are written as scenes, and the
-    exit code is 1.
+    Texts that cannot be staged are reported on standard error and skipped; the exit code is then 1.
     """
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
@@ -250,7 +263,13 @@ def augment(
 @simulator_option
 @seed_option
 @extras_options
-@click.option("--workers", default=1, show_default=True, type=click.IntRange(1, 256))
+@click.option(
+    "--workers",
+    default=1,
+    show_default=True,
+    type=click.IntRange(1, 256),
+    help="Simulation processes.",
+)
 def simulate(
     scenes: Path,
     out: Path,
@@ -261,10 +280,10 @@ def simulate(
     video: Any,
     workers: int,
 ) -> None:
-    """Run every scene of the file SCENES; episodes and frames go into the folder OUT.
+    """Simulate every scene of the file SCENES into the folder OUT.
 
-    A scene that cannot be run gives a failed episode, and the exit code is 1. A folder that already holds a
-    study or simulation results is refused.
+    Writes episodes.jsonl and the frames. A scene that cannot be run becomes a failed episode, and the exit code
+    is 1. A folder that already holds a study or simulation results is refused.
     """
     from oodscen import Scene, make_simulator
     from oodscen._pipeline.sweep import Extras, Job, sweep

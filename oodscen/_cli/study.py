@@ -31,13 +31,13 @@ from oodscen.errors import UsageError
 @click.command()
 @click.argument("out", type=PathName(file_okay=False, path_type=Path))
 @llm_options
-@click.option("--red-llm", help="Model that imagines scenarios; the same as --llm if left out.")
+@click.option("--red-llm", help="Model that imagines scenarios.  [default: --llm]")
 @click.option(
     "--context",
     type=click.IntRange(min=2_048),
-    help="Tokens that --llm can read and write, e.g. 4096; longer questions are shortened.",
+    help="Context window of --llm in tokens, e.g. 4096; longer questions are shortened.",
 )
-@click.option("--fallback", help="Model that is asked where the others give no answer.")
+@click.option("--fallback", help="Model to ask if the others give no answer.")
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @judging_options
 @traffic_options
@@ -47,11 +47,18 @@ from oodscen.errors import UsageError
     "catalogues",
     multiple=True,
     metavar="NAME|FILE",
-    help="Prune for this catalogue too, to compare; repeatable.  [default: carla-0.9.16 if built-in]",
+    help="Catalogue to compare with the simulator's; repeatable.  [default: carla-0.9.16 with the built-in author]",
 )
-@click.option("--encoder", default=DEFAULT_ENCODER, show_default=True, help="Name, or module:attr.")
 @click.option(
-    "--baseline", type=READABLE, help="Ordinary-driving texts: lines, JSONL, CSV or JSON."
+    "--encoder",
+    default=DEFAULT_ENCODER,
+    show_default=True,
+    help="Text encoder: a registered name, or module:attr.",
+)
+@click.option(
+    "--baseline",
+    type=READABLE,
+    help="Texts of ordinary driving: lines, JSONL, CSV or JSON.  [default: the shipped corpus]",
 )
 @click.option(
     "--nodes",
@@ -64,7 +71,9 @@ from oodscen.errors import UsageError
     help=f"Rounds of red teaming.  [default: {paper.ITERATIONS}]",
 )
 @click.option(
-    "--red-budget", type=click.IntRange(min=0), help="Model calls of the red teaming, at most."
+    "--red-budget",
+    type=click.IntRange(min=0),
+    help="Maximum number of model calls for red teaming.",
 )
 @red_options
 @click.option(
@@ -76,12 +85,12 @@ from oodscen.errors import UsageError
 @click.option(
     "--candidates",
     type=click.IntRange(1, 100),
-    help="Texts written for each that is kept; the most diverse are kept.  [default: 1]",
+    help="Texts written per text kept; the most diverse are kept.  [default: 1]",
 )
 @click.option(
     "--twins/--no-twins",
     default=None,
-    help="Write every text's ordinary twin.  [default: where the built-in author writes]",
+    help="Write the ordinary twin of every text.  [default: only with the built-in author]",
 )
 @click.option("--max-paths", type=click.IntRange(min=1), help="Simulate at most this many paths.")
 @click.option(
@@ -89,23 +98,21 @@ from oodscen.errors import UsageError
     nargs=2,
     type=FINITE,
     metavar="LO HI",
-    help="Stage only texts whose OOD-ness lies in this band.",
+    help="Stage only texts whose OOD-ness lies between these values.",
 )
 @click.option(
     "--workers",
     type=click.IntRange(1, 256),
-    help="Processes that simulate.  [default: number of CPUs]",
+    help="Simulation processes.  [default: number of CPUs]",
 )
 @extras_options
 @seed_option
-@click.option("--quick", is_flag=True, help="A complete small run in seconds.")
-@click.option(
-    "--retry-failed", is_flag=True, help="Do items again whose answers were never valid, too."
-)
+@click.option("--quick", is_flag=True, help="Run a small but complete study in seconds.")
+@click.option("--retry-failed", is_flag=True, help="Also redo items whose answers were invalid.")
 @click.option(
     "--dry-run",
     is_flag=True,
-    help="Only say how many calls and tokens the run needs, at what cost.",
+    help="Check the options and estimate calls, tokens and cost, without asking a model.",
 )
 @json_option
 def run(
@@ -122,12 +129,12 @@ def run(
     protocol: str,
     **choices: Any,
 ) -> None:
-    """Run the whole paper into the folder OUT, or continue a run that stopped.
+    """Run the whole pipeline into the folder OUT, or continue a stopped run.
 
-    Models that `oodscen evaluate` judged in OUT stay judged. The exit code is 1 if items failed, and 3 if the
-    run was stopped by a cap or a server that is down; the same command continues it.
+    Models judged by earlier runs of `oodscen evaluate` are kept. The exit code is 1 if items failed, and 3 if
+    a cap or an unreachable server stopped the run; run the same command to continue.
     """
-    from oodscen._pipeline import Extras, estimate, run_study
+    from oodscen._pipeline import Extras, RunOptions, estimate, run_study
     from oodscen.llm._accounting import Ledger
     from oodscen.study import Study, StudyConfig
 
@@ -144,7 +151,7 @@ def run(
     if before.store.has("study.json"):
         config = config.judging_too(before.config)
     if dry_run:
-        rows = estimate(out, config, prices=traffic.prices)
+        rows = estimate(out, config, RunOptions(workers=workers or 1, traffic=traffic))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     ledger = Ledger()
@@ -173,22 +180,20 @@ def run(
 
 @click.command()
 @click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
-@click.option("--vlm", "vlms", multiple=True, help="Vision-language model; repeatable.")
+@click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @click.option(
     "--drop",
     "dropped",
     multiple=True,
     metavar="MODEL",
-    help="Take a judged model out of the study, before others are judged; repeatable.",
+    help="Remove a judged model from the study first; repeatable.",
 )
 @judging_options
 @click.option(
     "--api-base",
     help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
 )
-@click.option(
-    "--retry-failed", is_flag=True, help="Ask again where no usable answer came the last time."
-)
+@click.option("--retry-failed", is_flag=True, help="Ask again where the last answer was unusable.")
 @traffic_options
 @json_option
 def evaluate(
@@ -202,12 +207,12 @@ def evaluate(
     as_json: bool,
     **choices: Any,
 ) -> None:
-    """Judge further vision-language models on the study in the folder OUT.
+    """Judge more vision-language models on the study in the folder OUT.
 
-    Prints the leaderboard, or leaderboard.json with --json. The exit code is 1 if a model judged here left an
-    item without a usable answer. After all new items, items without an answer are asked again, those of
-    earlier models included; a model that is given up costs its own items only. With --drop alone no model is
-    asked. --judge scores the open aspects of all models and references, those of earlier runs too.
+    Prints the leaderboard, or leaderboard.json with --json. New items are asked first, then unanswered items
+    of all models. If a model is given up, only its own items are lost. --drop alone asks no model. --judge scores
+    the open answers of all models, including earlier ones. The exit code is 1 if a model judged here left an item
+    without a usable answer.
     """
     from oodscen._pipeline import run_study
     from oodscen._pipeline.dropping import drop_models
@@ -218,7 +223,7 @@ def evaluate(
     click.get_current_context().with_resource(before.store.writing())
     if not vlms and not dropped and not judge:
         raise UsageError(
-            "name a model to judge (--vlm MODEL), one to take out (--drop MODEL), or who scores what was said "
+            "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
             "(--judge MODEL)"
         )
     for name, count in drop_models(before, dropped).items() if dropped else ():

@@ -9,7 +9,7 @@ import click
 from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import json_option, out_option
 from oodscen._cli.output import say, write
-from oodscen._cli.paths import PathName
+from oodscen._cli.paths import FileCommand, PathName
 from oodscen.errors import DataError, Issue
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -23,7 +23,7 @@ _which_option = click.option(
     type=click.Choice(_TREES),
     default="diverse",
     show_default=True,
-    help="Tree of a study, where a folder is given.",
+    help="Tree to read if a study's folder is given.",
 )
 
 
@@ -31,22 +31,27 @@ def _encoder_options(command: Any) -> Any:
     threshold = click.option(
         "--threshold",
         type=FiniteRange(-1.0, 1.0),
-        help="Least centred cosine of two labels that mean the same.",
+        help="Minimum centred cosine of labels with the same meaning.",
     )
     encoder = click.option(
-        "--encoder", help="Pair nodes by meaning too, e.g. minilm; else by id and label alone."
+        "--encoder",
+        help="Also match nodes by meaning with this text encoder, e.g. minilm; otherwise by id and label only.",
     )
     return encoder(threshold(command))
 
 
 @click.group()
 def tree() -> None:
-    """Inspect scenario trees: files, or the trees of a study."""
+    """Inspect and combine scenario trees, from files or studies."""
 
 
 @tree.command()
 @click.argument("place", metavar="TREE", type=_PLACE)
-@click.option("--node", "node_id", help="Say who put this node there and why, and what came later.")
+@click.option(
+    "--node",
+    "node_id",
+    help="Print the provenance of this node: who added it, why, and later edits.",
+)
 @click.option("--ids", is_flag=True, help="Show the ids of nodes.")
 @_which_option
 @json_option
@@ -65,7 +70,7 @@ def show(place: Path, node_id: str | None, ids: bool, which: str, as_json: bool)
 @click.argument("other", type=_PLACE)
 @_encoder_options
 @click.option("--mermaid", is_flag=True, help="Print a Mermaid chart of the changes.")
-@click.option("--exit-code", is_flag=True, help="Exit with 1 where the trees differ.")
+@click.option("--exit-code", is_flag=True, help="Exit with 1 if the trees differ.")
 @_which_option
 @json_option
 def diff(
@@ -78,7 +83,7 @@ def diff(
     which: str,
     as_json: bool,
 ) -> None:
-    """Print what the tree OTHER adds to the tree ONE, lacks, renames and moves."""
+    """Print the nodes that OTHER adds to, removes from, renames and moves in the tree ONE."""
     from oodscen.tree import diff as compare
 
     found = compare(_read(one, which), _read(other, which), **_meaning(encoder, threshold))
@@ -93,11 +98,11 @@ def diff(
         click.get_current_context().exit(1)
 
 
-@tree.command()
+@tree.command(cls=FileCommand)
 @click.argument("one", type=_PLACE)
 @click.argument("other", type=_PLACE)
 @_encoder_options
-@click.option("--name", help="What OTHER is called in the log.  [default: merge-1, merge-2 ...]")
+@click.option("--name", help="Name of OTHER in the log.  [default: merge-1, merge-2 ...]")
 @_which_option
 @out_option
 def merge(
@@ -109,7 +114,7 @@ def merge(
     which: str,
     out: Path | None,
 ) -> None:
-    """Write the tree ONE together with everything that only the tree OTHER has, in its place."""
+    """Merge the nodes that only the tree OTHER has into the tree ONE."""
     from oodscen.tree import merge as merged
 
     trees = _read(one, which), _read(other, which)
@@ -120,12 +125,16 @@ def merge(
 @tree.command()
 @click.argument("folder", type=PathName(exists=True, file_okay=False, path_type=Path))
 @click.option(
-    "--which", type=click.Choice(_TREES), default="simulatable", show_default=True, help="Its tree."
+    "--which",
+    type=click.Choice(_TREES),
+    default="simulatable",
+    show_default=True,
+    help="Tree to count.",
 )
-@click.option("--exit-code", is_flag=True, help="Exit with 1 where a leaf lacks something.")
+@click.option("--exit-code", is_flag=True, help="Exit with 1 if a leaf has gaps.")
 @json_option
 def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
-    """Count texts, scenes, episodes and outcomes of the study FOLDER per node, leaves included; list the holes."""
+    """Count the texts, scenes, episodes and outcomes per node of the study FOLDER, and list the gaps."""
     from oodscen.study import Study
     from oodscen.tree import study_coverage
 
@@ -135,7 +144,7 @@ def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
         click.get_current_context().exit(1)
 
 
-@tree.command()
+@tree.command(cls=FileCommand)
 @click.argument("place", metavar="TREE", type=_PLACE)
 @click.option(
     "--format",
@@ -143,7 +152,7 @@ def coverage(folder: Path, which: str, exit_code: bool, as_json: bool) -> None:
     type=click.Choice(("mermaid", "dot", "json", "nested", "html")),
     default="mermaid",
     show_default=True,
-    help="json is the flat list with the log; nested has objects within each other.",
+    help="Output format; json is the flat list with the edit log, nested the tree as nested objects.",
 )
 @_which_option
 @out_option
@@ -162,14 +171,14 @@ def export(place: Path, form: str, which: str, out: Path | None) -> None:
     write(out, makers[form](found))
 
 
-@tree.command()
+@tree.command(cls=FileCommand)
 @click.argument("place", metavar="TREE", type=_PLACE)
-@click.option("--edit", type=click.IntRange(min=0), help="Stop after so many edits.")
+@click.option("--edit", type=click.IntRange(min=0), help="Stop after this many edits.")
 @click.option(
     "--round", "round_", type=click.IntRange(min=0), help="Stop after this red-team round."
 )
 @click.option("--stage", help="Stop after the last edit of this stage: grow, redteam, prune ...")
-@click.option("--undo", type=int, multiple=True, help="Then undo this edit; repeatable.")
+@click.option("--undo", type=int, multiple=True, help="Undo this edit afterwards; repeatable.")
 @_which_option
 @json_option
 @out_option
@@ -183,7 +192,7 @@ def replay(
     as_json: bool,
     out: Path | None,
 ) -> None:
-    """Print the log of a tree up to a given point; with --out, write the tree as it was at that point."""
+    """Print the edit log of a tree up to a given point, or with --out write the tree at that point."""
     from oodscen.tree import replay as played
 
     found = _read(place, which)

@@ -2,28 +2,21 @@
 
 import time
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
 from oodscen._pipeline.models import Models
-from oodscen._pipeline.sweep import Extras
+from oodscen._pipeline.options import RunOptions
 from oodscen._redaction import redact
 from oodscen._registry import make_encoder, make_simulator
 from oodscen.data._base import Data
 from oodscen.encoders import CachedEncoder
 from oodscen.errors import StudyError
-from oodscen.llm._accounting import Ledger
-from oodscen.llm._remote.limits import Traffic
-from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
 
 Item = TypeVar("Item")
-
-Progress = Callable[[str, int, int], None]
-"""Called after every finished item of a long task with the stage, the items done and their total."""
 
 
 class Context:
@@ -32,48 +25,20 @@ class Context:
     Args:
         out: The study's folder.
         config: What to run.
-        workers: Simulation processes; 0 simulates in this process.
-        executor: Runs the simulation jobs instead of local processes.
-        progress: Called after every finished item.
-        models: Models to use for names in the configuration.
-        extras: Further outputs to keep for each episode.
-        traffic: Caps, prices and concurrency of the models.
-        ledger: Keeps running totals of the calls.
-        retry: Redo all failed items; otherwise only those marked as retryable.
+        options: How to run it.
     """
 
     def __init__(
-        self,
-        out: str | Path,
-        config: StudyConfig,
-        *,
-        workers: int = 0,
-        executor: Executor | None = None,
-        progress: Progress | None = None,
-        models: Mapping[str, LLM] | None = None,
-        extras: Extras | None = None,
-        traffic: Traffic | None = None,
-        ledger: Ledger | None = None,
-        retry: bool = False,
+        self, out: str | Path, config: StudyConfig, options: RunOptions | None = None
     ) -> None:
         self.study = Study(out)
         self.store = self.study.store
         self.config = config
-        self.workers = workers
-        self.executor = executor
-        self.progress = progress or (lambda stage, done, total: None)
-        self.retry = retry
-        self.models = Models(
-            config,
-            self.store,
-            traffic or Traffic(),
-            given=models,
-            ledger=ledger,
-            is_retry=retry,
-        )
+        self.options = options or RunOptions()
+        self.progress = self.options.progress
+        self.models = Models(config, self.store, self.options)
         self.cancel = self.models.traffic.close
         """Called when waiting for answers is interrupted, so that pending calls end soon."""
-        self.extras = extras or Extras()
         self.seconds: dict[str, float] = {}
         """Wall-clock seconds of this run, by stage."""
 
@@ -88,7 +53,7 @@ class Context:
         self.llm = self.models.author(self.config.llm)
         self.red_llm = self.models.author(self.config.red_llm or self.config.llm)
         self.threads = self.models.threads(self.config.llm)
-        for name in filter(None, (*self.config.vlms, self.config.judge)):
+        for name in self.config.models:
             self.models.get(name)
 
     def each(
@@ -162,7 +127,9 @@ class Context:
 
     def is_again(self, line: Mapping[str, Any]) -> bool:
         """Return whether the item of a line must be redone."""
-        return line.get("status") == "failed" and (self.retry or line.get("retryable") is True)
+        return line.get("status") == "failed" and (
+            self.options.retry or line.get("retryable") is True
+        )
 
     @contextmanager
     def timed(self, stage: str) -> Iterator[None]:

@@ -3,16 +3,20 @@
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
+from oodscen._files import temporary_folder
+from oodscen._pipeline.models import Models
+from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
+from oodscen._pipeline.sweep import check_workers
 from oodscen._registry import is_builtin, make_llm
 from oodscen.data._messages import Image, Message
 from oodscen.data._twins import twin_id
 from oodscen.data._verdict import verdict_id
-from oodscen.errors import MissingExtra, StudyError, StudyMismatch, UnknownComponent
+from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.llm._accounting import Account, accounts
+from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.limits import Price
 from oodscen.llm._remote.litellm import known_price, load_litellm
 from oodscen.llm._remote.usage import IMAGE_TOKENS
@@ -34,7 +38,7 @@ _FRAMES = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in ("first",
 
 
 def estimate(
-    out: str | Path, config: StudyConfig, *, prices: Mapping[str, Price] | None = None
+    out: str | Path, config: StudyConfig, options: RunOptions | None = None
 ) -> list[Account]:
     """Return the calls, tokens and cost that a run into a folder still needs, per stage and model.
 
@@ -46,19 +50,26 @@ def estimate(
     Args:
         out: The study's folder, which need not exist.
         config: What would be run.
-        prices: Prices by model name, for models whose price litellm does not know.
+        options: How it would be run; prices are for models whose price litellm does not know.
 
     Raises:
+        UsageError: When a run would be refused: an unknown model, a malformed address, a cap on the cost of a model
+            without a price, a simulator that workers cannot import.
         StudyMismatch: When the folder holds a study of another configuration.
         FolderTaken: When the folder holds no study, but files that a study would write.
     """
-    study = Study(out)
+    study, options = Study(out), options or RunOptions()
     study.check()
-    with TemporaryDirectory() as folder:
+    check_workers(config.simulator, options.workers, options.executor)
+    models = Models(config, study.store, options)
+    for name in config.models:
+        models.get(name)
+    prices = options.traffic.prices
+    with temporary_folder() as folder:
         _copy(study, Path(folder))
         names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
         asked = {name: _StandIn(name, config.seed, prices) for name in names if _is_asked(name)}
-        pipeline = Pipeline(folder, config, models=asked)
+        pipeline = Pipeline(folder, config, RunOptions(models=asked))
         try:
             pipeline.prepare()
         except StudyMismatch as error:
@@ -70,7 +81,7 @@ def estimate(
         for name in filter(_is_asked, config.vlms):
             model = _StandIn(name, config.seed, prices)
             lines += [
-                {"stage": "evaluate", "model": name, **model.usage(request, 300).model_dump()}
+                model.line(request)
                 for scene in scenes
                 for item in (scene.id, twin_id(scene.id))
                 if verdict_id(item, name) not in judged
@@ -90,7 +101,8 @@ def _copy(study: Study, target: Path) -> None:
             try:
                 shutil.copy(study.store.path(name), target / name)
             except OSError as error:
-                raise StudyError(f"cannot read {study.folder / name}: {error.strerror}") from None
+                issue = Issue("", error.strerror or str(error))
+                raise DataError("study", [issue], source=str(study.folder / name)) from None
 
 
 def _judging() -> Iterator[Request]:
@@ -109,14 +121,25 @@ def _judging() -> Iterator[Request]:
 class _StandIn:
     """The built-in author under another model's name and price."""
 
-    def __init__(self, name: str, seed: int, prices: Mapping[str, Price] | None) -> None:
+    def __init__(self, name: str, seed: int, prices: Mapping[str, Price]) -> None:
         self.name = name
         self._author: LLM = make_llm("builtin", seed=seed)
-        self._price = (prices or {}).get(name) or _price(name)
+        self._price = prices.get(name) or _price(name)
 
     def complete(self, request: Request) -> Completion:
         text = self._author.complete(request).text
         return Completion(text=text, usage=self.usage(request, len(text)))
+
+    def line(self, request: Request) -> dict[str, Any]:
+        """Return the call of a judging question with an answer of ordinary length."""
+        usage = self.usage(request, 300)
+        cacheable = round(cacheable_share(request) * usage.input_tokens)
+        return {
+            "stage": "evaluate",
+            "model": self.name,
+            "cacheable_tokens": cacheable,
+            **usage.model_dump(),
+        }
 
     def usage(self, request: Request, characters: int) -> Usage:
         asked = sum(map(_tokens, request.messages))

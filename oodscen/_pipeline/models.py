@@ -1,14 +1,11 @@
 """The models of one run: made by name, metered, recorded and accounted for."""
 
-from collections.abc import Mapping
-
+from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
 from oodscen.judging._references import is_reference
-from oodscen.llm._accounting import Ledger
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._capped import MeteredLLM
 from oodscen.llm._fallback import FallbackLLM
-from oodscen.llm._remote.limits import Traffic
 from oodscen.llm._replay import Recorder, RecordingLLM, ReplayLLM
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
@@ -27,30 +24,16 @@ class Models:
     Args:
         config: Provides names, seed and address.
         store: The study's files.
-        traffic: Caps, prices and endpoints of the run.
-        given: Models to use for names in the configuration.
-        ledger: Receives every call.
-        is_retry: Repeat failed questions even where an answer is recorded.
+        options: Provides models given for names, caps, prices and endpoints, and receives every call.
     """
 
-    def __init__(
-        self,
-        config: StudyConfig,
-        store: Store,
-        traffic: Traffic,
-        *,
-        given: Mapping[str, LLM] | None = None,
-        ledger: Ledger | None = None,
-        is_retry: bool = False,
-    ) -> None:
+    def __init__(self, config: StudyConfig, store: Store, options: RunOptions) -> None:
         self.stage = ""
         """The study's current stage, written to every line of `calls.jsonl`."""
-        self.traffic = traffic
+        self.traffic = options.traffic
         self._config = config
         self._store = store
-        self._given = given or {}
-        self._ledger = ledger or Ledger()
-        self._is_retry = is_retry
+        self._options = options
         self._made: dict[str, LLM] = {}
         self._recorder: Recorder | None = None
 
@@ -89,10 +72,10 @@ class Models:
             return logged
         if self._recorder is None:
             self._recorder = Recorder.at(self._store.path(ANSWERS))
-        return RecordingLLM(logged, self._recorder, is_reading=not self._is_retry)
+        return RecordingLLM(logged, self._recorder, is_reading=not self._options.retry)
 
     def _make(self, name: str) -> LLM:
-        given = self._given.get(name)
+        given = self._options.models.get(name)
         made = make_llm(
             given or name,
             seed=self._config.seed,
@@ -106,5 +89,5 @@ class Models:
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})
-        self._ledger.add(call)
+        self._options.ledger.add(call)
         self._store.append("calls.jsonl", call)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from oodscen._pipeline.context import Context
+from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import compare_catalogues
 from oodscen._pipeline.steps.judge import evaluate, judged, outcomes
 from oodscen._pipeline.steps.measure import measure
@@ -47,7 +48,7 @@ class Pipeline:
     Args:
         out: The study's folder.
         config: What to run.
-        options: Options of `Context`; none of them is part of the study's identity.
+        options: How to run it; no part of the study's identity.
 
     Raises:
         StudyMismatch: When the folder holds a study of another configuration.
@@ -55,8 +56,10 @@ class Pipeline:
         StudyError: When the folder cannot be written.
     """
 
-    def __init__(self, out: str | Path, config: StudyConfig, **options: Any) -> None:
-        self.context = Context(out, config, **options)
+    def __init__(
+        self, out: str | Path, config: StudyConfig, options: RunOptions | None = None
+    ) -> None:
+        self.context = Context(out, config, options)
         self.study = self.context.study
         self.store = self.context.store
         self.config = config

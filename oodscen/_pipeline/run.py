@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import Any
 
-from oodscen._pipeline.context import Progress
+from oodscen._pipeline.options import Progress, RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import Extras, check_workers
 from oodscen.llm._accounting import Ledger
@@ -50,16 +51,13 @@ def run_study(
     """
     config = config or StudyConfig()
     check_workers(config.simulator, workers, executor)
-    pipeline = Pipeline(
-        out,
-        config,
-        workers=workers,
-        executor=executor,
-        progress=progress,
-        models=models,
-        extras=extras,
-        traffic=traffic,
-        ledger=ledger,
-        retry=retry,
-    )
-    return pipeline.run()
+    given = {
+        "progress": progress,
+        "models": models,
+        "extras": extras,
+        "traffic": traffic,
+        "ledger": ledger,
+    }
+    options: dict[str, Any] = {name: one for name, one in given.items() if one is not None}
+    means = RunOptions(workers=workers, executor=executor, retry=retry, **options)
+    return Pipeline(out, config, means).run()

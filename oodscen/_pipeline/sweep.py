@@ -1,21 +1,22 @@
 """Sweeps over many scenes in worker processes: picklable jobs go out, bytes come back."""
 
+import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Literal
 
 from oodscen._conformance import reason
+from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
-from oodscen.driving._trace import to_parquet
+from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
@@ -209,7 +210,14 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
     prefix = "whole-" if job.protocol == "paper" else ""
     files = {moment: f"frames/{scene.id}/{prefix}{moment}.jpg" for moment in frames}
-    named = {"frames": files, "files": tuple(sorted(extra))}
+    written = extra | {files[moment]: data for moment, data in frames.items()}
+    named = {
+        "frames": files,
+        "files": tuple(sorted(extra)),
+        "file_sha256": {
+            name: hashlib.sha256(data).hexdigest() for name, data in sorted(written.items())
+        },
+    }
     changed = scene if scene is not given else None
     return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed, tried)
 
@@ -231,7 +239,7 @@ def _extra_files(
                 files[f"frames/{scene.id}/{name}"] = data
     if job.extras.video:
         action = next(iter(simulated.episode.safe_set), None)
-        with TemporaryDirectory() as folder:
+        with temporary_folder() as folder:
             path = Path(folder, "video.mp4")
             record(scene, simulator, path, driver=action, view=job.extras.video, seed=job.seed)
             files[f"videos/{scene.id}.mp4"] = path.read_bytes()

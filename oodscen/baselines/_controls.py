@@ -9,13 +9,12 @@ The pairs are split in halves. *Tune* serves to choose a detector, a threshold, 
 that the baseline lacks. *Frozen* serves to report results once the choice is made.
 """
 
-import json
 from functools import cache
-from importlib import resources
 from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 
 Split = Literal["tune", "frozen"]
@@ -52,6 +51,5 @@ def load_controls(split: Split) -> tuple[Control, ...]:
 
 @cache
 def _controls() -> tuple[Control, ...]:
-    file = resources.files("oodscen.baselines") / "controls.jsonl"
-    lines = file.read_text(encoding="utf-8").splitlines()
-    return tuple(Control.parse(json.loads(line), source=file.name) for line in lines)
+    lines = bundled("controls.jsonl").splitlines()
+    return tuple(Control.parse(line, source="controls.jsonl") for line in lines)

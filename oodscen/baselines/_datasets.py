@@ -149,10 +149,9 @@ def _header(rows: Rows) -> tuple[str, ...]:
 def _drivelm(document: Any) -> Found:
     """Read `{scene token: {scene_description, key_frames: {frame token: {key_object_infos, QA}}}}`.
 
-    `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior. Texts refer to
-    an object by a tag such as `<c1,CAM_FRONT,1043.2,82.2>`; the object's description replaces it, or "the object"
-    if
-    the file has none.
+    `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior.
+    Texts refer to an object by a tag such as `<c1,CAM_FRONT,1043.2,82.2>`; the object's description
+    replaces it, or "the object" if the file has none.
     """
     for token, scene in _members(document, "", "scene"):
         if isinstance(scene, Issue):

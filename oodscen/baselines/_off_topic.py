@@ -1,21 +1,19 @@
 """Texts that are not about driving a car on a road, for calibrating the off-topic guard.
 
 *Near misses* share words with driving (aircraft, trains, cycle races, motor sport, car finance, car
-repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small talk,
-code, gibberish), or are in a language other than English, which the default encoder does not read. All
-were written by hand and are split in halves like the controls. A third part, *blind*, was written by an author
-who had
-seen neither these texts nor the guard.
+repair, packets and gels in lanes). *Off-topic* texts share nothing with it (recipes, law, small
+talk, code, gibberish), or are in a language other than English, which the default encoder does not
+read. All were written by hand and are split in halves like the controls. A third part, *blind*, was
+written by an author who had seen neither these texts nor the guard.
 """
 
-import json
 from functools import cache
-from importlib import resources
 from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from oodscen.baselines._controls import Split
+from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 
 
@@ -46,6 +44,5 @@ def load_off_topic(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
 
 @cache
 def _texts() -> tuple[OffTopic, ...]:
-    file = resources.files("oodscen.baselines") / "off_topic.jsonl"
-    lines = file.read_text(encoding="utf-8").splitlines()
-    return tuple(OffTopic.parse(json.loads(line), source=file.name) for line in lines)
+    lines = bundled("off_topic.jsonl").splitlines()
+    return tuple(OffTopic.parse(line, source="off_topic.jsonl") for line in lines)

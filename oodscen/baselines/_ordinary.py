@@ -10,7 +10,6 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._handwritten import handwritten_driving
+from oodscen.baselines._texts import bundled
 from oodscen.errors import UsageError
 
 _SIZE = 2000
@@ -159,8 +159,7 @@ class _Text:
 
 @cache
 def _rules() -> dict[str, Any]:
-    file = resources.files("oodscen.baselines") / "ordinary.toml"
-    return tomllib.loads(file.read_text(encoding="utf-8"))
+    return tomllib.loads(bundled("ordinary.toml"))
 
 
 def _suits(situation: Mapping[str, Any], tags: Sequence[str]) -> bool:

@@ -5,6 +5,7 @@ import io
 import json
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -28,6 +29,11 @@ class Record(NamedTuple):
     text: str
     group: str | None
     """The group of the text: its path in a scenario tree, if the file gives one."""
+
+
+def bundled(name: str, package: str = "oodscen.baselines") -> str:
+    """Return the content of a text file that ships with a package."""
+    return (resources.files(package) / name).read_text(encoding="utf-8")
 
 
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:

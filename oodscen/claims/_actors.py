@@ -1,5 +1,6 @@
 """Checks of claims about single actors: their place, distance, motion and state."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -10,7 +11,8 @@ from oodscen.claims._watching import decision_s
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
-from oodscen.driving._trace import Course, Trace, places
+from oodscen.driving._roads.projection import places
+from oodscen.driving._trace import Course, Trace
 
 Floats = NDArray[np.float64]
 Verdict = tuple[bool | None, str]
@@ -26,6 +28,9 @@ _ASIDE_M = 0.5
 """Lateral distance from the lane's middle beyond which an actor is to the left or right, m."""
 _IN_LANE = 0.3
 """Share of the lane, or of the actor if it is narrower, that an actor in the lane must cover."""
+_COLOURS = frozenset({"red", "amber", "green"})
+_SPREADS = frozenset({"obscured"})
+"""Tags of assets that spread out from where they are instead of moving."""
 _CLEAR_M = 1.0
 """Half the width that an ego in the middle of its lane needs, m."""
 
@@ -40,6 +45,8 @@ class Seen:
     asset: Asset
     state: str
     is_hazard: bool
+    is_carried: bool
+    """True if it belongs to another actor, which carries or tows it at first."""
     before: slice
     """Steps up to the decision."""
     ego_speed: float
@@ -91,6 +98,7 @@ class Seen:
                 asset=catalogue.asset(actor.asset),
                 state=actor.state,
                 is_hazard=actor.id in scene.hazard.actors,
+                is_carried=actor.behaviour.other is not None,
                 before=slice(0, decision),
                 ego_speed=scene.ego.speed,
                 own_lanes=own,
@@ -123,22 +131,25 @@ class Seen:
         taken: Floats = np.maximum(high - low, 0.0) / np.maximum(least, 1e-6)
         return taken
 
-    def judge(self, claim: Claim, *, moves: bool = False) -> Verdict:
-        """Judge a claim of kind place, distance, motion or state about this actor.
+    def judge(self, claim: Claim, told: Sequence[Claim] = ()) -> Verdict:
+        """Judge a claim of kind place, distance, motion, state or speed about this actor.
 
         Args:
             claim: The claim of the text.
-            moves: Whether the text also says that the same actor moves. It then has to be
-                stationary only at the start.
+            told: All claims about the same thing. One that also moves has to be stationary only at the start,
+                and one signal of two colours shows all.
         """
         if claim.kind == "place":
             return self._place(claim.value)
         if claim.kind == "distance":
             return self._distance(float(claim.value))
         if claim.kind == "motion":
+            moves = any(one.kind == "motion" and one.value != "stationary" for one in told)
             return self._motion(claim.value, moves)
         if claim.kind == "state":
-            return self._state(claim.value)
+            return self._state(claim.value, {one.value for one in told if one.kind == "state"})
+        if claim.kind == "speed":
+            return self._speed(float(claim.value))
         return True, "it is there"
 
     def _place(self, value: str) -> Verdict:
@@ -195,6 +206,8 @@ class Seen:
         if value == "braking":
             peak = np.maximum.accumulate(speed)
             return bool((peak - speed > np.maximum(0.25 * peak, 0.8)).any()), found
+        if _SPREADS & set(self.asset.tags):
+            return None, f"{self.asset.id} spreads where it is"
         sway = float(aside.max() - aside.min())
         swayed = f"it moves {sway:.1f} m to the side, from {aside[0]:+.1f} to {aside[-1]:+.1f} m"
         if value == "crossing":
@@ -205,10 +218,17 @@ class Seen:
             return bool(start > _ASIDE_M and (start - sign * aside).max() > 0.3), swayed
         share = self.share
         if value == "into_lane":
-            return bool(share.max() - share[0] > 0.1), swayed
+            lands = self.is_carried and share.max() >= _IN_LANE
+            return bool(lands or share.max() - share[0] > 0.1), swayed
         return bool(share.max() - share[-1] > 0.1), swayed
 
-    def _state(self, value: str) -> Verdict:
+    def _speed(self, kmh: float) -> Verdict:
+        speeds = 3.6 * self.speed
+        near = float(np.abs(speeds - kmh).min())
+        found = f"it moves at {speeds.min():.0f} to {speeds.max():.0f} km/h"
+        return near <= max(5.0, 0.2 * kmh), found
+
+    def _state(self, value: str, told: set[str]) -> Verdict:
         states = self.asset.states
         if not states:
             return None, f"{self.asset.id} has no states"
@@ -216,6 +236,8 @@ class Seen:
         if value == "off" and self.asset.category == "vehicle":
             stands_dark = self.state in ("", "off") and float(self.speed.max()) < _STILL
             return self.state == "unlit" or stands_dark, found
+        if value in _COLOURS and len(told & _COLOURS) > 1 and "all_on" in states:
+            return self.state == "all_on", f"{found}; several colours at once are 'all_on'"
         if value not in states:
             return None, f"{self.asset.id} cannot show {value!r}"
         return (self.state or states[0]) == value, found

@@ -3,6 +3,7 @@
 from typing import ClassVar
 
 from oodscen.claims._checking import Finding, judge_claims
+from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
@@ -10,7 +11,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving._trace import Trace
 from oodscen.llm._ask import ATTEMPTS, ask
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
-from oodscen.protocols import LLM
+from oodscen.protocols import LLM, Encoder
 
 
 class Faithfulness(Data):
@@ -61,7 +62,13 @@ def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Cl
 
 
 def check_faithful(
-    llm: LLM, text: str, scene: Scene, catalogue: Catalogue, trace: Trace | None = None
+    llm: LLM,
+    text: str,
+    scene: Scene,
+    catalogue: Catalogue,
+    trace: Trace | None = None,
+    *,
+    encoder: Encoder | None = None,
 ) -> Faithfulness:
     """Compare a scene of any author with a text.
 
@@ -71,10 +78,13 @@ def check_faithful(
         scene: A scene that `oodscen.driving.check_scene` accepts.
         catalogue: The catalogue of the scene's simulator.
         trace: The ground truth of the scene; computed by `watch` if left out.
+        encoder: Compares the things of the text with the actors that the scene says stand for them.
 
     Raises:
         AnswerError: If the claims cannot be read; the error lists the faults.
         LLMError: If the model cannot be reached.
     """
     claims = extract_claims(llm, text)
-    return Faithfulness(id=scene.id, findings=tuple(judge_claims(claims, scene, catalogue, trace)))
+    likeness = likeness_of(encoder, catalogue)
+    findings = judge_claims(claims, scene, catalogue, trace, likeness=likeness)
+    return Faithfulness(id=scene.id, findings=tuple(findings))

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 from math import perm
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 from oodscen.claims._actors import Seen
+from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, is_of_map
 from oodscen.claims._surroundings import judge_surroundings
 from oodscen.claims._things import Thing, may_be, named
 from oodscen.claims._watching import watch
@@ -21,7 +22,6 @@ _CASTS = 2_000
 _DENSE = 2
 """Number of other road users, besides the hazard, that makes traffic dense."""
 _USERS = frozenset({"vehicle", "cyclist"})
-_MOTIONS = frozenset({"stationary"})
 
 _OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
 """States that a map's own signals never show."""
@@ -42,7 +42,12 @@ class Finding(Data):
 
 
 def check_claims(
-    claims: Sequence[Claim], scene: Scene, catalogue: Catalogue, trace: Trace | None = None
+    claims: Sequence[Claim],
+    scene: Scene,
+    catalogue: Catalogue,
+    trace: Trace | None = None,
+    *,
+    likeness: Likeness | None = None,
 ) -> list[Mismatch]:
     """Find the claims of a text that a scene contradicts.
 
@@ -52,31 +57,39 @@ def check_claims(
         catalogue: The catalogue of the scene's simulator.
         trace: The ground truth of the scene; `watch(scene, catalogue)` if left out. A trace of
             `oodscen.simulate` ends at the decision, so later events go unseen.
+        likeness: Nearness in meaning between the text's nouns and the assets, for the scene's `stands_for`.
 
     Returns:
         One mismatch per claim that does not hold; empty for a faithful scene.
     """
     return [
         Mismatch(claim=one.claim, found=one.found, path=one.path)
-        for one in judge_claims(claims, scene, catalogue, trace)
+        for one in judge_claims(claims, scene, catalogue, trace, likeness=likeness)
         if one.status == "fails"
     ]
 
 
 def judge_claims(
-    claims: Sequence[Claim], scene: Scene, catalogue: Catalogue, trace: Trace | None = None
+    claims: Sequence[Claim],
+    scene: Scene,
+    catalogue: Catalogue,
+    trace: Trace | None = None,
+    *,
+    likeness: Likeness | None = None,
 ) -> list[Finding]:
     """Compare every claim of a text with a scene, in their order.
 
-    Each subject is assigned the actor that fits most of its claims; subjects with the same name are
-    different actors. Claims about several things (`count`), or about someone or something that the
-    text does not name, only need one actor for which they are true.
+    Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
+    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
+    things (`count`), or about someone or something that the text does not name, only need one actor for which
+    they are true.
 
     Args:
         claims: As for `check_claims`.
         scene: As for `check_claims`.
         catalogue: As for `check_claims`.
         trace: As for `check_claims`.
+        likeness: As for `check_claims`.
     """
     if not claims:
         return []
@@ -90,9 +103,13 @@ def judge_claims(
             by_subject.setdefault(claim.subject, []).append(claim)
     findings: dict[str, dict[Claim, Finding]] = {}
     taken: set[str] = set()
+    roles = {
+        subject: _role(subject, told, scene, seen, catalogue, likeness)
+        for subject, told in by_subject.items()
+    }
     for group in _groups(by_subject):
         part = {subject: by_subject[subject] for subject in group}
-        for subject, (judged, names) in _settle(part, seen, road).items():
+        for subject, (judged, names) in _settle(part, roles, road).items():
             findings[subject] = judged
             taken |= names
     told = []
@@ -124,21 +141,71 @@ def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
     return list(groups.values())
 
 
+class _Role(NamedTuple):
+    """The actors that may show a thing."""
+
+    fitting: tuple[Seen, ...]
+    is_told: bool = False
+    """True if the scene says who stands for it."""
+    why_not: str = ""
+    """The reason why those actors cannot be it, if none can."""
+    is_of_map: bool = False
+    """True if the scene says that the road itself shows it."""
+
+
+def _role(
+    subject: str,
+    claims: Sequence[Claim],
+    scene: Scene,
+    seen: Sequence[Seen],
+    catalogue: Catalogue,
+    likeness: Likeness | None,
+) -> _Role:
+    """Return who may show a thing: those that the scene names if they can be it, else whom its noun fits."""
+    told = scene.stands_for.get(subject)
+    if not told:
+        return _Role(tuple(one for one in seen if may_be(subject, one.asset)))
+    quotes = tuple(dict.fromkeys(claim.quote for claim in claims))
+    named_ones = [one for one in seen if one.id in told]
+    doubts = {one.id: doubt(subject, quotes, one.asset, catalogue, likeness) for one in named_ones}
+    fitting = tuple(one for one in named_ones if not doubts[one.id])
+    why_not = next(filter(None, doubts.values()), "") if not fitting else ""
+    return _Role(fitting, is_told=True, why_not=why_not, is_of_map=OF_THE_MAP in told)
+
+
 def _settle(
-    subjects: Mapping[str, Sequence[Claim]], seen: Sequence[Seen], road: RoadMap | None
+    subjects: Mapping[str, Sequence[Claim]], roles: Mapping[str, _Role], road: RoadMap | None
 ) -> dict[str, tuple[dict[Claim, Finding], set[str]]]:
     """Assign subjects of one name to actors so that the fewest claims fail."""
     thing = named(next(iter(subjects)))
-    fitting = [one for one in seen if any(may_be(subject, one.asset) for subject in subjects)]
-    scenery = thing is not None and thing.is_scenery(road)
+    fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
+    fitting.sort(key=lambda one: one.actor)
+    scenery = {
+        name: is_of_map(name, road)
+        if roles[name].is_of_map
+        else thing is not None and thing.is_scenery(road)
+        for name in subjects
+    }
     is_vague = thing is not None and thing.vague
-    single = [name for name, told in subjects.items() if not (is_vague or _several(told))]
+    # A signal that is placed replaces the map's own.
+    is_signal = thing is not None and thing.group == "signal"
+    single = [
+        name
+        for name, told in subjects.items()
+        if not (
+            is_vague or _several(told) or (roles[name].is_told and len(roles[name].fitting) > 1)
+        )
+    ]
     settled = {
-        name: _judge_group(told, fitting, thing, scenery)
+        name: _judge_group(told, roles[name], thing, scenery[name])
         for name, told in subjects.items()
         if name not in single
     }
-    scores = {(name, one.id): _judge_one(subjects[name], one) for name in single for one in fitting}
+    scores = {
+        (name, one.id): _judge_one(subjects[name], one)
+        for name in single
+        for one in roles[name].fitting
+    }
     best: tuple[int, tuple[Seen | None, ...]] | None = None
     pool: list[Seen | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
     if single and perm(len(pool), len(single)) > _CASTS:
@@ -148,18 +215,20 @@ def _settle(
         options = None
     for cast in options or permutations(pool, len(single)):
         faults = sum(
-            1000 if one is None else _faults(scores[name, one.id])
+            1000 if one is None or (name, one.id) not in scores else _faults(scores[name, one.id])
             for name, one in zip(single, cast, strict=True)
         )
         if best is None or faults < best[0]:
             best = faults, cast
     for name, chosen in zip(single, best[1] if best else (), strict=True):
-        shown = scenery and _is_scenic(subjects[name])
-        without = _unstaged(subjects[name], shown, len(fitting))
-        if chosen is None or _faults(without) < _faults(scores[name, chosen.id]):
+        shown = scenery[name] and _is_scenic(subjects[name])
+        without = _unstaged(subjects[name], shown, len(fitting), roles[name])
+        score = None if chosen is None else scores.get((name, chosen.id))
+        is_map_better = not is_signal and _faults(without) < _faults(score or {})
+        if chosen is None or score is None or is_map_better:
             settled[name] = without, set()
         else:
-            settled[name] = scores[name, chosen.id], {chosen.id}
+            settled[name] = score, {chosen.id}
     return settled
 
 
@@ -167,14 +236,10 @@ def _several(claims: Sequence[Claim]) -> bool:
     return any(claim.kind == "count" and int(claim.value) > 1 for claim in claims)
 
 
-def _moves(claims: Sequence[Claim]) -> bool:
-    return any(claim.kind == "motion" and claim.value not in _MOTIONS for claim in claims)
-
-
 def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, Finding]:
     findings = {}
     for claim in claims:
-        holds, found = one.judge(claim, moves=_moves(claims))
+        holds, found = one.judge(claim, claims)
         findings[claim] = _finding(
             claim, holds, f"for {one.id!r} ({one.asset.id}) {found}", f"actors[{one.actor}]"
         )
@@ -182,11 +247,12 @@ def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, Finding]:
 
 
 def _judge_group(
-    claims: Sequence[Claim], fitting: Sequence[Seen], thing: Thing | None, scenery: bool
+    claims: Sequence[Claim], role: _Role, thing: Thing | None, scenery: bool
 ) -> tuple[dict[Claim, Finding], set[str]]:
     """Judge claims about several things: each must hold for at least one of them."""
+    fitting = role.fitting
     if not fitting:
-        return _unstaged(claims, scenery and _is_scenic(claims), 0), set()
+        return _unstaged(claims, scenery and _is_scenic(claims), 0, role), set()
     findings: dict[Claim, Finding] = {}
     every = [_judge_one(claims, one) for one in fitting]
     for claim in claims:
@@ -200,12 +266,16 @@ def _judge_group(
     return findings, {one.id for one in fitting}
 
 
-def _unstaged(claims: Sequence[Claim], scenery: bool, others: int) -> dict[Claim, Finding]:
+def _unstaged(
+    claims: Sequence[Claim], scenery: bool, others: int, role: _Role
+) -> dict[Claim, Finding]:
     """Return the findings about a thing that no actor represents."""
     if scenery:
         return {claim: _of_scenery(claim) for claim in claims}
     rest = " other" if others else ""
-    found = f"there is no{rest} actor that is one"
+    found = role.why_not or f"there is no{rest} actor that is one"
+    if role.is_of_map and not role.why_not:
+        found = "the road has none that could be one, or none that could do this"
     return {claim: _finding(claim, False, found, "actors") for claim in claims}
 
 

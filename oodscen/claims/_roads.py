@@ -1,7 +1,9 @@
 """Checks of claims about the road against the catalogue's entry for its map."""
 
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
+from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
 
 
@@ -22,6 +24,25 @@ class Road(Protocol):
     def traits(self) -> tuple[str, ...]:
         """Kinds of road that the map is."""
         ...
+
+
+def of_roads(claims: Iterable[Claim]) -> list[Claim]:
+    """Return the claims about the road."""
+    return [claim for claim in claims if claim.kind in ("road", "lanes", "own_lanes")]
+
+
+def fitting_roads(claims: Sequence[Claim], maps: Iterable[RoadMap]) -> tuple[str, ...]:
+    """Return the ids of the maps on which all claims about the road hold; one without traits has any."""
+    return tuple(
+        road.id
+        for road in maps
+        if not road.traits or all(is_so_or_has(claim, road) for claim in claims)
+    )
+
+
+def is_so_or_has(claim: Claim, road: RoadMap) -> bool:
+    """Return whether a claim about the road holds on a map, whose shoulder is known by itself."""
+    return is_so(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
 
 
 def is_so(claim: Claim, road: Road) -> bool:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 
-from oodscen.claims._roads import is_so
+from oodscen.claims._roads import is_so_or_has
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene, Weather
@@ -29,7 +29,7 @@ def judge_surroundings(
     """Compare a claim that is not about a thing with a scene.
 
     Args:
-        claim: A claim of kind weather, time, road, lanes, own_lanes or ego.
+        claim: A claim of kind weather, time, road, lanes, own_lanes, ego or ego_speed.
         scene: The scene in which it should hold.
         road: The scene's map; `None` if the catalogue lacks it and its traits are unknown.
         trace: The ground truth, for the path of the ego.
@@ -40,12 +40,14 @@ def judge_surroundings(
     if claim.kind in ("weather", "time"):
         test = {**_WEATHER, **_TIME}[claim.value]
         return test(scene.weather), f"it is {_words(scene.weather)}", "weather"
+    if claim.kind == "ego_speed":
+        return *_ego_speed(float(claim.value), scene), "ego.speed"
     if claim.kind == "ego":
         holds, found = _ego(claim.value, scene, road, trace)
         return holds, found, "ego"
     if road is None:
         return None, f"nothing is known of {scene.map!r}", "map"
-    holds = is_so(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
+    holds = is_so_or_has(claim, road)
     return holds, f"the map is {road.description} ({scene.map})", "map"
 
 
@@ -62,6 +64,11 @@ def _ego(value: str, scene: Scene, road: RoadMap | None, trace: Trace) -> Verdic
         value
     ]
     return holds, f"the ego drives in lane {lane} of {road.lanes}, counted from the right"
+
+
+def _ego_speed(kmh: float, scene: Scene) -> Verdict:
+    own = 3.6 * scene.ego.speed
+    return abs(own - kmh) <= max(6.0, 0.2 * kmh), f"the ego drives at {own:.0f} km/h"
 
 
 def _words(weather: Weather) -> str:

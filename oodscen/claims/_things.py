@@ -8,7 +8,7 @@ from functools import cache
 from importlib import resources
 from typing import NamedTuple, Protocol
 
-from oodscen.data._catalogue import Asset, RoadMap
+from oodscen.data._catalogue import RoadMap
 
 _IRREGULAR = {
     "man": "men",
@@ -74,7 +74,7 @@ class Thing:
 
     def fits(self, asset: "Named") -> bool:
         """Return whether the name fits an asset."""
-        words = _words_of(asset)
+        words = words_of(asset)
         return any(
             all((part[1:] not in words) if part[0] == "!" else part in words for part in parts)
             for parts in (term.split("&") for term in self.terms)
@@ -130,7 +130,7 @@ def mentions(text: str) -> Iterator[Mention]:
 @cache
 def named(subject: str) -> Thing | None:
     """Return the thing that a noun phrase names; of several, the last one, which is its head."""
-    head = re.split(r"\b(?:with|of|on|in|from|at|that|which|who)\b", subject, maxsplit=1)[0]
+    head = _head(subject)
     for part in (subject, head):
         found = list(mentions(part))
         if found and (part is head or found[0].end >= len(part.rstrip(" 0123456789"))):
@@ -139,7 +139,14 @@ def named(subject: str) -> Thing | None:
     return whole[0].thing if whole else None
 
 
-def may_be(subject: str, asset: Asset) -> bool:
+def is_head(subject: str) -> bool:
+    """Return whether the thing that a noun phrase names is its head: `car` in `old car`, not in `car carrier`."""
+    head = _head(subject)
+    found = list(mentions(head))
+    return bool(found) and found[-1].end >= len(head.rstrip(" 0123456789"))
+
+
+def may_be(subject: str, asset: "Named") -> bool:
     """Return whether an asset may be what a noun phrase names.
 
     An unknown name is compared with the words of the asset.
@@ -147,12 +154,13 @@ def may_be(subject: str, asset: Asset) -> bool:
     thing = named(subject)
     if thing is not None:
         return thing.fits(asset)
-    words = _words_of(asset) | set(re.findall(r"[a-z]+", asset.description.casefold()))
+    words = words_of(asset) | set(re.findall(r"[a-z]+", asset.description.casefold()))
     mine = [word for word in re.findall(r"[a-z]+", subject.casefold()) if len(word) > 2]
     return bool(mine) and bool({mine[-1], mine[-1].removesuffix("s")} & words)
 
 
-def _words_of(asset: Named) -> frozenset[str]:
+def words_of(asset: Named) -> frozenset[str]:
+    """Return the words by which an asset is known."""
     return _named_by(asset.id, asset.category, getattr(asset, "tags", None), asset.description)
 
 
@@ -166,6 +174,10 @@ def _named_by(
     for one in (name, *told):
         words.update(re.split(r"[^a-z0-9]+", one.casefold()))
     return frozenset(words)
+
+
+def _head(subject: str) -> str:
+    return re.split(r"\b(?:with|of|on|in|from|at|that|which|who)\b", subject, maxsplit=1)[0]
 
 
 @cache

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, Literal, get_args
 
 from pydantic import Field, model_validator
 
@@ -31,8 +31,6 @@ LANDMARKS = ("junction", "roundabout", "tunnel", "bridge", "crest", "traffic_lig
 
 class Addition(Data):
     """One thing that a catalogue lacks."""
-
-    noun: ClassVar[str] = "addition"
 
     kind: AdditionKind
     name: str = Field(min_length=1, max_length=160)

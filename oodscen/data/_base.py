@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -9,6 +10,7 @@ from typing import Any, ClassVar, Self
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from oodscen._display import brief
+from oodscen._files import read_utf8
 from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
@@ -19,7 +21,12 @@ class Data(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     noun: ClassVar[str] = "value"
-    """The word for an instance in error messages."""
+    """The words for an instance in error messages; by default those of the class's name."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if cls.noun == Data.noun:
+            cls.noun = re.sub(r"(?<!^)(?=[A-Z])", " ", cls.__name__.lstrip("_")).lower()
 
     @classmethod
     def parse(cls, value: object, *, source: str = "") -> Self:
@@ -49,7 +56,7 @@ class Data(BaseModel):
         Raises:
             DataError: If the file cannot be read or does not hold a valid value.
         """
-        return cls.parse(read_text(path, cls.noun), source=str(path))
+        return cls.parse(read_utf8(path, cls.noun), source=str(path))
 
     def __repr__(self) -> str:
         shown = (name for name in type(self).model_fields if name in self.model_fields_set)
@@ -65,17 +72,6 @@ class Data(BaseModel):
     def digest(self) -> str:
         """Return the SHA-256 of the canonical JSON text."""
         return digest(self.model_dump(mode="json"))
-
-
-def read_text(path: str | Path, noun: str) -> str:
-    """Return UTF-8 text with its original line ends. Raises `DataError` if the file is missing or not text."""
-    try:
-        return Path(path).read_bytes().decode("utf-8")
-    except OSError as error:
-        fault = error.strerror or str(error)
-    except UnicodeDecodeError as error:
-        fault = f"byte {error.start} is not UTF-8"
-    raise DataError(noun, [Issue("", fault)], source=str(path))
 
 
 def canonical_json(value: Any) -> str:

@@ -5,7 +5,7 @@ the ego's road and y to its left, both in metres.
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,8 +22,6 @@ _MOVED_M = 0.5
 class Lane(Data):
     """One strip of the road at the decision point."""
 
-    noun: ClassVar[str] = "lane"
-
     kind: str
     """The strip's kind: `driving`, `shoulder`, `sidewalk` ..."""
     direction: int
@@ -36,8 +34,6 @@ class Lane(Data):
 class Body(Data):
     """The footprint of a body at the decision point."""
 
-    noun: ClassVar[str] = "body"
-
     x: float
     y: float
     heading_deg: float
@@ -48,8 +44,6 @@ class Body(Data):
 
 class Sketch(Data):
     """All nearby bodies at the decision point, and their paths under every action."""
-
-    noun: ClassVar[str] = "sketch"
 
     lanes: tuple[Lane, ...] = ()
     """Strips from right to left."""

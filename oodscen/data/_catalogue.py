@@ -21,8 +21,6 @@ FLAT_M = 0.08
 class Asset(Data):
     """A kind of object that can be placed in a scene."""
 
-    noun: ClassVar[str] = "asset"
-
     id: str
     category: Category
     description: str
@@ -75,8 +73,6 @@ class BehaviourKind(Data):
 class RoadMap(Data):
     """A road network and the ego's starting point on it."""
 
-    noun: ClassVar[str] = "road map"
-
     id: str
     description: str
     """Short description, e.g. `a two-lane residential street`."""
@@ -110,8 +106,6 @@ class RoadMap(Data):
 class WeatherRange(Data):
     """The range of weather that a simulator can show."""
 
-    noun: ClassVar[str] = "weather range"
-
     min_sun_elevation_deg: float = -90.0
     """Lowest sun elevation; above -6 if the simulator has no night."""
     min_fog_visual_range_m: float = 10_000.0
@@ -126,8 +120,6 @@ class WeatherRange(Data):
 
 class Catalogue(Data):
     """The closed vocabulary of scenes in one simulator."""
-
-    noun: ClassVar[str] = "catalogue"
 
     schema_version: Literal[1] = 1
     simulator: str
@@ -149,6 +141,20 @@ class Catalogue(Data):
     def map(self, name: str) -> RoadMap:
         """Return a map by id; raises `KeyError` if it is unknown."""
         return {road.id: road for road in self.maps}[name]
+
+    def bodies(self, scene: Scene) -> list[tuple[str, Asset, str]]:
+        """Return id, asset and state of every body in a scene: `ego`, then the actors in order.
+
+        Raises:
+            KeyError: If the catalogue lacks an asset.
+        """
+        assets = {asset.id: asset for asset in self.assets}
+        bodies = [("ego", self.ego, "")]
+        bodies += [(actor.id, assets[actor.asset], actor.state) for actor in scene.actors]
+        return [
+            (name, asset, state or (asset.states[0] if asset.states else ""))
+            for name, asset, state in bodies
+        ]
 
     def check(self, scene: Scene) -> list[Issue]:
         """Return an issue, with close matches, for everything in a scene that the catalogue lacks.

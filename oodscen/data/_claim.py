@@ -1,7 +1,7 @@
 """Claims that a text makes about a scene."""
 
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
@@ -21,6 +21,8 @@ Kind = Literal[
     "distance",
     "motion",
     "state",
+    "speed",
+    "ego_speed",
 ]
 
 VALUES: Mapping[str, Mapping[str, str]] = {
@@ -112,27 +114,27 @@ VALUES: Mapping[str, Mapping[str, str]] = {
         "green": "a green signal",
         "amber": "an amber signal",
         "flashing": "a signal that flashes",
-        "all_on": "all colours of a signal at once",
+        "all_on": "several colours of one signal at once",
     },
 }
-"""Allowed values of each kind of claim, and their meanings; `lanes`, `own_lanes`, `count` and `distance` are numbers."""
+"""Allowed values of each kind of claim, and their meanings; the kinds in `NUMBERS` have none."""
 
 NUMBERS: Mapping[str, str] = {
     "lanes": "lanes of the road in all",
     "own_lanes": "lanes in the ego's direction",
     "count": "at least so many of a thing",
     "distance": "metres from the ego to a thing",
+    "speed": "km/h at which a thing moves",
+    "ego_speed": "km/h at which the ego drives",
 }
 """Kinds of claims with a numeric value, and the meaning of the number."""
 
-OF_THINGS = frozenset({"thing", "count", "place", "distance", "motion", "state"})
+OF_THINGS = frozenset({"thing", "count", "place", "distance", "motion", "state", "speed"})
 """Kinds of claims about a thing, which the subject names."""
 
 
 class Claim(Data):
     """One thing that a text says and a scene can contradict."""
-
-    noun: ClassVar[str] = "claim"
 
     kind: Kind
     value: str = Field(max_length=40)
@@ -164,8 +166,6 @@ class Claim(Data):
 
 class Mismatch(Data):
     """A claim of the text that the scene contradicts."""
-
-    noun: ClassVar[str] = "mismatch"
 
     claim: Claim
     found: str

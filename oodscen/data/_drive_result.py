@@ -1,14 +1,12 @@
 """The outcome of one driver in one scene or twin."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen.data._base import Data
 
 
 class DriveResult(Data):
     """The result of one driver in one scene or twin."""
-
-    noun: ClassVar[str] = "drive result"
 
     schema_version: Literal[1] = 1
     id: str

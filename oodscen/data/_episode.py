@@ -1,6 +1,6 @@
 """The record of one simulated scene."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
@@ -23,8 +23,6 @@ MOMENTS = ("first", "middle", "last")
 
 class ActionOutcome(Data):
     """The outcome of one action executed from the decision point."""
-
-    noun: ClassVar[str] = "action outcome"
 
     safe: bool
     """True if the ego touched nothing and stayed on drivable road up to the horizon."""
@@ -55,8 +53,6 @@ class ActionOutcome(Data):
 class Episode(Data):
     """One run of one scene: the approach to the decision point, and every action from there."""
 
-    noun: ClassVar[str] = "episode"
-
     schema_version: Literal[1] = 1
     id: str
     scene_id: str
@@ -78,6 +74,8 @@ class Episode(Data):
     """Image files by moment (`first`, `middle`, `last`), relative to the study's folder."""
     files: tuple[str, ...] = ()
     """Further requested files: traces, annotations, videos."""
+    file_sha256: dict[str, str] = {}
+    """SHA-256 of the frames and further files, by name."""
     frame_sha256: dict[str, str] = {}
     """SHA-256 of the raw pixels, by moment."""
     visible: dict[str, dict[str, int]] = {}

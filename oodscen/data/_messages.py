@@ -2,7 +2,7 @@
 
 import hashlib
 from pathlib import Path
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field
 
@@ -14,8 +14,6 @@ _ENDS = (b"\xff\xd9", b"IEND\xaeB`\x82")
 
 class Image(Data):
     """A named picture, whose bytes are loaded when a client sends it."""
-
-    noun: ClassVar[str] = "image"
 
     name: str
     """The picture's name in the study, e.g. `frames/x-003/first.jpg`."""
@@ -56,8 +54,6 @@ class Image(Data):
 
 class Message(Data):
     """One message of a conversation."""
-
-    noun: ClassVar[str] = "message"
 
     role: Literal["system", "user", "assistant"]
     text: str

@@ -1,7 +1,5 @@
 """The scenario: one text that describes a driving situation."""
 
-from typing import ClassVar
-
 from pydantic import Field
 
 from oodscen.data._base import Data
@@ -9,8 +7,6 @@ from oodscen.data._base import Data
 
 class Scenario(Data):
     """One text and the tree path that it realises."""
-
-    noun: ClassVar[str] = "scenario"
 
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=200)
     """Id, fixed before generation: `<leaf>-003`."""

@@ -5,9 +5,15 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from typing import ClassVar, Literal, Self
+from typing import Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from oodscen.data._base import Data, Faults
 from oodscen.data._twins import is_twin, twin_id
@@ -18,8 +24,6 @@ Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
 
 class Weather(Data):
     """Weather and light, in OpenSCENARIO's terms."""
-
-    noun: ClassVar[str] = "weather"
 
     sun_elevation_deg: float = Field(default=45.0, ge=-90, le=90)
     """Negative at night."""
@@ -42,8 +46,6 @@ class Weather(Data):
 class Trigger(Data):
     """When something starts."""
 
-    noun: ClassVar[str] = "trigger"
-
     kind: Literal["time", "distance", "ttc"] = "time"
     """`time` since the start, `distance` from the ego along the road, `ttc` time to collision."""
     value: float = Field(default=0.0, ge=0, le=500)
@@ -54,8 +56,6 @@ class Trigger(Data):
 
 class Placement(Data):
     """Where an actor starts, relative to the ego along the ego's road."""
-
-    noun: ClassVar[str] = "placement"
 
     ahead_m: float = Field(ge=-150, le=300)
     """From the ego's centre to the actor's, along the road; negative is behind."""
@@ -69,8 +69,6 @@ class Placement(Data):
 
 class Behaviour(Data):
     """What an actor does; the name and the parameters come from the catalogue's vocabulary."""
-
-    noun: ClassVar[str] = "behaviour"
 
     name: str = "stand"
     trigger: Trigger = Trigger()
@@ -89,8 +87,6 @@ class Behaviour(Data):
 class Actor(Data):
     """Anything placed in a scene: road user, animal, object, barrier, signal."""
 
-    noun: ClassVar[str] = "actor"
-
     id: str = Identifier
     asset: str
     """An id of the catalogue."""
@@ -103,8 +99,6 @@ class Actor(Data):
 class Ego(Data):
     """The vehicle under test."""
 
-    noun: ClassVar[str] = "ego"
-
     speed: float = Field(ge=0, le=45)
     """At the start, m/s."""
     lane: int = Field(default=0, ge=0, le=6)
@@ -114,8 +108,6 @@ class Ego(Data):
 class Hazard(Data):
     """What makes a scene OOD, with the ordinary counterpart of each part."""
 
-    noun: ClassVar[str] = "hazard"
-
     actors: dict[str, Actor | None] = {}
     """By id of the unusual actor: the ordinary actor in its place, or `None` for plain removal."""
     weather: Weather | None = None
@@ -124,8 +116,6 @@ class Hazard(Data):
 
 class Scene(Data):
     """Everything a simulator needs to run one scenario."""
-
-    noun: ClassVar[str] = "scene"
 
     schema_version: Literal[1] = 1
     id: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.~-]*$", max_length=200)
@@ -140,6 +130,16 @@ class Scene(Data):
     """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
     """Duration for which an action is watched, s, counted from the decision."""
+    stands_for: dict[str, tuple[str, ...]] = {}
+    """Ids of the actors that show a thing of the text, by its name in the claims, where the words alone do not
+    tell; `map` is the road itself. An empty mapping is left out of the JSON text."""
+
+    @model_serializer(mode="wrap")
+    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        value: dict[str, Any] = serialise(self)
+        if not value.get("stands_for"):
+            value.pop("stands_for", None)
+        return value
 
     @field_validator("hazard")
     @classmethod
@@ -181,6 +181,7 @@ class Scene(Data):
                 "weather": (self.hazard.weather or self.weather).model_dump(),
                 "hazard": {},
                 "decision": {"kind": "time", "value": decision_s},
+                "stands_for": {},
             }
         )
 
@@ -222,6 +223,12 @@ def _misfits(scene: Scene) -> list[Issue]:
                 issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
     if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
+    for thing, names in scene.stands_for.items():
+        issues += [
+            Issue(f"stands_for.{thing}", f"there is no actor {name!r}")
+            for name in names
+            if name not in (*ids, "map")
+        ]
     decision = scene.decision
     if decision.kind != "time" and decision.actor not in ids:
         fault = f"there is no actor {decision.actor!r}"

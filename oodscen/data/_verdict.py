@@ -1,6 +1,6 @@
 """The verdict: one vision-language model's answers about one episode, and their correctness."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -27,8 +27,6 @@ def verdict_id(item_id: str, model: str, protocol: Protocol = "ours") -> str:
 
 class Verdict(Data):
     """The result of both of the paper's tasks for one model on one scene or twin."""
-
-    noun: ClassVar[str] = "verdict"
 
     schema_version: Literal[1, 2] = 2
     id: str

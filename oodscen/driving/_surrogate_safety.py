@@ -9,15 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from oodscen.numerics._exact import Floats
 
 TTC_LIMIT_S = 60.0
 """Time beyond which a collision counts as none, s."""
 LEAST_SPEED = 0.1
 """Speed of the ego below which there is no time headway, m/s."""
-
-_HALF_PI = (1.5707963267341256, 6.077100506506192e-11)
-"""pi / 2 in two parts, for exact reduction."""
 
 
 class Footprints(NamedTuple):
@@ -34,37 +31,6 @@ class Footprints(NamedTuple):
     def at(self, *index: Any) -> "Footprints":
         """Return the footprints at an index into all arrays."""
         return Footprints(*(array[index] for array in self))
-
-
-def sine_cosine(angle: Floats) -> tuple[Floats, Floats]:
-    """Return sine and cosine to 1e-15, with the same bits on every machine.
-
-    Source: the polynomials of fdlibm's k_sin.c and k_cos.c (Sun Microsystems, 1993).
-
-    Args:
-        angle: Angles of any shape, rad; up to some hundred turns.
-    """
-    turns = np.rint(angle * 0.6366197723675814)
-    r = (angle - turns * _HALF_PI[0]) - turns * _HALF_PI[1]
-    z = r * r
-    sine = -2.50507602534068634195e-08 + z * 1.58969099521155010221e-10
-    for factor in (2.75573137070700676789e-06, -1.98412698298579493134e-04):
-        sine = factor + z * sine
-    sine = 8.33333333332248946124e-03 + z * sine
-    sine = r + r * z * (-1.66666666666666324348e-01 + z * sine)
-    cosine = 2.08757232129817482790e-09 + z * -1.13596475577881948265e-11
-    for factor in (-2.75573143513906633035e-07, 2.48015872894767294178e-05):
-        cosine = factor + z * cosine
-    for factor in (-1.38888888888741095749e-03, 4.16666666666666019037e-02):
-        cosine = factor + z * cosine
-    cosine = 1.0 - (0.5 * z - z * z * cosine)
-    quarter = turns - 4.0 * np.floor(0.25 * turns)
-    is_odd = (quarter == 1.0) | (quarter == 3.0)
-    sin = np.where(is_odd, cosine, sine)
-    cos = np.where(is_odd, sine, cosine)
-    return np.where(quarter >= 2.0, -sin, sin), np.where(
-        (quarter == 1.0) | (quarter == 2.0), -cos, cos
-    )
 
 
 def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> Floats:

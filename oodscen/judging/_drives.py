@@ -13,15 +13,9 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
 from oodscen.judging._leaderboard.board import Figure
-from oodscen.statistics._tests import (
-    FEWEST_CLUSTERS,
-    Bounds,
-    PairedTest,
-    Resampler,
-    paired,
-    percentiles,
-    share_bounds,
-)
+from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
+from oodscen.statistics._resampling import Resampler
+from oodscen.statistics._tests import PairedTest, paired
 
 RULE_BASED = "rule-based"
 """Name of the built-in driver that the others are compared with."""
@@ -49,7 +43,7 @@ class Share(Data):
     hits: int = 0
     n: int = 0
     value: float | None = None
-    interval: Bounds | None = None
+    interval: Interval | None = None
     """Resampled over whole paths; with fewer than five paths, Wilson's interval over drives."""
 
 

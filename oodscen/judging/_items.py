@@ -7,7 +7,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._twins import scene_of
 from oodscen.data._verdict import Verdict
@@ -108,11 +108,6 @@ class Items:
         """Return the leaf that a scene realises; for an unknown scene, the prefix of its id."""
         row = self.index.get(scene)
         return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
-
-    def order(self, actions: Iterable[str]) -> list[str]:
-        """Sort actions in the order in which they are offered, unknown ones last."""
-        known = list(actions)
-        return [*(a for a in ACTIONS if a in known), *sorted(a for a in known if a not in ACTIONS)]
 
 
 @dataclass(frozen=True, eq=False)

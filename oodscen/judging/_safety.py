@@ -1,7 +1,7 @@
 """Safe sets: the safe actions of each scene, the best of them, and the score of a random choice."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
 from oodscen.data._base import Data
@@ -25,6 +25,12 @@ INTERVENTIONS = (
 """The actions from the least to the most intrusive; unlisted actions come last."""
 
 
+def as_offered(actions: Iterable[str]) -> list[str]:
+    """Sort actions in the order in which they are offered, unknown ones last."""
+    known = set(actions)
+    return [*(name for name in ACTIONS if name in known), *sorted(known - set(ACTIONS))]
+
+
 def has_enough_margin(outcome: ActionOutcome) -> bool:
     """Return whether an action was safe and kept a margin of `ENOUGH_M` and `ENOUGH_TTC_S` to everything."""
     is_near = outcome.margin_m is not None and outcome.margin_m < ENOUGH_M
@@ -41,7 +47,8 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
     the least intrusive action.
     """
     ranked = []
-    for index, (name, outcome) in enumerate(_in_order(outcomes)):
+    for index, name in enumerate(as_offered(outcomes)):
+        outcome = outcomes[name]
         if outcome.safe:
             gap = math.inf if outcome.margin_m is None else outcome.margin_m
             braking = outcome.peak_deceleration or 0.0
@@ -126,9 +133,3 @@ def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
         unsafe=sum(outcome.is_unsafe for outcome in found) / n,
         unavailable=sum(outcome.unavailable for outcome in found) / n,
     )
-
-
-def _in_order(outcomes: Mapping[str, ActionOutcome]) -> list[tuple[str, ActionOutcome]]:
-    known = [name for name in ACTIONS if name in outcomes]
-    others = sorted(set(outcomes) - set(known))
-    return [(name, outcomes[name]) for name in (*known, *others)]

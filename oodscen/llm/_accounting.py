@@ -32,6 +32,7 @@ class Account(Data):
     input_tokens: int
     output_tokens: int
     cached_tokens: int
+    cacheable_tokens: int
     cost_usd: float | None
     """Cost in USD; `None` if the price of a call that used tokens is not known."""
     seconds: float
@@ -72,6 +73,7 @@ def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Accou
         input_tokens=round(sum(_number(call, "input_tokens") for call in calls)),
         output_tokens=round(sum(_number(call, "output_tokens") for call in calls)),
         cached_tokens=round(sum(_number(call, "cached_tokens") for call in calls)),
+        cacheable_tokens=round(sum(_number(call, "cacheable_tokens") for call in calls)),
         cost_usd=sum(known) if len(known) == len(costs) else None,
         seconds=round(sum(times), 6),
         p50_s=_quantile(times, 0.5),

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 from oodscen._redaction import redact
 from oodscen.data._base import Data
 from oodscen.llm._check import complete
+from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.usage import believed
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request, Usage
@@ -35,6 +36,8 @@ class Call(Data):
     output_tokens: int = 0
     cached_tokens: int = 0
     """Input tokens that the provider had cached."""
+    cacheable_tokens: int = 0
+    """Input tokens of a prefix that earlier calls share, which a provider may cache; estimated from characters."""
     cost_usd: float | None = None
     """`None` if the price is not known."""
     requests: int = 1
@@ -91,6 +94,7 @@ class LoggedLLM(Wrapper):
             input_tokens=usage.input_tokens,
             output_tokens=usage.output_tokens,
             cached_tokens=usage.cached_tokens,
+            cacheable_tokens=round(cacheable_share(request) * usage.input_tokens),
             cost_usd=usage.cost_usd,
             requests=completion.requests if completion else getattr(failure, "requests", 0),
             seconds=round(seconds, 6),

@@ -15,6 +15,7 @@ Pitfalls: near-duplicates (one copy per text makes `nearest` -1 while `pairwise`
 common opening phrase (lowers both), and off-topic text (raises both).
 """
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -22,7 +23,8 @@ from pydantic import Field
 
 from oodscen.data._base import Data
 from oodscen.metrics._vectors.similarity import Vectors, nearest_other
-from oodscen.statistics._resampling import Interval, bootstrap_mean, bootstrap_pairwise
+from oodscen.statistics._intervals import Interval
+from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise
 
 
 class Diversity(Data):
@@ -48,7 +50,7 @@ class Diversity(Data):
 
 
 def diversity(
-    vectors: Vectors, encoder: str, clusters: tuple[str, ...] | None = None, *, seed: int = 0
+    vectors: Vectors, encoder: str, clusters: Sequence[str] | None = None, *, seed: int = 0
 ) -> Diversity:
     """Return the diversity by both definitions.
 

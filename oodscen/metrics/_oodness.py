@@ -17,7 +17,8 @@ narrow baseline (everything is far from it; `tabulated` falls as the baseline gr
 about driving at all (scores highest), and length (long texts blend several situations).
 """
 
-from typing import ClassVar, Literal, get_args
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,11 @@ from pydantic import Field
 from oodscen.data._base import Data
 from oodscen.errors import UnknownComponent
 from oodscen.metrics._vectors.similarity import Rows, Vectors, nearest, smallest
-from oodscen.statistics._resampling import Interval
+from oodscen.statistics._intervals import Interval
+from oodscen.statistics._resampling import bootstrap_mean
+
+if TYPE_CHECKING:
+    from oodscen.metrics._vectors.space import Space
 
 Definition = Literal["tabulated", "printed"]
 """The paper's two definitions of OOD-ness."""
@@ -88,3 +93,26 @@ def scores(vectors: Vectors, baseline: Rows, definition: Definition) -> NDArray[
     if definition == "printed":
         return smallest(vectors, baseline)
     return 0.0 - nearest(vectors, baseline).cosine
+
+
+def oodness(
+    space: "Space", texts: Sequence[str], clusters: Sequence[str] | None, definition: Measure
+) -> Oodness:
+    """Return the OOD-ness of a set of texts by a definition or a detector; see `Metrics.oodness`."""
+    found = space.nearest(space.vectors(texts))
+    values = 0.0 - found.cosine if definition == "tabulated" else space.scores(texts, definition)
+    neighbours = tuple(
+        Neighbour(index=index, text=space.neighbour_text(index), cosine=cosine)
+        for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=True)
+    )
+    return Oodness(
+        mean=float(values.mean()),
+        per_text=tuple(values.tolist()),
+        nearest=neighbours,
+        interval=bootstrap_mean(values, clusters, seed=space.seed),
+        n=len(texts),
+        N=len(space.baseline),
+        definition=definition,
+        encoder=space.encoder.name,
+        seed=space.seed,
+    )

@@ -1,41 +1,25 @@
-"""The results of `Metrics` other than OOD-ness and diversity."""
+"""The report of one set of texts: all figures, with checks against the known pitfalls."""
 
-from collections.abc import Iterator
-from typing import Any, ClassVar, Literal
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
+from oodscen._seeding import stream
+from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data
-from oodscen.metrics._detection.calibration import Calibration
-from oodscen.metrics._detection.guard import OffTopicFlags
-from oodscen.metrics._detection.separation import Auroc
-from oodscen.metrics._diversity import Diversity
-from oodscen.metrics._oodness import Definition, Measure, Oodness
-from oodscen.statistics._resampling import Interval
+from oodscen.metrics._detection.calibration import Calibration, calibrate
+from oodscen.metrics._detection.guard import OffTopicFlags, is_calibrated
+from oodscen.metrics._diversity import Diversity, diversity
+from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness, scores
+from oodscen.metrics._selection import Band
+from oodscen.statistics._auroc import Auroc, auroc_interval
+from oodscen.statistics._intervals import Interval
 
-
-class Band(Data):
-    """The texts of a set whose OOD-ness lies between two bounds (Remark 1 of the paper).
-
-    The upper bound excludes far-fetched texts, the lower bound ordinary ones.
-    """
-
-    noun: ClassVar[str] = "band"
-
-    low: float | None
-    """`None` without a lower bound."""
-    high: float | None
-    """`None` without an upper bound."""
-    texts: tuple[str, ...]
-    """The texts inside the band, bounds included, in their order."""
-    indices: tuple[int, ...]
-    """Their indices in the set."""
-    scores: tuple[float, ...]
-    """OOD-ness of every text of the set."""
-    below: int
-    """Number of texts that are more ordinary than `low`."""
-    above: int
-    """Number of texts that are further out than `high`."""
+if TYPE_CHECKING:
+    from oodscen.metrics._vectors.space import Space
 
 
 class GroupScore(Data):
@@ -50,9 +34,9 @@ class GroupScore(Data):
 class ControlCheck(Data):
     """A set's OOD-ness against that of the bundled ordinary control sentences (*frozen*).
 
-    These are worded like the texts of scenario authors and describe nothing unusual. If a set's AUROC is near
-    0.5,
-    this measure cannot tell the set from them, however far from the baseline it lies.
+    These are worded like the texts of scenario authors and describe nothing unusual. If a set's
+    AUROC is near 0.5, this measure cannot tell the set from them, however far from the baseline it
+    lies.
     """
 
     noun: ClassVar[str] = "control check"
@@ -72,7 +56,7 @@ class Report(Data):
 
     noun: ClassVar[str] = "metrics report"
 
-    schema_version: Literal[1] = 1
+    schema_version: Literal[2] = 2
     oodness: Oodness
     diversity: Diversity
     n: int
@@ -113,7 +97,7 @@ class Report(Data):
         if self.control is not None:
             lines.append(
                 f"ordinary controls      {self.control.mean:+.3f}; AUROC against them "
-                f"{self.control.auroc.value:.2f}{_range(self.control.auroc)}"
+                f"{self.control.auroc.value:.2f}{_range(self.control.auroc.interval)}"
             )
         if self.off_topic is not None and self.off_topic.flagged:
             lines.append(
@@ -135,16 +119,6 @@ class Report(Data):
     def __getitem__(self, key: str) -> Any:
         """Return one field as plain data."""
         return self.model_dump(mode="json", include={key})[key]
-
-
-def _figure(value: float | None, interval: Interval | None) -> str:
-    if value is None:
-        return "none: one text has no other to differ from"
-    return f"{value:+.3f}" + (f"  [{interval.low:+.3f}, {interval.high:+.3f}]" if interval else "")
-
-
-def _range(found: Auroc) -> str:
-    return "" if found.low is None else f" [{found.low:.2f}, {found.high:.2f}]"
 
 
 class BaselineBatch(Data):
@@ -171,115 +145,92 @@ class BaselineBatch(Data):
     seed: int
 
 
-class Contrast(Data):
-    """One figure of two sets at equal size."""
-
-    noun: ClassVar[str] = "contrast"
-
-    a: float
-    b: float
-    difference: float
-    """a - b."""
-    low: float
-    """2.5 % of the differences over the subsamples."""
-    high: float
-    """97.5 % of the differences. Shows the effect of the draw; not a confidence interval."""
-    p_value: float | None = None
-    """For OOD-ness only: two-sided, by permutation, or by sign flips if the sets are matched pairs."""
-
-
-class Comparison(Data):
-    """A comparison of two sets of texts at equal size, by repeated subsampling."""
-
-    noun: ClassVar[str] = "comparison"
-
-    size: int
-    """Texts drawn from each set in each repeat."""
-    repeats: int
-    n_a: int
-    n_b: int
-    is_paired: bool = False
-    """True if the i-th texts of both belong together; the test is of their differences."""
-    oodness: Contrast
-    nearest: Contrast
-    """Diversity by the nearest text."""
-    pairwise: Contrast
-    """Diversity by the mean over pairs."""
-    encoder: str
-    baseline: str
-    seed: int
-    N: int = 0
-    """Number of baseline texts."""
-    definition: Measure = "tabulated"
-    """Definition of OOD-ness."""
-
-    def __str__(self) -> str:
-        lines = [
-            f"{self.n_a} and {self.n_b} texts, {self.repeats} draws of {self.size} from either, "
-            f"against {self.N} of {self.baseline} by {self.encoder}"
-        ]
-        for label, found in (
-            ("OOD-ness", self.oodness),
-            ("diversity, nearest", self.nearest),
-            ("diversity, pairwise", self.pairwise),
-        ):
-            test = "" if found.p_value is None else f"  p = {found.p_value:.4f}"
-            lines.append(
-                f"{label:20} {found.a:+.3f}  {found.b:+.3f}  difference {found.difference:+.3f}{test}"
-            )
-        return "\n".join(lines)
+def report(
+    space: "Space",
+    texts: Sequence[str],
+    clusters: Sequence[str] | None,
+    definition: Measure,
+    *,
+    checks: bool,
+) -> Report:
+    """Return all figures of a set of texts; see `Metrics.report`."""
+    found = oodness(space, texts, clusters, definition)
+    encoder = space.encoder.name
+    flags = None
+    if checks and is_calibrated(encoder):
+        flags = space.guard.flags(space.vectors(texts))
+    return Report(
+        oodness=found,
+        diversity=diversity(space.vectors(texts), encoder, clusters, seed=space.seed),
+        n=len(texts),
+        N=len(space.baseline),
+        encoder=encoder,
+        baseline=space.baseline.name,
+        baseline_digest=space.baseline.digest(),
+        seed=space.seed,
+        groups=_by_group(clusters, found.per_text),
+        calibration=_calibration(space, found) if checks else None,
+        control=_control(space, found, clusters) if checks else None,
+        off_topic=flags,
+    )
 
 
-class Selection(Data):
-    """The most diverse texts among the candidates; see `oodscen.metrics._selection`."""
-
-    noun: ClassVar[str] = "selection"
-
-    texts: tuple[str, ...]
-    """The texts in the order of their selection; a longer selection starts with the same texts."""
-    indices: tuple[int, ...]
-    """Their indices among the candidates."""
-    method: str
-    low: float | None
-    high: float | None
-    inside: int
-    """Number of candidates inside the band."""
-    candidates: int
-
-
-class Variety(Data):
-    """Further measures of one set; none is comparable between sets of different size."""
-
-    noun: ClassVar[str] = "variety"
-
-    n: int
-    vendi: float
-    """Effective number of different texts, in [1, n]."""
-    remote_clique: float | None
-    """Mean distance over pairs, in [0, 2]; `None` for one text."""
-    compression_ratio: float
-    """Higher is more repetitive."""
-    distinct_1: float | None
-    distinct_2: float | None
-    """Share of distinct words, and of distinct pairs of words, in (0, 1]."""
-    encoder: str
+def baseline_batch(
+    space: "Space", size: int, repeats: int, definition: Definition
+) -> BaselineBatch:
+    """Return the OOD-ness of random batches of the baseline; see `Metrics.baseline_batch`."""
+    vectors = space.whole
+    draws = stream(space.seed, "baseline-batch", size)
+    found = []
+    for _ in range(repeats):
+        order = draws.permutation(len(vectors))
+        batch, rest = vectors[order[:size]], vectors[order[size:]]
+        found.append(float(scores(batch, rest, definition).mean()))
+    return BaselineBatch(
+        mean=float(np.mean(found)),
+        spread=float(np.std(found, ddof=1)) if repeats > 1 else 0.0,
+        per_repeat=tuple(found),
+        size=size,
+        repeats=repeats,
+        N=len(vectors),
+        definition=definition,
+        encoder=space.encoder.name,
+        baseline=space.baseline.name,
+        seed=space.seed,
+    )
 
 
-class SetDistance(Data):
-    """The distance between two sets as a whole; means over draws of equal size."""
+def _calibration(space: "Space", found: Oodness) -> Calibration | None:
+    """Return where a set lies among held-out texts, if the baseline has texts to hold out."""
+    if not isinstance(space.baseline, Baseline) or len(space.baseline) < 2:
+        return None
+    return calibrate(found.per_text, *space.held_out(found.definition))
 
-    noun: ClassVar[str] = "distance of two sets"
 
-    mmd: float
-    """Squared maximum mean discrepancy, unbiased: about 0 for two draws of one source."""
-    mmd_spread: float
-    """Standard deviation over the draws."""
-    frechet: float
-    """Fréchet distance; comparable at the same `size` only."""
-    frechet_spread: float
-    size: int
-    repeats: int
-    n_a: int
-    n_b: int
-    encoder: str
-    seed: int
+def _control(space: "Space", found: Oodness, clusters: Sequence[str] | None) -> ControlCheck:
+    ordinary, own = space.control_scores(found.definition), np.array(found.per_text)
+    return ControlCheck(
+        mean=float(ordinary.mean()),
+        n=len(ordinary),
+        auroc=auroc_interval(ordinary, own, clusters, seed=space.seed),
+    )
+
+
+def _by_group(clusters: Sequence[str] | None, values: Sequence[float]) -> dict[str, GroupScore]:
+    members: dict[str, list[float]] = {}
+    for label, value in zip(clusters or (), values if clusters else (), strict=True):
+        members.setdefault(label, []).append(value)
+    return {
+        label: GroupScore(n=len(found), oodness=math.fsum(found) / len(found))
+        for label, found in members.items()
+    }
+
+
+def _figure(value: float | None, interval: Interval | None) -> str:
+    if value is None:
+        return "none: one text has no other to differ from"
+    return f"{value:+.3f}" + (f"  [{interval.low:+.3f}, {interval.high:+.3f}]" if interval else "")
+
+
+def _range(found: Interval | None) -> str:
+    return "" if found is None else f" [{found.low:.2f}, {found.high:.2f}]"

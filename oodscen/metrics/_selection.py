@@ -1,31 +1,123 @@
-r"""Selection of the n most diverse of many texts, inside a band of OOD-ness.
+r"""Selection of texts: those inside a band of OOD-ness, and the n most diverse of them.
 
-    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor of 2
-    of
-                    the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
+    max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor
+                    of 2 of the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
     determinantal   greedy maximum a posteriori of a determinantal point process with the cosines as kernel: the
                     next text adds most volume (Chen, Zhang and Zhou, *Fast greedy MAP inference for
                     determinantal point process*, 2018). Spans directions; once as many texts as dimensions
                     are chosen, it falls back to max-min.
 
-Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the first in
-order.
-Time grows with n times the number of candidates, memory with the number of candidates times the smaller of n
-and d. Duplicates of a chosen text are taken last.
+Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the
+first in order. Time grows with n times the number of candidates, memory with the number of
+candidates times the smaller of n and d. Duplicates of a chosen text are taken last.
 
 Pitfall: off-topic text and gibberish are the most diverse of all. Apply a band, and the guard, first.
 """
 
-from typing import Literal
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._numbers import finite_number
+from oodscen.data._base import Data
 from oodscen.errors import UsageError
+from oodscen.metrics._oodness import Measure
 from oodscen.metrics._vectors.similarity import Vectors
+
+if TYPE_CHECKING:
+    from oodscen.metrics._vectors.space import Space
 
 Method = Literal["max-min", "determinantal"]
 _GONE = np.float32(1e-5)
+
+
+class Band(Data):
+    """The texts of a set whose OOD-ness lies between two bounds (Remark 1 of the paper).
+
+    The upper bound excludes far-fetched texts, the lower bound ordinary ones.
+    """
+
+    noun: ClassVar[str] = "band"
+
+    low: float | None
+    """`None` without a lower bound."""
+    high: float | None
+    """`None` without an upper bound."""
+    texts: tuple[str, ...]
+    """The texts inside the band, bounds included, in their order."""
+    indices: tuple[int, ...]
+    """Their indices in the set."""
+    scores: tuple[float, ...]
+    """OOD-ness of every text of the set."""
+    below: int
+    """Number of texts that are more ordinary than `low`."""
+    above: int
+    """Number of texts that are further out than `high`."""
+
+
+class Selection(Data):
+    """The most diverse texts among the candidates; see `oodscen.metrics._selection`."""
+
+    noun: ClassVar[str] = "selection"
+
+    texts: tuple[str, ...]
+    """The texts in the order of their selection; a longer selection starts with the same texts."""
+    indices: tuple[int, ...]
+    """Their indices among the candidates."""
+    method: str
+    low: float | None
+    high: float | None
+    inside: int
+    """Number of candidates inside the band."""
+    candidates: int
+
+
+def band(
+    space: "Space", texts: Sequence[str], low: float, high: float, definition: Measure
+) -> Band:
+    """Return the texts whose OOD-ness lies in [low, high]; see `Metrics.band`."""
+    for name, bound in (("low", low), ("high", high)):
+        if bound not in (-math.inf, math.inf):
+            finite_number(name, bound)
+    if not low <= high:
+        raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
+    values: list[float] = space.scores(texts, definition).tolist()
+    inside = tuple(i for i, value in enumerate(values) if low <= value <= high)
+    return Band(
+        low=low if math.isfinite(low) else None,
+        high=high if math.isfinite(high) else None,
+        texts=tuple(texts[i] for i in inside),
+        indices=inside,
+        scores=tuple(values),
+        below=sum(value < low for value in values),
+        above=sum(value > high for value in values),
+    )
+
+
+def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
+    """Return the n texts of a band that differ most from one another.
+
+    Raises:
+        UsageError: If fewer lie inside.
+    """
+    if not n <= len(inside.indices):
+        raise UsageError(
+            f"{n} texts cannot be chosen: {len(inside.indices)} of {len(inside.scores)} lie inside the band; "
+            "widen it, or choose fewer"
+        )
+    chosen = most_diverse(space.vectors(inside.texts), n, method)
+    return Selection(
+        texts=tuple(inside.texts[place] for place in chosen),
+        indices=tuple(inside.indices[place] for place in chosen),
+        method=method,
+        low=inside.low,
+        high=inside.high,
+        inside=len(inside.indices),
+        candidates=len(inside.scores),
+    )
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:

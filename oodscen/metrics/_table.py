@@ -66,9 +66,26 @@ def paper_table(
         repeats: Draws per size, as in the paper; figures are their means.
     """
     plain = [item.text if isinstance(item, Scenario) else item for item in texts]
+    below = [size for size in sizes if size < len(plain)]
+    return Table(
+        rows=(
+            *_baseline_rows(metrics, repeats),
+            *(_row("texts, draws", metrics, plain, size, repeats) for size in below),
+            _row("texts, all", metrics, plain, len(plain), 1),
+        ),
+        N=len(metrics.baseline),
+        encoder=metrics.encoder.name,
+        baseline=metrics.baseline.name,
+        baseline_digest=metrics.baseline.digest(),
+        repeats=repeats,
+        seed=metrics.seed,
+    )
+
+
+def _baseline_rows(metrics: Metrics, repeats: int) -> tuple[TableRow, TableRow]:
     batch = max(1, min(100, len(metrics.baseline) // 2))
     own = metrics.baseline_diversity()
-    rows = [
+    return (
         TableRow(
             label="baseline, batches",
             n=batch,
@@ -85,38 +102,24 @@ def paper_table(
             nearest=own.nearest,
             pairwise=own.pairwise,
         ),
-    ]
-    for size in (*(size for size in sizes if size < len(plain)), len(plain)):
-        draws = stream(metrics.seed, "paper-table", size)
-        found = []
-        for _ in range(repeats if size < len(plain) else 1):
-            some = [plain[place] for place in draws.permutation(len(plain))[:size]]
-            spread = metrics.diversity(some)
-            found.append(
-                (
-                    metrics.oodness(some).mean,
-                    metrics.oodness(some, "printed").mean,
-                    np.nan if spread.nearest is None else spread.nearest,
-                    np.nan if spread.pairwise is None else spread.pairwise,
-                )
-            )
-        mean = np.mean(found, axis=0).tolist()
-        rows.append(
-            TableRow(
-                label="texts, all" if size == len(plain) else "texts, draws",
-                n=size,
-                tabulated=mean[0],
-                printed=mean[1],
-                nearest=mean[2] if size > 1 else None,
-                pairwise=mean[3] if size > 1 else None,
-            )
-        )
-    return Table(
-        rows=tuple(rows),
-        N=len(metrics.baseline),
-        encoder=metrics.encoder.name,
-        baseline=metrics.baseline.name,
-        baseline_digest=metrics.baseline.digest(),
-        repeats=repeats,
-        seed=metrics.seed,
+    )
+
+
+def _row(label: str, metrics: Metrics, texts: Sequence[str], size: int, repeats: int) -> TableRow:
+    """Return the means over random draws of a size."""
+    draws = stream(metrics.seed, "paper-table", size)
+    found = []
+    for _ in range(repeats):
+        some = [texts[place] for place in draws.permutation(len(texts))[:size]]
+        spread = metrics.diversity(some)
+        scores = (metrics.oodness(some).mean, metrics.oodness(some, "printed").mean)
+        found.append((*scores, spread.nearest or 0.0, spread.pairwise or 0.0))
+    tabulated, printed, nearest, pairwise = np.mean(found, axis=0).tolist()
+    return TableRow(
+        label=label,
+        n=size,
+        tabulated=tabulated,
+        printed=printed,
+        nearest=nearest if size > 1 else None,
+        pairwise=pairwise if size > 1 else None,
     )

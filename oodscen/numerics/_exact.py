@@ -11,8 +11,15 @@ Microsystems, 1993). Arguments must be finite floats.
 """
 
 import math
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.numerics._kernels import part
+
+Floats = NDArray[np.float64]
+Real = TypeVar("Real", float, Floats)
 
 PI = 3.141592653589793
 TAU = 6.283185307179586
@@ -22,6 +29,9 @@ _HALF_PI_HIGH = 1.57079632673412561417
 """The first 33 bits of pi/2; the next two constants hold the bits after them."""
 _HALF_PI_MIDDLE = 6.07710050630396597660e-11
 _HALF_PI_LOW = 2.02226624879595063154e-21
+
+_HALF_PI_REST = 6.077100506506192e-11
+"""The bits after the first 33, in one number."""
 
 _LN2_HIGH = 6.93147180369123816490e-01
 _LN2_LOW = 1.90821492927058770002e-10
@@ -42,49 +52,33 @@ def wrapped(angle: float) -> float:
 
 
 @part
+def _sine_series(z: Real) -> Real:
+    """Return (sin y / y - 1) / z for z = y * y, |y| <= pi / 4."""
+    total = -2.50507602534068634195e-08 + z * 1.58969099521155010221e-10
+    total = 2.75573137070700676789e-06 + z * total
+    total = -1.98412698298579493134e-04 + z * total
+    total = 8.33333333332248946124e-03 + z * total
+    return -1.66666666666666324348e-01 + z * total
+
+
+@part
+def _cosine_series(z: Real) -> Real:
+    """Return (cos y - 1 + z / 2) / z^2 for z = y * y, |y| <= pi / 4."""
+    total = 2.08757232129817482790e-09 + z * -1.13596475577881948265e-11
+    total = -2.75573143513906633035e-07 + z * total
+    total = 2.48015872894767294178e-05 + z * total
+    total = -1.38888888888741095749e-03 + z * total
+    return 4.16666666666666019037e-02 + z * total
+
+
+@part
 def sincos(x: float) -> tuple[float, float]:
     """Return the sine and cosine of an angle of up to a million radians."""
     turns = math.floor(x / HALF_PI + 0.5)
     y = ((x - turns * _HALF_PI_HIGH) - turns * _HALF_PI_MIDDLE) - turns * _HALF_PI_LOW
     z = y * y
-    sine = y + y * z * (
-        -1.66666666666666324348e-01
-        + z
-        * (
-            8.33333333332248946124e-03
-            + z
-            * (
-                -1.98412698298579493134e-04
-                + z
-                * (
-                    2.75573137070700676789e-06
-                    + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
-                )
-            )
-        )
-    )
-    cosine = (
-        1.0
-        - 0.5 * z
-        + z
-        * z
-        * (
-            4.16666666666666019037e-02
-            + z
-            * (
-                -1.38888888888741095749e-03
-                + z
-                * (
-                    2.48015872894767294178e-05
-                    + z
-                    * (
-                        -2.75573143513906633035e-07
-                        + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
-                    )
-                )
-            )
-        )
-    )
+    sine = y + y * z * _sine_series(z)
+    cosine = 1.0 - 0.5 * z + z * z * _cosine_series(z)
     quadrant = turns % 4
     if quadrant == 0:
         return sine, cosine
@@ -93,6 +87,23 @@ def sincos(x: float) -> tuple[float, float]:
     if quadrant == 2:
         return -sine, -cosine
     return -cosine, sine
+
+
+def sincos_all(angle: Floats) -> tuple[Floats, Floats]:
+    """Return the sines and cosines of angles of any shape, up to some hundred turns.
+
+    The last bit may differ from that of `sincos`, but not between machines.
+    """
+    turns = np.rint(angle * 0.6366197723675814)
+    y = (angle - turns * _HALF_PI_HIGH) - turns * _HALF_PI_REST
+    z = y * y
+    sine = y + y * z * _sine_series(z)
+    cosine = 1.0 - (0.5 * z - z * z * _cosine_series(z))
+    quarter = turns - 4.0 * np.floor(0.25 * turns)
+    is_odd = (quarter == 1.0) | (quarter == 3.0)
+    sin, cos = np.where(is_odd, cosine, sine), np.where(is_odd, sine, cosine)
+    is_back = (quarter == 1.0) | (quarter == 2.0)
+    return np.where(quarter >= 2.0, -sin, sin), np.where(is_back, -cos, cos)
 
 
 @part
@@ -130,35 +141,16 @@ def atan(x: float) -> float:
         base, y = HALF_PI, -1.0 / size
     z = y * y
     w = z * z
-    odd = z * (
-        3.33333333333329318027e-01
-        + w
-        * (
-            1.42857142725034663711e-01
-            + w
-            * (
-                9.09088713343650656196e-02
-                + w
-                * (
-                    6.66107313738753120669e-02
-                    + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)
-                )
-            )
-        )
-    )
-    even = w * (
-        -1.99999999998764832476e-01
-        + w
-        * (
-            -1.11111104054623557880e-01
-            + w
-            * (
-                -7.69187620504482999495e-02
-                + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02)
-            )
-        )
-    )
-    angle = base + (y - y * (odd + even))
+    odd = 4.97687799461593236017e-02 + w * 1.62858201153657823623e-02
+    odd = 6.66107313738753120669e-02 + w * odd
+    odd = 9.09088713343650656196e-02 + w * odd
+    odd = 1.42857142725034663711e-01 + w * odd
+    odd = 3.33333333333329318027e-01 + w * odd
+    even = -5.83357013379057348645e-02 + w * -3.65315727442169155270e-02
+    even = -7.69187620504482999495e-02 + w * even
+    even = -1.11111104054623557880e-01 + w * even
+    even = -1.99999999998764832476e-01 + w * even
+    angle = base + (y - y * (z * odd + w * even))
     return -angle if x < 0.0 else angle
 
 
@@ -205,18 +197,11 @@ def exp(x: float) -> float:
     low = power * _LN2_LOW
     y = high - low
     z = y * y
-    c = y - z * (
-        1.66666666666666019037e-01
-        + z
-        * (
-            -2.77777777770155933842e-03
-            + z
-            * (
-                6.61375632143793436117e-05
-                + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08)
-            )
-        )
-    )
+    c = -1.65339022054652515390e-06 + z * 4.13813679705723846039e-08
+    c = 6.61375632143793436117e-05 + z * c
+    c = -2.77777777770155933842e-03 + z * c
+    c = 1.66666666666666019037e-01 + z * c
+    c = y - z * c
     return math.ldexp(1.0 - ((low - y * c / (2.0 - c)) - high), power)
 
 
@@ -230,26 +215,13 @@ def log(x: float) -> float:
     f = share - 1.0
     s = f / (2.0 + f)
     z = s * s
-    r = z * (
-        6.666666666666735130e-01
-        + z
-        * (
-            3.999999999940941908e-01
-            + z
-            * (
-                2.857142874366239149e-01
-                + z
-                * (
-                    2.222219843214978396e-01
-                    + z
-                    * (
-                        1.818357216161805012e-01
-                        + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01)
-                    )
-                )
-            )
-        )
-    )
+    r = 1.531383769920937332e-01 + z * 1.479819860511658591e-01
+    r = 1.818357216161805012e-01 + z * r
+    r = 2.222219843214978396e-01 + z * r
+    r = 2.857142874366239149e-01 + z * r
+    r = 3.999999999940941908e-01 + z * r
+    r = 6.666666666666735130e-01 + z * r
+    r = z * r
     half = 0.5 * f * f
     return power * _LN2_HIGH - ((half - (s * (half + r) + power * _LN2_LOW)) - f)
 

@@ -12,6 +12,7 @@ import hashlib
 import importlib
 import sys
 from collections.abc import Callable
+from enum import EnumType
 from functools import cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -157,6 +158,9 @@ def _digest(function: Callable[..., object]) -> str:
     while pending:
         one = pending.pop()
         files.add(one.__code__.co_filename)
+        for kind in one.__annotations__.values():
+            if hasattr(kind, "_fields"):
+                constants.add(f"{kind.__qualname__}={kind._fields!r}")
         for name in _names(one.__code__):
             value = one.__globals__.get(name)
             if isinstance(value, ModuleType):
@@ -169,6 +173,8 @@ def _digest(function: Callable[..., object]) -> str:
                 if value not in known and (id(value) in parts or value.__module__.startswith(_OWN)):
                     known.add(value)
                     pending.append(value)
+            elif isinstance(value, EnumType):
+                constants.add(f"{name}={list(value)!r}")
             elif isinstance(value, (bool, int, float, str, tuple, np.generic)):
                 constants.add(f"{name}={value!r}")
     for file in sorted(files):

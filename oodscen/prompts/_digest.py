@@ -1,6 +1,7 @@
 """Digests of catalogues for prompts: only the vocabulary that an answer may use."""
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 from typing import Self
 
@@ -9,6 +10,10 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.prompts._landmarks import Landmark, landmarks
+from oodscen.prompts._layout import layout
+
+_SHARED = 3
+"""Number of assets from which their states get a name of their own."""
 
 
 class AssetLine(Data):
@@ -32,7 +37,7 @@ class BehaviourLine(Data):
     description: str
     categories: tuple[str, ...]
     parameters: str = ""
-    """Parameters such as `speed 0..20 (8)`: minimum, maximum, default."""
+    """Parameters such as `speed 0..20 (8) m/s`: minimum, maximum, default, unit or meaning."""
 
 
 class MapLine(Data):
@@ -47,6 +52,8 @@ class MapLine(Data):
     landmarks: tuple[Landmark, ...] = ()
     somewhere: tuple[str, ...] = ()
     """Kinds of landmarks that the map has at unknown positions along the ego's road."""
+    layout: str = ""
+    """The cross-section, bends and side roads in words; empty for a map without a readable file."""
 
     @property
     def features(self) -> tuple[str, ...]:
@@ -121,6 +128,26 @@ class CatalogueDigest(Data):
         exact = tuple(asset for asset in self.assets if asset.id == name)
         return (*exact, *(asset for asset in self.assets if name in asset.names))
 
+    @property
+    def by_category(self) -> dict[str, tuple[AssetLine, ...]]:
+        """The assets of each category, in the order of first appearance."""
+        found: dict[str, tuple[AssetLine, ...]] = {}
+        for asset in self.assets:
+            found[asset.category] = (*found.get(asset.category, ()), asset)
+        return found
+
+    @property
+    def state_sets(self) -> dict[str, tuple[str, ...]]:
+        """States that many assets share, by the name that stands for them in a prompt."""
+        counts = Counter(asset.states for asset in self.assets if asset.states)
+        shared = [states for states, count in counts.items() if count >= _SHARED]
+        return {f"set {number}": states for number, states in enumerate(shared, start=1)}
+
+    def states_of(self, asset: AssetLine) -> str:
+        """Return the states of an asset in words, by the name of their set if many share them."""
+        names = {states: name for name, states in self.state_sets.items()}
+        return names.get(asset.states) or ", ".join(asset.states)
+
     @classmethod
     def of(cls, catalogue: Catalogue) -> Self:
         """Return the digest of a catalogue."""
@@ -146,7 +173,7 @@ class CatalogueDigest(Data):
 
 def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
     parameters = ", ".join(
-        f"{name} {p.minimum:g}..{p.maximum:g} ({p.default:g})"
+        f"{name} {p.minimum:g}..{p.maximum:g} ({p.default:g}) {p.description}".rstrip()
         for name, p in kind.parameters.items()
     )
     description = f"{kind.description} (needs `other`)" if kind.needs_other else kind.description
@@ -156,6 +183,7 @@ def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
 
 
 def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
+    found, plan = _seen_along(road, catalogue)
     return MapLine(
         id=road.id,
         description=road.description,
@@ -163,21 +191,23 @@ def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
         oncoming_lanes=road.oncoming_lanes,
         speed_limit=road.speed_limit,
         traits=road.traits,
-        landmarks=(found := _landmarks(road, catalogue)),
+        landmarks=found,
         somewhere=() if found else road.landmarks,
+        layout=plan,
     )
 
 
-def _landmarks(road: RoadMap, catalogue: Catalogue) -> tuple[Landmark, ...]:
-    """Return the landmarks of a map's file; empty if there is no readable file."""
+def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ...], str]:
+    """Return the landmarks and layout of a map's file; both empty if there is no readable file."""
     if not road.file:
-        return ()
+        return (), ""
     from oodscen.driving._roads.building import find_map, load_corridor
 
     try:
-        return landmarks(load_corridor(find_map(road.id, catalogue)), road.traits)
+        corridor = load_corridor(find_map(road.id, catalogue))
     except (DataError, UnknownComponent):
-        return ()
+        return (), ""
+    return landmarks(corridor, road.traits), layout(corridor)
 
 
 def _weather_line(catalogue: Catalogue) -> str:

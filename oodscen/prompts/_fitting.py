@@ -3,6 +3,7 @@
 import re
 from typing import Any, TypeVar
 
+from oodscen._text import stem
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
 
@@ -20,8 +21,8 @@ _COMMON = frozenset("a an and at by from in into is its of off on onto or that t
 def fitted(question: Question, context: int | None) -> Question:
     """Return a question that fits the context window of a model together with its answer.
 
-    The assets and behaviours of its catalogue that share the most words with the question's texts
-    stay as they are; of the others, as many as necessary are reduced to their ids.
+    The layouts of the roads go first. Then the assets and behaviours of its catalogue that share the most words
+    with the question's texts stay as they are, and of the others as many as necessary are reduced to their ids.
 
     Args:
         question: A question with a field `catalogue`.
@@ -30,7 +31,9 @@ def fitted(question: Question, context: int | None) -> Question:
     """
     if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
         return question
-    catalogue: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
+    whole: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
+    maps = tuple(road.model_copy(update={"layout": ""}) for road in whole.maps)
+    catalogue = whole.model_copy(update={"maps": maps})
     ranked = _ranked(catalogue, _about(question))
     low, high = 0, len(ranked)
     while low < high:
@@ -96,6 +99,5 @@ def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]
 
 
 def _words(text: str) -> set[str]:
-    """Return the content words, without the most common endings."""
-    found = re.findall(r"[a-z]+", text.casefold())
-    return {re.sub(r"(ing|ed|es|s)$", "", word) for word in found if word not in _COMMON}
+    """Return the stems of the content words."""
+    return {stem(word) for word in re.findall(r"[a-z]+", text.casefold()) if word not in _COMMON}

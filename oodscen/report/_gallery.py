@@ -14,9 +14,8 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Weather
 from oodscen.data._twins import is_twin, twin_id
 from oodscen.data._verdict import Verdict
-from oodscen.report import _measures as measures
 from oodscen.report import _phrasing as words
-from oodscen.report._charts import svg as charts
+from oodscen.report._charts.canvas import signed
 from oodscen.report._charts.frames import picture
 from oodscen.report._load import Material, by_key, number
 
@@ -63,7 +62,7 @@ def payload(found: Material, folder: Path) -> Row:
                 "id": name,
                 "leaf": leaf,
                 "text": scenario.text if scenario else "",
-                "score": "" if score[0] is None else charts.signed(score[0]),
+                "score": "" if score[0] is None else signed(score[0]),
                 "nearest": score[1],
                 "error": failed.get(name, ""),
                 "state": ""
@@ -283,15 +282,11 @@ def _cut(text: str) -> str:
 
 def _scores(found: Material) -> dict[str, tuple[float, str]]:
     """Return OOD-ness and nearest ordinary text by scenario, if scores and texts match."""
-    values = measures.scores(found.metrics, "simulatable")
-    if len(values) != len(found.scenarios):
+    report = found.metrics and found.metrics.sets.get("simulatable")
+    if not report or len(report.oodness.per_text) != len(found.scenarios):
         return {}
-    near = measures.neighbours(found.metrics, "simulatable")
-    near = near if len(near) == len(values) else [""] * len(values)
-    return {
-        scenario.id: (value, text)
-        for scenario, value, text in zip(found.scenarios, values, near, strict=True)
-    }
+    own = zip(found.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
+    return {scenario.id: (value, near.text) for scenario, value, near in own}
 
 
 def _state(
@@ -302,7 +297,7 @@ def _state(
 ) -> str:
     if scene is None:
         if band and score is not None and not band[0] <= score <= band[1]:
-            low, high = map(charts.signed, band)
+            low, high = map(signed, band)
             return f"Not staged: its OOD-ness lies outside the band from {low} to {high}."
         return "Not staged yet."
     return "Not simulated yet." if episode is None else ""

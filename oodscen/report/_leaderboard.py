@@ -5,22 +5,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from markupsafe import Markup
-
 from oodscen.data._verdict import NOTHING, Verdict
 from oodscen.judging._leaderboard.board import PRIVILEGED
 from oodscen.judging._leaderboard.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging._leaderboard.leaderboard import (
-    Comparison,
-    Figure,
     Leaderboard,
     Rate,
     Standing,
     leaderboard,
     paper_example,
 )
-from oodscen.report._charts import bars
-from oodscen.report._charts import svg as charts
+from oodscen.report._charts import scores as charts
+from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material
 
 _MOST_TYPES = 20
@@ -28,68 +24,16 @@ _MOST_TYPES = 20
 _MOST_SERIES = 5
 _TOP_CONFUSIONS = 8
 
-_ENDINGS = {
-    "refused": "refused",
-    "unparsed": "not understood",
-    "unavailable": "chose a lane that is not there",
-    "timeout": "not in time",
-    "unasked": "not asked",
-    "error": "failed",
-}
-"""Words for the outcomes of judging, shown after a count."""
-
 _CONSTANT = "constant:"
-
-GRADES = {
-    "yes": "better than not looking",
-    "no": "worse than not looking",
-    "unclear": "not shown to beat not looking",
-    "unknown": "not measured",
-    "incomplete": "too few answers to say",
-}
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One figure of the leaderboard in words and as a dot with its interval."""
-
-    value: str
-    count: str = ""
-    bounds: str = ""
-    how: str = ""
-    """The method behind the interval."""
-    chart: str = ""
-    worst: str = ""
-    """The figure with every missing answer counted as wrong; empty if none is missing."""
 
 
 @dataclass(frozen=True)
 class Line:
     """One row of the leaderboard."""
 
-    model: str
-    is_reference: bool
+    standing: Standing
     role: str
     """`ceiling`, `floor` or empty."""
-    note: str
-    balanced: Cell
-    sensitivity: Cell
-    specificity: Cell
-    auroc: Cell
-    d_prime: Cell
-    open: Cell
-    open_shown: Cell
-    """Under the paper's protocol, over the scenes whose frames show the hazard."""
-    closed: Cell
-    safe: Cell
-    collision_free: Cell
-    above_chance: Cell
-    needless: Cell
-    asked: int
-    silent: str
-    """Counts of the outcomes other than answers."""
-    contradictions: int
-    outdated: int
 
 
 @dataclass(frozen=True)
@@ -97,7 +41,7 @@ class Confused:
     """The confusions of one model."""
 
     model: str
-    chart: Markup
+    chart: Canvas
     labels: tuple[str, ...]
     top: tuple[tuple[str, str, int], ...]
 
@@ -112,39 +56,19 @@ def context(found: Material) -> dict[str, Any]:
         "board": board,
         "answer": answer(board),
         "findings": _by_model(said),
-        "grades": GRADES,
         "most_missing": MOST_MISSING,
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
         "has_collisions": any(row.control.collision_free.n for row in board.standings),
         "has_closed": any(row.identification.closed.n for row in board.standings),
-        "comparisons": [_compared(c) for c in board.comparisons],
         "series": [row.model for row in shown],
         "type_level": level,
         "chart_named": _chart(shown, level, "open", "Aspect named"),
         "chart_safe": _chart(shown, level, "safe", "Safe action chosen"),
         "confused": _confusions(found.verdicts, board, found),
-        "scorers": _scorers(board),
-        "has_paper": any(row.protocol == "paper" for row in board.standings),
         "example": paper_example(),
     }
-
-
-def _scorers(board: Leaderboard) -> str:
-    """Describe who scored the aspects in own words, and how many the judge could not score."""
-    if not board.judge:
-        return "Aspects in own words are scored by the documented matcher, in every row."
-    judge = board.judge.rpartition("@")[0]
-    judged = sum(row.identification.judged for row in board.standings)
-    unjudged = sum(row.identification.unjudged for row in board.standings)
-    text = (
-        f"Aspects in own words are scored by the judge model “{judge}”, those of models and of references "
-        f"alike: {judged} of them."
-    )
-    if unjudged:
-        text += f" About {unjudged} more it gave no usable answer; these are scored by the matcher."
-    return text
 
 
 def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
@@ -175,119 +99,15 @@ def _without_repeats(board: Leaderboard) -> list[Standing]:
 
 
 def _line(row: Standing, floor: Standing | None) -> Line:
-    detection, control = row.detection, row.control
-    silent = [
-        f"{count} {_ENDINGS.get(name, name)}"
-        for name, count in row.outcomes.items()
-        if name != "answered" and count
-    ]
     is_floor = floor is not None and (row.control, row.detection, row.identification) == (
         floor.control,
         floor.detection,
         floor.identification,
     )
     return Line(
-        model=row.model,
-        is_reference=row.kind == "reference",
+        standing=row,
         role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
-        note="paper’s protocol" if row.protocol == "paper" else "",
-        balanced=_figure(
-            detection.balanced_accuracy,
-            detection.worst,
-            detection.sensitivity.missing + detection.specificity.missing,
-        ),
-        sensitivity=_rate(detection.sensitivity),
-        specificity=_rate(detection.specificity),
-        auroc=_plain(detection.auroc),
-        d_prime=_plain(detection.d_prime),
-        open=_rate(row.identification.open),
-        open_shown=_rate(row.identification.open_shown),
-        closed=_rate(row.identification.closed),
-        safe=_rate(control.safe),
-        collision_free=_rate(control.collision_free),
-        above_chance=_plain(control.above_chance),
-        needless=_rate(control.needless),
-        asked=row.asked,
-        silent=", ".join(silent),
-        contradictions=row.contradictions,
-        outdated=row.outdated,
     )
-
-
-def _rate(rate: Rate) -> Cell:
-    if rate.value is None or rate.interval is None:
-        return Cell("", worst=_worst(rate.worst, rate.missing))
-    return Cell(
-        value=f"{100 * rate.value:.0f} %",
-        count=f"{rate.hits} of {rate.n}",
-        bounds=f"{100 * rate.interval.low:.0f} to {100 * rate.interval.high:.0f} %",
-        how=f"{rate.interval.method}, {rate.interval.units} units",
-        chart=charts.whisker(rate.value, rate.interval.low, rate.interval.high),
-        worst=_worst(rate.worst, rate.missing),
-    )
-
-
-def _worst(value: float | None, missing: int) -> str:
-    if not missing or value is None:
-        return ""
-    return f"{100 * value:.0f} % if the {missing} missing were wrong"
-
-
-def _figure(figure: Figure, worst: Figure, missing: int) -> Cell:
-    if figure.value is None:
-        return Cell("", worst=_worst(worst.value, missing))
-    low, high = (
-        (figure.interval.low, figure.interval.high)
-        if figure.interval
-        else (figure.value, figure.value)
-    )
-    return Cell(
-        value=f"{100 * figure.value:.0f} %",
-        bounds=f"{100 * low:.0f} to {100 * high:.0f} %" if figure.interval else "",
-        chart=charts.whisker(figure.value, low, high),
-        worst=_worst(worst.value, missing),
-    )
-
-
-def _plain(figure: Figure) -> Cell:
-    if figure.value is None:
-        return Cell("")
-    bounds = ""
-    if figure.interval:
-        bounds = (
-            f"{charts.signed(figure.interval.low, 2)} to {charts.signed(figure.interval.high, 2)}"
-        )
-    return Cell(value=charts.signed(figure.value, 2), bounds=bounds)
-
-
-def _compared(comparison: Comparison) -> dict[str, str]:
-    test = comparison.test
-    return {
-        "task": {
-            "detection": "telling rare from ordinary",
-            "open": "naming it",
-            "closed": "picking it from a list",
-            "control": "choosing an action",
-        }[comparison.task],
-        "against": comparison.against,
-        "first": comparison.first,
-        "second": comparison.second,
-        "difference": _points(test.difference),
-        "split": f"{test.first_only} : {test.second_only}",
-        "n": str(test.n),
-        "plain": _p(comparison.p_holm),
-        "clustered": _p(comparison.p_clustered_holm),
-        "shown": "yes" if comparison.p_clustered_holm < 0.05 else "",
-    }
-
-
-def _points(difference: float) -> str:
-    written = charts.signed(100 * difference, 0)
-    return f"{written} point{'' if written.lstrip('−-') == '1' else 's'}"
-
-
-def _p(value: float) -> str:
-    return "< 0.001" if value < 0.001 else f"{value:.3f}"
 
 
 def _series(board: Leaderboard) -> list[Standing]:
@@ -309,9 +129,9 @@ def _level(board: Leaderboard) -> str:
     return "family" if paths > _MOST_TYPES and families else "path"
 
 
-def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Markup:
+def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Canvas | None:
     if not shown:
-        return Markup("")
+        return None
     found = [{group.name: group for group in row.groups if group.level == level} for row in shown]
     rows = []
     for name, group in found[0].items():
@@ -319,19 +139,19 @@ def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Mark
             getattr(groups[name], field) if name in groups else None for groups in found
         ]
         rows.append(
-            bars.Row(
+            charts.Row(
                 name, [_bar(rate) for rate in rates], group.chance if field == "safe" else None
             )
         )
     if not any(bar for row in rows for bar in row.bars):
-        return Markup("")
-    return bars.bars(rows, [row.model for row in shown], what)
+        return None
+    return charts.bars(rows, [row.model for row in shown], what)
 
 
-def _bar(rate: Rate | None) -> bars.Bar | None:
+def _bar(rate: Rate | None) -> charts.Bar | None:
     if rate is None or not rate.n or rate.interval is None:
         return None
-    return bars.Bar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
+    return charts.Bar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
 
 
 def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material) -> list[Confused]:
@@ -365,7 +185,7 @@ def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material
                 for one in row.confusions[:_TOP_CONFUSIONS]
             )
             rows.append(
-                Confused(row.model, bars.confusion(order, counts, len(order)), tuple(order), top)
+                Confused(row.model, charts.confusion(order, counts, len(order)), tuple(order), top)
             )
     return rows
 

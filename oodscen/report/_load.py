@@ -14,12 +14,14 @@ from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError
 from oodscen.judging._drives import current
+from oodscen.metrics._measurements import Measurements
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study import TABLES, TREES, Store, Study
 from oodscen.tree._scenario_tree import ScenarioTree
 
 Row = TypeVar("Row", bound=Data)
+Value = TypeVar("Value")
 
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
 _CREDENTIALS = re.compile(r"(://)[^/@\s]+@")
@@ -55,7 +57,7 @@ class Material:
     calls: list[dict[str, Any]] = field(default_factory=list)
     texts: dict[str, list[Scenario]] = field(default_factory=dict)
     """The text sets of the diverse tree, by size."""
-    metrics: dict[str, Any] = field(default_factory=dict)
+    metrics: Measurements | None = None
     failures: list[Failure] = field(default_factory=list)
     gaps: dict[str, str] = field(default_factory=dict)
     """By file name: the reason why it is missing, wholly or in part."""
@@ -71,9 +73,9 @@ def read(study: Study) -> Material:
     store = study.store
     found = Material()
     found.info = _object(store, "study.json", found)
-    found.metrics = _object(store, "metrics.json", found)
+    found.metrics = _value(store, "metrics.json", Measurements.parse, found)
     for name in TREES:
-        tree = _tree(store, f"tree.{name}.json", found)
+        tree = _value(store, f"tree.{name}.json", ScenarioTree.parse, found)
         if tree is not None:
             found.trees[name] = tree
     found.rounds = _rows(store, "redteam", Round, found)
@@ -146,12 +148,15 @@ def _object(store: Store, name: str, found: Material) -> dict[str, Any]:
         return {}
 
 
-def _tree(store: Store, name: str, found: Material) -> ScenarioTree | None:
-    value = _object(store, name, found)
-    if not value:
+def _value(
+    store: Store, name: str, parse: Callable[[dict[str, Any]], Value], found: Material
+) -> Value | None:
+    """Return the value in a file of its own; a file that holds something else becomes a note."""
+    content = _object(store, name, found)
+    if not content:
         return None
     try:
-        return ScenarioTree.parse(value)
+        return parse(content)
     except DataError as error:
         found.gaps[name] = f"{name} cannot be read: {_first(error)}"
         return None

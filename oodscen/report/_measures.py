@@ -1,15 +1,18 @@
-"""The metric tables: the figures of `metrics.json` beside the paper's."""
+"""The figures and pictures of a study's measurements, beside the paper's."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from markupsafe import Markup
-
 from oodscen import _paper as paper
 from oodscen.data._scenario import Scenario
-from oodscen.report._charts import svg as charts
-from oodscen.report._load import dig, mapping, number
+from oodscen.metrics._diversity import Diversity
+from oodscen.metrics._measurements import Measurements
+from oodscen.report._charts import sets as charts
+from oodscen.report._charts.canvas import Canvas, signed
+from oodscen.report._load import Material
+from oodscen.statistics._intervals import Interval
+from oodscen.study import Study
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class MeasureRow:
     """One set of texts."""
 
     label: str
-    n: str
+    n: int
     oodness: Figure
     paper_oodness: str
     nearest: Figure
@@ -52,132 +55,176 @@ class Examples:
     lowest: tuple[Example, ...]
 
 
+def context(found: Material) -> dict[str, Any]:
+    """Return the template's variables about the measures; without measurements, `measured` is `None`."""
+    known = found.metrics
+    return {
+        "measured": known,
+        "measure_rows": rows(known) if known else [],
+        "margins": margins(known) if known else [],
+        "measure_chart": chart(known) if known else None,
+        "examples": examples(known, {**found.texts, "simulatable": found.scenarios})
+        if known
+        else [],
+    }
+
+
 def label_of(name: str) -> str:
     """Return the displayed name of a set of texts."""
     return f"Diverse tree, {name} texts" if name.isdigit() else "Simulatable tree, all texts"
 
 
-def set_names(metrics: Mapping[str, Any]) -> list[str]:
+def set_names(metrics: Measurements) -> list[str]:
     """Return the names of the measured sets: by size, the simulatable one last."""
-    names = [str(name) for name in mapping(metrics.get("sets"))]
-    return sorted(names, key=lambda name: (not name.isdigit(), int(name) if name.isdigit() else 0))
+    return sorted(
+        metrics.sets, key=lambda name: (not name.isdigit(), int(name) if name.isdigit() else 0)
+    )
 
 
-def rows(metrics: Mapping[str, Any]) -> list[MeasureRow]:
+def rows(metrics: Measurements) -> list[MeasureRow]:
     """Return one row per set, the baseline first."""
-    batch, spread = dig(metrics, "baseline_batch"), dig(metrics, "baseline_diversity")
-    found = []
-    if mapping(batch) or mapping(spread):
-        deviation = number(batch, "spread")
-        found.append(
-            MeasureRow(
-                label="Ordinary driving (the baseline itself)",
-                n=_whole(batch, "N") or _whole(spread, "n"),
-                oodness=Figure(
-                    _signed(number(batch, "mean")),
-                    f"± {deviation:.3f}" if deviation is not None else "",
-                ),
-                paper_oodness=_signed(paper.OODNESS["baseline batch"]),
-                nearest=_figure(spread, "nearest"),
-                pairwise=_figure(spread, "pairwise"),
-                paper_diversity=_signed(paper.DIVERSITY["baseline"]),
-            )
-        )
-    for name in set_names(metrics):
-        report = dig(metrics, "sets", name)
-        diversity = dig(report, "diversity")
-        found.append(
-            MeasureRow(
-                label=label_of(name),
-                n=_whole(report, "n"),
-                oodness=Figure(
-                    _signed(number(report, "oodness", "mean")),
-                    _bounds(dig(report, "oodness", "interval")),
-                ),
-                paper_oodness=_signed(paper.OODNESS.get(name)),
-                nearest=_figure(diversity, "nearest"),
-                pairwise=_figure(diversity, "pairwise"),
-                paper_diversity=_signed(paper.DIVERSITY.get(name)),
-            )
-        )
-    return found
+    batch, spread = metrics.baseline_batch, metrics.baseline_diversity
+    first = MeasureRow(
+        label="Ordinary driving (the baseline itself)",
+        n=batch.N,
+        oodness=Figure(signed(batch.mean), f"± {batch.spread:.3f}"),
+        paper_oodness=_papers(paper.OODNESS, "baseline batch"),
+        nearest=_figure(spread.nearest, spread.nearest_interval),
+        pairwise=_figure(spread.pairwise, spread.pairwise_interval),
+        paper_diversity=_papers(paper.DIVERSITY, "baseline"),
+    )
+    return [first, *(_row(name, metrics) for name in set_names(metrics))]
 
 
-def margins(metrics: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _row(name: str, metrics: Measurements) -> MeasureRow:
+    report = metrics.sets[name]
+    diversity: Diversity = report.diversity
+    return MeasureRow(
+        label=label_of(name),
+        n=report.n,
+        oodness=_figure(report.oodness.mean, report.oodness.interval),
+        paper_oodness=_papers(paper.OODNESS, name),
+        nearest=_figure(diversity.nearest, diversity.nearest_interval),
+        pairwise=_figure(diversity.pairwise, diversity.pairwise_interval),
+        paper_diversity=_papers(paper.DIVERSITY, name),
+    )
+
+
+def margins(metrics: Measurements) -> list[tuple[str, str]]:
     """Return the OOD-ness of every set relative to that of ordinary driving itself."""
-    ordinary = number(metrics, "baseline_batch", "mean")
     found = []
     for name in set_names(metrics):
-        mean = number(metrics, "sets", name, "oodness", "mean")
-        if ordinary is not None and mean is not None:
-            side = "above" if mean >= ordinary else "below"
-            found.append((label_of(name), f"{abs(mean - ordinary):.3f} {side}"))
+        margin = metrics.sets[name].oodness.mean - metrics.baseline_batch.mean
+        side = "above" if margin >= 0 else "below"
+        found.append((label_of(name), f"{abs(margin):.3f} {side}"))
     return found
 
 
-def chart(metrics: Mapping[str, Any]) -> Markup:
-    """Draw the OOD-ness of every text, one strip per set; empty if nothing was measured."""
-    strips = []
-    for name in set_names(metrics):
-        values = scores(metrics, name)
-        if values:
-            mean = number(metrics, "sets", name, "oodness", "mean")
-            short = f"{name} texts" if name.isdigit() else name
-            strips.append(
-                charts.Strip(short, values, sum(values) / len(values) if mean is None else mean)
-            )
+def chart(metrics: Measurements) -> Canvas | None:
+    """Draw the OOD-ness of every text, one strip per set, if there are any."""
+    strips = _strips(metrics)
     if not strips:
-        return Markup("")
-    return charts.histogram(strips, number(metrics, "baseline_batch", "mean"), "ordinary driving")
-
-
-def scores(metrics: Mapping[str, Any], name: str) -> list[float]:
-    """Return the OOD-ness of every text of a set, in order; empty unless all are numbers."""
-    values = dig(metrics, "sets", name, "oodness", "per_text")
-    if not isinstance(values, list):
-        return []
-    numbers = [number(value) for value in values]
-    return [value for value in numbers if value is not None] if None not in numbers else []
-
-
-def neighbours(metrics: Mapping[str, Any], name: str) -> list[str]:
-    """Return the nearest baseline text of every text of a set; empty if unknown."""
-    found = dig(metrics, "sets", name, "oodness", "nearest")
-    return [str(dig(item, "text") or "") for item in found] if isinstance(found, list) else []
+        return None
+    return charts.histogram(strips, metrics.baseline_batch.mean, "ordinary driving")
 
 
 def examples(
-    metrics: Mapping[str, Any], sets: Mapping[str, Sequence[Scenario]], count: int = 4
+    metrics: Measurements, sets: Mapping[str, Sequence[Scenario]], count: int = 4
 ) -> list[Examples]:
     """Return the most ordinary and most unusual texts of every set whose scores match its texts."""
     found = []
     for name in set_names(metrics):
-        texts, values = sets.get(name, ()), scores(metrics, name)
+        texts, oodness = sets.get(name, ()), metrics.sets[name].oodness
+        values = oodness.per_text
         if not texts or len(texts) != len(values):
             continue
-        near = neighbours(metrics, name)
-        near = near if len(near) == len(values) else [""] * len(values)
         order = sorted(range(len(values)), key=lambda index: (-values[index], index))
         shown = [
-            Example(texts[index].text, charts.signed(values[index]), near[index]) for index in order
+            Example(texts[index].text, signed(values[index]), oodness.nearest[index].text)
+            for index in order
         ]
         found.append(Examples(label_of(name), tuple(shown[:count]), tuple(shown[-count:])))
     return found
 
 
-def _figure(diversity: object, key: str) -> Figure:
-    return Figure(_signed(number(diversity, key)), _bounds(dig(diversity, f"{key}_interval")))
+def pictures(study: Study, found: Material) -> dict[str, Any] | None:
+    """Return the pictures of the measurements, each with its caption.
+
+    Args:
+        study: Unused; all parts of the page share one signature.
+        found: The material read from the study.
+    """
+    if found.metrics is None:
+        return None
+    drawn = (_distributions, _detected, _curves, _map)
+    return {"pictures": [one(found.metrics) for one in drawn]}
 
 
-def _bounds(interval: object) -> str:
-    low, high = number(interval, "low"), number(interval, "high")
-    return "" if low is None or high is None else f"{charts.signed(low)} to {charts.signed(high)}"
+def _distributions(metrics: Measurements) -> tuple[Canvas, str]:
+    known = metrics.pictures.oodness
+    strips = _strips(metrics)
+    for label, values in (("ordinary", known.control), ("baseline", known.held_out)):
+        strips.append(charts.Strip(label, values, sum(values) / len(values)))
+    return charts.histogram(strips), (
+        "OOD-ness of the study’s texts, of hand-written ordinary sentences in the style of scenarios, and of "
+        "ordinary driving texts scored without their like. Where the first lie over the second, this measure "
+        "does not tell them apart."
+    )
 
 
-def _signed(value: float | None) -> str:
-    return "" if value is None else charts.signed(value)
+def _detected(metrics: Measurements) -> tuple[Canvas, str]:
+    detector = metrics.pictures.detector
+    names = set_names(metrics)
+    boxes = [(_short(name), detector.sets[name].per_text) for name in names]
+    areas = []
+    for name in names:
+        area = detector.sets[name].auroc
+        bounds = f" [{area.interval.low:.2f}, {area.interval.high:.2f}]" if area.interval else ""
+        areas.append(f"{_short(name)} {area.value:.2f}{bounds}")
+    return charts.boxes([*boxes, ("ordinary", detector.control)]), (
+        f"The detector “{detector.name}” in standard deviations of ordinary driving; boxes hold "
+        "the middle half, lines the middle nine tenths. Area under the ROC curve against the ordinary sentences "
+        f"(0.5 tells nothing): {'; '.join(areas)}."
+    )
 
 
-def _whole(value: object, key: str) -> str:
-    found = number(value, key)
-    return "" if found is None else f"{found:.0f}"
+def _curves(metrics: Measurements) -> tuple[Canvas, str]:
+    known = metrics.pictures.curves
+    curves = [
+        charts.Curve(_short(name), known[name].sizes, (known[name].nearest, known[name].pairwise))
+        for name in ("baseline", *set_names(metrics))
+        if name in known
+    ]
+    return charts.size_curves(curves), (
+        "Diversity of random subsets by their number of texts: to the nearest other text (solid) it "
+        "falls as a set grows, over all pairs (dashed) it does not. Compare sets at equal size."
+    )
+
+
+def _map(metrics: Measurements) -> tuple[Canvas, str]:
+    known = metrics.pictures.map
+    clouds = [
+        charts.Cloud(_short(name), known.points[name]) for name in ("baseline", *set_names(metrics))
+    ]
+    return charts.cloud_map(clouds, known.share), (
+        "Texts on the two principal axes of the ordinary driving texts, at most 400 of each set. The axes hold "
+        f"{sum(known.share):.0%} of the variance: neighbours here may be far apart in the other dimensions."
+    )
+
+
+def _strips(metrics: Measurements) -> list[charts.Strip]:
+    reports = [(name, metrics.sets[name].oodness) for name in set_names(metrics)]
+    return [charts.Strip(_short(name), one.per_text, one.mean) for name, one in reports]
+
+
+def _figure(value: float | None, interval: Interval | None) -> Figure:
+    bounds = f"{signed(interval.low)} to {signed(interval.high)}" if interval else ""
+    return Figure("" if value is None else signed(value), bounds)
+
+
+def _papers(figures: Mapping[str, float], name: str) -> str:
+    return signed(figures[name]) if name in figures else ""
+
+
+def _short(name: str) -> str:
+    return f"{name} texts" if name.isdigit() else name

@@ -62,6 +62,11 @@ def speed(value: float) -> str:
     return f"{value:.1f} m/s ({value * 3.6:.0f} km/h)"
 
 
+def p_value(value: float) -> str:
+    """Return a p-value as text."""
+    return "< 0.001" if value < 0.001 else f"{value:.3f}"
+
+
 def duration(seconds: float) -> str:
     """Return a time span as text."""
     if seconds < 10:

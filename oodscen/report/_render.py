@@ -13,10 +13,13 @@ import jinja2
 from markupsafe import Markup, escape
 
 from oodscen.errors import FolderTaken
+from oodscen.judging._leaderboard.board import Figure, Rate
 from oodscen.report import _load as reading
 from oodscen.report import _page as page
 from oodscen.report import _phrasing as words
-from oodscen.report._charts import svg as charts
+from oodscen.report._charts import scores as charts
+from oodscen.report._charts.canvas import Canvas, signed
+from oodscen.report._sections import Drawn
 from oodscen.study import Study
 
 FILE = "report.html"
@@ -50,7 +53,7 @@ def render(context: dict[str, Any]) -> str:
     style, script = _source("style.css"), _source("script.js")
     return (
         _environment()
-        .get_template("report.html.j2")
+        .get_template("page.html.j2")
         .render(
             **{**context, "payload": embedded(context["payload"])},
             style=Markup(style),
@@ -72,7 +75,7 @@ def embedded(value: Any) -> Markup:
 @cache
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("oodscen.report", "."),
+        loader=jinja2.PackageLoader("oodscen.report", "templates"),
         undefined=jinja2.StrictUndefined,
         autoescape=True,
         trim_blocks=True,
@@ -80,12 +83,31 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters["breakable"] = _breakable
     environment.filters["percent"] = lambda share: f"{100 * share:.0f} %"
+    environment.filters["hundredths"] = lambda share: f"{100 * share:.0f}"
+    environment.filters["signed"] = signed
+    environment.filters["p_value"] = words.p_value
+    environment.filters["plural"] = lambda n, noun: f"{n} {noun}{'' if n == 1 else 's'}"
+    environment.filters["duration"] = words.duration
+    environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
     environment.globals["shares"] = lambda row: charts.shares(
         [("safe", row.safe), ("unsafe", row.unsafe), ("unavailable", row.unavailable)]
     )
-    environment.filters["duration"] = words.duration
-    environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
+    environment.globals["whisker"] = _whisker
+    environment.globals["rendered"] = rendered
     return environment
+
+
+def rendered(part: Drawn) -> Markup:
+    """Return a part of the page; its template sees its own data alone."""
+    template = _environment().get_template(f"parts/{part.template}.html.j2")
+    return Markup(template.render(part.data))
+
+
+def _whisker(figure: Rate | Figure) -> Canvas:
+    """Draw a known figure with its interval; without one, the figure alone."""
+    value = figure.value or 0.0
+    low, high = (figure.interval.low, figure.interval.high) if figure.interval else (value, value)
+    return charts.whisker(value, low, high)
 
 
 def _breakable(name: str) -> Markup:

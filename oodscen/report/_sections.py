@@ -1,43 +1,40 @@
-"""Further parts of the page, each drawn by its own function from the study's data."""
+"""Further parts of the page: the place, title, data and template of each."""
 
-from collections.abc import Callable
-from typing import NamedTuple
-
-from markupsafe import Markup
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, NamedTuple
 
 from oodscen.errors import OodscenError
-from oodscen.report import _driving as driving
-from oodscen.report import _gaps as further
-from oodscen.report import _simulators as simulators
-from oodscen.report import _undecided as undecided
-from oodscen.report._charts import metric_pictures
+from oodscen.report import _parts as parts
 from oodscen.report._load import Material
+from oodscen.report._measures import pictures
+from oodscen.report._simulators import simulators
 from oodscen.study import Study
-from oodscen.tree import _coverage_report as coverage
 
-Draw = Callable[[Study, Material], Markup]
+Place = Literal["drives", "undecided", "metrics", "growth", "pruning", "coverage"]
 
 
 class Part(NamedTuple):
-    """A part of the page that another module draws."""
+    """A part of the page with its own template."""
 
-    place: str
-    """Section of the page: `drives`, `undecided`, `metrics`, `growth`, `pruning` or `coverage`."""
+    place: Place
+    """Section of the page."""
     title: str
-    draw: Draw
-    """Takes the study and the material read from it, and returns markup (empty if the study has nothing to
-    show). It must escape text from models.
+    template: str
+    """Name of the file in `templates/parts`, without its ending."""
+    data: Callable[[Study, Material], Mapping[str, Any] | None]
+    """Takes the study and the material read from it, and returns the template's variables; `None` if the study
+    has nothing to show.
     """
 
 
 PARTS: tuple[Part, ...] = (
-    Part("drives", "Driving stacks", driving.part),
-    Part("undecided", "Scenes that tell no actions apart", undecided.part),
-    Part("metrics", "Pictures of the measures", metric_pictures.part),
-    Part("growth", "How much is left to be found", further.saturation_part),
-    Part("pruning", "What would bring paths back", further.restoration_part),
-    Part("pruning", "What another simulator would show", simulators.part),
-    Part("coverage", "What the texts and scenes cover", coverage.part),
+    Part("drives", "Driving stacks", "driving", parts.driving),
+    Part("undecided", "Scenes that tell no actions apart", "undecided", parts.undecided),
+    Part("metrics", "Pictures of the measures", "pictures", pictures),
+    Part("growth", "How much is left to be found", "saturation", parts.saturated),
+    Part("pruning", "What would bring paths back", "restoration", parts.restored),
+    Part("pruning", "What another simulator would show", "simulators", simulators),
+    Part("coverage", "What the texts and scenes cover", "coverage", parts.covered),
 )
 """Every part, in display order."""
 
@@ -46,18 +43,20 @@ class Drawn(NamedTuple):
     """One part as the page shows it."""
 
     title: str
-    markup: Markup
+    template: str
+    data: Mapping[str, Any]
     error: str = ""
 
 
 def drawn(study: Study, found: Material) -> dict[str, list[Drawn]]:
-    """Draw every part by place; a broken file of the study becomes a note there."""
+    """Collect the data of every part by place; a broken file of the study becomes a note there."""
     places: dict[str, list[Drawn]] = {part.place: [] for part in PARTS}
     for part in PARTS:
         try:
-            one = Drawn(part.title, part.draw(study, found))
+            data = part.data(study, found)
         except OodscenError as error:
-            one = Drawn(part.title, Markup(""), str(error))
-        if one.markup or one.error:
-            places[part.place].append(one)
+            places[part.place].append(Drawn(part.title, part.template, {}, str(error)))
+            continue
+        if data is not None:
+            places[part.place].append(Drawn(part.title, part.template, data))
     return places

@@ -8,6 +8,8 @@ from ._drive import RuleBasedDriver as RuleBasedDriver
 from ._drive import drive as drive
 from ._evaluate import evaluate as evaluate
 from ._grow import TreeGrower as TreeGrower
+from ._options import DescribeOptions as DescribeOptions
+from ._options import RedTeamOptions as RedTeamOptions
 from ._prune.pruner import Pruner as Pruner
 from ._prune.pruner import all_decisions as all_decisions
 from ._prune.pruner import pruned as pruned

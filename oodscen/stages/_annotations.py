@@ -12,9 +12,9 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
+from oodscen.driving._roads.projection import places
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
-from oodscen.driving._trace import places
 from oodscen.errors import MissingExtra
 from oodscen.protocols import Camera, Frame, State
 

@@ -1,26 +1,33 @@
 """The augmenter, which turns a text into a complete scene for a simulator (paper, section III-B)."""
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
+from oodscen._text import one_line
 from oodscen.data._base import issues_of
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._claim import Claim
+from oodscen.data._claim import Claim, Mismatch
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import Issue
+from oodscen.errors import AnswerError, Issue
 from oodscen.llm._ask import ATTEMPTS, ask
 from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 from oodscen.prompts._fitting import fitted
-from oodscen.protocols import LLM
+from oodscen.protocols import LLM, Encoder
+
+if TYPE_CHECKING:
+    from oodscen.claims._matching import Likeness
 
 
 class Augmenter:
     """Asks the augmenter-LLM to stage texts; every scene it returns is valid and runs.
 
-    Before staging, the claims of a text are extracted from the text alone. Every scene is checked against
-    them, and each contradicted claim is fed back to the model.
+    Before staging, the claims of a text are extracted from the text alone. The model is told them, says which
+    actor shows which thing, or that the simulator cannot show the text. Every scene is checked against
+    the claims, and what it contradicts is fed back.
 
     Args:
         llm: The augmenter-LLM.
@@ -31,6 +38,8 @@ class Augmenter:
         claims: Require scenes to satisfy the claims of their texts.
         reader: Model that extracts the claims; the augmenter-LLM if left out.
         context: Context window of the model in tokens, if the whole catalogue is too long for it.
+        encoder: Compares the things of a text with the actors that are said to show them; without one whose
+            cosines follow meaning, a noun by which no asset is known may be any asset.
     """
 
     def __init__(
@@ -43,6 +52,7 @@ class Augmenter:
         claims: bool = True,
         reader: LLM | None = None,
         context: int | None = None,
+        encoder: Encoder | None = None,
     ) -> None:
         if check is None:
             from oodscen.driving import check_scene
@@ -56,6 +66,13 @@ class Augmenter:
         self.claims = claims
         self.reader = reader or llm
         self.context = context
+        self.encoder = encoder
+
+    @cached_property
+    def _likeness(self) -> "Likeness | None":
+        from oodscen.claims._matching import likeness_of
+
+        return likeness_of(self.encoder, self.catalogue)
 
     def read(self, scenario: Scenario) -> tuple[Claim, ...]:
         """Return the claims of a text, or none if claims are switched off.
@@ -78,25 +95,54 @@ class Augmenter:
             claims: Claims of the text, if already extracted.
 
         Raises:
-            AnswerError: When the model gives no scene that runs and satisfies the claims; the error lists the
-                faults and every contradicted claim.
+            AnswerError: When the model gives no scene that runs and satisfies the claims, or says that there is
+                none; the error lists the faults and every contradicted claim, or the reason.
             LLMError: When the model cannot be reached.
         """
         told = self.read(scenario) if claims is None else tuple(claims)
-        prompt = StageScene(text=scenario.text, path=scenario.path, catalogue=self.digest)
+        prompt = StageScene(
+            text=scenario.text,
+            path=scenario.path,
+            claims=told,
+            roads=self.roads(told),
+            catalogue=self.digest,
+        )
         draft = ask(
             self.llm,
             fitted(prompt, self.context),
-            check=lambda draft: self._faults(scenario, told, draft),
+            check=lambda draft: self.faults(scenario, told, draft),
             attempts=self.attempts,
         )
-        return _staged(scenario, draft)
+        if draft.cannot_show:
+            fault = Issue("cannot_show", one_line(draft.cannot_show))
+            raise AnswerError(self.llm.name, prompt.purpose, [fault], draft.model_dump_json(), 1)
+        return scene_of_draft(scenario, draft, self.catalogue)
 
-    def _faults(
+    def roads(self, claims: Sequence[Claim]) -> tuple[str, ...]:
+        """Return the maps of which all claims about the road hold; empty without such claims.
+
+        Raises:
+            AnswerError: When there are such claims, and no map.
+        """
+        from oodscen.claims._roads import fitting_roads, of_roads
+
+        told = of_roads(claims)
+        if not told:
+            return ()
+        roads = fitting_roads(told, self.catalogue.maps)
+        if not roads:
+            said = "; ".join(map(str, told))
+            fault = Issue("cannot_show", f"no road of the simulator is all of this: {said}")
+            raise AnswerError(self.llm.name, StageScene.purpose, [fault], "", 0)
+        return roads
+
+    def faults(
         self, scenario: Scenario, claims: Sequence[Claim], draft: SceneDraft
     ) -> Sequence[Issue]:
+        if draft.cannot_show:
+            return []
         try:
-            scene = _staged(scenario, draft)
+            scene = scene_of_draft(scenario, draft, self.catalogue)
         except ValidationError as error:
             return issues_of(error)
         faults = self.check(scene, self.catalogue)
@@ -104,11 +150,27 @@ class Augmenter:
             return faults
         from oodscen.claims import check_claims
 
-        found = check_claims(claims, scene, self.catalogue)
-        return [Issue(mismatch.path, str(mismatch)) for mismatch in found]
+        found = check_claims(claims, scene, self.catalogue, likeness=self._likeness)
+        return _together(found, scene)
 
 
-def _staged(scenario: Scenario, draft: SceneDraft) -> Scene:
+def _together(mismatches: Sequence[Mismatch], scene: Scene) -> list[Issue]:
+    """Return one issue per cause: claims about one thing that fail for the same reason are one."""
+    causes: dict[tuple[str, str, str], list[Mismatch]] = {}
+    for one in mismatches:
+        causes.setdefault((one.path, one.claim.subject, one.found), []).append(one)
+    issues = []
+    for (path, subject, found), group in causes.items():
+        said = "; ".join(str(one.claim).removeprefix(f"{subject}: ") for one in group)
+        about = f"{subject}: " if subject else ""
+        hint = ""
+        if subject and path == "actors" and subject not in scene.stands_for:
+            hint = "; if one of the actors shows it, say which in `stands_for`"
+        issues.append(Issue(path, f"the text says {about}{said}, but {found}{hint}"))
+    return issues
+
+
+def scene_of_draft(scenario: Scenario, draft: SceneDraft, catalogue: Catalogue) -> Scene:
     """Return the scene; a decision without an actor refers to the first actor of the hazard."""
     decision = draft.decision
     if decision.kind != "time" and decision.actor is None:
@@ -124,4 +186,21 @@ def _staged(scenario: Scenario, draft: SceneDraft) -> Scene:
         hazard=draft.hazard,
         decision=decision,
         horizon_s=draft.horizon_s,
+        stands_for={
+            thing: tuple(names)
+            for thing, names in draft.stands_for.items()
+            if not _is_told_by_words(thing, names, draft, catalogue)
+        },
     )
+
+
+def _is_told_by_words(
+    thing: str, names: Sequence[str], draft: SceneDraft, catalogue: Catalogue
+) -> bool:
+    """Return whether the noun of a thing alone leads to the actors that show it."""
+    from oodscen.claims._things import may_be
+
+    known = {asset.id: asset for asset in catalogue.assets}
+    assets = {actor.id: known.get(actor.asset) for actor in draft.actors}
+    shown = [assets.get(name) for name in names]
+    return all(asset is not None and may_be(thing, asset) for asset in shown)

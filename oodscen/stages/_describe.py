@@ -1,27 +1,25 @@
 """The describer, which writes distinct texts, and their twins, for the paths of a tree (paper, section III-B)."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from oodscen._concurrency import as_finished
-from oodscen._paper import PER_PATH
 from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import encode
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
-from oodscen.prompts import STYLES, DescribeOrdinary, DescribePath, Style
+from oodscen.prompts import CatalogueDigest, DescribeOrdinary, DescribePath
 from oodscen.prompts._scenario.describe_path import plain
 from oodscen.protocols import LLM, Encoder
+from oodscen.stages._options import DescribeOptions, chosen
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
     from oodscen.metrics import Metrics
-
-NEAREST = 0.93
-"""Default cosine from which two texts of a path count as near duplicates."""
 
 
 class Describer:
@@ -30,22 +28,14 @@ class Describer:
     Args:
         llm: The tree-LLM.
         encoder: Measures the similarity of two texts of a path; without one only identical texts are duplicates.
-        per_path: Texts per path.
-        style: `natural`, `paper`, `terse`, `verbose` or `first-person`.
-        nearest: Largest cosine between two texts of one path.
-        redraws: Maximum number of redraws of near duplicates and off-topic texts before they are accepted.
-        candidates: Texts written for each one that is kept; of several, those that differ most from one
-            another are kept.
-        band: Lowest and highest OOD-ness of the candidates.
         metrics: Measures OOD-ness, selects texts and flags off-topic ones; required for `candidates` above 1
             and for a `band`.
-        twins: Write the ordinary twin of every text; a text whose twin's answers are never valid gets none.
-        batch: Maximum number of texts per call.
-        sample: Keeps independent sets of texts apart.
-        threads: Number of paths to work on at once.
+        catalogue: The simulator that will show the texts, so that they ask for nothing else.
+        options: All other options; the defaults if left out.
+        **changes: Single options, e.g. `per_path=3`, instead of those in `options`.
 
     Raises:
-        UsageError: For an unknown style, or a selection without metrics.
+        UsageError: For an unknown option, a value that is not allowed, or a selection without metrics.
     """
 
     def __init__(
@@ -53,37 +43,18 @@ class Describer:
         llm: LLM,
         encoder: Encoder | None = None,
         *,
-        per_path: int = PER_PATH,
-        style: Style = "natural",
-        nearest: float = NEAREST,
-        redraws: int = 3,
-        candidates: int = 1,
-        band: tuple[float, float] | None = None,
         metrics: "Metrics | None" = None,
-        twins: bool = False,
-        batch: int = 10,
-        sample: int = 0,
-        threads: int = 1,
+        catalogue: Catalogue | None = None,
+        options: DescribeOptions | None = None,
+        **changes: Any,
     ) -> None:
-        if style not in STYLES:
-            raise UsageError(f"there is no style {style!r}; choose one of {', '.join(STYLES)}")
-        if candidates < 1:
-            raise UsageError(f"{candidates} candidates for a text are too few")
-        if metrics is None and (candidates > 1 or band is not None):
+        self.options = chosen(DescribeOptions, options, changes)
+        if metrics is None and self.options.is_selective:
             raise UsageError("texts are chosen by metrics; pass `metrics=Metrics(encoder)`")
         self.llm = llm
         self.encoder = encoder
-        self.per_path = per_path
-        self.style = style
-        self.nearest = nearest
-        self.redraws = redraws
-        self.candidates = candidates
-        self.band = band
         self.metrics = metrics
-        self.twins = twins
-        self.batch = batch
-        self.sample = sample
-        self.threads = threads
+        self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
 
     def run(self, tree: ScenarioTree) -> list[Scenario]:
         """Return `per_path` scenarios for every leaf, in tree order, all with different texts.
@@ -95,9 +66,9 @@ class Describer:
         paths = tree.paths
         found = dict(
             as_finished(
-                lambda leaf: self.path(leaf, paths[leaf], self.per_path),
+                lambda leaf: self.path(leaf, paths[leaf], self.options.per_path),
                 paths,
-                threads=self.threads,
+                threads=self.options.threads,
             )
         )
         scenarios = [scenario for leaf in paths for scenario in found[leaf]]
@@ -111,18 +82,18 @@ class Describer:
             LLMError: When the model fails.
             UsageError: When too few candidates lie inside the band.
         """
-        texts = self._draw(path, count * self.candidates, avoid=())
-        for _ in range(self.redraws):
+        texts = self._draw(path, count * self.options.candidates, avoid=())
+        for _ in range(self.options.redraws):
             unfit = self._near_duplicates(texts) | self._off_topic(texts)
             if not unfit:
                 break
             kept = [text for index, text in enumerate(texts) if index not in unfit]
             fresh = self._draw(path, len(unfit), avoid=tuple(texts))
             texts = kept + fresh
-        if self.metrics is not None and (self.candidates > 1 or self.band is not None):
-            low, high = self.band or (-np.inf, np.inf)
-            chosen = self.metrics.select(texts, count, low=low, high=high)
-            texts = [texts[place] for place in sorted(chosen.indices)]
+        if self.metrics is not None and self.options.is_selective:
+            low, high = self.options.band or (-np.inf, np.inf)
+            selected = self.metrics.select(texts, count, low=low, high=high)
+            texts = [texts[place] for place in sorted(selected.indices)]
         return [
             self._scenario(f"{leaf}-{number:03d}", text, leaf, path)
             for number, text in enumerate(texts, start=1)
@@ -156,11 +127,11 @@ class Describer:
             LLMError: When the model fails.
         """
         prompt = DescribeOrdinary(text=scenario.text, path=scenario.path)
-        return one_line(ask(self.llm, prompt, sample=self.sample).text)
+        return one_line(ask(self.llm, prompt, sample=self.options.sample).text)
 
     def _scenario(self, name: str, text: str, leaf: str, path: tuple[str, ...]) -> Scenario:
-        scenario = Scenario(id=name, text=text, leaf=leaf, path=path, style=self.style)
-        if not self.twins:
+        scenario = Scenario(id=name, text=text, leaf=leaf, path=path, style=self.options.style)
+        if not self.options.twins:
             return scenario
         try:
             return scenario.model_copy(update={"ordinary": self.ordinary(scenario)})
@@ -178,10 +149,16 @@ class Describer:
         texts: list[str] = []
         refused: list[str] = []
         while len(texts) < count:
-            wanted = min(self.batch, count - len(texts))
+            wanted = min(self.options.batch, count - len(texts))
             earlier = (*avoid, *texts, *refused)
-            prompt = DescribePath(path=path, count=wanted, avoid=earlier, style=self.style)
-            for text in ask(self.llm, prompt, sample=self.sample).texts:
+            prompt = DescribePath(
+                path=path,
+                count=wanted,
+                avoid=earlier,
+                style=self.options.style,
+                catalogue=self.catalogue,
+            )
+            for text in ask(self.llm, prompt, sample=self.options.sample).texts:
                 kept = refused if plain(text) in (taken or ()) else texts
                 kept.append(one_line(text))
         return texts
@@ -202,7 +179,7 @@ class Describer:
         norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
         unit = vectors / np.maximum(norms, np.float32(1e-12))
         cosines = np.tril(unit @ unit.T, k=-1)
-        return {int(row) for row in np.nonzero((cosines > self.nearest).any(axis=1))[0]}
+        return {int(row) for row in np.nonzero((cosines > self.options.nearest).any(axis=1))[0]}
 
 
 def spread(paths: Mapping[str, tuple[str, ...]], total: int) -> dict[str, int]:

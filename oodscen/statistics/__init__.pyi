@@ -1,3 +1,3 @@
-from ._resampling import Interval as Interval
-from ._resampling import wilson as wilson
-from ._tests import intraclass as intraclass
+from ._answers import intraclass as intraclass
+from ._intervals import Interval as Interval
+from ._intervals import wilson as wilson

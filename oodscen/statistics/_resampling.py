@@ -1,139 +1,30 @@
-"""Intervals: bootstrap over texts, or over the paths that texts share, and Wilson's for shares."""
+"""The bootstrap: resamples texts, or the paths that texts or scenes share.
 
-import math
+Scenes of one path resemble one another, so ten of them carry less information than ten scenes of ten
+paths. Everything here that takes `clusters` draws whole paths.
+"""
+
 from collections.abc import Iterator, Sequence
-from statistics import NormalDist
-from typing import ClassVar
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from oodscen._seeding import stream
-from oodscen.data._base import Data
+from oodscen.statistics._intervals import Floats, Interval, percentile_interval
+
+REPLICATES = 2000
+"""Number of resampled sets of a bootstrap interval, and of sign flips in a permutation test."""
 
 _CELLS = 4_000_000
-_NORMAL = NormalDist()
+"""The most draws that are kept in memory at a time."""
 
 
-class Interval(Data):
-    """A percentile bootstrap interval.
-
-    It shows how much the figure would vary with another draw of similar texts (or paths). It does not
-    cover the choice of encoder, baseline or definition.
-    """
-
-    noun: ClassVar[str] = "interval"
-
-    low: float
-    high: float
-    level: float = 0.95
-    replicates: int = Field(ge=1)
-    units: int = Field(ge=2)
-    """Number of resampled texts, or clusters of texts."""
-    is_clustered: bool = False
-    """True if whole clusters (the texts of one path) were resampled, because their texts resemble one another."""
-
-
-def wilson(hits: float, n: float, *, level: float = 0.95) -> tuple[float, float]:
-    """Return the Wilson score interval of a share; (0, 1) if nothing was counted.
-
-    Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference,
-    JASA 22 (1927).
-
-    Args:
-        hits: Number of hits; fractional after a correction for clustering.
-        n: Number of trials.
-        level: Confidence level.
-    """
-    if n <= 0:
-        return 0.0, 1.0
-    z = _NORMAL.inv_cdf(0.5 + level / 2)
-    share, z2 = hits / n, z * z
-    middle = (share + z2 / (2 * n)) / (1 + z2 / n)
-    half = z / (1 + z2 / n) * math.sqrt(share * (1 - share) / n + z2 / (4 * n * n))
-    low = 0.0 if hits <= 0 else max(middle - half, 0.0)
-    return low, 1.0 if hits >= n else min(middle + half, 1.0)
-
-
-def bootstrap_mean(
-    values: NDArray[np.float64],
-    clusters: Sequence[str] | None = None,
-    *,
-    seed: int = 0,
-    replicates: int = 2000,
-    level: float = 0.95,
-) -> Interval | None:
-    """Return the interval of a mean.
-
-    Args:
-        values: [n].
-        clusters: [n] labels; texts with the same label are drawn together.
-        seed: Seed of the draws; the same seed gives the same interval.
-        replicates: Number of resampled sets.
-        level: Share of the replicates that lie inside.
-
-    Returns:
-        `None` if fewer than two units can be drawn.
-    """
-    member = members(len(values), clusters)
-    units = int(member.max(initial=-1)) + 1
-    if units < 2:
-        return None
-    sums = np.bincount(member, weights=values, minlength=units)
-    sizes = np.bincount(member, minlength=units).astype(np.float64)
-    found = [
-        (weights @ sums) / (weights @ sizes)
-        for weights in _draws(units, replicates, stream(seed, "bootstrap", "mean"))
-    ]
-    return _interval(found, level, units, clusters is not None)
-
-
-def bootstrap_pairwise(
-    vectors: NDArray[np.float32],
-    clusters: Sequence[str] | None = None,
-    *,
-    seed: int = 0,
-    replicates: int = 2000,
-    level: float = 0.95,
-) -> Interval | None:
-    """Return the interval of the mean cosine over the pairs of a set.
-
-    A unit that is drawn twice is not paired with its own copy: such pairs do not exist in a set of
-    distinct texts and would pull every replicate towards 1.
-
-    Args:
-        vectors: [n, d], rows of unit length or zero.
-        clusters: [n] labels; texts with the same label are drawn together.
-        seed: Seed of the draws.
-        replicates: Number of resampled sets.
-        level: Share of the replicates that lie inside.
-
-    Returns:
-        `None` if fewer than two units can be drawn.
-    """
-    member = members(len(vectors), clusters)
-    units = int(member.max(initial=-1)) + 1
-    if units < 2:
-        return None
-    wide = vectors.astype(np.float64)
-    sums = np.zeros((units, wide.shape[1]))
-    np.add.at(sums, member, wide)
-    sizes = np.bincount(member, minlength=units).astype(np.float64)
-    lengths = np.square(sums).sum(axis=1)
-    inner = lengths - np.bincount(member, weights=np.square(wide).sum(axis=1), minlength=units)
-    found = []
-    for weights in _draws(units, replicates, stream(seed, "bootstrap", "pairwise")):
-        squared = np.square(weights)
-        total = np.square(weights @ sums).sum(axis=1) - squared @ lengths + weights @ inner
-        pairs = (
-            np.square(weights @ sizes)
-            - squared @ np.square(sizes)
-            + weights @ (sizes * (sizes - 1))
-        )
-        # A replicate that drew only one unit of a single text has no pairs.
-        found.append(total[pairs > 0] / pairs[pairs > 0])
-    return _interval(found, level, units, clusters is not None)
+def blocks(replicates: int, units: int) -> Iterator[int]:
+    """Yield the numbers of replicates to draw at a time, so that memory stays bounded."""
+    step = max(1, _CELLS // max(units, 1))
+    for done in range(0, replicates, step):
+        yield min(step, replicates - done)
 
 
 def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
@@ -144,28 +35,156 @@ def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
     return np.array([order.setdefault(label, len(order)) for label in clusters], np.int64)
 
 
-def _draws(
-    units: int, replicates: int, generator: np.random.Generator
-) -> Iterator[NDArray[np.float64]]:
-    """Yield blocks [b, units] with the number of times each unit was drawn in each replicate."""
-    step = max(1, _CELLS // units)
-    equal = np.full(units, 1.0 / units)
-    for done in range(0, replicates, step):
-        size = min(step, replicates - done)
-        yield generator.multinomial(units, equal, size=size).astype(np.float64)
+class Resampler:
+    """Draws whole clusters with replacement, with the same draws for every figure.
+
+    Args:
+        clusters: [n] label of every item; or n, if every item is a cluster of its own.
+        seed: Seed of the draws; the same seed gives the same intervals.
+        replicates: Number of resampled sets.
+        purpose: Name of the stream of draws; resamplers of different purposes draw independently.
+    """
+
+    def __init__(
+        self,
+        clusters: Sequence[str] | int,
+        *,
+        seed: int = 0,
+        replicates: int = REPLICATES,
+        purpose: str = "clusters",
+    ) -> None:
+        self.is_clustered = not isinstance(clusters, int)
+        if isinstance(clusters, int):
+            self.member = members(clusters, None)
+        else:
+            self.member = members(len(clusters), clusters)
+        self.units = int(self.member.max(initial=-1)) + 1
+        self._replicates = replicates
+        self._seed = seed
+        self._purpose = purpose
+
+    @cached_property
+    def weights(self) -> Floats:
+        """The number of times each cluster was drawn: [replicates, units]."""
+        return np.concatenate(list(self._draws()))
+
+    def blocks(self) -> Iterator[Floats]:
+        """Yield the rows of `weights`, in blocks if they are too many to keep."""
+        if self.units * self._replicates <= _CELLS:
+            yield self.weights
+        else:
+            yield from self._draws()
+
+    def ratios(self, above: Floats, below: Floats) -> Floats:
+        """Return resampled ratios of sums.
+
+        Args:
+            above: [n, m]; the figure is the sum of `above` divided by that of `below`.
+            below: [n, m].
+
+        Returns:
+            [replicates, m]; NaN if a replicate's denominator is zero.
+        """
+        over, under = self.summed(above), self.summed(below)
+        return np.concatenate([divided(rows @ over, rows @ under) for rows in self.blocks()])
+
+    def summed(self, values: Floats) -> Floats:
+        """Return the sums of [n, m] values within clusters: [units, m]."""
+        sums = np.zeros((self.units, values.shape[1]))
+        np.add.at(sums, self.member, values)
+        return sums
+
+    def _draws(self) -> Iterator[Floats]:
+        generator = stream(self._seed, "bootstrap", self._purpose)
+        equal = np.full(self.units, 1.0 / max(self.units, 1))
+        for size in blocks(self._replicates, self.units):
+            if self.units:
+                yield generator.multinomial(self.units, equal, size=size).astype(np.float64)
+            else:
+                yield np.zeros((size, 0))
+
+    def count(self, is_there: NDArray[np.bool_]) -> int:
+        """Return the number of clusters with an item in a mask [n]."""
+        return int((np.bincount(self.member, weights=is_there, minlength=1) > 0).sum())
 
 
-def _interval(
-    found: Sequence[NDArray[np.float64]], level: float, units: int, is_clustered: bool
-) -> Interval:
-    values = np.concatenate(found)
-    tail = (1.0 - level) / 2.0
-    low, high = np.quantile(values, [tail, 1.0 - tail])
-    return Interval(
-        low=float(low),
-        high=float(high),
-        level=level,
-        replicates=len(values),
-        units=units,
-        is_clustered=is_clustered,
+def bootstrap_mean(
+    values: Floats,
+    clusters: Sequence[str] | None = None,
+    *,
+    seed: int = 0,
+    replicates: int = REPLICATES,
+) -> Interval | None:
+    """Return the interval of a mean.
+
+    Args:
+        values: [n].
+        clusters: [n] labels; texts with the same label are drawn together.
+        seed: Seed of the draws; the same seed gives the same interval.
+        replicates: Number of resampled sets.
+
+    Returns:
+        `None` if fewer than two units can be drawn.
+    """
+    drawn = _resampler(len(values), clusters, seed, replicates, "mean")
+    if drawn.units < 2:
+        return None
+    column = np.asarray(values, np.float64)[:, None]
+    found = drawn.ratios(column, np.ones_like(column))[:, 0]
+    return percentile_interval(found, drawn.units, is_clustered=drawn.is_clustered)
+
+
+def bootstrap_pairwise(
+    vectors: NDArray[np.float32],
+    clusters: Sequence[str] | None = None,
+    *,
+    seed: int = 0,
+    replicates: int = REPLICATES,
+) -> Interval | None:
+    """Return the interval of the mean cosine over the pairs of a set.
+
+    A unit that is drawn twice is not paired with its own copy: such pairs do not exist in a set of
+    distinct texts and would pull every replicate towards 1. A replicate that drew only one unit of a
+    single text has no pairs and does not count.
+
+    Args:
+        vectors: [n, d], rows of unit length or zero.
+        clusters: [n] labels; texts with the same label are drawn together.
+        seed: Seed of the draws.
+        replicates: Number of resampled sets.
+
+    Returns:
+        `None` if fewer than two units can be drawn.
+    """
+    drawn = _resampler(len(vectors), clusters, seed, replicates, "pairwise")
+    if drawn.units < 2:
+        return None
+    wide = vectors.astype(np.float64)
+    sums = drawn.summed(wide)
+    sizes = np.bincount(drawn.member, minlength=drawn.units).astype(np.float64)
+    lengths = np.square(sums).sum(axis=1)
+    inner = lengths - drawn.summed(np.square(wide)).sum(axis=1)
+    found = []
+    for weights in drawn.blocks():
+        squared = np.square(weights)
+        total = np.square(weights @ sums).sum(axis=1) - squared @ lengths + weights @ inner
+        pairs = (
+            np.square(weights @ sizes)
+            - squared @ np.square(sizes)
+            + weights @ (sizes * (sizes - 1))
+        )
+        found.append(divided(total, pairs))
+    return percentile_interval(np.concatenate(found), drawn.units, is_clustered=drawn.is_clustered)
+
+
+def _resampler(
+    n: int, clusters: Sequence[str] | None, seed: int, replicates: int, purpose: str
+) -> Resampler:
+    return Resampler(
+        n if clusters is None else clusters, seed=seed, replicates=replicates, purpose=purpose
     )
+
+
+def divided(over: Floats, under: Floats) -> Floats:
+    """Return quotients, NaN where the denominator is zero."""
+    return np.divide(over, under, out=np.full_like(over, np.nan), where=under > 1e-12)

@@ -138,6 +138,12 @@ class StudyConfig(Data):
         return cls(**{**small, **changes})
 
     @property
+    def models(self) -> tuple[str, ...]:
+        """The names of all models that the study may ask."""
+        names = (self.llm, self.red_llm, self.fallback, *self.vlms, self.judge)
+        return tuple(dict.fromkeys(name for name in names if name is not None))
+
+    @property
     def compared(self) -> tuple[str, ...]:
         """The catalogues to compare with the simulator's."""
         if self.catalogues is None:

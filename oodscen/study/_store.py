@@ -1,5 +1,6 @@
 """The files of a study: atomic replacement, append-only lines, tolerant of a torn last line."""
 
+import hashlib
 import os
 import threading
 from collections.abc import Iterable, Iterator, Mapping
@@ -7,11 +8,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from oodscen._files import inside, remove_parts, replace
+from oodscen._files import inside, read_regular, remove_parts, replace
 from oodscen._json import is_object, object_lines, parse_object
 from oodscen._lock import locked
 from oodscen.data._base import Data, canonical_json
-from oodscen.errors import StudyError
+from oodscen.errors import DataError, Issue, StudyError
+
+_NOUN = "study"
 
 
 class Store:
@@ -66,23 +69,31 @@ class Store:
         """Return the path of a file that the study's data names.
 
         Raises:
-            StudyError: When the name leads outside the folder.
+            DataError: When the name leads outside the folder.
         """
         try:
             return inside(self.folder, name)
         except ValueError as error:
-            raise StudyError(f"{self.folder}: {error}") from None
+            raise _malformed(self.folder, str(error)) from None
 
     def has(self, name: str) -> bool:
         """Return whether a file exists."""
         return self.path(name).is_file()
 
+    def digest(self, name: str) -> str:
+        """Return the SHA-256 of a file that the study's data names.
+
+        Raises:
+            DataError: When the file cannot be read, or lies outside the folder.
+        """
+        return hashlib.sha256(read_regular(self.inside(name), _NOUN)).hexdigest()
+
     def write(self, name: str, content: str | bytes) -> None:
         """Replace a file in one step.
 
         Raises:
-            StudyError: When the disk is full or read-only, or a folder of the study leads elsewhere; the
-                old file stays.
+            StudyError: When the disk is full or read-only; the old file stays.
+            DataError: When a folder of the study leads elsewhere; nothing is written.
         """
         target = self.path(name)
         if target.parent != self.folder:
@@ -120,22 +131,19 @@ class Store:
         """Return the JSON object that a file holds.
 
         Raises:
-            StudyError: When the file cannot be read or holds anything else.
+            DataError: When the file cannot be read or holds anything else.
         """
         path = self.path(name)
-        self._refuse_special(path)
         try:
-            return parse_object(path.read_bytes())
-        except OSError as error:
-            raise StudyError(f"cannot read {path}: {error.strerror or error}") from None
+            return parse_object(read_regular(path, _NOUN))
         except ValueError as error:
-            raise StudyError(f"{path}: {error}") from None
+            raise _malformed(path, str(error)) from None
 
     def lines(self, name: str) -> Iterator[dict[str, Any]]:
         """Yield the lines of a file; a torn last line is skipped, and a missing file is empty.
 
         Raises:
-            StudyError: When the file cannot be read, or a line is not a JSON object.
+            DataError: When the file cannot be read, or a line is not a JSON object.
         """
         for _, line in self.numbered(name):
             yield line
@@ -145,19 +153,10 @@ class Store:
         target = self.path(name)
         if not os.path.lexists(target):
             return
-        self._refuse_special(target)
-        with self._guard(target):
-            content = target.read_bytes()
-        for number, line in object_lines(content):
+        for number, line in object_lines(read_regular(target, _NOUN)):
             if isinstance(line, ValueError):
-                raise StudyError(f"{target}, line {number}: {line}")
+                raise _malformed(f"{target}, line {number}", str(line))
             yield number, line
-
-    @staticmethod
-    def _refuse_special(path: Path) -> None:
-        """Refuse a pipe or a device, whose reading might never end."""
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            raise StudyError(f"{path} is no regular file")
 
     @contextmanager
     def _guard(self, target: Path) -> Iterator[None]:
@@ -166,9 +165,13 @@ class Store:
         except OSError as error:
             reason = error.strerror or str(error)
             raise StudyError(
-                f"cannot read or write {target}: {reason}; what was written before is intact, the "
+                f"cannot write {target}: {reason}; what was written before is intact, the "
                 "same command continues once this is mended"
             ) from error
+
+
+def _malformed(source: str | Path, fault: str) -> DataError:
+    return DataError(_NOUN, [Issue("", fault)], source=str(source))
 
 
 def _line(item: Data | Mapping[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
 
@@ -17,6 +17,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import (
     DataError,
     FolderTaken,
+    Issue,
     MissingExtra,
     StudyError,
     StudyMissing,
@@ -144,10 +145,12 @@ class Study:
 
         Raises:
             StudyMissing: When the folder holds no study.
+            DataError: When a name of a study's file belongs to a folder, a pipe or a device.
         """
         study = cls(folder)
         if not study.store.has("study.json"):
             raise StudyMissing(str(folder))
+        study._check_kinds(study.own())
         return study
 
     def own(self) -> list[str]:
@@ -157,23 +160,21 @@ class Study:
         except FileNotFoundError:
             return []
         except OSError as error:
-            raise StudyError(f"cannot read {self.folder}: {error.strerror or error}") from None
+            issue = Issue("", error.strerror or str(error))
+            raise DataError(Info.noun, [issue], source=str(self.folder)) from None
 
     def check(self) -> None:
         """Check that a run can resume from the folder, or start in it.
 
         Raises:
             FolderTaken: When the folder holds no study, but files that a study would write.
-            DataError: When a line, or a tree, is malformed.
-            StudyError: When a file cannot be read, or is a folder.
+            DataError: When a file cannot be read, or a line or a tree is malformed.
         """
         names = self.own()
         if names and not self.store.has("study.json"):
             raise FolderTaken(str(self.folder), names)
+        self._check_kinds(names)
         for name in names:
-            path = self.folder / name
-            if not (path.is_dir() if name in _FOLDERS else path.is_file()):
-                raise StudyError(f"{path} is no {'folder' if name in _FOLDERS else 'file'}")
             kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
             if kind is not None:
                 self._rows(kind, name)
@@ -181,6 +182,14 @@ class Study:
             file = f"tree.{name}.json"
             if file in names and self.store.path(file).stat().st_size:
                 self.tree(name)
+
+    def _check_kinds(self, names: Iterable[str]) -> None:
+        """Check that files are regular files, and folders are folders."""
+        for name in names:
+            path = self.folder / name
+            if not (path.is_dir() if name in _FOLDERS else path.is_file()):
+                issue = Issue("", f"is no {'folder' if name in _FOLDERS else 'regular file'}")
+                raise DataError(Info.noun, [issue], source=str(path))
 
     @property
     def info(self) -> dict[str, Any]:

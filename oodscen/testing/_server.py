@@ -38,6 +38,7 @@ Fault = Literal[
     "redirect",
     "filtered",
     "withheld",
+    "flagged",
 ]
 """The faults that the server can produce.
 
@@ -46,7 +47,8 @@ nothing. In the response: an HTTP status with the usual error body (`http429` wi
 an empty body, a body shorter than announced, a connection closed without a response, a body or header sent byte
 by byte without end (`slow`, `slow_head`), endless responses that announce another (`processing`), an endless
 body (`huge`), a compressed one (`packed`), or a redirect to this server under another name (`redirect`).
-The content filter: the question is refused with status 400 (`filtered`), or the answer is left out (`withheld`).
+The content filter: the question is refused with status 400 (`filtered`), the answer is left out (`withheld`), or
+it is whole and marked as cut by the filter (`flagged`).
 """
 
 Faults = Callable[[int, Request | None], Fault | None]
@@ -230,7 +232,7 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
                 text = server.llm.complete(request).text
             except LLMError as error:
                 return self._error(400, str(error))
-            ending = "content_filter" if fault == "withheld" else "stop"
+            ending = "content_filter" if fault in ("withheld", "flagged") else "stop"
             spoilt = _spoil(text, fault)
             document = _chat_completion(body["model"], body["messages"], spoilt, ending)
             if fault == "cut":

@@ -67,7 +67,7 @@ def check_truth(
         moment: bodies(scene, catalogue, simulated.state_of(moment).poses) for moment in MOMENTS
     }
     issues = _misplaced(scene, corridor, moments["first"])
-    issues += floating(scene, corridor, moments) + overlapping(scene, moments)
+    issues += floating(scene, corridor, moments) + overlapping(scene, corridor, moments)
     issues += _unlike(simulated.frames, moments, camera)
     if simulated.episode.hazard_visible is False:
         issues.append(_unseen(scene, simulated))

@@ -56,8 +56,6 @@ class Moved(Data):
 class TreeDiff(Data):
     """The differences between a first and a second tree."""
 
-    noun: ClassVar[str] = "tree diff"
-
     schema_version: Literal[1] = 1
     encoder: str = ""
     """Name of the encoder that compared meanings; empty if none was used."""

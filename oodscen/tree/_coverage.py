@@ -1,7 +1,7 @@
 """Coverage of a tree: texts, scenes, episodes and outcomes, node by node."""
 
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from oodscen.data._base import Data
@@ -9,24 +9,22 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
-from oodscen.tree._edit_log import Node
 from oodscen.tree._labels import same_words
 from oodscen.tree._scenario_tree import ScenarioTree
 
 if TYPE_CHECKING:
     from oodscen.study import Study
 
+Kind = Literal["root", "class", "family", "leaf"]
 Lack = Literal["", "text", "scene", "episode", "choice"]
 
 
 class Tally(Data):
     """The counts at and below one node. Twins are counted separately."""
 
-    noun: ClassVar[str] = "tally"
-
     id: str
     label: str
-    kind: Literal["root", "class", "family", "leaf"]
+    kind: Kind
     depth: int
     leaves: int
     """Number of leaves at or below the node."""
@@ -68,7 +66,7 @@ class Coverage(Data):
         """Leaves that lack something, in tree order."""
         return tuple(row for row in self.rows if row.lacks)
 
-    def of(self, kind: Literal["root", "class", "family", "leaf"]) -> tuple[Tally, ...]:
+    def of(self, kind: Kind) -> tuple[Tally, ...]:
         """Return the rows of one kind."""
         return tuple(row for row in self.rows if row.kind == kind)
 
@@ -78,19 +76,7 @@ class Coverage(Data):
         for row in self.rows:
             name = f"{'  ' * min(row.depth, 8)}{row.label}"
             name = name if len(name) <= 52 else f"{name[:51]}…"
-            counts = (
-                row.leaves,
-                row.texts,
-                row.scenes,
-                row.episodes,
-                row.failed,
-                row.safe,
-                row.unsafe,
-                row.mixed,
-                row.twins,
-                row.holes,
-            )
-            numbers = "".join(f"{count:7}" for count in counts)
+            numbers = "".join(f"{getattr(row, count):7}" for count in COUNTS)
             lines.append(f"{name:52}{numbers}{f'  lacks {row.lacks}' if row.lacks else ''}")
         for lack, words in LACKS.items():
             found = [row.label for row in self.holes if row.lacks == lack]
@@ -110,37 +96,11 @@ LACKS: Mapping[Lack, str] = {
 """Descriptions of what a leaf lacks, by the names that `Tally.lacks` uses."""
 
 
-@dataclass
-class _Count:
-    texts: int = 0
-    scenes: int = 0
-    episodes: int = 0
-    failed: int = 0
-    safe: int = 0
-    unsafe: int = 0
-    mixed: int = 0
-    twins: int = 0
-    leaves: int = 0
-    holes: int = 0
-    words: set[str] = field(default_factory=set)
-
-    def add(self, other: "_Count") -> None:
-        for name in _SUMS:
-            setattr(self, name, getattr(self, name) + getattr(other, name))
-
-
-_SUMS = (
-    "texts",
-    "scenes",
-    "episodes",
-    "failed",
-    "safe",
-    "unsafe",
-    "mixed",
-    "twins",
-    "leaves",
-    "holes",
+COUNTS = (
+    *("leaves", "texts", "scenes", "episodes", "failed"),
+    *("safe", "unsafe", "mixed", "twins", "holes"),
 )
+"""The counts of a `Tally`, in the order of a report's columns."""
 
 
 def coverage(
@@ -161,14 +121,16 @@ def coverage(
         scenes: The staged scenes.
         episodes: The episodes of the scenes, including those of twins.
     """
-    counts = {node.id: _Count() for node in tree.nodes}
+    counts: dict[str, Counter[str]] = {node.id: Counter() for node in tree.nodes}
+    words: dict[str, set[str]] = defaultdict(set)
     leaf_of_text: dict[str, str] = {}
     leaf_of_scene: dict[str, str] = {}
     elsewhere = 0
     for text in texts:
         leaf_of_text.setdefault(text.id, text.leaf)
         if text.leaf in counts:
-            counts[text.leaf].words.add(same_words(text.text))
+            words[text.leaf].add(same_words(text.text))
+            counts[text.leaf]["texts"] = len(words[text.leaf])
         else:
             elsewhere += 1
     for scene in scenes:
@@ -177,7 +139,7 @@ def coverage(
             continue
         leaf_of_scene[scene.id] = leaf
         if leaf in counts:
-            counts[leaf].scenes += 1
+            counts[leaf]["scenes"] += 1
         else:
             elsewhere += 1
     seen: set[str] = set()
@@ -203,7 +165,7 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
 
     Raises:
         UnknownComponent: If the tree has another name.
-        StudyError: If a file cannot be read.
+        DataError: If a file cannot be read, or is malformed.
     """
     texts = list(study.scenarios)
     if tree != "simulatable":
@@ -216,54 +178,52 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
     return coverage(study.tree(tree), texts=texts, scenes=study.scenes, episodes=study.episodes)
 
 
-def _count_episode(count: _Count, episode: Episode) -> None:
+def _count_episode(count: Counter[str], episode: Episode) -> None:
     if episode.is_twin:
-        count.twins += episode.status == "ok"
-        return
-    if episode.status != "ok":
-        count.failed += 1
-        return
-    count.episodes += 1
-    count.safe += len(episode.safe_set)
-    count.unsafe += sum(outcome.is_unsafe for outcome in episode.actions.values())
-    count.mixed += episode.is_decidable
+        count["twins"] += episode.status == "ok"
+    elif episode.status != "ok":
+        count["failed"] += 1
+    else:
+        count["episodes"] += 1
+        count["safe"] += len(episode.safe_set)
+        count["unsafe"] += sum(outcome.is_unsafe for outcome in episode.actions.values())
+        count["mixed"] += episode.is_decidable
 
 
-def _rows(tree: ScenarioTree, counts: Mapping[str, _Count]) -> tuple[Tally, ...]:
+def _rows(tree: ScenarioTree, counts: Mapping[str, Counter[str]]) -> tuple[Tally, ...]:
     order = list(tree.walk())
     lacks: dict[str, Lack] = {}
     for node, depth in reversed(order):
         count = counts[node.id]
-        count.texts += len(count.words)
         if not tree.children[node.id] and depth >= 2:
-            count.leaves = 1
-            lacks[node.id] = lack = _lack(count)
-            count.holes = int(bool(lack))
+            lacks[node.id] = _lack(count)
+            count.update(leaves=1, holes=int(bool(lacks[node.id])))
         if node.parent is not None:
-            counts[node.parent].add(count)
-    return tuple(_tally(tree, node, depth, counts[node.id], lacks) for node, depth in order)
-
-
-def _tally(
-    tree: ScenarioTree, node: Node, depth: int, count: _Count, lacks: Mapping[str, Lack]
-) -> Tally:
-    kinds: tuple[Literal["root", "class"], ...] = ("root", "class")
-    is_leaf = not tree.children[node.id]
-    return Tally(
-        id=node.id,
-        label=node.label,
-        kind=kinds[depth] if depth < 2 else "leaf" if is_leaf else "family",
-        depth=depth,
-        lacks=lacks.get(node.id, ""),
-        **{name: getattr(count, name) for name in _SUMS},
+            counts[node.parent].update(count)
+    return tuple(
+        Tally(
+            id=node.id,
+            label=node.label,
+            kind=_kind(depth, is_leaf=not tree.children[node.id]),
+            depth=depth,
+            lacks=lacks.get(node.id, ""),
+            **{name: counts[node.id][name] for name in COUNTS},
+        )
+        for node, depth in order
     )
 
 
-def _lack(count: _Count) -> Lack:
-    if not count.texts:
+def _kind(depth: int, *, is_leaf: bool) -> Kind:
+    if depth < 2:
+        return "class" if depth else "root"
+    return "leaf" if is_leaf else "family"
+
+
+def _lack(count: Counter[str]) -> Lack:
+    if not count["texts"]:
         return "text"
-    if not count.scenes:
+    if not count["scenes"]:
         return "scene"
-    if not count.episodes:
+    if not count["episodes"]:
         return "episode"
-    return "" if count.mixed else "choice"
+    return "" if count["mixed"] else "choice"

@@ -4,7 +4,7 @@ import re
 import threading
 import unicodedata
 from collections.abc import Iterable, Sequence
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from oodscen.data._base import Data
 from oodscen.errors import Issue
@@ -16,8 +16,6 @@ MAX_DEPTH = 50
 
 class TreeEdit(Data):
     """One edit of a tree."""
-
-    noun: ClassVar[str] = "tree edit"
 
     op: Literal["add", "broaden", "narrow", "keep", "move", "remove"]
     """`add` a node, `broaden` or `narrow` its label, `keep` it as it is (a recorded decision),
@@ -61,6 +59,17 @@ class Node(Data):
     parent: str | None
     label: str
     attested: Literal["paper"] | None = None
+
+
+def adding(node: Node, **more: Any) -> TreeEdit:
+    """Return the edit that adds a node, with further fields of the edit."""
+    fields = {"parent": node.parent, "label": node.label, "attested": node.attested, **more}
+    return TreeEdit(op="add", node=node.id, **fields)
+
+
+def added(edit: TreeEdit) -> Node:
+    """Return the node that an `add` adds."""
+    return Node(id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested)
 
 
 def slug(label: str) -> str:
@@ -177,12 +186,7 @@ class Growth:
         self.log.append(edit)
         self.before.append(before)
         if edit.op == "add":
-            self._put(
-                edit.node,
-                Node(
-                    id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested
-                ),
-            )
+            self._put(edit.node, added(edit))
         elif edit.op == "remove":
             self._put(edit.node, None)
         elif before is not None and edit.op == "broaden":

@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from oodscen.errors import UsageError
-from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._edit_log import Node, TreeEdit, added, adding
 
 if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree
@@ -156,12 +156,7 @@ class _Now:
             self._gone[edit.node] = old
             self._hang(old, None)
         elif edit.op == "add":
-            self._hang(
-                old,
-                Node(
-                    id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested
-                ),
-            )
+            self._hang(old, added(edit))
         elif edit.op == "move" and old is not None:
             self._hang(old, old.model_copy(update={"parent": edit.parent}))
         elif edit.op == "broaden" and old is not None:
@@ -213,17 +208,7 @@ def _inverse(tree: "ScenarioTree", now: _Now, index: int) -> list[TreeEdit]:
     missing = _missing_parents(now, before)
     if edit.op == "remove":
         missing.insert(0, before)
-    returned = [
-        TreeEdit(
-            op="add",
-            node=node.id,
-            parent=node.parent,
-            label=node.label,
-            attested=node.attested,
-            **why,
-        )
-        for node in reversed(missing)
-    ]
+    returned = [adding(node, **why) for node in reversed(missing)]
     if edit.op == "move":
         returned.append(TreeEdit(op="move", node=edit.node, parent=before.parent, **why))
     return returned

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count, takewhile
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -26,8 +26,6 @@ _BLOCK = 1024
 
 class Match(Data):
     """A pair of nodes that are treated as one."""
-
-    noun: ClassVar[str] = "match"
 
     before: str
     """Id in the first tree."""

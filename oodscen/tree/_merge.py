@@ -1,7 +1,7 @@
 """Merging of two trees that were grown separately."""
 
 from oodscen.protocols import Encoder
-from oodscen.tree._edit_log import Node, TreeEdit
+from oodscen.tree._edit_log import Node, TreeEdit, added, adding
 from oodscen.tree._history import undone_edits
 from oodscen.tree._labels import same_words
 from oodscen.tree._matching import THRESHOLD, Match, match
@@ -111,27 +111,17 @@ class _Merging:
     def _keep_path(self, family: Node) -> None:
         """Add a leaf below a former leaf that has become a family."""
         here = self.tree.new_id(family.label)
-        edit = TreeEdit(
-            op="add",
-            node=here,
-            parent=family.id,
-            label=family.label,
-            attested=family.attested,
-            stage="merge",
-            reason="a kind of its own, which is a family in the other tree",
-            origin=self._name,
-        )
-        self._put([edit])
+        leaf = family.model_copy(update={"id": here, "parent": family.id})
+        why = "a kind of its own, which is a family in the other tree"
+        self._put([adding(leaf, stage="merge", reason=why, origin=self._name)])
         self._paths.add(here)
 
     def _put(self, edits: list[TreeEdit]) -> None:
         self.tree = self.tree.apply(*edits)
-        first = edits[0]
         labels = [edit.label for edit in edits if edit.op != "keep" and edit.label]
-        self._depths[first.node] = self._depths[first.parent] + 1 if first.parent else 0
-        self._hang(
-            Node(id=first.node, parent=first.parent, label=labels[-1], attested=first.attested)
-        )
+        node = added(edits[0]).model_copy(update={"label": labels[-1]})
+        self._depths[node.id] = self._depths[node.parent] + 1 if node.parent else 0
+        self._hang(node)
 
     def _hang(self, node: Node) -> None:
         self._nodes[node.id] = node
@@ -204,28 +194,11 @@ def _added(
         )
         for edit in log
     ]
+    told = {"node": here, "label": node.label, "stage": "merge", "origin": name}
+    told["origin_node"] = node.id
     labels = [edit.label for edit in edits if edit.op != "keep"]
     if labels[-1] != node.label or node.attested not in {edit.attested for edit in edits}:
-        edits.append(
-            TreeEdit(
-                op="broaden",
-                node=here,
-                label=node.label,
-                attested=node.attested,
-                stage="merge",
-                reason="its label in the other tree",
-                origin=name,
-                origin_node=node.id,
-            )
-        )
+        why = "its label in the other tree"
+        edits.append(TreeEdit(op="broaden", attested=node.attested, reason=why, **told))
     why = f"merged in from another tree, where its id was {node.id}"
-    keep = TreeEdit(
-        op="keep",
-        node=here,
-        label=node.label,
-        stage="merge",
-        reason=why,
-        origin=name,
-        origin_node=node.id,
-    )
-    return [*edits, keep]
+    return [*edits, TreeEdit(op="keep", reason=why, **told)]

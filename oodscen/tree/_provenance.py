@@ -1,7 +1,7 @@
 """Provenance of nodes: who added a node and why, and later decisions about it."""
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from oodscen._text import plain
 from oodscen.data._base import Data
@@ -24,8 +24,6 @@ _VERBS: Mapping[str, str] = {
 
 class Decision(Data):
     """One edit of a node."""
-
-    noun: ClassVar[str] = "decision"
 
     index: int
     """Position of the edit in the tree's log."""
@@ -53,8 +51,6 @@ class Decision(Data):
 
 class Provenance(Data):
     """The history of one node."""
-
-    noun: ClassVar[str] = "provenance"
 
     node: str
     """Id of the node."""

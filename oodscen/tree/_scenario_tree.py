@@ -1,14 +1,14 @@
 """The scenario tree: an immutable taxonomy, defined by its edit log."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NoReturn, Self
 
-from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
-
-from oodscen.data._base import Data, Faults
+from oodscen._files import read_utf8
+from oodscen.data._base import Data, canonical_json, digest
 from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
-from oodscen.tree._edit_log import Growth, Node, TreeEdit, slug
+from oodscen.tree._edit_log import Growth, Node, TreeEdit, adding, slug
 from oodscen.tree._labels import MAX_LABEL, label_fault
 
 if TYPE_CHECKING:
@@ -32,7 +32,18 @@ CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""
 
 
-class ScenarioTree(Data):
+class TreeFile(Data):
+    """The content of a tree's file."""
+
+    noun: ClassVar[str] = "scenario tree"
+
+    schema_version: Literal[1] = 1
+    nodes: tuple[Node, ...] = ()
+    """The nodes that follow from the edits. A file without edits is read as one `add` per node."""
+    edits: tuple[TreeEdit, ...] = ()
+
+
+class ScenarioTree:
     """A taxonomy of OOD scenarios: root, classes, families, leaves.
 
     Each root-to-leaf path is one distinct kind of OOD scenario (paper, section III-A). The tree is
@@ -41,35 +52,83 @@ class ScenarioTree(Data):
     tree is a collection of its nodes: `len`, iteration and `in` are those of `nodes`.
     """
 
-    noun: ClassVar[str] = "scenario tree"
+    noun: ClassVar[str] = TreeFile.noun
 
-    schema_version: Literal[1] = 1
-    nodes: tuple[Node, ...] = ()
-    """All nodes, parents before children, otherwise in the order in which they were first added."""
-    edits: tuple[TreeEdit, ...] = ()
-    """The log that produces `nodes`. A file without a log is read as one `add` per node."""
+    _index: Growth
+    """The index that this tree shares with the trees before and after it."""
+    _version: int
+    """The number of edits in the index that belong to this tree."""
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        is_bare = bool(self.nodes) and not self.edits
-        edits = tuple(map(_planting, self.nodes)) if is_bare else self.edits
-        growth, issues = Growth().extend(0, edits, where="nodes" if is_bare else "edits")
-        if not issues and self.nodes and growth.ordered() != self.nodes:
-            issues.append(Issue("nodes", "do not follow from the edits"))
+    def __init__(self, edits: Iterable[TreeEdit] = ()) -> None:
+        """Apply a log of edits to the empty tree.
+
+        Raises:
+            DataError: With one issue per edit that does not fit.
+        """
+        log = tuple(edits)
+        index, issues = Growth().extend(0, log)
         if issues:
-            raise Faults(issues)
-        self.__dict__.update(nodes=growth.ordered(), edits=edits, _line=(growth, len(edits)))
-        return self
+            raise DataError(self.noun, issues)
+        self.__dict__.update(_index=index, _version=len(log))
+
+    @classmethod
+    def _at(cls, index: Growth, version: int) -> Self:
+        """Return the tree of the first `version` edits of an index."""
+        tree = cls.__new__(cls)
+        tree.__dict__.update(_index=index, _version=version)
+        return tree
 
     @classmethod
     def planted(cls, label: str = "Out-of-distribution driving scenario") -> Self:
         """Return a tree with a root and the two classes."""
-        edits = [TreeEdit(op="add", node=ROOT, label=label, stage="grow")]
-        edits += [
-            TreeEdit(op="add", node=slug(name), parent=ROOT, label=name, stage="grow")
-            for name in CLASSES
-        ]
-        return cls(edits=tuple(edits))
+        nodes = [Node(id=ROOT, parent=None, label=label)]
+        nodes += [Node(id=slug(name), parent=ROOT, label=name) for name in CLASSES]
+        return cls(adding(node, stage="grow") for node in nodes)
+
+    # ------------------------------------------------------------------- files
+
+    @classmethod
+    def parse(cls, value: object, *, source: str = "") -> Self:
+        """Read a tree from plain data or JSON text.
+
+        Args:
+            value: A JSON document as text, or the equivalent mapping.
+            source: The origin of the data, for error messages.
+
+        Raises:
+            DataError: With one issue per fault of the data and per edit that does not fit.
+        """
+        file = TreeFile.parse(value, source=source)
+        is_bare = bool(file.nodes) and not file.edits
+        edits = tuple(adding(node, stage="file") for node in file.nodes) if is_bare else file.edits
+        index, issues = Growth().extend(0, edits, where="nodes" if is_bare else "edits")
+        if not issues and file.nodes and index.ordered() != file.nodes:
+            issues.append(Issue("nodes", "do not follow from the edits"))
+        if issues:
+            raise DataError(cls.noun, issues, source=source)
+        return cls._at(index, len(edits))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a tree from a JSON file.
+
+        Raises:
+            DataError: If the file cannot be read or does not hold a valid tree.
+        """
+        return cls.parse(read_utf8(path, cls.noun), source=str(path))
+
+    def to_json(self) -> str:
+        """Return the canonical JSON text: the same bytes for equal trees."""
+        return canonical_json(self._plain())
+
+    def digest(self) -> str:
+        """Return the SHA-256 of the canonical JSON text."""
+        return digest(self._plain())
+
+    def _plain(self) -> dict[str, Any]:
+        # The parts are valid, and validating them again would cost more than writing them.
+        file = TreeFile.model_construct(schema_version=1, nodes=self.nodes, edits=self.edits)
+        return file.model_dump(mode="json")
 
     # ------------------------------------------------------------------ change
 
@@ -80,11 +139,10 @@ class ScenarioTree(Data):
             DataError: If an edit does not fit (unknown node, taken id, empty label ...). This tree
                 never changes.
         """
-        growth, version = self._line
-        growth, issues = growth.extend(version, edits)
+        index, issues = self._index.extend(self._version, edits)
         if issues:
             raise DataError("tree edit", issues)
-        return _standing(growth, version + len(edits))
+        return self._at(index, self._version + len(edits))
 
     def undo(
         self, index: int | None = None, *, round: int | None = None, origin: str = ""
@@ -131,7 +189,7 @@ class ScenarioTree(Data):
         """
         from oodscen.tree._history import moment
 
-        return _standing(self._line[0], moment(self.edits, edit=edit, round=round, stage=stage))
+        return self._at(self._index, moment(self.edits, edit=edit, round=round, stage=stage))
 
     def provenance(self, node_id: str) -> "Provenance":
         """Return who added a node and why, and the later decisions about it.
@@ -149,9 +207,21 @@ class ScenarioTree(Data):
         Args:
             index: Position in `edits`, from 0.
         """
-        return self._line[0].before[index]
+        return self._index.before[index]
 
     # -------------------------------------------------------------------- read
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """All nodes, parents before children, otherwise in the order in which they were first added."""
+        index = self._index.at(self._version)
+        self.__dict__["_index"] = index
+        return index.ordered()
+
+    @cached_property
+    def edits(self) -> tuple[TreeEdit, ...]:
+        """The log that produces `nodes`."""
+        return tuple(self._index.log[: self._version])
 
     def node(self, node_id: str) -> Node:
         """Return one node.
@@ -220,11 +290,10 @@ class ScenarioTree(Data):
         return max((depth for _, depth in self.walk()), default=0)
 
     def __len__(self) -> int:
-        growth, version = self._line
-        size = growth.size(version)
+        size = self._index.size(self._version)
         return len(self.nodes) if size is None else size
 
-    def __iter__(self) -> Iterator[Node]:  # type: ignore[override]  # pydantic's yields fields
+    def __iter__(self) -> Iterator[Node]:
         return iter(self.nodes)
 
     def __contains__(self, node: object) -> bool:
@@ -242,8 +311,7 @@ class ScenarioTree(Data):
 
         Ids of removed nodes are never reused.
         """
-        growth, version = self._line
-        return growth.free_id(slug(label), version)
+        return self._index.free_id(slug(label), self._version)
 
     def _repr_html_(self) -> str:
         """Return the tree as a collapsible outline for notebooks."""
@@ -251,35 +319,10 @@ class ScenarioTree(Data):
 
         return notebook_html(self)
 
-    # ------------------------------------------------- fields that are made late
+    # ------------------------------------------------------------------- value
 
-    @cached_property
-    def _line(self) -> tuple[Growth, int]:
-        """The shared index of this tree, and the number of edits in it that belong to this tree."""
-        growth, _ = Growth().extend(0, self.edits)
-        return growth, len(growth)
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            if name == "edits":
-                growth, version = self._line
-                self.__dict__[name] = tuple(growth.log[:version])
-            elif name == "nodes":
-                growth, version = self._line
-                own = growth.at(version)
-                self.__dict__.update(nodes=own.ordered(), _line=(own, version))
-            else:
-                return super().__getattr__(name)
-            return self.__dict__[name]
-
-    @model_serializer(mode="wrap")
-    def _whole(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        self._fields()
-        return handler(self)  # type: ignore[no-any-return]  # pydantic leaves it open
-
-    def _fields(self) -> dict[str, Any]:
-        return {"schema_version": 1, "nodes": self.nodes, "edits": self.edits}
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError("a tree never changes: `apply` returns another one")
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ScenarioTree) and self.edits == other.edits
@@ -287,39 +330,8 @@ class ScenarioTree(Data):
     def __hash__(self) -> int:
         return hash(self.edits)
 
-    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
-        yield from self._fields().items()
+    def __reduce__(self) -> tuple[type[Self], tuple[tuple[TreeEdit, ...]]]:
+        return type(self), (self.edits,)
 
-    def __copy__(self) -> Self:
-        fields = self._fields()
-        copy = super().__copy__()
-        copy.__dict__.clear()
-        copy.__dict__.update(fields)
-        return copy
-
-    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        return self  # the tree is immutable
-
-    def __getstate__(self) -> dict[Any, Any]:
-        state = super().__getstate__()
-        return {**state, "__dict__": self._fields()}
-
-
-def _standing(growth: Growth, version: int) -> ScenarioTree:
-    """Return the tree of the first `version` edits of an index without building its fields."""
-    tree = ScenarioTree.model_construct(_fields_set={"nodes", "edits"}, schema_version=1)
-    del tree.__dict__["nodes"], tree.__dict__["edits"]
-    tree.__dict__["_line"] = (growth, version)
-    return tree
-
-
-def _planting(node: Node) -> TreeEdit:
-    """Return the edit that adds a node read from a file without a log."""
-    return TreeEdit(
-        op="add",
-        node=node.id,
-        parent=node.parent,
-        label=node.label,
-        attested=node.attested,
-        stage="file",
-    )
+    def __repr__(self) -> str:
+        return f"<{self.noun}: {len(self)} nodes, {len(self.leaves)} paths, {self._version} edits>"

@@ -24,7 +24,7 @@ def call(folder, scene, text, *options):
 def test_a_faithful_scene_passes(tmp_path):
     done = call(tmp_path, example_scene(), TEXT)
     assert done.exit_code == 0, done.output
-    assert "0 scenes that do not hold" in done.output
+    assert "0 unfaithful scenes" in done.output
 
 
 @pytest.mark.parametrize("option", [(), ("--json",)])
@@ -83,4 +83,4 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     done = CliRunner().invoke(main, ["faithful", *files, *simulator])
     assert done.exit_code == 1
     assert "texts.jsonl:1" in done.output
-    assert "1 of these could not be judged" in done.output
+    assert "1 of them could not be checked" in done.output

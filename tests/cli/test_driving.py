@@ -48,7 +48,7 @@ def test_a_stack_in_the_current_folder_drives(tmp_path, monkeypatch) -> None:
     run(main, ["report", "out"])
     assert "Driving stacks" not in (tmp_path / "out" / "report.html").read_text()
     ruled = run(main, ["drive", "out"])
-    assert "4 results of earlier drives are dropped" in ruled.output
+    assert "4 earlier results are dropped" in ruled.output
     drives = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
     assert [json.loads(line)["driver"] for line in drives] == ["rule-based", "rule-based"]
     run(main, ["drive", "out"])

@@ -15,7 +15,9 @@ def test_a_full_device_is_one_line(words: tuple[str, ...]) -> None:
     with open("/dev/full", "wb") as full:
         result = called(*words, stdout=full, stderr=-1)
     assert result.returncode == 1
-    assert result.stderr.decode().splitlines() == ["oodscen: [Errno 28] No space left on device"]
+    assert result.stderr.decode().splitlines() == [
+        "oodscen: cannot write the output: No space left on device"
+    ]
 
 
 def test_nobody_who_reads_is_no_error_worth_a_word() -> None:

@@ -47,7 +47,7 @@ def test_power_says_how_many_scenes_it_takes() -> None:
 
 def test_power_of_a_given_number() -> None:
     found = CliRunner().invoke(main, ["power", "0.66", "0.51", "--scenes", "130", "--icc", "0"])
-    assert found.output == "130 scenes show that difference with a chance of 68%\n"
+    assert found.output == "130 scenes detect that difference with a power of 68%\n"
 
 
 @pytest.mark.parametrize("rates", [["0.5", "0.5"], ["0", "0.5"], ["0.5", "1.5"]])

@@ -8,6 +8,7 @@ import threading
 import pytest
 from click.testing import CliRunner
 
+from oodscen import TreeGrower, make_llm
 from oodscen._cli import main
 from oodscen._cli.output import read_lines, write
 from oodscen.data._scenario import Scenario
@@ -131,3 +132,60 @@ def test_an_id_too_long_for_a_file_is_refused_before_anything_runs(tmp_path):
     assert found.exit_code == 2
     assert "line 1: id: String should have at most 200" in found.output
     assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture
+def named(tmp_path):
+    """The names of one file: plain, by another way, by a symbolic link, by a hard link."""
+    (tmp_path / "tree.json").write_text(TreeGrower(make_llm("builtin"), nodes=12).run().to_json())
+    (tmp_path / "link").symlink_to("tree.json")
+    os.link(tmp_path / "tree.json", tmp_path / "hard")
+    return [tmp_path / "tree.json", f"{tmp_path}/./tree.json", tmp_path / "link", tmp_path / "hard"]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "redteam ONE --budget 1 --encoder none -o OTHER",
+        "redteam ONE --budget 1 --encoder none --log OTHER",
+        "prune ONE --simulator flat -o OTHER",
+        "prune ONE --simulator flat --decisions OTHER",
+        "describe ONE -o OTHER",
+        "tree replay ONE -o OTHER",
+        "tree merge ONE ONE -o OTHER",
+        "tree export ONE -o OTHER",
+        "grow --llm replay:ONE -o OTHER",
+        "grow --llm replay:ONE#m -o OTHER",
+        "prune TREE --catalogue ONE -o OTHER",
+    ],
+)
+def test_no_output_replaces_an_input(named, tmp_path, command):
+    (tmp_path / "other.json").write_bytes(named[0].read_bytes())
+    command = command.replace("TREE", str(tmp_path / "other.json"))
+    before = named[0].read_bytes()
+    for name in named:
+        words = command.replace("ONE", str(named[0])).replace("OTHER", str(name)).split()
+        found = CliRunner().invoke(main, words)
+        assert (found.exit_code, found.output.count("\n")) == (2, 1)
+        assert "would replace a file that" in found.output
+    assert named[0].read_bytes() == before
+
+
+def test_no_two_outputs_are_one_file(named, tmp_path):
+    (tmp_path / "tree.new").symlink_to("new")
+    twice = [(named[0], name) for name in named]
+    twice += [(tmp_path / "new", f"{tmp_path}/./new"), (tmp_path / "new", tmp_path / "tree.new")]
+    (tmp_path / "other.json").write_bytes(named[0].read_bytes())
+    before = named[0].read_bytes()
+    for options in (("-o", "--decisions"), ("--decisions", "--restore"), ("-o", "--restore")):
+        for one, other in twice:
+            words = [options[0], str(one), options[1], str(other)]
+            order = ["prune", str(tmp_path / "other.json"), "--simulator", "flat", *words]
+            found = CliRunner().invoke(main, order)
+            assert (found.exit_code, found.output.count("\n")) == (2, 1)
+            assert "name the same file" in found.output
+    assert named[0].read_bytes() == before
+    assert not (tmp_path / "new").exists()
+    order = ["--simulator", "flat", "--decisions", "/dev/null", "--restore", "/dev/null"]
+    found = CliRunner().invoke(main, ["prune", str(named[0]), *order, "-o", "/dev/null"])
+    assert found.exit_code == 0

@@ -85,3 +85,13 @@ def test_weather_that_a_scene_can_ask_for_is_added_as_such(name):
 
 def test_what_no_catalogue_can_bring_changes_nothing():
     assert extended(CATALOGUE, [Addition(kind="other", name="a recipe")]) == CATALOGUE
+
+
+@pytest.mark.parametrize("traits", [["oncoming"], ["shoulder"], ["tunnel", "oncoming", "shoulder"]])
+def test_an_added_map_has_the_lanes_that_its_traits_name(traits):
+    model = CATALOGUE.maps[0].model_copy(update={"oncoming_lanes": 0, "has_shoulder": False})
+    bare = CATALOGUE.model_copy(update={"maps": (model,)})
+    added = extended(bare, [map_with(traits)]).maps[-1]
+    assert added.oncoming_lanes == int("oncoming" in traits)
+    assert added.has_shoulder == ("shoulder" in traits)
+    assert added.landmarks == (("tunnel",) if "tunnel" in traits else ())

@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import (
+    FLAT_M,
     Asset,
     BehaviourKind,
     BehaviourParameter,
@@ -200,3 +201,13 @@ def test_whoever_is_towed_needs_somebody_and_not_itself():
         "actors[0].behaviour.other",
         "actors[1].behaviour.other",
     ]
+
+
+@given(st.floats(0.01, 0.2), st.sampled_from(["", "shut", "open"]), st.booleans())
+def test_what_lies_flat_or_stands_open_can_be_passed(height, state, opens_first):
+    states = ("open", "shut") if opens_first else ("shut", "open")
+    gate = Asset(
+        id="gate", category="object", description="a gate", length=1.0, width=1.0, height=height,
+        states=states, passable=("open",),
+    )  # fmt: skip
+    assert gate.is_passable(state) == (height < FLAT_M or (state or states[0]) == "open")

@@ -26,3 +26,21 @@ def test_bytes_are_read_late_and_their_absence_is_said(files):
     assert image.read() == b"same"
     with pytest.raises(FileNotFoundError, match=r"first\.jpg"):
         Image(name="first.jpg", sha256="0" * 64).read()
+
+
+@pytest.mark.parametrize(
+    ("data", "fault"),
+    [
+        (b"\xff\xd8\xff...\xff\xd9", ""),
+        (b"\x89PNG\r\n\x1a\n...IEND\xaeB`\x82", ""),
+        (b"\xff\xd8\xff...", "is cut off before its end"),
+        (b"GIF89a", "is no JPEG and no PNG"),
+        (b"", "is no JPEG and no PNG"),
+    ],
+)
+def test_a_picture_that_cannot_be_shown_says_why(tmp_path, data, fault):
+    (tmp_path / "a").write_bytes(data)
+    image = Image.from_file(tmp_path / "a")
+    assert image.fault() == (f"a {fault}" if fault else "")
+    (tmp_path / "a").unlink()
+    assert image.fault() == "a: No such file or directory"

@@ -1,5 +1,8 @@
 """OpenDRIVE texts that the driving tests share."""
 
+from oodscen.driving import read_network
+from oodscen.driving._roads.network import Road
+
 LANE = (
     '<lane id="{id}" type="{type}"><link>{link}</link>'
     '<width sOffset="0" a="{width}" b="0" c="0" d="0"/></lane>'
@@ -31,6 +34,11 @@ def road(
         f'<laneSection s="0"><left>{left}</left><center><lane id="0" type="none"/></center>'
         f"<right>{right}</right></laneSection></lanes>{more}</road>"
     )
+
+
+def read_road(data: bytes) -> Road:
+    """Return the first road of a file."""
+    return next(iter(read_network(data).roads.values()))
 
 
 def file(*parts: str) -> bytes:

@@ -13,7 +13,6 @@ from oodscen.driving._surrogate_safety import (
     Footprints,
     overlap,
     post_encroachment,
-    sine_cosine,
     time_headway,
     time_to_collision,
 )
@@ -32,13 +31,6 @@ def prints(box: Box) -> Footprints:
 
 def collision(a: Box, b: Box, vx: float, vy: float) -> float:
     return float(time_to_collision(prints(a), prints(b), np.array([vx]), np.array([vy]))[0])
-
-
-@given(st.lists(st.floats(-500, 500), min_size=1))
-def test_sine_and_cosine_are_right(angles):
-    sine, cosine = sine_cosine(np.array(angles))
-    np.testing.assert_allclose(sine, [math.sin(a) for a in angles], atol=1e-13)
-    np.testing.assert_allclose(cosine, [math.cos(a) for a in angles], atol=1e-13)
 
 
 @given(boxes, boxes)

@@ -99,5 +99,10 @@ def answering(text, status="200 OK", headers=""):
 
 
 def redirecting(target, status=307):
+    """Redirect to an address, in which `{port}` is this server's."""
     head = f"HTTP/1.1 {status} Elsewhere\r\nlocation: {target}\r\nconnection: close\r\n\r\n"
-    return saying(head.encode())
+
+    def say(rogue, connection, asked):
+        connection.sendall(head.replace("{port}", str(rogue.port)).encode())
+
+    return say

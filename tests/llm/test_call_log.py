@@ -39,6 +39,7 @@ def test_a_call_is_accounted_for():
         "input_tokens": 7,
         "output_tokens": 3,
         "cached_tokens": 0,
+        "cacheable_tokens": 0,
         "cost_usd": 0.25,
         "requests": 1,
     }

@@ -160,8 +160,7 @@ def key(monkeypatch):
     return KEYS[2].encode()
 
 
-@pytest.mark.parametrize("switch", ["0", "1"])
-@pytest.mark.parametrize("status", [301, 302, 303, 307, 308])
+@pytest.mark.parametrize(("switch", "status"), [("0", 301), ("1", 302), ("0", 303), ("1", 308)])
 def test_a_redirect_to_another_server_is_refused(monkeypatch, key, switch, status):
     monkeypatch.setenv("OODSCEN_OFFLINE", switch)
     with (
@@ -185,25 +184,19 @@ def test_a_redirect_to_another_server_is_refused(monkeypatch, key, switch, statu
         "\\\\x",
     ],
 )
-def test_scheme_host_and_port_make_another_server(target):
-    asked = []
-
-    def say(rogue, connection, head):
-        asked.append(head)
-        redirecting(target.format(port=rogue.port))(rogue, connection, head)
-
-    with talking(say) as rogue:
-        refusal(client(rogue))
-    assert {line.split()[0] for line in asked} == {b"POST"}
+def test_a_redirect_to_anything_is_refused(target):
+    with talking(redirecting(target)) as rogue:
+        assert "redirects to" in str(refusal(client(rogue)))
+    assert rogue.heard.count(b"POST /") == 1
 
 
-def test_a_redirect_within_a_server_is_followed(key):
-    def say(rogue, connection, head):
-        is_moved = head.startswith(b"POST /moved")
-        (answering("here") if is_moved else redirecting("/moved"))(rogue, connection, head)
-
-    with talking(say) as rogue:
-        assert client(rogue).complete(REQUEST).text == "here"
+@pytest.mark.parametrize("status", [302, 307])
+def test_a_redirect_within_a_server_is_refused_and_named_without_its_query(key, status):
+    with talking(redirecting("//me:secret@127.0.0.1:{port}/moved?key=secret", status)) as rogue:
+        error = refusal(client(rogue, retries=3))
+        assert f"redirects to http://127.0.0.1:{rogue.port}/moved," in str(error)
+    assert (error.retryable, error.requests) == (False, 1)
+    assert "secret" not in str(error)
 
 
 @pytest.mark.parametrize("variable", PROXIES)

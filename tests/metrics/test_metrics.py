@@ -11,7 +11,7 @@ from oodscen.baselines import Baseline, ordinary_driving
 from oodscen.data._scenario import Scenario
 from oodscen.encoders import CachedEncoder, MiniLM
 from oodscen.errors import DataError, EncoderError, UsageError
-from oodscen.metrics import Metrics, Report
+from oodscen.metrics import Metrics, Report, auroc
 from oodscen.testing._encoder import HashEncoder
 
 
@@ -317,3 +317,51 @@ def test_torch_looks_up_the_same_neighbours():
     texts, ordinary = [f"t{i}" for i in range(20)], [f"b{i}" for i in range(30)]
     ours, torchs = (Metrics(ENCODER, ordinary, device=d).oodness(texts) for d in ("cpu", "auto"))
     np.testing.assert_allclose(ours.per_text, torchs.per_text, atol=1e-6)
+
+
+def scenarios(count: int, paths: int, word: str = "t") -> list[Scenario]:
+    return [
+        Scenario(id=f"{word}-{i}", text=f"{word}{i}", path=("root", f"p{i % paths}"))
+        for i in range(count)
+    ]
+
+
+def test_every_interval_draws_whole_paths_and_lies_about_its_figure():
+    report = Metrics(ENCODER, ["b", "c", "d"]).report(scenarios(40, 8))
+    figures = (
+        (report.oodness.mean, report.oodness.interval),
+        (report.diversity.nearest, report.diversity.nearest_interval),
+        (report.diversity.pairwise, report.diversity.pairwise_interval),
+        (report.control.auroc.value, report.control.auroc.interval),
+    )
+    for value, interval in figures:
+        assert (interval.method, interval.units) == ("cluster bootstrap", 8)
+        assert interval.low < value < interval.high
+    assert (report.N, report.oodness.N, report.n, report.oodness.n) == (3, 3, 40, 40)
+
+
+@pytest.mark.parametrize("definition", ["tabulated", "printed", "kth"])
+def test_the_checks_are_by_the_definition_of_the_report(definition):
+    metrics = Metrics(ENCODER, [f"b{i}" for i in range(30)])
+    report = metrics.report([f"t{i}" for i in range(9)], definition=definition)
+    controls = np.array(metrics.control_scores(definition))
+    assert report.control.mean == pytest.approx(controls.mean())
+    assert report.control.auroc.value == auroc(controls, np.array(report.oodness.per_text))
+    held_out = metrics.held_out_scores(definition)
+    assert report.calibration.held_out_mean == pytest.approx(np.mean(held_out))
+
+
+def test_whole_paths_are_exchanged_in_a_test_of_two_sets():
+    metrics = Metrics(ENCODER, [f"b{i}" for i in range(20)])
+    far = scenarios(12, 4)
+    near = [one.model_copy(update={"text": f"b{i}"}) for i, one in enumerate(far)]
+    assert metrics.compare(far, near, paired=True).oodness.p_value == pytest.approx(2 / 2**4)
+    assert metrics.compare(far, near).oodness.p_value > 2 / 70 * 0.7
+    plain = [[one.text for one in texts] for texts in (far, near)]
+    assert metrics.compare(*plain).oodness.p_value < 0.001
+    assert metrics.compare(far, far, paired=True, size=5).pairwise.high == 0
+
+
+def test_the_spread_of_batches_is_that_of_a_sample():
+    found = Metrics(ENCODER, [f"b{i}" for i in range(9)]).baseline_batch(3, 4)
+    assert found.spread == pytest.approx(np.std(found.per_repeat, ddof=1))

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen.errors import UnknownComponent
 from oodscen.metrics._oodness import scores
 from oodscen.metrics._vectors.similarity import unit
 
@@ -29,3 +30,8 @@ def test_a_text_of_the_baseline_has_the_least_tabulated_score() -> None:
     baseline = vectors(3, 6)
     assert scores(baseline, baseline, "tabulated") == pytest.approx(-1.0, abs=1e-6)
     assert (scores(baseline, baseline, "printed") < 0.99).all()
+
+
+def test_only_the_papers_definitions_are_scored_here() -> None:
+    with pytest.raises(UnknownComponent):
+        scores(vectors(0, 2), vectors(1, 2), "kth")  # type: ignore[arg-type]  # no definition

@@ -11,11 +11,11 @@ from click.testing import CliRunner
 
 from oodscen import Study, make_llm
 from oodscen._cli import main
-from oodscen._pipeline import estimate, run_study
+from oodscen._pipeline import RunOptions, estimate, run_study
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
 from oodscen.llm._remote.limits import Caps, Price, Traffic
 from oodscen.llm._wrapper import Wrapper
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
 from tests.llm.rogue import dripping, talking
 from tests.pipeline.quick import QUICK
 
@@ -241,7 +241,9 @@ def test_calls_name_their_stage(quiet):
 
 
 def test_an_estimate_counts_the_calls_that_are_left(tmp_path, quiet):
-    rows = estimate(tmp_path / "none", CONFIG, prices={"served": Price(1, 1)})
+    prices = Traffic(prices={"served": Price(1, 1)})
+    options = RunOptions(models={"served": ScriptedLLM({})}, traffic=prices)
+    rows = estimate(tmp_path / "none", CONFIG, options)
     made = Study.open(quiet).info["usage"]
     assert [(row.group[0], row.calls) for row in rows] == [
         (row["group"][0], row["calls"]) for row in made
@@ -249,7 +251,7 @@ def test_an_estimate_counts_the_calls_that_are_left(tmp_path, quiet):
     for row, real in zip(rows, made, strict=True):
         assert row.input_tokens == pytest.approx(real["input_tokens"], rel=0.05)
         assert row.cost_usd == pytest.approx((row.input_tokens + row.output_tokens) / 1e6)
-    assert estimate(quiet, CONFIG) == []
+    assert estimate(quiet, CONFIG, options) == []
     assert not (tmp_path / "none").exists()
 
 
@@ -270,6 +272,37 @@ def test_the_command_line_says_how_to_give_a_price(tmp_path, quiet):
     assert result.exit_code == 0
     assert "$" in result.output
     assert call("run", tmp_path / "c", "--price", "m=cheap").exit_code == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--llm", ""],
+        ["--llm", "no-such-model"],
+        ["--llm", "replay:nowhere.jsonl"],
+        ["--red-llm", " "],
+        ["--fallback", "no-such-model"],
+        ["--vlm", ""],
+        ["--vlm", "no_such_module:Model"],
+        ["--judge", "no-such-model"],
+        ["--llm", "m", "--api-base", ""],
+        ["--llm", "m", "--api-base", "file:///etc/passwd"],
+        ["--vlm", "m", "--api-base", "127.0.0.1:8000/v1"],
+        ["--vlm", "m", "--api-base", "http://:80/v1"],
+        ["--vlm", "m", "--api-base", "http://127.0.0.1:99999/v1"],
+        ["--vlm", "m", "--api-base", "http://127.0.0.1:1/v1", "--max-cost", "1"],
+        ["--vlm", "m", "--api-base", "http://203.0.113.1/v1"],
+        ["--simulator", "no-such-simulator"],
+        ["--encoder", "no-such-encoder"],
+    ],
+)
+def test_a_dry_run_refuses_what_a_run_refuses(tmp_path, words):
+    quick = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
+    for more in (["--dry-run"], []):
+        result = call("run", tmp_path / "out", *quick, *words, *more)
+        assert (result.exit_code, result.output.count("oodscen: ")) == (2, 1)
+        assert "_StandIn" not in result.output
+    assert not (tmp_path / "out").exists()
 
 
 def test_doctor_asks_a_model_two_questions(author):

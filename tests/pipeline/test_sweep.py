@@ -66,7 +66,10 @@ def test_what_else_is_asked_for_comes_as_files(here, tmp_path):
     assert kept["gap_m"].min() == pytest.approx(result.episode.actions["stop"].margin_m, abs=1e-3)
     notes = FrameAnnotations.load(tmp_path / "frames/s-000/last.json")
     assert notes.actors[0].visible_px == result.episode.visible["last"]["box"]
-    assert result.episode.model_copy(update={"files": ()}) == here["s-000"].episode
+    plain = here["s-000"].episode
+    fewer = {"files": (), "file_sha256": plain.file_sha256}
+    assert result.episode.model_copy(update=fewer) == plain
+    assert result.episode.file_sha256.items() > plain.file_sha256.items()
     with pytest.raises(StudyError):
         Study(tmp_path).trace("s-001")
 

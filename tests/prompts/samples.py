@@ -1,5 +1,6 @@
 """One question of every kind, with every field filled."""
 
+from oodscen.data._claim import Claim
 from oodscen.data._messages import Image
 from oodscen.prompts import (
     ActionOption,
@@ -48,6 +49,7 @@ DIGEST = CatalogueDigest(
                 Landmark(kind="tunnel", ahead_m=60.5, length_m=200.0),
                 Landmark(kind="traffic_light", ahead_m=90.5, left_m=-2.5),
             ),
+            layout="pavement -4.7 to -1.7",
         ),
     ),
     weather="no night; no fog",
@@ -73,6 +75,7 @@ SAMPLES = (
     ProposeTree(asked=CLASSES, classes=("environmental", "interactional"), nodes=5),
     ImagineScenario(
         shown=("A deer crosses.",),
+        catalogue=DIGEST,
         covered=("Fog", "Deer on the road"),
         unlisted=7,
         thin=("Animals",),
@@ -86,10 +89,16 @@ SAMPLES = (
         procedure="closed",
     ),
     JudgeBranch(path=PATH, catalogue=DIGEST),
-    DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",)),
+    DescribePath(path=PATH, count=3, avoid=("A deer stands on the highway.",), catalogue=DIGEST),
     DescribeOrdinary(text="A stag leaps onto the road.", path=PATH),
     ExtractClaims(text="A stag leaps onto the road at night."),
-    StageScene(text="A stag leaps onto the road.", path=PATH, catalogue=DIGEST),
+    StageScene(
+        text="A stag leaps onto the road.",
+        path=PATH,
+        claims=(Claim(kind="thing", value="present", subject="stag", quote="A stag"),),
+        roads=("avenue",),
+        catalogue=DIGEST,
+    ),
     DescribeFrame(frames=FRAMES, descriptions=SEEN[:2]),
     NameAspect(frames=FRAMES, descriptions=SEEN),
     NameOodAspect(frames=FRAMES, descriptions=SEEN),

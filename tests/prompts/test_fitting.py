@@ -1,7 +1,7 @@
 """Questions become shorter without losing what they are about."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
@@ -21,19 +21,20 @@ def test_a_question_fits_four_thousand_tokens(question):
     short = fitted(question, 4_096)
     assert tokens_of(question) > tokens_of(short)
     assert tokens_of(short) + ANSWER_TOKENS <= 4_096
-    rendered = short.question()
+    rendered = short.instructions()
     assert "stag with antlers" in rendered
     assert all(line.id in rendered for line in CATALOGUE.assets)
     assert all(line.id in rendered for line in CATALOGUE.behaviours)
 
 
+@settings(max_examples=20)
 @given(st.integers(0, 8_000))
 def test_the_vocabulary_stays_whole(context):
     short = fitted(QUESTIONS[0], context).catalogue
     for field in ("assets", "behaviours"):
         whole = [line.id for line in getattr(CATALOGUE, field)]
         assert [line.id for line in getattr(short, field)] == whole
-    assert short.maps == CATALOGUE.maps
+    assert [road.id for road in short.maps] == [road.id for road in CATALOGUE.maps]
 
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.purpose)

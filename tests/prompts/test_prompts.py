@@ -10,29 +10,51 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
+from oodscen.data._claim import Claim
 from oodscen.data._messages import Image
-from oodscen.prompts import QUESTIONS, DescribePath, PlaceScenario, StageScene
+from oodscen.errors import DataError
+from oodscen.prompts import (
+    QUESTIONS,
+    DescribePath,
+    ImagineScenario,
+    JudgeBranch,
+    PlaceScenario,
+    StageScene,
+)
 from oodscen.prompts import _base as base
 from oodscen.prompts._base import data_block
+from oodscen.prompts._digest import AssetLine, BehaviourLine, MapLine
 from oodscen.tree._scenario_tree import Node
 from tests.prompts.samples import DIGEST, NODES, PATH, SAMPLES
 
-UNSHOWN = {(Node, "attested"), (Image, "path")}
-"""Provenance of a label, and where a picture's bytes lie: neither is part of a question."""
+UNSHOWN = {(Node, "attested"), (Image, "path"), (Claim, "kind"), (Claim, "value")}
+"""Provenance of a label, where a picture's bytes lie, and words of a claim that allow no others."""
+OF_STAGERS = {
+    *((MapLine, name) for name in ("id", "traits", "landmarks", "somewhere", "layout")),
+    *((AssetLine, name) for name in ("description", "names", "length_m", "width_m", "height_m")),
+    *((BehaviourLine, name) for name in ("categories", "parameters")),
+    (AssetLine, "states"),
+}
+LEFT_OUT = {
+    JudgeBranch: {(MapLine, "layout")},
+    DescribePath: OF_STAGERS,
+    ImagineScenario: OF_STAGERS,
+}
+"""What only those see who need it to set up a scene, or to judge whether that can be done."""
 
 
-def changed(value, annotation=None):
+def changed(value, unshown, annotation=None):
     """Yield the values that differ from this one in a single place, however deep."""
     if isinstance(value, BaseModel):
         for name, field in type(value).model_fields.items():
-            if (type(value), name) not in UNSHOWN:
-                for other in changed(getattr(value, name), field.annotation):
+            if (type(value), name) not in unshown:
+                for other in changed(getattr(value, name), unshown, field.annotation):
                     yield {**dict(value), name: other}
     elif isinstance(value, tuple):
         if value:
             yield value[:-1]
         for index, item in enumerate(value):
-            for other in changed(item):
+            for other in changed(item, unshown):
                 yield (*value[:index], other, *value[index + 1 :])
     elif isinstance(value, str):
         words = [word for word in get_args(annotation) if isinstance(word, str)]
@@ -44,8 +66,9 @@ def changed(value, annotation=None):
 
 
 def variants(prompt):
+    unshown = UNSHOWN | LEFT_OUT.get(type(prompt), set())
     for name, field in type(prompt).model_fields.items():
-        for other in changed(getattr(prompt, name), field.annotation):
+        for other in changed(getattr(prompt, name), unshown, field.annotation):
             yield name, type(prompt)(**{**dict(prompt), name: other})
 
 
@@ -62,7 +85,7 @@ def test_every_input_changes_the_rendered_messages(prompt):
     for name, other in variants(prompt):
         try:
             messages = other.messages()
-        except ValidationError:  # the changed nodes are no tree
+        except (DataError, ValidationError):  # the changed nodes are no tree
             continue
         assert messages != rendered, other
         touched.add(name)
@@ -89,7 +112,8 @@ def test_a_question_is_a_function_of_its_fields(prompt):
 def test_turns_alternate_and_the_question_states_the_answer(prompt):
     roles = [message.role for message in prompt.messages()[1:]]
     assert roles == ["user", "assistant"] * (len(roles) // 2) + ["user"]
-    shape = prompt.question().rpartition("Answer with JSON")[2]
+    asked = "\n".join(message.text for message in (prompt.messages()[0], prompt.messages()[-1]))
+    shape = asked.rpartition("Answer with JSON")[2]
     required = prompt.answer_schema().get("required", [])
     assert required
     assert all(f'"{name}"' in shape for name in required)
@@ -141,6 +165,12 @@ def test_a_version_changes_with_every_template_it_shows(template, monkeypatch):
     )
 
 
+@pytest.mark.parametrize("prompt", SAMPLES, ids=lambda p: p.purpose)
+def test_instructions_depend_on_nothing_that_changes_within_a_run(prompt):
+    other = prompt.model_copy(update={"text": "A cow.", "path": ("x",), "count": 9, "claims": ()})
+    assert other.instructions() == prompt.instructions()
+
+
 def test_templates_use_no_variable_that_the_question_lacks():
     for prompt in SAMPLES:
         tree = base._environment().parse(base._source(prompt.template))
@@ -187,8 +217,7 @@ def test_fenced_inputs_change_nothing_outside_their_fence(text):
         return re.sub(r"<data>.*?</data>", "<data></data>", prompt.question(), flags=re.DOTALL)
 
     assert outside(SAMPLES[4].model_copy(update={"text": text})) == outside(SAMPLES[4])
-    assert outside(StageScene(text=text, path=(text,), catalogue=DIGEST)) == outside(
-        next(sample for sample in SAMPLES if isinstance(sample, StageScene))
-    )
+    staged = [StageScene(text=one, path=(one,), catalogue=DIGEST) for one in (text, "a stag")]
+    assert outside(staged[0]) == outside(staged[1])
     asked = DescribePath(path=(*PATH, text), count=3, avoid=(text,))
     assert outside(asked) == outside(SAMPLES[6])

@@ -15,8 +15,21 @@ from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.data._verdict import Verdict
+from oodscen.metrics import BaselineBatch, Diversity, Neighbour, Oodness, Report
+from oodscen.metrics._measurements import (
+    BaselineUsed,
+    DetectorPicture,
+    DetectorScores,
+    MapPicture,
+    Measurements,
+    OodnessPicture,
+    Pictures,
+    SizeCurve,
+)
 from oodscen.stages._prune.pruner import PruneDecision, all_decisions
 from oodscen.stages._redteam.red_teamer import Round
+from oodscen.statistics import Interval
+from oodscen.statistics._auroc import Auroc
 from oodscen.study import Study, StudyConfig
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
@@ -168,29 +181,87 @@ def frame(index: int, moment: int, size: tuple[int, int] = (320, 240)) -> bytes:
     return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 90])[1].tobytes()
 
 
-def measured(count: int, seed: int) -> dict[str, Any]:
+def interval(middle: float) -> Interval:
+    return Interval(low=middle - 0.02, high=middle + 0.02, method="bootstrap", units=9)
+
+
+def measured(count: int, seed: int) -> Report:
+    """Return a report of scores drawn at random."""
     values = np.round(np.random.default_rng(seed).normal(-0.62, 0.07, count), 6).tolist()
     mean = sum(values) / count
-    interval = {"low": mean - 0.02, "high": mean + 0.02, "level": 0.95}
-    return {
-        "n": count,
-        "N": 1200,
-        "oodness": {
-            "mean": mean,
-            "per_text": values,
-            "interval": interval,
-            "nearest": [
-                {"index": i, "text": f"The ego follows car {i} in its lane.", "cosine": -value}
-                for i, value in enumerate(values)
-            ],
-        },
-        "diversity": {
-            "nearest": -0.74,
-            "pairwise": -0.45,
-            "nearest_interval": {"low": -0.76, "high": -0.72},
-            "pairwise_interval": None,
-        },
-    }
+    nearest = [
+        Neighbour(index=i, text=f"The ego follows car {i} in its lane.", cosine=-value)
+        for i, value in enumerate(values)
+    ]
+    return Report(
+        oodness=Oodness(
+            mean=mean,
+            per_text=tuple(values),
+            nearest=tuple(nearest),
+            interval=interval(mean),
+            n=count,
+            N=1200,
+            definition="tabulated",
+            encoder="e",
+        ),
+        diversity=Diversity(
+            nearest=-0.74,
+            pairwise=-0.45,
+            nearest_interval=interval(-0.74),
+            pairwise_interval=None,
+            nearest_index=(0,) * count,
+            n=count,
+            encoder="e",
+        ),
+        n=count,
+        N=1200,
+        encoder="e",
+        baseline="ordinary-driving",
+        baseline_digest="cd" * 32,
+        seed=0,
+    )
+
+
+def measurements_of(sizes: dict[str, int]) -> Measurements:
+    """Return the measurements of sets of these sizes."""
+    sets = {name: measured(count, count) for name, count in sizes.items()}
+    area = Auroc(value=0.8, interval=interval(0.8), n_ordinary=2, n_ood=9, is_paired=False)
+    return Measurements(
+        encoder="minilm@0123456789ab",
+        baseline=BaselineUsed(name="ordinary-driving", N=1200, digest="cd" * 32),
+        sets=sets,
+        baseline_batch=BaselineBatch(
+            mean=-0.93,
+            spread=0.004,
+            per_repeat=(-0.93,) * 10,
+            size=100,
+            repeats=10,
+            N=1200,
+            definition="tabulated",
+            encoder="e",
+            baseline="ordinary-driving",
+            seed=0,
+        ),
+        baseline_diversity=sets["simulatable"].diversity.model_copy(update={"n": 1200}),
+        pictures=Pictures(
+            oodness=OodnessPicture(control=(-0.6, -0.7), held_out=(-0.8, -0.5)),
+            detector=DetectorPicture(
+                name="events",
+                control=(0.1, 0.4),
+                sets={
+                    name: DetectorScores(mean=1.0, per_text=(0.5, 1.5), auroc=area) for name in sets
+                },
+            ),
+            curves={
+                name: SizeCurve(sizes=(2, 9), nearest=(-0.5, -0.7), pairwise=(-0.5, -0.5))
+                for name in ("baseline", *sets)
+            },
+            map=MapPicture(
+                share=(0.07, 0.04),
+                points=dict.fromkeys(("baseline", *sets), ((0.1, 0.2), (0.3, -0.1))),
+            ),
+        ),
+    )
 
 
 def build_study(
@@ -322,27 +393,8 @@ def build_study(
             for index, purpose in enumerate(("propose-tree", "stage-scene", "stage-scene"))
         ],
     )
-    store.write(
-        "metrics.json",
-        _json(
-            {
-                "encoder": "minilm@0123456789ab",
-                "baseline": {"name": "ordinary-driving", "N": 1200, "digest": "cd" * 32},
-                "sets": {
-                    **{str(size): measured(size, size) for size in sets},
-                    "simulatable": measured(len(scenarios), 7),
-                },
-                "baseline_batch": {
-                    "mean": -0.93,
-                    "spread": 0.004,
-                    "size": 100,
-                    "repeats": 10,
-                    "N": 1200,
-                },
-                "baseline_diversity": {"n": 1200, "nearest": -0.95, "pairwise": -0.41},
-            }
-        ),
-    )
+    sizes = {**{str(size): size for size in sets}, "simulatable": len(scenarios)}
+    store.write("metrics.json", measurements_of(sizes).to_json())
     store.write(
         "study.json",
         _json(

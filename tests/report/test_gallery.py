@@ -74,7 +74,7 @@ def test_long_answers_are_cut(study: Study) -> None:
 
 def test_oodness_follows_the_order_of_the_texts(study: Study) -> None:
     found = read(study)
-    values = found.metrics["sets"]["simulatable"]["oodness"]["per_text"]
+    values = found.metrics.sets["simulatable"].oodness.per_text
     shown = cards(study)
     for scenario, value in zip(found.scenarios, values, strict=True):
         assert shown[scenario.id]["score"] == f"−{-value:.3f}"

@@ -237,7 +237,7 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
     edit(
         study,
         "metrics.json",
-        lambda text: re.sub(r'"text": "[^"]+"', lambda _: f'"text": "{quoted}"', text),
+        lambda text: re.sub(r'"text":"[^"]+"', lambda _: f'"text":"{quoted}"', text),
     )
     edit(study, "study.json", lambda text: text.replace('"builtin"', f'"{quoted}{NUL}"'))
     source = write_report(study).read_text(encoding="utf-8")

@@ -1,54 +1,67 @@
-from collections.abc import Callable
+"""Parts of the page: their place, their templates, and what becomes of a file or a name that is wrong."""
 
+from collections.abc import Callable, Mapping
+from typing import Any, get_args
+
+import jinja2
 import pytest
-from markupsafe import Markup
 
 from oodscen.errors import DataError, Issue
-from oodscen.report import _sections as parts
-from oodscen.report._gaps import restoration_part, saturation_part
+from oodscen.report import _sections as sections
 from oodscen.report._load import Material, read
-from oodscen.report._sections import Drawn, Part, drawn
+from oodscen.report._render import rendered
+from oodscen.report._sections import PARTS, Drawn, Part, Place, drawn
 from oodscen.study import Study
 
 
-def hello(study: Study, found: Material) -> Markup:
-    return Markup("<p>{}</p>").format(len(found.scenarios))
+def hello(study: Study, found: Material) -> Mapping[str, Any]:
+    return {"pictures": [(len(found.scenarios), "texts")]}
 
 
-def unreadable(study: Study, found: Material) -> Markup:
+def unreadable(study: Study, found: Material) -> Mapping[str, Any]:
     raise DataError("study", [Issue("rows[3]", "nothing fits")])
 
 
-def mistaken(study: Study, found: Material) -> Markup:
-    raise KeyError("a slip of the pen")
+def mistaken(study: Study, found: Material) -> Mapping[str, Any]:
+    return {"texts": found.scenarois}  # type: ignore[attr-defined]  # the mistake
 
 
 def test_a_broken_file_is_a_note_in_its_place(
     study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    here = (Part("metrics", "Good", hello), Part("metrics", "Bad", unreadable))
-    monkeypatch.setattr(parts, "PARTS", here)
+    here = (
+        Part("metrics", "Good", "pictures", hello),
+        Part("metrics", "Bad", "pictures", unreadable),
+    )
+    monkeypatch.setattr(sections, "PARTS", here)
     good, bad = drawn(study, read(study))["metrics"]
-    assert good == Drawn("Good", Markup("<p>6</p>"))
-    assert (bad.title, bad.markup) == ("Bad", "")
+    assert "6<figcaption>texts" in rendered(good)
+    assert (bad.title, bad.data) == ("Bad", {})
     assert "rows[3]: nothing fits" in bad.error
 
 
-def test_a_mistake_in_the_code_is_no_note(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parts, "PARTS", (Part("metrics", "Bad", mistaken),))
-    with pytest.raises(KeyError):
+def test_a_misspelt_attribute_ends_the_report(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sections, "PARTS", (Part("metrics", "Bad", "pictures", mistaken),))
+    with pytest.raises(AttributeError):
         drawn(study, read(study))
 
 
-def test_shipped_parts_draw_what_a_study_holds(study: Study) -> None:
-    found = read(study)
-    assert "<svg" in saturation_part(study, found)
-    assert saturation_part(study, Material()) == ""
-    assert restoration_part(study, Material()) == ""
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: part.template)
+def test_a_template_sees_its_own_data_alone_and_nothing_else(part: Part) -> None:
+    with pytest.raises(jinja2.UndefinedError):
+        rendered(Drawn(part.title, part.template, {"metrics": 1, "study": 2}))
 
 
-def test_every_listed_part_of_the_package_is_drawn_without_error(
-    make_study: Callable[..., Study],
-) -> None:
+def test_every_place_has_a_part() -> None:
+    assert {part.place for part in PARTS} == set(get_args(Place))
+
+
+def test_shipped_parts_draw_what_a_study_holds(make_study: Callable[..., Study]) -> None:
     study = make_study(with_twins=True)
-    assert not [one.error for row in drawn(study, read(study)).values() for one in row if one.error]
+    places = drawn(study, read(study))
+    assert not [one.error for row in places.values() for one in row if one.error]
+    (chart,) = places["growth"]
+    assert "<svg" in rendered(chart)
+    assert not [one for row in drawn(study, Material()).values() for one in row]

@@ -4,8 +4,9 @@ from oodscen._pipeline.steps.compare import CATALOGUES
 from oodscen._registry import make_catalogue
 from oodscen.data._additions import Addition
 from oodscen.report._load import Material, read
-from oodscen.report._sections import drawn
-from oodscen.report._simulators import part
+from oodscen.report._render import rendered
+from oodscen.report._sections import Drawn, drawn
+from oodscen.report._simulators import simulators
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._prune.side_by_side import compare
 from oodscen.study import Study
@@ -41,9 +42,15 @@ def compared():
     return compare(tree, sides, {"flat": here, "carla-0.9.16": there})
 
 
+def markup_of(study: Study) -> str:
+    data = simulators(study, read(study))
+    assert data is not None
+    return rendered(Drawn("", "simulators", data))
+
+
 def test_figures_absent_kinds_and_reasons_are_shown(study: Study) -> None:
     study.store.write(CATALOGUES, compared().to_json())
-    markup = part(study, read(study))
+    markup = markup_of(study)
     assert "flat</bdi> shows 3 and <bdi>carla-0.9.16</bdi> 2; it drops the other 1." in markup
     assert "has no animals (needed by 1 of the dropped) and no snow at all" in markup
     assert "1 paths that <bdi>carla-0.9.16</bdi> does not show, and why" in markup
@@ -59,5 +66,5 @@ def test_a_broken_comparison_says_so(study: Study) -> None:
 
 def test_where_nobody_asked_it_is_said_how_to(study: Study) -> None:
     study.store.remove(CATALOGUES)
-    assert "oodscen prune FOLDER/tree.diverse.json --llm" in part(study, read(study))
-    assert part(study, Material()) == ""
+    assert "oodscen prune FOLDER/tree.diverse.json --llm" in markup_of(study)
+    assert simulators(study, Material()) is None

@@ -125,3 +125,60 @@ def test_a_decision_without_an_actor_is_measured_to_the_first_of_the_hazard():
     staged = augmenter.run(SCENARIO)
     assert staged.decision.actor == "crate"
     assert list(staged.hazard.actors) == ["box", "crate"]
+
+
+def test_the_question_holds_the_claims_and_asks_who_stands_for_what():
+    llm = ScriptedLLM([CLAIMS, draft()])
+    Augmenter(llm, CATALOGUE).run(SCENARIO)
+    asked = llm.requests[1].messages
+    assert "it does not move ('lies on the road')" in asked[-1].text
+    assert "`stands_for` for: <data>cardboard box</data>" in asked[-1].text
+    assert "cardboard box" not in asked[-1].text.partition("Text:")[0]
+
+
+def test_who_stands_for_what_is_kept_where_words_do_not_tell():
+    told = {"claims": [{**CLAIMS["claims"][0], "subject": "parcel", "quote": "cardboard box"}]}
+    for shown, kept in (({"parcel": "box"}, {"parcel": ("box",)}), ({"parcel": "map"}, None)):
+        llm = ScriptedLLM([told, *[draft(stands_for=shown)] * 3])
+        augmenter = Augmenter(llm, CATALOGUE)
+        if kept is None:
+            with pytest.raises(AnswerError):
+                augmenter.run(SCENARIO)
+        else:
+            assert augmenter.run(SCENARIO).stands_for == kept
+    scene = Augmenter(ScriptedLLM([CLAIMS, draft(stands_for={"cardboard box": "box"})]), CATALOGUE)
+    assert "stands_for" not in scene.run(SCENARIO).to_json()
+
+
+def test_claims_that_fail_for_one_reason_are_one_line():
+    wrong = draft(actors=[{**draft()["actors"][0], "asset": "sofa"}])
+    llm = ScriptedLLM([CLAIMS, wrong, draft()])
+    Augmenter(llm, CATALOGUE).run(SCENARIO)
+    faults = [line for line in llm.requests[2].messages[-1].text.splitlines() if line[:2] == "- "]
+    assert len(faults) == 1
+    assert "it is there" in faults[0]
+    assert "it does not move" in faults[0]
+    assert "`stands_for`" in faults[0]
+
+
+def test_a_text_that_cannot_be_shown_ends_the_attempts():
+    llm = ScriptedLLM([CLAIMS, {"cannot_show": "there are no boxes"}, draft()])
+    with pytest.raises(AnswerError, match="there are no boxes") as caught:
+        Augmenter(llm, CATALOGUE).run(SCENARIO)
+    assert len(llm.requests) == 2
+    assert not caught.value.retryable
+
+
+def test_a_text_without_a_road_is_not_asked_about():
+    text = "A cardboard box lies on the motorway in a tunnel."
+    road = {"kind": "road", "subject": ""}
+    claims = {
+        "claims": [
+            {**road, "value": "highway", "quote": "motorway"},
+            {**road, "value": "residential", "quote": "in a tunnel"},
+        ]
+    }
+    llm = ScriptedLLM([claims])
+    with pytest.raises(AnswerError, match="no road of the simulator"):
+        Augmenter(llm, CATALOGUE).run(SCENARIO.model_copy(update={"text": text}))
+    assert len(llm.requests) == 1

@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import stats
 
 from oodscen._seeding import stream
 from oodscen.metrics._vectors.similarity import unit
-from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise, wilson
+from oodscen.statistics import _resampling
+from oodscen.statistics._answers import intraclass
+from oodscen.statistics._intervals import percentiles, wilson
+from oodscen.statistics._resampling import Resampler, bootstrap_mean, bootstrap_pairwise
 
 
 @settings(deadline=None, max_examples=30)
 @given(st.lists(st.floats(-1, 1), min_size=2, max_size=30))
 def test_an_interval_lies_within_the_values(values):
     found = bootstrap_mean(np.array(values), replicates=200)
-    assert min(values) - 1e-9 <= found.low <= found.high <= max(values) + 1e-9
+    assert min(values) - 1e-6 <= found.low <= found.high <= max(values) + 1e-6
 
 
 def test_it_has_the_width_that_theory_gives():
@@ -91,22 +93,55 @@ def test_an_interval_of_pairs_surrounds_the_figure():
         assert found.low < cosines.mean() < found.high
 
 
-@given(st.integers(0, 500), st.integers(1, 500))
-def test_wilson_holds_the_share_mirrors_and_narrows(hits: int, more: int) -> None:
-    n = hits + more
-    low, high = wilson(hits, n)
-    assert 0 <= low <= hits / n <= high <= 1
-    assert (1 - high, 1 - low) == pytest.approx(wilson(n - hits, n))
-    assert wilson(4 * hits, 4 * n)[1] - wilson(4 * hits, 4 * n)[0] < high - low
-    assert wilson(hits, n, level=0.99)[0] <= low
+def test_a_clustered_interval_is_wider_where_paths_are_alike() -> None:
+    clusters = [f"{index // 10}" for index in range(200)]
+    alike = np.repeat(np.arange(20) % 2, 10).astype(float)[:, None]
+    mixed = np.tile(np.arange(10) % 2, 20).astype(float)[:, None]
+    resampler = Resampler(clusters)
+    ones = np.ones((200, 1))
+    wide = percentiles(resampler.ratios(alike, ones)[:, 0], 20)
+    assert wide is not None
+    low, high = wilson(100, 200)
+    assert wide.high - wide.low > 2 * (high - low)
+    assert percentiles(resampler.ratios(mixed, ones)[:, 0], 20) is None
+    assert intraclass(alike[:, 0], clusters) == pytest.approx(1)
+    assert intraclass(mixed[:, 0], clusters) == 0
 
 
-def test_wilson_without_anything_knows_nothing() -> None:
-    assert wilson(0, 0) == (0, 1)
-    assert wilson(110, 130) == pytest.approx((0.7746, 0.8981), abs=5e-4)
+def test_the_same_seed_gives_the_same_draws() -> None:
+    clusters = list("aabbccddee")
+    assert (Resampler(clusters, seed=3).weights == Resampler(clusters, seed=3).weights).all()
+    assert (Resampler(clusters, seed=3).weights != Resampler(clusters, seed=4).weights).any()
+    assert Resampler([]).ratios(np.zeros((0, 2)), np.zeros((0, 2))).shape == (2000, 2)
 
 
-def test_wilson_agrees_with_scipy() -> None:
-    for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
-        found = stats.binomtest(hits, n).proportion_ci(method="wilson")
-        assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)
+@given(st.lists(st.sampled_from("abcd"), min_size=1, max_size=20), st.data())
+def test_clusters_are_counted_and_summed(clusters: list[str], data: st.DataObject) -> None:
+    mask = np.array(
+        data.draw(st.lists(st.booleans(), min_size=len(clusters), max_size=len(clusters)))
+    )
+    resampler = Resampler(clusters)
+    there = {one for one, kept in zip(clusters, mask, strict=True) if kept}
+    assert resampler.count(mask) == len(there)
+    values = np.arange(float(len(clusters)))
+    sums = {c: values[[one == c for one in clusters]].sum() for c in dict.fromkeys(clusters)}
+    assert resampler.summed(values[:, None])[:, 0].tolist() == list(sums.values())
+
+
+def test_a_ratio_may_have_a_small_denominator() -> None:
+    resampler = Resampler(list("aabbccddee"), replicates=50)
+    below = np.full((10, 1), 0.02)
+    assert resampler.ratios(3 * below, below) == pytest.approx(3.0)
+    assert np.isnan(resampler.ratios(below, 0 * below)).all()
+
+
+def test_many_clusters_are_drawn_in_blocks_of_the_same_draws(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = Resampler(9, replicates=20).weights
+    monkeypatch.setattr(_resampling, "_CELLS", 60)
+    blocks = list(Resampler(9, replicates=20).blocks())
+    assert [len(block) for block in blocks] == [6, 6, 6, 2]
+    assert (np.concatenate(blocks) == whole).all()
+    assert (whole.sum(axis=1) == 9).all()
+    assert (Resampler(9, replicates=20, purpose="other").weights != whole).any()

@@ -1,26 +1,15 @@
-import math
+import itertools
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
+from statsmodels.stats import contingency_tables
+from statsmodels.stats.multitest import multipletests
 
-from oodscen.statistics._resampling import wilson
-from oodscen.statistics._tests import (
-    Resampler,
-    above_chance,
-    auroc,
-    d_prime,
-    holm,
-    intraclass,
-    mcnemar,
-    paired,
-    percentiles,
-    share_bounds,
-    sign_flip,
-    two_proportions,
-)
+from oodscen.statistics._tests import holm, mcnemar, paired, permutation_test, sign_flip
 
 COUNTS = st.integers(0, 60)
 
@@ -81,161 +70,80 @@ def test_whole_paths_count_for_less_than_their_scenes() -> None:
     assert sign_flip(np.zeros(0)) == 1
 
 
-def test_a_clustered_interval_is_wider_where_paths_are_alike() -> None:
-    clusters = [f"{index // 10}" for index in range(200)]
-    alike = np.repeat(np.arange(20) % 2, 10).astype(float)[:, None]
-    mixed = np.tile(np.arange(10) % 2, 20).astype(float)[:, None]
-    resampler = Resampler(clusters)
-    ones = np.ones((200, 1))
-    wide = percentiles(resampler.ratios(alike, ones)[:, 0], 20)
-    assert wide is not None
-    low, high = wilson(100, 200)
-    assert wide.high - wide.low > 2 * (high - low)
-    assert percentiles(resampler.ratios(mixed, ones)[:, 0], 20) is None
-    assert intraclass(alike[:, 0], clusters) == pytest.approx(1)
-    assert intraclass(mixed[:, 0], clusters) == 0
-
-
-def test_intervals_do_not_pretend_where_all_agree_or_paths_are_few() -> None:
-    perfect = share_bounds(130, 130, 13, np.ones(10))
-    assert perfect is not None
-    assert (perfect.method, perfect.units) == ("wilson", 13)
-    assert perfect.low == pytest.approx(wilson(13, 13)[0], abs=1e-6)
-    few = share_bounds(7, 20, 2, np.linspace(0, 1, 50))
-    assert few is not None
-    assert (few.method, few.units) == ("wilson", 20)
-    assert share_bounds(0, 0, 0) is None
-
-
-def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
-    found = np.linspace(0.2, 0.8, 50)
-    assert percentiles(found, 4) is None
-    assert percentiles(found, 5) is not None
-
-
-def test_only_where_all_agree_a_path_counts_as_one_item() -> None:
-    mixed, equal = share_bounds(7, 20, 10), share_bounds(20, 20, 10)
-    assert mixed is not None
-    assert equal is not None
-    assert (mixed.method, mixed.units) == ("wilson", 20)
-    assert (mixed.low, mixed.high) == pytest.approx(wilson(7, 20), abs=1e-6)
-    assert equal.units == 10
-
-
-@given(st.lists(st.integers(1, 6), min_size=2, max_size=6), st.integers(0, 99))
-def test_the_intraclass_correlation_follows_from_the_analysis_of_variance(
-    sizes: list[int], seed: int
-) -> None:
-    groups = [np.random.default_rng([seed, i]).normal(size=n) for i, n in enumerate(sizes)]
-    clusters = [str(i) for i, group in enumerate(groups) for _ in group]
-    found = intraclass(np.concatenate(groups), clusters)
-    if max(sizes) == 1:
-        assert found is None
-        return
-    ratio = stats.f_oneway(*groups).statistic
-    mean = np.mean(sizes)
-    # Donner's n0, written as the mean size less its relative variance.
-    size = mean - np.var(sizes, ddof=1) / (len(sizes) * mean)
-    assert found == pytest.approx(min(max((ratio - 1) / (ratio - 1 + size), 0.0), 1.0), abs=1e-9)
-
-
 def test_a_permutation_test_is_never_certain() -> None:
     assert sign_flip(np.ones(30), replicates=500) == pytest.approx(1 / 501)
 
 
-@given(st.integers(1, 80), st.integers(1, 80), st.data())
-def test_two_proportions_agree_with_the_chi_square_test(
-    n: int, m: int, data: st.DataObject
-) -> None:
-    one, two = data.draw(st.integers(0, n)), data.draw(st.integers(0, m))
-    table = np.array([[one, n - one], [two, m - two]])
-    if 0 in table.sum(axis=0):
-        assert two_proportions(one, n, two, m) == 1
-    else:
-        expected = stats.chi2_contingency(table, correction=False).pvalue
-        assert two_proportions(one, n, two, m) == pytest.approx(expected, abs=1e-9)
+def test_p_values_are_small_where_sets_differ_and_never_0():
+    draws = np.random.default_rng(2)
+    a, b = draws.normal(0, 1, 50), draws.normal(1.2, 1, 50)
+    for p in (permutation_test(a, b, replicates=999), sign_flip(a - b, replicates=999)):
+        assert 0.0 < p < 0.01
+    assert permutation_test(a, a.copy(), replicates=99) == 1.0
+    assert sign_flip(np.zeros(9), replicates=99) == 1.0
 
 
-def test_the_same_seed_gives_the_same_draws() -> None:
-    clusters = list("aabbccddee")
-    assert (Resampler(clusters, seed=3).weights == Resampler(clusters, seed=3).weights).all()
-    assert (Resampler(clusters, seed=3).weights != Resampler(clusters, seed=4).weights).any()
-    assert Resampler([]).ratios(np.zeros((0, 2)), np.zeros((0, 2))).shape == (2000, 2)
+def test_clusters_move_as_one():
+    a, b = np.repeat([0.0, 1.0], 20), np.repeat([0.2, 1.4], 20)
+    labels = [str(i // 20) for i in range(40)]
+    assert permutation_test(a, b, replicates=500) < 0.2
+    assert permutation_test(a, b, (labels, labels), replicates=500) > 0.5
 
 
-@given(COUNTS, COUNTS, COUNTS, COUNTS)
-def test_d_prime_is_finite_and_changes_sign_with_the_roles(a: int, b: int, c: int, d: int) -> None:
-    found = d_prime(a, a + b, c, c + d)
-    if a + b == 0 or c + d == 0:
-        assert found is None
-    else:
-        assert found is not None
-        assert math.isfinite(found)
-        assert found == pytest.approx(-(d_prime(c, c + d, a, a + b) or 0.0))
+def test_under_no_difference_small_p_values_are_rare():
+    draws = np.random.default_rng(3)
+    p = [
+        permutation_test(draws.normal(size=8), draws.normal(size=8), replicates=99)
+        for _ in range(200)
+    ]
+    assert np.mean(np.array(p) <= 0.1) < 0.17
 
 
-def test_d_prime_of_an_always_ood_answerer_is_nil() -> None:
-    assert d_prime(130, 130, 130, 130) == pytest.approx(0)
+def test_a_comparison_flips_whole_paths() -> None:
+    first, second = np.ones(40), np.zeros(40)
+    clusters = [f"{index // 10}" for index in range(40)]
+    assert paired(first, second, clusters).p_clustered == pytest.approx(2 / 2**4)
+    assert paired(first, second).p_clustered < 0.01
 
 
+@settings(max_examples=20, deadline=None)
 @given(
-    st.lists(st.sampled_from([0.0, 0.3, 0.5, 1.0]), min_size=1, max_size=12),
-    st.lists(st.sampled_from([0.0, 0.3, 0.5, 1.0]), min_size=1, max_size=12),
+    st.lists(st.lists(st.integers(0, 4), min_size=1, max_size=4), min_size=5, max_size=5),
+    st.integers(1, 4),
 )
-def test_auroc_counts_pairs(signal: list[float], noise: list[float]) -> None:
-    scores = np.array([*signal, *noise])
-    mask = np.array([True] * len(signal) + [False] * len(noise))
-    wins = sum((s > n) + 0.5 * (s == n) for s in signal for n in noise)
-    found = auroc(scores, mask)
-    assert found is not None
-    assert found[0] == pytest.approx(wins / len(signal) / len(noise))
-
-
-def test_auroc_resamples_whole_paths() -> None:
-    rng = np.random.default_rng(1)
-    mask = np.tile([True, False], 100)
-    scores = rng.normal(size=200) + mask
-    clusters = [f"{index // 10}" for index in range(200)]
-    found = auroc(scores, mask, Resampler(clusters))
-    assert found is not None
-    area, bounds = found
-    assert bounds is not None
-    assert bounds.low < area < bounds.high
-    assert auroc(scores, np.ones(200, np.bool_)) is None
-
-
-def test_the_interval_of_an_auroc_is_that_of_the_sets_drawn() -> None:
-    rng = np.random.default_rng(2)
-    mask = rng.integers(0, 2, 60).astype(bool)
-    scores = np.round(rng.normal(size=60) + mask, 1)
-    clusters = [f"{index // 7}" for index in range(60)]
-    resampler = Resampler(clusters, replicates=40)
-    areas = []
-    for row in resampler.weights.astype(int).tolist():
-        drawn = [
-            i
-            for unit, times in enumerate(row)
-            for _ in range(times)
-            for i in range(60)
-            if i // 7 == unit
+def test_whole_clusters_change_sides_and_texts_weigh_alike(
+    groups: list[list[int]], first: int
+) -> None:
+    def gap(chosen: Sequence[int]) -> float:
+        sides = [
+            [v for i, g in enumerate(groups) if (i in chosen) is s for v in g]
+            for s in (True, False)
         ]
-        area = stats.mannwhitneyu(scores[drawn][mask[drawn]], scores[drawn][~mask[drawn]]).statistic
-        areas.append(area / mask[drawn].sum() / (~mask[drawn]).sum())
-    found = auroc(scores, mask, resampler)
-    assert found is not None
-    assert found[1] is not None
-    assert (found[1].low, found[1].high) == pytest.approx(
-        tuple(np.quantile(areas, [0.025, 0.975])), abs=1e-6
-    )
+        return float(np.mean(sides[0]) - np.mean(sides[1]))
+
+    seen = abs(gap(range(first))) - 1e-9
+    every = list(itertools.combinations(range(5), first))
+    exact = np.mean([abs(gap(chosen)) >= seen for chosen in every])
+    labels = [str(i) for i, group in enumerate(groups) for _ in group]
+    cut = sum(map(len, groups[:first]))
+    values = np.concatenate([np.array(group, np.float64) for group in groups])
+    sides = (labels[:cut], labels[cut:])
+    p = permutation_test(values[:cut], values[cut:], sides, replicates=1500)
+    assert p == pytest.approx(exact, abs=0.08)
 
 
-def test_chance_is_nought_and_perfect_is_one() -> None:
-    assert above_chance(0.4, 0.4) == 0
-    assert above_chance(1.0, 0.4) == 1
-    assert above_chance(1.0, 1.0) is None
-    assert above_chance(0.0, 0.5) == -1
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=9))
+def test_holm_agrees_with_statsmodels(values: list[float]) -> None:
+    assert holm(values) == pytest.approx(multipletests(values, method="holm")[1], abs=1e-12)
 
 
-def test_two_proportions_of_the_papers_best_and_worst() -> None:
-    assert two_proportions(86, 130, 66, 130) == pytest.approx(0.0118, abs=5e-4)
-    assert two_proportions(5, 5, 7, 7) == 1
+@given(COUNTS, COUNTS)
+def test_the_exact_test_agrees_with_statsmodels(a: int, b: int) -> None:
+    expected = contingency_tables.mcnemar(np.array([[3, a], [b, 3]]), exact=True).pvalue
+    assert mcnemar(a, b)[0] == pytest.approx(expected if a + b else 1.0, rel=1e-9)
+
+
+def test_random_flips_agree_with_all_of_them() -> None:
+    gaps = np.random.default_rng(8).normal(0.4, 1.0, 12)
+    more = np.r_[gaps, 1e-6]
+    assert sign_flip(more, replicates=20_000) == pytest.approx(sign_flip(gaps), abs=0.01)

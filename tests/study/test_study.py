@@ -1,5 +1,7 @@
 """Reading a study: every table in one call, clear errors where something is missing."""
 
+import os
+
 import pytest
 
 from oodscen import Scenario, Study
@@ -82,3 +84,11 @@ def test_tables_of_mixed_types_are_a_study_error(tmp_path):
     with pytest.raises(StudyError, match=r"calls.jsonl"):
         Study(tmp_path).to_arrow("calls")
     assert len(Study(tmp_path).to_pandas("calls")) == 3
+
+
+@pytest.mark.parametrize("name", ["verdicts.jsonl", "calls.jsonl", "frames"])
+def test_a_study_with_a_pipe_in_it_is_refused_by_every_reader(tmp_path, name):
+    Store(tmp_path).write("study.json", "{}")
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(DataError, match=f"(?s){name}:.*is no "):
+        Study.open(tmp_path)

@@ -231,9 +231,7 @@ def test_nodes_that_do_not_follow_from_the_edits_are_refused():
     assert [issue.path for issue in caught.value.issues] == ["nodes"]
 
 
-@pytest.mark.parametrize(
-    "text", ["", "[]", "null", '{"nodes": 3}', "{", "\ufeff{}", '{"nodes":' + "[" * 9_000]
-)
+@pytest.mark.parametrize("text", ["", "[]", "null", '{"nodes": 3}', "{", '{"nodes":' + "[" * 9_000])
 def test_files_that_hold_something_else_are_data_errors(tmp_path, text):
     file = tmp_path / "tree.json"
     file.write_text(text, encoding="utf-8")
@@ -281,12 +279,12 @@ def test_a_move_is_refused_exactly_where_the_tree_would_be_too_deep(above, size)
 def test_ten_thousand_single_edits_copy_nothing():
     tree = broad.__wrapped__(10_000)
     assert len(tree) == 10_000
-    growth = tree._line[0]
+    growth = tree._index
     tree = tree.apply(TreeEdit(op="keep", node=ROOT))
-    assert tree._line[0] is growth
+    assert tree._index is growth
     assert "nodes" not in tree.__dict__
     assert "edits" not in tree.__dict__
-    assert tree.at(edit=5_000)._line[0] is growth
+    assert tree.at(edit=5_000)._index is growth
     assert len(tree.at(edit=5_000)) == 5_000
 
 
@@ -354,12 +352,20 @@ def test_what_cannot_be_a_label_is_refused(label, op):
 
 @few
 @given(trees)
-def test_copies_are_equal_and_hold_all_fields(tree):
+def test_copies_are_equal_and_hold_everything(tree):
     late = tree.apply(TreeEdit(op="keep", node=ROOT)) if ROOT in tree.by_id else tree
-    for other in (late.model_copy(), copy.copy(late), copy.deepcopy(late)):
+    for other in (copy.copy(late), copy.deepcopy(late), pickle.loads(pickle.dumps(late))):
         assert other == late
-        assert other._fields() == late._fields()
+        assert other.to_json() == late.to_json()
         assert repr(other) == repr(late)
+
+
+def test_a_tree_never_changes():
+    tree = ScenarioTree.planted()
+    for name in ("nodes", "edits", "by_id", "children"):
+        with pytest.raises(AttributeError, match="never changes"):
+            setattr(tree, name, ())
+    assert repr(tree) == "<scenario tree: 3 nodes, 0 paths, 3 edits>"
 
 
 @given(changes, st.data())

@@ -96,15 +96,28 @@ class _Drawing:
     def _line(
         self, points: NDArray[np.float64], colour: tuple[int, int, int], width: int = 1
     ) -> None:
-        pixels = [self._pixels(points)]
-        self.cv2.polylines(self.picture, pixels, False, colour, width, self.cv2.LINE_AA, 4)
+        self._lines([self._pixels(points)], colour, width)
+
+    def _lines(
+        self, lines: list[NDArray[np.int32]], colour: tuple[int, int, int], width: int = 1
+    ) -> None:
+        self.cv2.polylines(self.picture, lines, False, colour, width, self.cv2.LINE_AA, 4)
 
     def _strip(self, road: Corridor, strip: LaneStrip) -> None:
-        right, left = _offset(road, strip.right), _offset(road, strip.left)
+        right, left = (self._pixels(_offset(road, t)) for t in (strip.right, strip.left))
         wide = strip.left - strip.right > 0.01
-        for index in np.flatnonzero(wide[:-1] & wide[1:]).tolist():
+        for index in np.flatnonzero(wide[:-1] & wide[1:] & self._is_shown(right)).tolist():
             corners = np.concatenate([right[index : index + 2], left[index : index + 2][::-1]])
-            self.cv2.fillPoly(self.picture, [self._pixels(corners)], _COLOURS[strip.kind], 8, 4)
+            self.cv2.fillPoly(self.picture, [corners], _COLOURS[strip.kind], 8, 4)
+
+    def _is_shown(self, pixels: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Return which pieces of a line, [n - 1], can reach the picture with a wide strip."""
+        reach = 200.0 * _PIXELS_PER_M
+        height, width = self.picture.shape[:2]
+        near = (
+            np.abs(pixels / 16.0 - (0.5 * width, 0.5 * height)) < np.array([width, height]) + reach
+        )
+        return np.asarray(near.all(axis=1)[1:])
 
     def _marks(self, road: Corridor) -> None:
         for strip in road.strips:
@@ -118,9 +131,9 @@ class _Drawing:
                     here &= road.s % 12.0 < 6.0
                 if mark in ("solid", "broken"):
                     shown |= here
-            line = _offset(road, strip.left)
-            for index in np.flatnonzero(shown[:-1] & shown[1:]).tolist():
-                self._line(line[index : index + 2], _WHITE)
+            line = self._pixels(_offset(road, strip.left))
+            pieces = np.flatnonzero(shown[:-1] & shown[1:] & self._is_shown(line)).tolist()
+            self._lines([line[index : index + 2] for index in pieces], _WHITE)
 
     def _structure(self, corridor: Corridor, start: float, end: float) -> None:
         inside = (corridor.s >= start) & (corridor.s <= end)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.numerics._kernels import Kernel
-from oodscen_pybullet._rendering.depth_kernel import F32, F64, I32, U8
+from oodscen.numerics._kernels import Kernel, part
+from oodscen_pybullet._rendering.depth_kernel import F32, F64
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
 from oodscen_pybullet._rendering.view import Point, View
 
@@ -61,12 +61,7 @@ class Shade:
 
 @Kernel
 def cast(
-    corners: F32,
-    planes: F32,
-    spans: I32,
-    places: F64,
-    spheres: F32,
-    kinds: U8,
+    some: Triangles,
     sun: F64,
     frame: F64,
     skipped: int,
@@ -79,12 +74,7 @@ def cast(
     and cannot darken these by mistake.
 
     Args:
-        corners: As in `depth_kernel.scatter`.
-        planes: As in `depth_kernel.scatter`.
-        spans: As in `depth_kernel.scatter`.
-        places: As in `depth_kernel.scatter`.
-        spheres: As in `depth_kernel.scatter`.
-        kinds: As in `depth_kernel.scatter`.
+        some: The objects.
         sun: [3] direction towards the sun.
         frame: [7] x and y of the map's corner, z of the ground, shift along x and y per metre of
             height, cells per metre, and the margin in cells by which all objects are widened.
@@ -92,8 +82,27 @@ def cast(
         heights: [n, n] heights of the map, changed in place.
         tiles: [n / TILE, n / TILE] tiles of the map, changed in place.
     """
-    cells = heights.shape[0]
-    most = np.float64(cells - 1)
+    spans, planes, kinds, places = some.spans, some.planes, some.kinds, some.places
+    most = np.float64(heights.shape[0] - 1)
+    corners = np.empty((3, 3))
+    for index in range(spans.shape[0]):
+        if not _is_near(some, index, frame, most):
+            continue
+        c, s = places[index, 3], places[index, 4]
+        sx, sy, sz = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0], sun[2]
+        for k in range(spans[index, 0], spans[index, 1]):
+            if kinds[k] & skipped:
+                continue
+            if planes[k, 0] * sx + planes[k, 1] * sy + planes[k, 2] * sz >= 0.0:
+                continue
+            _drop(some, index, k, frame, corners)
+            _fill(corners, most, frame[6], heights, tiles)
+
+
+@part
+def _is_near(some: Triangles, index: int, frame: F64, most: float) -> bool:
+    """Return whether an object's sphere may cast a shadow on the map."""
+    places, spheres = some.places, some.spheres
     x0, y0, level, lean_x, lean_y, scale = (
         frame[0],
         frame[1],
@@ -103,77 +112,87 @@ def cast(
         frame[5],
     )
     stretch = 1.0 + math.sqrt(lean_x * lean_x + lean_y * lean_y)
-    px, py, pz = np.empty(3), np.empty(3), np.empty(3)
-    for index in range(spans.shape[0]):
-        c, s = places[index, 3], places[index, 4]
-        bx = places[index, 0] + c * spheres[index, 0] - s * spheres[index, 1]
-        by = places[index, 1] + s * spheres[index, 0] + c * spheres[index, 1]
-        bz = places[index, 2] + spheres[index, 2] - level
-        reach = spheres[index, 3] * stretch * scale
-        at_x, at_y = (bx - lean_x * bz - x0) * scale, (by - lean_y * bz - y0) * scale
-        if at_x < -reach or at_y < -reach or at_x > most + reach or at_y > most + reach:
+    c, s = places[index, 3], places[index, 4]
+    bx = places[index, 0] + c * spheres[index, 0] - s * spheres[index, 1]
+    by = places[index, 1] + s * spheres[index, 0] + c * spheres[index, 1]
+    bz = places[index, 2] + spheres[index, 2] - level
+    reach = spheres[index, 3] * stretch * scale
+    at_x, at_y = (bx - lean_x * bz - x0) * scale, (by - lean_y * bz - y0) * scale
+    return not (at_x < -reach or at_y < -reach or at_x > most + reach or at_y > most + reach)
+
+
+@part
+def _drop(some: Triangles, index: int, k: int, frame: F64, corners: F64) -> None:
+    """Write a triangle's shadow into `corners`: column, row and height of each."""
+    places, points = some.places, some.corners
+    x0, y0, level, lean_x, lean_y, scale = (
+        frame[0],
+        frame[1],
+        frame[2],
+        frame[3],
+        frame[4],
+        frame[5],
+    )
+    c, s = places[index, 3], places[index, 4]
+    for j in range(3):
+        a, b = np.float64(points[k, j, 0]), np.float64(points[k, j, 1])
+        z = places[index, 2] + points[k, j, 2] - level
+        corners[j, 0] = (places[index, 0] + c * a - s * b - lean_x * z - x0) * scale
+        corners[j, 1] = (places[index, 1] + s * a + c * b - lean_y * z - y0) * scale
+        corners[j, 2] = z
+
+
+@part
+def _fill(corners: F64, most: float, margin: float, heights: F32, tiles: F32) -> None:
+    """Raise the map, and its tiles, to a triangle's shadow that is widened by a margin in cells."""
+    cells = heights.shape[0]
+    px, py, pz = corners[:, 0], corners[:, 1], corners[:, 2]
+    low_x, high_x = min(px[0], px[1], px[2]), max(px[0], px[1], px[2])
+    low_y, high_y = min(py[0], py[1], py[2]), max(py[0], py[1], py[2])
+    if high_x < -0.5 or high_y < -0.5 or low_x > most + 0.5 or low_y > most + 0.5:
+        return
+    ux, uy, uz = px[1] - px[0], py[1] - py[0], pz[1] - pz[0]
+    vx, vy, vz = px[2] - px[0], py[2] - py[0], pz[2] - pz[0]
+    area = ux * vy - uy * vx
+    if abs(area) < 1e-9:
+        return
+    slope_x, slope_y = (uz * vy - uy * vz) / area, (ux * vz - uz * vx) / area
+    # Lowered by the surface's rise within half a cell, so that it does not shade itself.
+    give = 0.5 * (abs(slope_x) + abs(slope_y))
+    first, last = int(max(math.floor(low_y), 0.0)), int(min(math.ceil(high_y), most))
+    floor, top = np.float32(min(pz[0], pz[1], pz[2])), np.float32(max(pz[0], pz[1], pz[2]))
+    west, east = float(most) + 1.0, -1.0
+    for row in range(first, last + 1):
+        at = min(max(np.float64(row), low_y), high_y)
+        left, right = 1e30, -1e30
+        for j in range(3):
+            i = j + 1 if j < 2 else 0
+            if (py[j] < at) != (py[i] < at) or py[j] == at:
+                share = (at - py[j]) / (py[i] - py[j]) if py[j] != py[i] else 0.0
+                x = px[j] + (px[i] - px[j]) * share
+                left, right = min(left, x), max(right, x)
+        # Wider on both sides, so that thin objects are not lost between cells.
+        start = max(math.ceil(left - margin), 0.0)
+        stop = min(math.floor(right + margin), most) + 1.0
+        if not start < stop:
             continue
-        sx, sy, sz = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0], sun[2]
-        for k in range(spans[index, 0], spans[index, 1]):
-            if kinds[k] & skipped:
-                continue
-            if planes[k, 0] * sx + planes[k, 1] * sy + planes[k, 2] * sz >= 0.0:
-                continue
-            for j in range(3):
-                a, b = np.float64(corners[k, j, 0]), np.float64(corners[k, j, 1])
-                z = places[index, 2] + corners[k, j, 2] - level
-                px[j] = (places[index, 0] + c * a - s * b - lean_x * z - x0) * scale
-                py[j] = (places[index, 1] + s * a + c * b - lean_y * z - y0) * scale
-                pz[j] = z
-            low_x, high_x = min(px[0], px[1], px[2]), max(px[0], px[1], px[2])
-            low_y, high_y = min(py[0], py[1], py[2]), max(py[0], py[1], py[2])
-            if high_x < -0.5 or high_y < -0.5 or low_x > most + 0.5 or low_y > most + 0.5:
-                continue
-            ux, uy, uz = px[1] - px[0], py[1] - py[0], pz[1] - pz[0]
-            vx, vy, vz = px[2] - px[0], py[2] - py[0], pz[2] - pz[0]
-            area = ux * vy - uy * vx
-            if abs(area) < 1e-9:
-                continue
-            slope_x, slope_y = (uz * vy - uy * vz) / area, (ux * vz - uz * vx) / area
-            low_z, high_z = min(pz[0], pz[1], pz[2]), max(pz[0], pz[1], pz[2])
-            # Lowered by the surface's rise within half a cell, so that it does not shade itself.
-            give = 0.5 * (abs(slope_x) + abs(slope_y))
-            first, last = int(max(math.floor(low_y), 0.0)), int(min(math.ceil(high_y), most))
-            floor, top = np.float32(low_z), np.float32(high_z)
-            west, east = float(most) + 1.0, -1.0
-            for row in range(first, last + 1):
-                at = min(max(np.float64(row), low_y), high_y)
-                left, right = 1e30, -1e30
-                for j in range(3):
-                    i = j + 1 if j < 2 else 0
-                    if (py[j] < at) != (py[i] < at) or py[j] == at:
-                        share = (at - py[j]) / (py[i] - py[j]) if py[j] != py[i] else 0.0
-                        x = px[j] + (px[i] - px[j]) * share
-                        left, right = min(left, x), max(right, x)
-                # Half a cell wider on both sides, so that thin objects are not lost between cells.
-                start = max(math.ceil(left - frame[6]), 0.0)
-                stop = min(math.floor(right + frame[6]), most) + 1.0
-                if not start < stop:
-                    continue
-                west, east = min(west, float(start)), max(east, float(stop) - 1.0)
-                begin = np.float32(
-                    pz[0] + slope_x * (start - px[0]) + slope_y * (row - py[0]) - give
-                )
-                slope = np.float32(slope_x)
-                base = np.uint64(start)
-                line = heights[row]
-                for offset in range(np.uint64(int(stop) - int(start))):
-                    height = begin + slope * np.float32(np.int32(offset))
-                    height = min(max(height, floor), top)
-                    before = line[base + offset]
-                    line[base + offset] = height if height > before else before
-            if east < 0.0 or last < first:
-                continue
-            for tile_y in range(max(first - 1, 0) // TILE, min(last + 1, cells - 1) // TILE + 1):
-                for tile_x in range(
-                    max(int(west) - 1, 0) // TILE, min(int(east) + 1, cells - 1) // TILE + 1
-                ):
-                    tiles[tile_y, tile_x] = max(tiles[tile_y, tile_x], top)
+        west, east = min(west, float(start)), max(east, float(stop) - 1.0)
+        begin = np.float32(pz[0] + slope_x * (start - px[0]) + slope_y * (row - py[0]) - give)
+        slope = np.float32(slope_x)
+        base = np.uint64(start)
+        line = heights[row]
+        for offset in range(np.uint64(int(stop) - int(start))):
+            height = begin + slope * np.float32(np.int32(offset))
+            height = min(max(height, floor), top)
+            before = line[base + offset]
+            line[base + offset] = height if height > before else before
+    if east < 0.0 or last < first:
+        return
+    for tile_y in range(max(first - 1, 0) // TILE, min(last + 1, cells - 1) // TILE + 1):
+        for tile_x in range(
+            max(int(west) - 1, 0) // TILE, min(int(east) + 1, cells - 1) // TILE + 1
+        ):
+            tiles[tile_y, tile_x] = max(tiles[tile_y, tile_x], top)
 
 
 class ShadowMap:
@@ -238,19 +257,19 @@ class ShadowMap:
             self._far_key = far_key
             self._far = np.full((FAR_CELLS, FAR_CELLS), NOTHING, np.float32)
             tiles = np.full((FAR_CELLS // TILE, FAR_CELLS // TILE), NOTHING, np.float32)
-            _cast(scenery, direction, wide, skipped, self._far, tiles)
+            cast(scenery, direction, wide, skipped, self._far, tiles)
         if key != self._key:
             self._key = key
             self._still = np.full((CELLS, CELLS), NOTHING, np.float32)
             self._still_tiles = np.full((CELLS // TILE, CELLS // TILE), NOTHING, np.float32)
-            _cast(scenery, direction, frame, skipped, self._still, self._still_tiles)
+            cast(scenery, direction, frame, skipped, self._still, self._still_tiles)
             self._heights, self._tiles = self._still.copy(), self._still_tiles.copy()
             self._touched.clear()
         for rows, columns in self._touched:
             self._heights[rows, columns] = self._still[rows, columns]
         np.copyto(self._tiles, self._still_tiles)
         self._touched = _areas(actors, frame)
-        _cast(actors, direction, frame, 0, self._heights, self._tiles)
+        cast(actors, direction, frame, 0, self._heights, self._tiles)
         return Shade(
             heights=self._heights,
             tiles=self._tiles,
@@ -269,22 +288,6 @@ def _corner(view: View, ahead: float, snap: float, side: float) -> tuple[float, 
         for i in range(2)
     )
     return (x, y)
-
-
-def _cast(some: Triangles, sun: F64, frame: F64, skipped: int, heights: F32, tiles: F32) -> None:
-    cast(
-        some.corners,
-        some.planes,
-        some.spans,
-        some.places,
-        some.spheres,
-        some.kinds,
-        sun,
-        frame,
-        skipped,
-        heights,
-        tiles,
-    )
 
 
 def _areas(some: Triangles, frame: F64) -> list[tuple[slice, slice]]:

@@ -4,6 +4,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Self
 
 import numpy as np
@@ -119,11 +120,10 @@ class MeshBuilder:
             if normal is None:
                 return self
             normals = np.tile(np.array(normal), (len(corners), 1))
-        for index in range(1, len(corners) - 1):
-            rows = [0, index, index + 1]
-            self._points.append(corners[rows])
-            self._normals.append(normals[rows])
-            self._uvs.append(uvs[rows])
+        rows = _fan(len(corners))
+        self._points.append(corners[rows])
+        self._normals.append(normals[rows])
+        self._uvs.append(uvs[rows])
         return self
 
     def hull(
@@ -427,3 +427,9 @@ class MeshBuilder:
             lamps=tuple(self._lamps),
             puffs=tuple(self._puffs),
         )
+
+
+@cache
+def _fan(corners: int) -> NDArray[np.int64]:
+    """Return the corners of the triangles that fill a convex polygon."""
+    return np.array([i for k in range(1, corners - 1) for i in (0, k, k + 1)])

@@ -1,137 +1,44 @@
-"""The camera of PyBullet: a world of visual shapes only."""
+"""PyBullet's own camera: a world of visual shapes only."""
 
-import contextlib
 import math
-import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.errors import SimulatorError
-from oodscen_pybullet._engine import QuietDescriptors
-from oodscen_pybullet._lighting.shadows import Shade
+from oodscen._files import temporary_folder
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._meshes.wavefront import wavefront
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.view import Point, View, metres
-
-Pose = tuple[float, float, float, float]
+from oodscen_pybullet._rendering.stage import Pose, Shot
+from oodscen_pybullet._rendering.view import View, metres
 
 _MOST_TRIANGLES = 20_000
 """Triangles per shape; PyBullet accepts no more than about 130,000 corners."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shot:
-    """A camera's raw picture before light and weather."""
-
-    rgb: NDArray[np.uint8]
-    """[height, width, 3]; in pixels that are partly sky, the colour of the rest."""
-    depth: NDArray[np.float32]
-    """[height, width] metres along the optical axis at the pixel's centre; infinity for sky."""
-    rows: NDArray[np.int32]
-    """[height, width] row of the actor, -1 for scenery and sky."""
-    reach: NDArray[np.float32]
-    """[height, width] mean depth of the part that is not sky; light and weather use it."""
-    sky: NDArray[np.uint8]
-    """[height, width] fraction of sky, 0 to 255."""
-    lit: NDArray[np.uint8]
-    """[height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
-    kinds: NDArray[np.uint8] | None
-    """[height, width] surface flags: `triangles.SHINING` and so on; `None` if unknown."""
-    shade: Shade | None = None
-    """The shadow map; `None` if it was not requested, or is part of `rgb` already."""
-
-
-class Stage(Protocol):
-    """The bodies of a picture: scenery, which stays as long as the road does, and actors."""
-
-    def close(self) -> None:
-        """Release all resources; calling it twice is allowed."""
-
-    def show_scenery(
-        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
-    ) -> None:
-        """Replace everything shown by new scenery, with the road's tunnels."""
-
-    def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
-        """Replace the actors; row i of `pose_actors` is look i."""
-
-    def pose_actors(self, poses: Sequence[Pose]) -> None:
-        """Move every actor to its x, y, z, yaw."""
-
-    def photograph(
-        self,
-        view: View,
-        *,
-        sun: Point,
-        ambient: float,
-        diffuse: float,
-        ground: float | None = None,
-        shades: Point | None = None,
-        is_inside: bool = False,
-    ) -> Shot:
-        """Take a picture.
-
-        Args:
-            view: The camera.
-            sun: Direction towards the sun.
-            ambient: Fraction of ambient light.
-            diffuse: Fraction of light from the sun.
-            ground: Height of the road below the camera, m, if shadows are requested.
-            shades: Direction towards the light that casts shadows, if it is not the sun.
-            is_inside: Whether the camera is in a tunnel, whose roof then casts no shadow.
-        """
-        ...
-
-    def unhidden(self, view: View) -> NDArray[np.int32] | None:
-        """Return the number of pixels that each actor would fill without occlusion, [actors].
-
-        `None` if the renderer cannot tell.
-        """
-        ...
-
-
 class BulletStage:
-    """The stage of PyBullet's own cameras.
+    """The stage of PyBullet's own software camera.
 
     Shapes and textures are created once; showing another scene moves the existing bodies where possible.
     """
 
-    def __init__(
-        self, engine: ModuleType, *, casts_shadows: bool = False, plugin: str | None = None
-    ) -> None:
+    def __init__(self, engine: ModuleType, *, casts_shadows: bool = False) -> None:
         """Connect to the engine.
 
         Args:
             engine: PyBullet.
-            casts_shadows: Whether the camera draws its own shadows, which is slower; other pictures
-                get shadows during development.
-            plugin: File of the OpenGL camera, which then replaces the software camera.
-
-        Raises:
-            SimulatorError: If the plugin does not load.
+            casts_shadows: Whether pictures contain shadows, which is slower.
         """
         self._engine = engine
         self._casts_shadows = casts_shadows
         self._client: int = engine.connect(engine.DIRECT)
-        self._has_plugin = plugin is not None
-        if plugin is not None:
-            with QuietDescriptors():
-                loaded = engine.loadPlugin(
-                    plugin, "_eglRendererPlugin", physicsClientId=self._client
-                )
-            if loaded < 0:
-                engine.disconnect(self._client)
-                raise SimulatorError(f"PyBullet's OpenGL camera does not load: {plugin}")
-        self._folder = tempfile.TemporaryDirectory(prefix="oodscen-")
+        self._folder = temporary_folder()
         self._written = 0
         self._textures: dict[bool, int] = {}
         self._shapes: dict[object, int] = {}
@@ -142,8 +49,7 @@ class BulletStage:
     def close(self) -> None:
         """Disconnect; calling it twice is allowed."""
         if self._client >= 0:
-            with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
-                self._engine.disconnect(self._client)
+            self._engine.disconnect(self._client)
             self._client = -1
             self._folder.cleanup()
 
@@ -201,35 +107,24 @@ class BulletStage:
         return None
 
     def photograph(
-        self,
-        view: View,
-        *,
-        sun: Point,
-        ambient: float,
-        diffuse: float,
-        ground: float | None = None,
-        shades: Point | None = None,
-        is_inside: bool = False,
+        self, view: View, light: Light, *, ground: float | None = None, is_inside: bool = False
     ) -> Shot:
-        """Take a picture."""
+        """Take a picture; all shadows are those of the sun."""
         engine = self._engine
-        with QuietDescriptors() if self._has_plugin else contextlib.nullcontext():
-            _, _, rgba, buffer, bodies = engine.getCameraImage(
-                view.width,
-                view.height,
-                view.view_matrix(),
-                view.projection_matrix(samples_corners=not self._has_plugin),
-                lightDirection=sun,
-                lightColor=(1, 1, 1),
-                lightAmbientCoeff=ambient,
-                lightDiffuseCoeff=diffuse,
-                lightSpecularCoeff=0.0,
-                shadow=int(self._casts_shadows),
-                renderer=engine.ER_BULLET_HARDWARE_OPENGL
-                if self._has_plugin
-                else engine.ER_TINY_RENDERER,
-                physicsClientId=self._client,
-            )
+        _, _, rgba, buffer, bodies = engine.getCameraImage(
+            view.width,
+            view.height,
+            view.view_matrix(),
+            view.projection_matrix(),
+            lightDirection=light.sun,
+            lightColor=(1, 1, 1),
+            lightAmbientCoeff=light.ambient,
+            lightDiffuseCoeff=light.diffuse,
+            lightSpecularCoeff=0.0,
+            shadow=int(self._casts_shadows),
+            renderer=engine.ER_TINY_RENDERER,
+            physicsClientId=self._client,
+        )
         shape = (view.height, view.width)
         rgb = np.ascontiguousarray(np.reshape(rgba, (*shape, 4))[..., :3], dtype=np.uint8)
         depth = metres(np.reshape(buffer, shape).astype(np.float32, copy=False))

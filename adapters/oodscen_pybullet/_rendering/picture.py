@@ -16,8 +16,9 @@ from oodscen_pybullet._lighting.reflections import add_reflections
 from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import postprocess as d
-from oodscen_pybullet._rendering.bullet_camera import Shot
 from oodscen_pybullet._rendering.particles import Ball, add_puffs
+from oodscen_pybullet._rendering.postprocess_arrays import develop_arrays
+from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR
 from oodscen_pybullet._rendering.view import View
 from oodscen_pybullet._rendering.weather import (
@@ -68,86 +69,64 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
     """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
-    across, upwards = view.slopes()
-    axes = np.array([view.right, view.up, view.forward], np.float32)
-    settings, halo = _settings(picture, rate, air), _halo(upwards)
-    spread = np.stack([_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]).astype(
-        np.float32
-    )
-    kinds = _kinds(picture)
-    planes = np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0))
-    sky, sheet = heaven(view, weather, light), cloud_sheet(picture.seed)
+    plate = _plate(picture, rate, air)
     if is_compiled():
-        grid = ground_light(view, picture.glows, light)
-        settings[d.HAS_GRID] = float(grid is not None)
-        shade = shot.shade
         image = np.empty((view.height, view.width, 3), np.uint8)
-        d.develop_pixels(
-            planes,
-            shot.depth,
-            shot.reach,
-            shot.lit,
-            kinds,
-            shot.sky,
-            settings,
-            across,
-            upwards,
-            axes,
-            light.darkness(),
-            spread,
-            halo,
-            sky,
-            sheet,
-            _NO_GRID if grid is None else grid,
-            _NO_SHADE if shade is None else shade.heights,
-            _NO_SHADE if shade is None else shade.tiles,
-            _NO_SHADE if shade is None else shade.far,
-            image,
-        )
+        d.develop_pixels(plate, image)
     else:
-        image = d.develop_arrays(
-            planes, shot.reach, kinds, shot.sky, settings, across, upwards, axes, spread, halo,
-            sky, sheet,
-        )  # fmt: skip
+        image = develop_arrays(plate)
     if picture.balls:
         add_puffs(image, shot.depth, shot.rows, view, picture.balls, light, rate, air)
     add_glows(image, view, shot.depth, picture.glows, light, rate)
     is_raining = weather.precipitation == "rain"
-    if is_compiled() and (is_raining or (kinds & MIRROR).any()):
+    if is_compiled() and (is_raining or (plate.kinds & MIRROR).any()):
         add_reflections(
             image,
             shot.depth,
-            kinds,
+            plate.kinds,
             np.float32(_MIRRORING if is_raining else 0.0),
             np.float32(5.0 * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),
         )
     add_glare(image, view, light, shot.depth)
-    if is_raining:
-        add_rain(
-            image,
-            view,
-            weather,
-            light,
-            shot.reach,
-            kinds,
-            picture.portal,
-            picture.seed,
+    if weather.precipitation != "none":
+        add_drops = add_rain if is_raining else add_snow
+        add_drops(
+            image, view, weather, light, shot.reach, plate.kinds, picture.portal, picture.seed,
             picture.time,
-        )
-    elif weather.precipitation == "snow":
-        add_snow(
-            image,
-            view,
-            weather,
-            light,
-            shot.reach,
-            kinds,
-            picture.portal,
-            picture.seed,
-            picture.time,
-        )
+        )  # fmt: skip
     return image
+
+
+def _plate(picture: Picture, rate: float, air: Sequence[float]) -> d.Plate:
+    """Return what the kernel develops: extinction in 1/m and the air's colour are given."""
+    view, light, shot = picture.view, picture.light, picture.shot
+    across, upwards = view.slopes()
+    spread = [_spread(across, 0.42), _spread(across, 0.75), cloud_columns(view)]
+    settings, shade = _settings(picture, rate, air), shot.shade
+    grid = ground_light(view, picture.glows, light) if is_compiled() else None
+    settings[d.HAS_GRID] = float(grid is not None)
+    return d.Plate(
+        rgb=np.ascontiguousarray(np.moveaxis(shot.rgb, 2, 0)),
+        depth=shot.depth,
+        reach=shot.reach,
+        lit=shot.lit,
+        kinds=_kinds(picture),
+        sky=shot.sky,
+        settings=settings,
+        across=across,
+        upwards=upwards,
+        axes=np.array([view.right, view.up, view.forward], np.float32),
+        dark=light.darkness(),
+        spread=np.stack(spread).astype(np.float32),
+        halo=_halo(upwards),
+        heaven=heaven(view, picture.weather, light),
+        sheet=cloud_sheet(picture.seed),
+        grid=_NO_GRID if grid is None else grid,
+        heights=_NO_SHADE if shade is None else shade.heights,
+        tiles=_NO_SHADE if shade is None else shade.tiles,
+        far_heights=_NO_SHADE if shade is None else shade.far,
+    )
 
 
 def _kinds(picture: Picture) -> NDArray[np.uint8]:

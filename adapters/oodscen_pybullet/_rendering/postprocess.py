@@ -2,10 +2,10 @@
 
 It applies shadows, wetness, lamps, fog, sky and grain in scalar arithmetic on 32-bit numbers, so
 the bits do not depend on the processor. Functions written with `np.minimum` and the like accept
-both scalars and arrays: `develop_arrays` does the same without numba.
+both scalars and arrays: `postprocess_arrays` does the same without numba.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,9 +25,12 @@ SETTINGS = 56
 ) = range(44)  # fmt: skip
 """Indices in the settings of `develop_pixels`."""
 _ONE, _HALF, _ZERO = np.float32(1.0), np.float32(0.5), np.float32(0.0)
-_BEAM_G, _BEAM_B = np.float32(0.97), np.float32(0.88)
-_FARTHEST = np.float32(400.0)
-_TINY = np.float32(1.0 / 255.0)
+TINT_G, TINT_B = np.float32(0.97), np.float32(0.88)
+"""Green and blue of the ego's beams, relative to red."""
+FARTHEST = np.float32(400.0)
+"""Distance beyond which lamps are alike, m."""
+TINY = np.float32(1.0 / 255.0)
+"""One step of a byte as a fraction."""
 
 
 @inlined
@@ -91,347 +94,406 @@ def grain(number: Any) -> Any:
     return np.float32(mixed % np.uint32(9)) - np.float32(4.0)
 
 
-@Kernel
-def develop_pixels(
-    rgb: U8,
-    depth: F32,
-    reach: F32,
-    lit: U8,
-    kinds: U8,
-    sky: U8,
-    settings: F32,
-    across: F32,
-    upwards: F32,
-    axes: F32,
-    dark: F32,
-    spread: F32,
-    halo: F32,
-    heaven: F32,
-    sheet: F32,
-    grid: F32,
-    heights: F32,
-    tiles: F32,
-    far_heights: F32,
-    image: U8,
-) -> None:
-    """Develop a picture.
+class Plate(NamedTuple):
+    """Everything that a picture is developed from."""
 
-    Args:
-        rgb: [3, height, width] raw colours.
-        depth: [height, width] m, at the pixels' centres.
-        reach: [height, width] mean depth of the part that is not sky.
-        lit: [height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular).
-        kinds: [height, width] surface flags, `triangles.SHINING` and so on.
-        sky: [height, width] fraction of sky, 0 to 255.
-        settings: [SETTINGS], see the names above.
-        across: [width] x / depth.
-        upwards: [height] y / depth.
-        axes: [3, 3] the camera's right, up and forward.
-        dark: [256] the sun's fraction of the light, by `lit`.
-        spread: [2, width] lateral falloff of the ego's beams on objects, and in the air.
-        halo: [height] brightness of the ego's beams in the air.
-        heaven: [height, 5] colour of the clear sky, row of the cloud sheet and weight of the next row.
-        sheet: [n, m] density of clouds by height and heading, one column more than a full turn.
-        grid: [GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground.
-        heights: Heights of the shadow map.
-        tiles: Tiles of the shadow map.
-        far_heights: Heights of the coarse shadow map.
-        image: [height, width, 3], filled by the kernel.
-    """
-    height, width = depth.shape
-    top, full = np.float32(255.0), np.uint8(255)
-    rate, eye = settings[RATE], settings[EYE_HEIGHT]
-    has_shadow, has_grid = settings[HAS_SHADOW] > _ZERO, settings[HAS_GRID] > _ZERO
-    has_beam, has_grain = settings[BEAM] > _ZERO, settings[GRAIN] > _ZERO
-    is_wet = settings[WET] > _ZERO
-    has_portal, is_inside = settings[HAS_PORTAL] > _ZERO, settings[IS_INSIDE] > _ZERO
-    far_cells = np.float32(far_heights.shape[0] - 1)
-    far_share = settings[FAR_SCALE] / settings[SHADOW_SCALE] if has_shadow else _ONE
-    # 1 in the sun, 0 in shadow; brightness of a tunnel's interior; distance to the portal.
-    sunny, indoors, gate = (
+    rgb: U8
+    """[3, height, width] raw colours."""
+    depth: F32
+    """[height, width] m, at the pixels' centres."""
+    reach: F32
+    """[height, width] mean depth of the part that is not sky."""
+    lit: U8
+    """[height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
+    kinds: U8
+    """[height, width] surface flags, `triangles.SHINING` and so on."""
+    sky: U8
+    """[height, width] fraction of sky, 0 to 255."""
+    settings: F32
+    """[SETTINGS], see the names above."""
+    across: F32
+    """[width] x / depth."""
+    upwards: F32
+    """[height] y / depth."""
+    axes: F32
+    """[3, 3] the camera's right, up and forward."""
+    dark: F32
+    """[256] the sun's fraction of the light, by `lit`."""
+    spread: F32
+    """[3, width] lateral falloff of the ego's beams on objects, and in the air; column of `sheet`."""
+    halo: F32
+    """[height] brightness of the ego's beams in the air."""
+    heaven: F32
+    """[height, 5] colour of the clear sky, row of the cloud sheet and weight of the next row."""
+    sheet: F32
+    """[n, m] density of clouds by height and heading, one column more than a full turn."""
+    grid: F32
+    """[GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground."""
+    heights: F32
+    """Heights of the shadow map."""
+    tiles: F32
+    """Tiles of the shadow map."""
+    far_heights: F32
+    """Heights of the coarse shadow map."""
+
+
+class Line(NamedTuple):
+    """Work space for one row of pixels."""
+
+    clear: F32
+    """[width] brightness left by shadows."""
+    sunny: F32
+    """[width] 1 in the sun, 0 in shadow."""
+    indoors: F32
+    """[width] brightness of a tunnel's interior."""
+    gate: F32
+    """[width] distance of the portal."""
+    red: F32
+    green: F32
+    blue: F32
+    veil: F32
+    """[width] fraction of the light that the air lets through."""
+    clouds: F32
+    """[m] density of clouds at this height."""
+
+
+@Kernel
+def develop_pixels(plate: Plate, image: U8) -> None:
+    """Develop a picture into `image`, [height, width, 3]."""
+    settings = plate.settings
+    height, width = plate.depth.shape
+    line = Line(
+        np.empty(width, np.float32),
         np.ones(width, np.float32),
         np.zeros(width, np.float32),
         np.empty(width, np.float32),
-    )
-    cells = np.float32(heights.shape[0] - 1)
-    clear = np.empty(width, np.float32)
-    red, green, blue = (
         np.empty(width, np.float32),
         np.empty(width, np.float32),
         np.empty(width, np.float32),
+        np.empty(width, np.float32),
+        np.empty(plate.sheet.shape[1], np.float32),
     )
-    veil = np.empty(width, np.float32)
-    clouds = np.empty(sheet.shape[1], np.float32)
-    turns, parts = np.empty(width, np.int32), np.empty(width, np.float32)
-    for x in range(width):
-        turn = spread[2, x]
-        turns[x] = np.int32(turn)
-        parts[x] = turn - np.float32(turns[x])
-    scale = settings[SHADOW_SCALE]
-    right_x, right_y = (
-        (axes[0, 0] - settings[LEAN_X] * axes[0, 2]) * scale,
-        (axes[0, 1] - settings[LEAN_Y] * axes[0, 2]) * scale,
-    )
+    has_portal = settings[HAS_PORTAL] > _ZERO
     for y in range(height):
-        up = upwards[y]
-        rise = up * axes[1, 2] + axes[2, 2]
         for x in range(width):
-            clear[x] = _ONE
-        if has_shadow:
-            step_x = (axes[2, 0] + up * axes[1, 0] - settings[LEAN_X] * rise) * scale
-            step_y = (axes[2, 1] + up * axes[1, 1] - settings[LEAN_Y] * rise) * scale
-            for x in range(width):
-                sunny[x] = _ZERO
-                kind = kinds[y, x]
-                if lit[y, x] == 0 or kind & SHINING:
-                    continue
-                if kind & SHELTERED and not is_inside:
-                    continue
-                sunny[x] = _ONE
-                far = depth[y, x]
-                z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
-                if not kind & GROUND:
-                    # Objects have faces at all angles and therefore need a larger tolerance.
-                    slant = _ONE - np.float32(lit[y, x]) * _TINY
-                    z += np.float32(0.05) + np.float32(0.25) * slant
-                aside = step_x + across[x] * right_x
-                along = step_y + across[x] * right_y
-                u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
-                edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
-                share = np.minimum(np.float32(78.0) - far, edge * np.float32(0.25))
-                share = np.minimum(share * np.float32(0.07), _ONE)
-                sun = _ONE
-                if share > _ZERO:
-                    i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
-                    if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
-                        sun = lit_share(heights, u, v, z)
-                else:
-                    share = _ZERO
-                if share < _ONE:
-                    u = settings[FAR_X] + far * aside * far_share
-                    v = settings[FAR_Y] + far * along * far_share
-                    wide = _ONE
-                    if _ZERO <= u < far_cells and _ZERO <= v < far_cells:
-                        wide = lit_share(far_heights, u, v, z + np.float32(0.3))
-                    sun = wide + (sun - wide) * share
-                loss = dark[lit[y, x]]
-                if kind & SHELTERED:
-                    loss = _HALF
-                clear[x] = _ONE - loss * (_ONE - sun)
-                sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
+            line.clear[x] = _ONE
+        if settings[HAS_SHADOW] > _ZERO:
+            _find_shadows(plate, line, y)
         if has_portal:
-            for x in range(width):
-                towards = (
-                    settings[PORTAL_AHEAD]
-                    + up * settings[PORTAL_UP]
-                    + across[x] * settings[PORTAL_RIGHT]
-                )
-                gate[x] = np.float32(1e6)
-                if towards > np.float32(1e-4):
-                    gate[x] = settings[PORTAL] / towards
-                indoors[x] = _ZERO
-                if kinds[y, x] & SHELTERED:
-                    # Daylight enters for some metres.
-                    way = (np.minimum(reach[y, x], _FARTHEST) * towards - settings[PORTAL]) * (
-                        np.float32(1.0 / 7.0)
-                    )
-                    indoors[x] = clear[x]
-                    clear[x] = clear[x] / (_ONE + way * way)
-                    sunny[x] = _ZERO
-        for x in range(width):
-            part = sunny[x]
-            bright = clear[x]
-            red[x] = (settings[SHADE_R] + (settings[DAY_R] - settings[SHADE_R]) * part) * bright
-            green[x] = (settings[SHADE_G] + (settings[DAY_G] - settings[SHADE_G]) * part) * bright
-            blue[x] = (settings[SHADE_B] + (settings[DAY_B] - settings[SHADE_B]) * part) * bright
-        if has_beam:
-            for x in range(width):
-                near = np.minimum(reach[y, x], _FARTHEST)
-                aloft = _ZERO if kinds[y, x] & (GROUND | SOFT) == GROUND else eye + near * rise
-                bright = beam(near, aloft, spread[0, x], settings[BEAM])
-                red[x] += bright
-                green[x] += bright * _BEAM_G
-                blue[x] += bright * _BEAM_B
-        if has_grid:
-            for x in range(width):
-                near = np.minimum(reach[y, x], _FARTHEST)
-                u = near * np.float32(1.0 / GRID_CELL)
-                v = near * across[x] * np.float32(1.0 / GRID_CELL) + np.float32(GRID_ASIDE / 2)
-                if not (u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(GRID_ASIDE - 1)):
-                    continue
-                i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
-                one = np.uint64(1)
-                fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
-                aloft = np.maximum(eye + near * rise, _ZERO) * np.float32(0.2)
-                if kinds[y, x] & (GROUND | SOFT) == GROUND:
-                    aloft = _ZERO
-                share = _ONE / (_ONE + aloft * aloft)
-                w11 = fu * fv * share
-                w10, w01 = fu * share - w11, fv * share - w11
-                w00 = share - w11 - w10 - w01
-                for e in range(3):
-                    k = np.uint64(e)
-                    bright = (
-                        grid[i, j, k] * w00
-                        + grid[i, j + one, k] * w01
-                        + grid[i + one, j, k] * w10
-                        + grid[i + one, j + one, k] * w11
-                    )
-                    if e == 0:
-                        red[x] += bright
-                    elif e == 1:
-                        green[x] += bright
-                    else:
-                        blue[x] += bright
+            _find_tunnel(plate, line, y)
+        _add_daylight(plate, line)
+        if settings[BEAM] > _ZERO:
+            _add_beams(plate, line, y)
+        if settings[HAS_GRID] > _ZERO:
+            _add_lamps(plate, line, y)
         if has_portal:
-            for x in range(width):
-                red[x] = np.maximum(red[x], settings[TUNNEL_R] * indoors[x])
-                green[x] = np.maximum(green[x], settings[TUNNEL_G] * indoors[x])
-                blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
-        for x in range(width):
-            # Self-luminous surfaces are as bright by night as by day.
-            shines = kinds[y, x] & SHINING != 0
-            red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
-            green[x] = np.float32(rgb[1, y, x]) * (
-                np.maximum(green[x], _ONE) if shines else green[x]
-            )
-            blue[x] = np.float32(rgb[2, y, x]) * (np.maximum(blue[x], _ONE) if shines else blue[x])
-        if is_wet:
-            for x in range(width):
-                if kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND:
-                    red[x] *= settings[WET]
-                    green[x] *= settings[WET]
-                    blue[x] *= settings[WET]
-        if rate > _ZERO:
-            back = settings[HALO] * halo[y]
-            for x in range(width):
-                stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
-                far = np.minimum(reach[y, x], np.float32(1e6)) * stretch
-                veil[x] = far * rate
-            if has_portal:
-                # Rain and snow obscure only what is outside.
-                fog = settings[FOG_RATE]
-                for x in range(width):
-                    stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
-                    near = np.minimum(reach[y, x], np.float32(1e6))
-                    wet = np.minimum(near, gate[x]) if kinds[y, x] & SHELTERED else near
-                    if is_inside:
-                        wet = (
-                            _ZERO if kinds[y, x] & SHELTERED else np.maximum(near - gate[x], _ZERO)
-                        )
-                    veil[x] = (near * fog + wet * (rate - fog)) * stretch
-            for x in range(width):
-                veil[x] = fade(np.minimum(veil[x], np.float32(40.0)))
-            for x in range(width):
-                glow = back * spread[1, x]
-                r, g, b = settings[AIR_R] + glow, settings[AIR_G] + glow, settings[AIR_B] + glow
-                if has_portal and is_inside and kinds[y, x] & SHELTERED:
-                    r = settings[AIR_R] * settings[AIR_INSIDE] + glow
-                    g = settings[AIR_G] * settings[AIR_INSIDE] + glow
-                    b = settings[AIR_B] * settings[AIR_INSIDE] + glow
-                red[x] = r + (red[x] - r) * veil[x]
-                green[x] = g + (green[x] - g) * veil[x]
-                blue[x] = b + (blue[x] - b) * veil[x]
-        is_sky = False
-        for x in range(width):
-            is_sky |= sky[y, x] > 0
-        if is_sky:
-            through = settings[SKY_THROUGH]
-            low, between = np.int64(heaven[y, 3]), heaven[y, 4]
-            for x in range(sheet.shape[1]):
-                clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
-            for x in range(width):
-                if sky[y, x] == 0:
-                    continue
-                i = np.uint64(turns[x])
-                cloud = clouds[i] + (clouds[i + np.uint64(1)] - clouds[i]) * parts[x]
-                share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
-                grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
-                glow = settings[HALO] * halo[y] * spread[1, x]
-                r = heaven[y, 0] + (grey * np.float32(0.971) - heaven[y, 0]) * share
-                g = heaven[y, 1] + (grey * np.float32(0.984) - heaven[y, 1]) * share
-                b = heaven[y, 2] + (grey - heaven[y, 2]) * share
-                if through < _ONE:
-                    air_r, air_g = settings[AIR_R] + glow, settings[AIR_G] + glow
-                    air_b = settings[AIR_B] + glow
-                    r = air_r + (r - air_r) * through
-                    g = air_g + (g - air_g) * through
-                    b = air_b + (b - air_b) * through
-                if sky[y, x] == full:
-                    red[x], green[x], blue[x] = r, g, b
-                else:
-                    part = np.float32(sky[y, x]) * _TINY
-                    red[x] += (r - red[x]) * part
-                    green[x] += (g - green[x]) * part
-                    blue[x] += (b - blue[x]) * part
-        if has_grain:
-            first = np.uint32(y * width) + np.uint32(settings[NOISE])
-            for x in range(width):
-                speck = grain(first + np.uint32(x))
-                red[x] += speck
-                green[x] += speck
-                blue[x] += speck
-        for x in range(width):
-            image[y, x, 0] = np.uint8(np.minimum(np.maximum(red[x] + _HALF, _ZERO), top))
-            image[y, x, 1] = np.uint8(np.minimum(np.maximum(green[x] + _HALF, _ZERO), top))
-            image[y, x, 2] = np.uint8(np.minimum(np.maximum(blue[x] + _HALF, _ZERO), top))
+            _add_tunnel_lamps(plate, line)
+        _colour(plate, line, y)
+        if settings[WET] > _ZERO:
+            _wet(plate, line, y)
+        if settings[RATE] > _ZERO:
+            _find_veil(plate, line, y)
+            _add_air(plate, line, y)
+        _add_sky(plate, line, y)
+        if settings[GRAIN] > _ZERO:
+            _add_grain(plate, line, y)
+        _store(line, image, y)
 
 
-def develop_arrays(
-    rgb: U8,
-    reach: F32,
-    kinds: U8,
-    sky: U8,
-    settings: F32,
-    across: F32,
-    upwards: F32,
-    axes: F32,
-    spread: F32,
-    halo: F32,
-    heaven: F32,
-    sheet: F32,
-) -> U8:
-    """Develop a picture without numba, like `develop_pixels` but without shadows, lamps and tunnels.
+@part
+def _find_shadows(plate: Plate, line: Line, y: int) -> None:
+    """Look up which pixels of a row are in the sun, and how bright those in shadow are."""
+    settings, axes, across, dark = plate.settings, plate.axes, plate.across, plate.dark
+    depth, lit, kinds = plate.depth, plate.lit, plate.kinds
+    heights, tiles, far_heights = plate.heights, plate.tiles, plate.far_heights
+    clear, sunny = line.clear, line.sunny
+    is_inside = settings[IS_INSIDE] > _ZERO
+    cells = np.float32(heights.shape[0] - 1)
+    far_cells = np.float32(far_heights.shape[0] - 1)
+    scale = settings[SHADOW_SCALE]
+    far_share = settings[FAR_SCALE] / scale
+    right_x = (axes[0, 0] - settings[LEAN_X] * axes[0, 2]) * scale
+    right_y = (axes[0, 1] - settings[LEAN_Y] * axes[0, 2]) * scale
+    up = plate.upwards[y]
+    rise = up * axes[1, 2] + axes[2, 2]
+    step_x = (axes[2, 0] + up * axes[1, 0] - settings[LEAN_X] * rise) * scale
+    step_y = (axes[2, 1] + up * axes[1, 1] - settings[LEAN_Y] * rise) * scale
+    for x in range(across.shape[0]):
+        sunny[x] = _ZERO
+        kind = kinds[y, x]
+        if lit[y, x] == 0 or kind & SHINING:
+            continue
+        if kind & SHELTERED and not is_inside:
+            continue
+        sunny[x] = _ONE
+        far = depth[y, x]
+        z = settings[SHADOW_Z] + far * rise + np.float32(0.03) + far * np.float32(0.001)
+        if not kind & GROUND:
+            # Objects have faces at all angles and therefore need a larger tolerance.
+            slant = _ONE - np.float32(lit[y, x]) * TINY
+            z += np.float32(0.05) + np.float32(0.25) * slant
+        aside = step_x + across[x] * right_x
+        along = step_y + across[x] * right_y
+        u, v = settings[SHADOW_X] + far * aside, settings[SHADOW_Y] + far * along
+        edge = np.minimum(np.minimum(u, cells - u), np.minimum(v, cells - v))
+        share = np.minimum(np.float32(78.0) - far, edge * np.float32(0.25))
+        share = np.minimum(share * np.float32(0.07), _ONE)
+        sun = _ONE
+        if share > _ZERO:
+            i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+            if tiles[j >> np.uint64(4), i >> np.uint64(4)] > z:
+                sun = lit_share(heights, u, v, z)
+        else:
+            share = _ZERO
+        if share < _ONE:
+            u = settings[FAR_X] + far * aside * far_share
+            v = settings[FAR_Y] + far * along * far_share
+            wide = _ONE
+            if _ZERO <= u < far_cells and _ZERO <= v < far_cells:
+                wide = lit_share(far_heights, u, v, z + np.float32(0.3))
+            sun = wide + (sun - wide) * share
+        loss = dark[lit[y, x]]
+        if kind & SHELTERED:
+            loss = _HALF
+        clear[x] = _ONE - loss * (_ONE - sun)
+        sunny[x] = np.minimum(sun * loss * settings[SUN_GAIN], _ONE)
 
-    The arguments are those of `develop_pixels`.
 
-    Returns:
-        [height, width, 3]
-    """
-    height, width = reach.shape
-    rise = (upwards * axes[1, 2] + axes[2, 2])[:, None]
-    near = np.minimum(reach, _FARTHEST)
-    aloft = np.where((kinds & 20) == 4, _ZERO, settings[EYE_HEIGHT] + near * rise)
-    light = settings[DAY_R : DAY_B + 1].reshape(3, 1, 1) * np.ones((1, height, width), np.float32)
-    if settings[BEAM] > 0.0:
-        bright = beam(near, aloft, spread[0][None, :], settings[BEAM])
-        light += bright[None] * np.array([1.0, _BEAM_G, _BEAM_B], np.float32).reshape(3, 1, 1)
-    colours = rgb.astype(np.float32) * light
-    if settings[WET] > 0.0:
-        colours *= np.where((kinds & 28) == 4, settings[WET], _ONE)
-    air = settings[AIR_R : AIR_B + 1].reshape(3, 1, 1)
-    air = air + (settings[HALO] * halo[:, None] * spread[1][None, :])[None]
-    if settings[RATE] > 0.0:
-        stretch = np.sqrt(
-            _ONE + across[None, :] * across[None, :] + upwards[:, None] * upwards[:, None]
+@part
+def _find_tunnel(plate: Plate, line: Line, y: int) -> None:
+    """Find the distance of the portal in each pixel, and how far daylight enters."""
+    settings, across, kinds, reach = plate.settings, plate.across, plate.kinds, plate.reach
+    clear, sunny, indoors, gate = line.clear, line.sunny, line.indoors, line.gate
+    up = plate.upwards[y]
+    for x in range(across.shape[0]):
+        towards = (
+            settings[PORTAL_AHEAD] + up * settings[PORTAL_UP] + across[x] * settings[PORTAL_RIGHT]
         )
-        far = np.minimum(reach, np.float32(1e6)) * stretch * settings[RATE]
-        colours = air + (colours - air) * fade(np.minimum(far, np.float32(40.0)))
-    low, between = heaven[:, 3].astype(np.int64), heaven[:, 4:5]
-    lines = sheet[low] + (sheet[low + 1] - sheet[low]) * between
-    turn = spread[2].astype(np.int64)
-    cloud = lines[:, turn] + (lines[:, turn + 1] - lines[:, turn]) * (spread[2] - turn)
-    cloud = cloud.astype(np.float32)
-    share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
-    grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
-    blue = heaven[:, :3].T[:, :, None]
-    tones = np.array([0.971, 0.984, 1.0], np.float32).reshape(3, 1, 1)
-    behind = blue + (grey[None] * tones - blue) * share[None]
-    if settings[SKY_THROUGH] < _ONE:
-        behind = air + (behind - air) * settings[SKY_THROUGH]
-    colours += (behind - colours) * (sky.astype(np.float32) * _TINY)[None]
-    if settings[GRAIN] > 0.0:
-        numbers = np.arange(height * width, dtype=np.uint32) + np.uint32(settings[NOISE])
-        colours += grain(numbers).reshape(height, width)
-    done = np.clip(colours + _HALF, 0.0, 255.0).astype(np.uint8)
-    return np.ascontiguousarray(np.moveaxis(done, 0, 2))
+        gate[x] = np.float32(1e6)
+        if towards > np.float32(1e-4):
+            gate[x] = settings[PORTAL] / towards
+        indoors[x] = _ZERO
+        if kinds[y, x] & SHELTERED:
+            # Daylight enters for some metres.
+            way = np.minimum(reach[y, x], FARTHEST) * towards - settings[PORTAL]
+            way = way * np.float32(1.0 / 7.0)
+            indoors[x] = clear[x]
+            clear[x] = clear[x] / (_ONE + way * way)
+            sunny[x] = _ZERO
+
+
+@part
+def _add_daylight(plate: Plate, line: Line) -> None:
+    """Start a row with the light of the sun and the sky."""
+    settings, clear, sunny = plate.settings, line.clear, line.sunny
+    red, green, blue = line.red, line.green, line.blue
+    for x in range(clear.shape[0]):
+        part = sunny[x]
+        bright = clear[x]
+        red[x] = (settings[SHADE_R] + (settings[DAY_R] - settings[SHADE_R]) * part) * bright
+        green[x] = (settings[SHADE_G] + (settings[DAY_G] - settings[SHADE_G]) * part) * bright
+        blue[x] = (settings[SHADE_B] + (settings[DAY_B] - settings[SHADE_B]) * part) * bright
+
+
+@part
+def _add_beams(plate: Plate, line: Line, y: int) -> None:
+    """Add the ego's low beams."""
+    settings, axes, spread = plate.settings, plate.axes, plate.spread
+    kinds, reach = plate.kinds, plate.reach
+    red, green, blue = line.red, line.green, line.blue
+    rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
+    for x in range(red.shape[0]):
+        near = np.minimum(reach[y, x], FARTHEST)
+        is_ground = kinds[y, x] & (GROUND | SOFT) == GROUND
+        aloft = _ZERO if is_ground else settings[EYE_HEIGHT] + near * rise
+        bright = beam(near, aloft, spread[0, x], settings[BEAM])
+        red[x] += bright
+        green[x] += bright * TINT_G
+        blue[x] += bright * TINT_B
+
+
+@part
+def _add_lamps(plate: Plate, line: Line, y: int) -> None:
+    """Add the light of other lamps."""
+    settings, axes, across, grid = plate.settings, plate.axes, plate.across, plate.grid
+    kinds, reach = plate.kinds, plate.reach
+    red, green, blue = line.red, line.green, line.blue
+    rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
+    one = np.uint64(1)
+    for x in range(red.shape[0]):
+        near = np.minimum(reach[y, x], FARTHEST)
+        u = near * np.float32(1.0 / GRID_CELL)
+        v = near * across[x] * np.float32(1.0 / GRID_CELL) + np.float32(GRID_ASIDE / 2)
+        if not (u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(GRID_ASIDE - 1)):
+            continue
+        i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
+        fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))
+        aloft = np.maximum(settings[EYE_HEIGHT] + near * rise, _ZERO) * np.float32(0.2)
+        if kinds[y, x] & (GROUND | SOFT) == GROUND:
+            aloft = _ZERO
+        share = _ONE / (_ONE + aloft * aloft)
+        w11 = fu * fv * share
+        w10, w01 = fu * share - w11, fv * share - w11
+        w00 = share - w11 - w10 - w01
+        for e in range(3):
+            k = np.uint64(e)
+            bright = (
+                grid[i, j, k] * w00
+                + grid[i, j + one, k] * w01
+                + grid[i + one, j, k] * w10
+                + grid[i + one, j + one, k] * w11
+            )
+            if e == 0:
+                red[x] += bright
+            elif e == 1:
+                green[x] += bright
+            else:
+                blue[x] += bright
+
+
+@part
+def _add_tunnel_lamps(plate: Plate, line: Line) -> None:
+    """Light a tunnel's interior."""
+    settings, indoors = plate.settings, line.indoors
+    red, green, blue = line.red, line.green, line.blue
+    for x in range(red.shape[0]):
+        red[x] = np.maximum(red[x], settings[TUNNEL_R] * indoors[x])
+        green[x] = np.maximum(green[x], settings[TUNNEL_G] * indoors[x])
+        blue[x] = np.maximum(blue[x], settings[TUNNEL_B] * indoors[x])
+
+
+@part
+def _colour(plate: Plate, line: Line, y: int) -> None:
+    """Multiply the light by the surfaces' colours."""
+    rgb, kinds = plate.rgb, plate.kinds
+    red, green, blue = line.red, line.green, line.blue
+    for x in range(red.shape[0]):
+        # Self-luminous surfaces are as bright by night as by day.
+        shines = kinds[y, x] & SHINING != 0
+        red[x] = np.float32(rgb[0, y, x]) * (np.maximum(red[x], _ONE) if shines else red[x])
+        green[x] = np.float32(rgb[1, y, x]) * (np.maximum(green[x], _ONE) if shines else green[x])
+        blue[x] = np.float32(rgb[2, y, x]) * (np.maximum(blue[x], _ONE) if shines else blue[x])
+
+
+@part
+def _wet(plate: Plate, line: Line, y: int) -> None:
+    """Darken wet ground."""
+    settings, kinds = plate.settings, plate.kinds
+    red, green, blue = line.red, line.green, line.blue
+    for x in range(red.shape[0]):
+        if kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND:
+            red[x] *= settings[WET]
+            green[x] *= settings[WET]
+            blue[x] *= settings[WET]
+
+
+@part
+def _find_veil(plate: Plate, line: Line, y: int) -> None:
+    """Find the fraction of the light that the air lets through."""
+    settings, across, kinds, reach = plate.settings, plate.across, plate.kinds, plate.reach
+    gate, veil = line.gate, line.veil
+    rate, up = settings[RATE], plate.upwards[y]
+    is_inside = settings[IS_INSIDE] > _ZERO
+    for x in range(veil.shape[0]):
+        stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
+        far = np.minimum(reach[y, x], np.float32(1e6)) * stretch
+        veil[x] = far * rate
+    if settings[HAS_PORTAL] > _ZERO:
+        # Rain and snow obscure only what is outside.
+        fog = settings[FOG_RATE]
+        for x in range(veil.shape[0]):
+            stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
+            near = np.minimum(reach[y, x], np.float32(1e6))
+            is_sheltered = kinds[y, x] & SHELTERED != 0
+            wet = np.minimum(near, gate[x]) if is_sheltered else near
+            if is_inside:
+                wet = _ZERO if is_sheltered else np.maximum(near - gate[x], _ZERO)
+            veil[x] = (near * fog + wet * (rate - fog)) * stretch
+    for x in range(veil.shape[0]):
+        veil[x] = fade(np.minimum(veil[x], np.float32(40.0)))
+
+
+@part
+def _add_air(plate: Plate, line: Line, y: int) -> None:
+    """Fade everything into the air, which the ego's beams light."""
+    settings, kinds, spread = plate.settings, plate.kinds, plate.spread
+    red, green, blue, veil = line.red, line.green, line.blue, line.veil
+    back = settings[HALO] * plate.halo[y]
+    is_inside = settings[HAS_PORTAL] > _ZERO and settings[IS_INSIDE] > _ZERO
+    for x in range(red.shape[0]):
+        glow = back * spread[1, x]
+        r, g, b = settings[AIR_R] + glow, settings[AIR_G] + glow, settings[AIR_B] + glow
+        if is_inside and kinds[y, x] & SHELTERED:
+            r = settings[AIR_R] * settings[AIR_INSIDE] + glow
+            g = settings[AIR_G] * settings[AIR_INSIDE] + glow
+            b = settings[AIR_B] * settings[AIR_INSIDE] + glow
+        red[x] = r + (red[x] - r) * veil[x]
+        green[x] = g + (green[x] - g) * veil[x]
+        blue[x] = b + (blue[x] - b) * veil[x]
+
+
+@part
+def _add_sky(plate: Plate, line: Line, y: int) -> None:
+    """Paint the sky and its clouds, in part behind silhouettes."""
+    settings, spread, sky = plate.settings, plate.spread, plate.sky
+    heaven, sheet, clouds = plate.heaven, plate.sheet, line.clouds
+    red, green, blue = line.red, line.green, line.blue
+    is_sky = False
+    for x in range(red.shape[0]):
+        is_sky |= sky[y, x] > 0
+    if not is_sky:
+        return
+    through = settings[SKY_THROUGH]
+    low, between = np.int64(heaven[y, 3]), heaven[y, 4]
+    for x in range(sheet.shape[1]):
+        clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
+    for x in range(red.shape[0]):
+        if sky[y, x] == 0:
+            continue
+        turn = spread[2, x]
+        i = np.uint64(np.int32(turn))
+        cloud = clouds[i] + (clouds[i + np.uint64(1)] - clouds[i]) * (
+            turn - np.float32(np.int32(turn))
+        )
+        share = cloud_share(cloud, settings[CLOUD_EDGE], settings[CLOUD_FLOOR])
+        grey = (cloud * np.float32(0.22) + settings[CLOUD_SHADE]) * settings[CLOUD_BRIGHT]
+        glow = settings[HALO] * plate.halo[y] * spread[1, x]
+        r = heaven[y, 0] + (grey * np.float32(0.971) - heaven[y, 0]) * share
+        g = heaven[y, 1] + (grey * np.float32(0.984) - heaven[y, 1]) * share
+        b = heaven[y, 2] + (grey - heaven[y, 2]) * share
+        if through < _ONE:
+            air_r, air_g = settings[AIR_R] + glow, settings[AIR_G] + glow
+            air_b = settings[AIR_B] + glow
+            r = air_r + (r - air_r) * through
+            g = air_g + (g - air_g) * through
+            b = air_b + (b - air_b) * through
+        if sky[y, x] == np.uint8(255):
+            red[x], green[x], blue[x] = r, g, b
+        else:
+            part = np.float32(sky[y, x]) * TINY
+            red[x] += (r - red[x]) * part
+            green[x] += (g - green[x]) * part
+            blue[x] += (b - blue[x]) * part
+
+
+@part
+def _add_grain(plate: Plate, line: Line, y: int) -> None:
+    """Add the noise of a camera in the dark."""
+    red, green, blue = line.red, line.green, line.blue
+    width = red.shape[0]
+    first = np.uint32(y * width) + np.uint32(plate.settings[NOISE])
+    for x in range(width):
+        speck = grain(first + np.uint32(x))
+        red[x] += speck
+        green[x] += speck
+        blue[x] += speck
+
+
+@part
+def _store(line: Line, image: U8, y: int) -> None:
+    """Round a row into the picture."""
+    red, green, blue, top = line.red, line.green, line.blue, np.float32(255.0)
+    for x in range(red.shape[0]):
+        image[y, x, 0] = np.uint8(np.minimum(np.maximum(red[x] + _HALF, _ZERO), top))
+        image[y, x, 1] = np.uint8(np.minimum(np.maximum(green[x] + _HALF, _ZERO), top))
+        image[y, x, 2] = np.uint8(np.minimum(np.maximum(blue[x] + _HALF, _ZERO), top))

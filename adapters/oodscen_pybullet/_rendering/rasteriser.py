@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.numerics import _exact as exact
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import Shade, ShadowMap
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
@@ -15,9 +16,9 @@ from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._rendering import depth_kernel as raster
 from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.bullet_camera import Shot
+from oodscen_pybullet._rendering.stage import Pose, Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
-from oodscen_pybullet._rendering.view import FAR, NEAR, Point, View
+from oodscen_pybullet._rendering.view import FAR, NEAR, View
 
 _LAMPS = (0.06, 0.08, 0.995)
 """Direction towards the light that casts shadows in tunnels."""
@@ -43,15 +44,16 @@ class Canvas:
         self._scenery: Triangles | None = None
         self._actors: Triangles | None = None
         self._known: OrderedDict[Look, Triangles] = OrderedDict()
-        self._sheets: tuple[NDArray[np.float32], NDArray[np.int32]] | None = None
-        self._records = np.empty((0, raster.RECORD), np.float32)
-        self._labels = np.empty((0, raster.LABELS), np.int32)
+        self._samples: raster.Samples | None = None
+        self._drawn = raster.Drawn(
+            np.empty((0, raster.RECORD), np.float32), np.empty((0, raster.LABELS), np.int32)
+        )
         self._shadows = ShadowMap()
         self._shelter: Shelter | None = None
 
     def close(self) -> None:
         """Discard everything; calling it twice is allowed."""
-        self._scenery = self._actors = self._sheets = None
+        self._scenery = self._actors = self._samples = None
         self._known.clear()
         self._shadows.forget()
 
@@ -75,7 +77,7 @@ class Canvas:
         self._actors = Triangles.joined(parts)
         self._actors.spans[:, 2] = np.arange(len(parts))
 
-    def pose_actors(self, poses: Sequence[tuple[float, float, float, float]]) -> None:
+    def pose_actors(self, poses: Sequence[Pose]) -> None:
         """Move every actor to its x, y, z, yaw."""
         assert self._actors is not None
         for place, (x, y, z, yaw) in zip(self._actors.places, poses, strict=True):
@@ -87,133 +89,70 @@ class Canvas:
             self._actors.shelter(np.repeat(self._shelter.covers(middles), lengths))
 
     def photograph(
-        self,
-        view: View,
-        *,
-        sun: Point,
-        ambient: float,
-        diffuse: float,
-        ground: float | None = None,
-        shades: Point | None = None,
-        is_inside: bool = False,
+        self, view: View, light: Light, *, ground: float | None = None, is_inside: bool = False
     ) -> Shot:
         """Take a picture."""
         shade = None
         if ground is not None:
             assert self._scenery is not None
             assert self._actors is not None
-            towards = _LAMPS if is_inside else shades or sun
             shade = self._shadows.draw(
-                view, towards, ground, self._scenery, self._actors, is_inside=is_inside
-            )
-        return self._photograph(view, sun, ambient, diffuse, shade)
+                view, _LAMPS if is_inside else light.shades, ground, self._scenery, self._actors,
+                is_inside=is_inside,
+            )  # fmt: skip
+        return self._photograph(view, light, shade)
 
-    def _photograph(
-        self, view: View, sun: Point, ambient: float, diffuse: float, shade: Shade | None
-    ) -> Shot:
+    def _photograph(self, view: View, light: Light, shade: Shade | None) -> Shot:
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)
-        samples = view.width * view.height * self._detail
-        nearness, shown = self._clean(samples + raster.BLOCK)
-        light = np.array([*sun, ambient, diffuse], np.float64)
-        kinds = np.empty(shape, np.uint8)
-        self._reserve(len(self._scenery.corners) + len(self._actors.corners))
+        count = view.width * view.height * self._detail
+        samples = self._clean(count + raster.BLOCK)
+        sun = np.array([*light.sun, light.ambient, light.diffuse], np.float64)
+        drawn = self._reserve(len(self._scenery.corners) + len(self._actors.corners))
         window = (0, 0, view.width, view.height)
-        count = 0
-        for some in (self._actors, self._scenery):
-            count = self._scatter(
-                some, view, window, light, self._detail, nearness, shown, count=count
-            )
-        sheet = textures(self._is_snowy)
-        planes = np.empty((3, *shape), np.uint8)
-        shot = Shot(
-            rgb=np.moveaxis(planes, 0, 2),
+        number = _scatter(self._actors, view, window, sun, self._detail, samples, drawn, 0)
+        _scatter(self._scenery, view, window, sun, self._detail, samples, drawn, number)
+        planes = shading.Planes(
+            rgb=np.empty((3, *shape), np.uint8),
             depth=np.empty(shape, np.float32),
             rows=np.empty(shape, np.int32),
             reach=np.empty(shape, np.float32),
             sky=np.empty(shape, np.uint8),
             lit=np.empty(shape, np.uint8),
-            kinds=kinds,
-            shade=shade,
+            kinds=np.empty(shape, np.uint8),
         )
-        shading.gather(
-            nearness[:samples].reshape(view.height * self._detail, -1),
-            shown[:samples].reshape(view.height * self._detail, -1),
-            self._records,
-            self._labels,
-            sheet.texels,
-            sheet.sizes,
-            np.array([ambient, diffuse], np.float32),
-            self._detail,
-            planes,
-            shot.depth,
-            shot.rows,
-            shot.reach,
-            shot.sky,
-            shot.lit,
-            kinds,
+        rows = (view.height * self._detail, view.width)
+        sheets = raster.Samples(
+            samples.nearness[:count].reshape(rows), samples.shown[:count].reshape(rows)
         )
-        return shot
+        lights = sun[3:].astype(np.float32)
+        shading.gather(sheets, drawn, textures(self._is_snowy), lights, self._detail, planes)
+        fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
+        return Shot(**fields, shade=shade)
 
     def unhidden(self, view: View) -> NDArray[np.int32] | None:
         """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
-        self._reserve(len(actors.corners))
-        light = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
+        drawn = self._reserve(len(actors.corners))
+        sun = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
         pixels = np.zeros(len(actors.spans), np.int32)
         for row in range(len(pixels)):
             window = _window(view, actors.places[row], actors.spheres[row])
             if window[2] * window[3] <= 0:
                 continue
             size = window[2] * window[3] + raster.BLOCK
-            nearness, shown = np.full(size, 1.0 / FAR, np.float32), np.full(size, -1, np.int32)
-            self._scatter(actors, view, window, light, 1, nearness, shown, only=row)
-            pixels[row] = np.count_nonzero(shown >= 0)
+            samples = raster.Samples(
+                np.full(size, 1.0 / FAR, np.float32), np.full(size, -1, np.int32)
+            )
+            one = slice(row, row + 1)
+            alone = actors._replace(
+                spans=actors.spans[one], places=actors.places[one], spheres=actors.spheres[one]
+            )
+            _scatter(alone, view, window, sun, 1, samples, drawn, 0)
+            pixels[row] = np.count_nonzero(samples.shown >= 0)
         return pixels
-
-    def _scatter(
-        self,
-        some: Triangles,
-        view: View,
-        window: tuple[int, int, int, int],
-        light: NDArray[np.float64],
-        detail: int,
-        nearness: NDArray[np.float32],
-        shown: NDArray[np.int32],
-        *,
-        count: int = 0,
-        only: int | None = None,
-    ) -> int:
-        """Draw all objects, or a single one, into a window of the picture."""
-        left, top, width, height = window
-        axis = (view.width / 2 - left, view.height / 2 - top)
-        camera = np.array(
-            [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR, *axis],
-            np.float64,
-        )
-        some_rows = slice(None) if only is None else slice(only, only + 1)
-        return raster.scatter(
-            some.corners,
-            some.planes,
-            some.colours,
-            some.regions,
-            some.kinds,
-            some.spans[some_rows],
-            some.places[some_rows],
-            some.spheres[some_rows],
-            camera,
-            light,
-            detail,
-            width,
-            height,
-            nearness,
-            shown,
-            self._records,
-            self._labels,
-            count,
-        )
 
     def _triangles(self, look: Look | Mesh) -> Triangles:
         atlas = draw_atlas(self._is_snowy)
@@ -225,19 +164,41 @@ class Canvas:
             self._known[look] = Triangles.of(mesh_of(look), atlas, is_chunked=False)
         return self._known[look]
 
-    def _clean(self, samples: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    def _clean(self, size: int) -> raster.Samples:
         """Return empty sample buffers, reusing those of the last picture."""
-        if self._sheets is None or len(self._sheets[0]) != samples:
-            self._sheets = (np.empty(samples, np.float32), np.empty(samples, np.int32))
-        nearness, shown = self._sheets
-        nearness.fill(1.0 / FAR)
-        shown.fill(-1)
-        return nearness, shown
+        if self._samples is None or len(self._samples.shown) != size:
+            self._samples = raster.Samples(np.empty(size, np.float32), np.empty(size, np.int32))
+        self._samples.nearness.fill(1.0 / FAR)
+        self._samples.shown.fill(-1)
+        return self._samples
 
-    def _reserve(self, count: int) -> None:
-        if len(self._records) < count:
-            self._records = np.empty((count, raster.RECORD), np.float32)
-            self._labels = np.empty((count, raster.LABELS), np.int32)
+    def _reserve(self, count: int) -> raster.Drawn:
+        """Return room for the records of some triangles."""
+        if len(self._drawn.records) < count:
+            self._drawn = raster.Drawn(
+                np.empty((count, raster.RECORD), np.float32),
+                np.empty((count, raster.LABELS), np.int32),
+            )
+        return self._drawn
+
+
+def _scatter(
+    some: Triangles,
+    view: View,
+    window: tuple[int, int, int, int],
+    sun: NDArray[np.float64],
+    detail: int,
+    samples: raster.Samples,
+    drawn: raster.Drawn,
+    count: int,
+) -> int:
+    """Draw objects into a window of the picture; return the number of records so far."""
+    left, top, width, height = window
+    axis = (view.width / 2 - left, view.height / 2 - top)
+    camera = np.array(
+        [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR, *axis], np.float64
+    )
+    return raster.scatter(some, camera, sun, detail, width, height, samples, drawn, count)
 
 
 def _window(

@@ -4,6 +4,8 @@ Each pixel is shaded once, at its centre, with a texture of matching resolution;
 show another surface, the colours are mixed.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from oodscen.numerics._kernels import Kernel, inlined, part
@@ -13,13 +15,34 @@ from oodscen_pybullet._rendering.depth_kernel import (
     TUNNEL_AMBIENT,
     TUNNEL_DIFFUSE,
     U8,
-    U64,
+    Drawn,
+    Samples,
 )
+from oodscen_pybullet._rendering.triangles import Textures
 
 _RUN = 32
 """Largest number of pixels shaded together."""
 _FINEST = 2.0
 """Texels per pixel above which the next coarser level is used."""
+
+
+class Planes(NamedTuple):
+    """A picture as the kernel fills it."""
+
+    rgb: U8
+    """[3, height, width] colours."""
+    depth: F32
+    """[height, width] depth at the pixel's centre, m, infinity for the sky."""
+    rows: I32
+    """[height, width] label, -1 for the sky."""
+    reach: F32
+    """[height, width] mean distance of the part that is not sky, m."""
+    sky: U8
+    """[height, width] fraction of sky, 0 to 255."""
+    lit: U8
+    """[height, width] incidence of the sun on the surface at the centre, 0 to 255."""
+    kinds: U8
+    """[height, width] that surface's flags."""
 
 
 @inlined
@@ -28,10 +51,8 @@ def _paint(
     column: np.float32,
     row: int,
     count: int,
-    records: F32,
-    labels: I32,
-    texels: U64,
-    sizes: I32,
+    drawn: Drawn,
+    sheet: Textures,
     light: F32,
     detail: int,
     scratch: I32,
@@ -48,10 +69,8 @@ def _paint(
         column: Column of the first sample, pixels.
         row: Row of the samples, counted in samples.
         count: Number of pixels, small enough for a single texture level.
-        records: As in `scatter`.
-        labels: As in `scatter`.
-        texels: As in `gather`.
-        sizes: As in `gather`.
+        drawn: As in `scatter`.
+        sheet: The textures.
         light: As in `gather`.
         detail: Rows of samples from one row of pixels to the next.
         scratch: [5, at least count] work space.
@@ -61,6 +80,8 @@ def _paint(
         lit: The same for the sun's incidence on the surface, 0 (grazing) to 255 (perpendicular).
         at: Column of the first pixel.
     """
+    records, labels = drawn.records, drawn.labels
+    texels, sizes = sheet.texels, sheet.sizes
     k, first = np.uint64(mark), np.uint64(at)
     zero, half, full = np.float32(0.0), np.float32(0.5), np.float32(255.0)
     region = labels[k, 0]
@@ -161,22 +182,20 @@ def _smooth(
     begin: int,
     end: int,
     mixed: U8,
-    nearness: F32,
-    shown: I32,
-    records: F32,
-    labels: I32,
-    texels: U64,
-    sizes: I32,
+    samples: Samples,
+    drawn: Drawn,
+    sheet: Textures,
     light: F32,
-    rgb: U8,
-    reach: F32,
-    sky: U8,
+    planes: Planes,
 ) -> None:
     """Mix, into `mixed`, the centre of each pixel, weighted one half, with its corners.
 
     A surface that a neighbour shows at its centre takes that neighbour's colour; only surfaces too thin
     for that are shaded again.
     """
+    nearness, shown = samples.nearness, samples.shown
+    records, labels = drawn.records, drawn.labels
+    rgb, reach, sky = planes.rgb, planes.reach, planes.sky
     height, width = reach.shape
     zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
     scratch = np.empty((5, 1), np.int32)
@@ -224,10 +243,8 @@ def _smooth(
                             np.float32(x) + half * np.float32(i),
                             2 * y + j,
                             1,
-                            records,
-                            labels,
-                            texels,
-                            sizes,
+                            drawn,
+                            sheet,
                             light,
                             2,
                             scratch,
@@ -263,155 +280,135 @@ def _settle(spots: I32, begin: int, end: int, mixed: U8, rgb: U8) -> None:
             rgb[e, np.uint64(spots[n, 0]), np.uint64(spots[n, 1])] = mixed[n, e]
 
 
+@part
+def _measure(samples: Samples, labels: I32, planes: Planes, y: int, row: int) -> None:
+    """Write depth, reach and labels of a row of pixels, from its row of samples."""
+    depth, reach, rows = planes.depth, planes.reach, planes.rows
+    marks, near = samples.shown[row], samples.nearness[row]
+    line = np.uint64(y)
+    for x in range(np.uint64(depth.shape[1])):
+        mark = marks[x]
+        far = np.float32(1.0) / near[x]
+        depth[line, x] = np.float32(np.inf) if mark < 0 else far
+        reach[line, x] = depth[line, x]
+        rows[line, x] = -1 if mark < 0 else labels[np.uint64(mark if mark >= 0 else 0), 1]
+
+
+@part
+def _find_edges(shown: I32, labels: I32, y: int, mixed: I32, spots: I32, count: int) -> int:
+    """Append the pixels of a row whose corners show other surfaces; return their number so far."""
+    row, one = 2 * y, np.uint64(1)
+    wide = np.uint64(shown.shape[1])
+    middle, over, under = shown[row], shown[max(row - 1, 0)], shown[row + 1]
+    for i in range(wide):
+        mixed[i] = (over[i] ^ middle[i]) | (under[i] ^ middle[i])
+    for i in range(wide - one):
+        mixed[i + one] |= (over[i] ^ middle[i + one]) | (under[i] ^ middle[i + one])
+    for i in range(wide):
+        if mixed[i]:
+            mark = middle[i]
+            left = i - one if i > 0 else i
+            if (
+                _differs(mark, over[i], labels)
+                or _differs(mark, under[i], labels)
+                or _differs(mark, over[left], labels)
+                or _differs(mark, under[left], labels)
+            ):
+                spots[np.uint64(count), 0], spots[np.uint64(count), 1] = y, i
+                count += 1
+    return count
+
+
+@part
+def _shade(
+    marks: I32, drawn: Drawn, sheet: Textures, light: F32, detail: int, scratch: I32,
+    planes: Planes, line: int,
+) -> None:  # fmt: skip
+    """Colour the centres of a row of pixels, one run of equal records after another."""
+    records, labels = drawn.records, drawn.labels
+    rgb, sky, lit, kinds = planes.rgb, planes.sky, planes.lit, planes.kinds
+    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    width, y = marks.shape[0], np.uint64(line)
+    x = 0
+    while x < width:
+        at = np.uint64(x)
+        mark = marks[at]
+        stop = x + 1
+        limit = min(x + _RUN, width)
+        while stop < limit and marks[np.uint64(stop)] == mark:
+            stop += 1
+        if mark < 0:
+            for i in range(np.uint64(stop - x)):
+                sky[y, at + i] = 255
+                rgb[0, y, at + i] = rgb[1, y, at + i] = rgb[2, y, at + i] = 0
+                lit[y, at + i] = kinds[y, at + i] = 0
+        elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
+            k = np.uint64(mark)
+            plain_r = np.uint8(min(records[k, 14] + half, most))
+            plain_g = np.uint8(min(records[k, 15] + half, most))
+            plain_b = np.uint8(min(records[k, 16] + half, most))
+            plain_lit, made = np.uint8(records[k, 18]), np.uint8(labels[k, 3])
+            for i in range(np.uint64(stop - x)):
+                sky[y, at + i] = 0
+                rgb[0, y, at + i] = plain_r
+                rgb[1, y, at + i] = plain_g
+                rgb[2, y, at + i] = plain_b
+                lit[y, at + i] = plain_lit
+                kinds[y, at + i] = made
+        else:
+            _paint(
+                mark, np.float32(x), line * detail, stop - x, drawn, sheet, light, detail, scratch,
+                rgb[0, y], rgb[1, y], rgb[2, y], lit[y], x,
+            )  # fmt: skip
+            made = np.uint8(labels[np.uint64(mark), 3])
+            for i in range(np.uint64(stop - x)):
+                sky[y, at + i] = 0
+                kinds[y, at + i] = made
+        x = stop
+
+
 @Kernel
 def gather(
-    nearness: F32,
-    shown: I32,
-    records: F32,
-    labels: I32,
-    texels: U64,
-    sizes: I32,
+    samples: Samples,
+    drawn: Drawn,
+    sheet: Textures,
     light: F32,
     detail: int,
-    rgb: U8,
-    depth: F32,
-    rows: I32,
-    reach: F32,
-    sky: U8,
-    lit: U8,
-    kinds: U8,
+    planes: Planes,
 ) -> None:
     """Shade every pixel.
 
     Args:
-        nearness: [height * detail, width], as in `scatter`.
-        shown: [height * detail, width], as in `scatter`.
-        records: As in `scatter`.
-        labels: As in `scatter`.
-        texels: Every texture at every level, row by row; red, green and blue 21 bits apart, so that
-            one product weights all three.
-        sizes: [regions, sizes, 3] start in `texels`, width and height of each level.
+        samples: As in `scatter`, [height * detail, width].
+        drawn: As in `scatter`.
+        sheet: The textures.
         light: Fractions of ambient light and of light from the sun.
         detail: As in `scatter`.
-        rgb: [3, height, width], filled with colours.
-        depth: [height, width], filled with the depth at the pixel's centre, m, infinity for the sky.
-        rows: [height, width], filled with the label, -1 for the sky.
-        reach: [height, width], filled with the mean distance of the part that is not sky, m.
-        sky: [height, width], filled with the fraction of sky, 0 to 255.
-        lit: [height, width], filled with the sun's incidence on the surface at the centre, 0 to 255.
-        kinds: [height, width], filled with that surface's flags.
+        planes: Filled by the kernel.
     """
-    height, width = depth.shape
-    zero, half, most = np.float32(0.0), np.float32(0.5), np.float32(255.0)
+    height, width = planes.depth.shape
     scratch = np.empty((5, _RUN), np.int32)
     mixed = np.zeros(width, np.int32)
     spots = np.empty((height * width if detail == 2 else 0, 2), np.int32)
     mixtures = np.empty((len(spots), 3), np.uint8)
     starts = np.zeros(height + 1, np.int64)
     count = 0
-    marks = np.empty(width, np.int32)
-    one, wide = np.uint64(1), np.uint64(width)
-    for y in range(np.uint64(height)):
-        row = int(y) * detail
-        middle, near = shown[row], nearness[row]
-        for x in range(wide):
-            mark = middle[x]
-            marks[x] = mark
-            far = np.float32(1.0) / near[x]
-            depth[y, x] = np.float32(np.inf) if mark < 0 else far
-            reach[y, x] = depth[y, x]
-            rows[y, x] = -1 if mark < 0 else labels[np.uint64(mark if mark >= 0 else 0), 1]
+    for y in range(height):
+        _measure(samples, drawn.labels, planes, y, y * detail)
         if detail == 2:
-            over, under = shown[max(row - 1, 0)], shown[row + 1]
-            for i in range(wide):
-                mixed[i] = (over[i] ^ middle[i]) | (under[i] ^ middle[i])
-            for i in range(np.uint64(width - 1)):
-                mixed[i + one] |= (over[i] ^ middle[i + one]) | (under[i] ^ middle[i + one])
-            for i in range(wide):
-                if mixed[i]:
-                    mark = middle[i]
-                    left = i - one if i > 0 else i
-                    if (
-                        _differs(mark, over[i], labels)
-                        or _differs(mark, under[i], labels)
-                        or _differs(mark, over[left], labels)
-                        or _differs(mark, under[left], labels)
-                    ):
-                        spots[np.uint64(count), 0], spots[np.uint64(count), 1] = y, i
-                        count += 1
-        x = 0
-        while x < width:
-            at = np.uint64(x)
-            mark = marks[at]
-            stop = x + 1
-            limit = min(x + _RUN, width)
-            while stop < limit and marks[np.uint64(stop)] == mark:
-                stop += 1
-            if mark < 0:
-                for i in range(np.uint64(stop - x)):
-                    sky[y, at + i] = 255
-                    rgb[0, y, at + i] = rgb[1, y, at + i] = rgb[2, y, at + i] = 0
-                    lit[y, at + i] = kinds[y, at + i] = 0
-            elif labels[np.uint64(mark), 0] < 0 and records[np.uint64(mark), 17] == zero:
-                k = np.uint64(mark)
-                plain_r = np.uint8(min(records[k, 14] + half, most))
-                plain_g = np.uint8(min(records[k, 15] + half, most))
-                plain_b = np.uint8(min(records[k, 16] + half, most))
-                plain_lit, made = np.uint8(records[k, 18]), np.uint8(labels[k, 3])
-                for i in range(np.uint64(stop - x)):
-                    sky[y, at + i] = 0
-                    rgb[0, y, at + i] = plain_r
-                    rgb[1, y, at + i] = plain_g
-                    rgb[2, y, at + i] = plain_b
-                    lit[y, at + i] = plain_lit
-                    kinds[y, at + i] = made
-            else:
-                _paint(
-                    mark,
-                    np.float32(x),
-                    row,
-                    stop - x,
-                    records,
-                    labels,
-                    texels,
-                    sizes,
-                    light,
-                    detail,
-                    scratch,
-                    rgb[0, y],
-                    rgb[1, y],
-                    rgb[2, y],
-                    lit[y],
-                    x,
-                )
-                made = np.uint8(labels[np.uint64(mark), 3])
-                for i in range(np.uint64(stop - x)):
-                    sky[y, at + i] = 0
-                    kinds[y, at + i] = made
-            x = stop
+            count = _find_edges(samples.shown, drawn.labels, y, mixed, spots, count)
+        _shade(samples.shown[y * detail], drawn, sheet, light, detail, scratch, planes, y)
         if detail == 2:
             # A row is mixed once the row below is painted, while all of them are in cache, and
             # written once the row below is mixed.
-            starts[y + one] = count
-            for last in range(int(y) - 1, int(y) + (1 if y + one == height else 0)):
+            starts[y + 1] = count
+            for last in range(y - 1, y + (1 if y + 1 == height else 0)):
                 if last >= 0:
                     _smooth(
-                        spots,
-                        int(starts[last]),
-                        int(starts[last + 1]),
-                        mixtures,
-                        nearness,
-                        shown,
-                        records,
-                        labels,
-                        texels,
-                        sizes,
-                        light,
-                        rgb,
-                        reach,
-                        sky,
-                    )
+                        spots, int(starts[last]), int(starts[last + 1]), mixtures, samples, drawn,
+                        sheet, light, planes,
+                    )  # fmt: skip
                 if last >= 1:
-                    _settle(spots, int(starts[last - 1]), int(starts[last]), mixtures, rgb)
+                    _settle(spots, int(starts[last - 1]), int(starts[last]), mixtures, planes.rgb)
     if detail == 2:
-        _settle(spots, int(starts[height - 1]), int(starts[height]), mixtures, rgb)
+        _settle(spots, int(starts[height - 1]), int(starts[height]), mixtures, planes.rgb)

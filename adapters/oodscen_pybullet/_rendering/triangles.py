@@ -1,8 +1,8 @@
 """Meshes in the rasteriser's layout: flat arrays of corners, in chunks with bounding spheres."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,7 @@ _GRID = 2.0**14
 """Grid lines per metre for the corners: their differences are exact in any chunk."""
 
 
-@dataclass(frozen=True, eq=False)
-class Textures:
+class Textures(NamedTuple):
     """The regions of the atlas, each at every level."""
 
     texels: NDArray[np.uint64]
@@ -46,8 +45,7 @@ class Textures:
     """[regions, LEVELS, 3] start, width and height of each level."""
 
 
-@dataclass(frozen=True, eq=False)
-class Triangles:
+class Triangles(NamedTuple):
     """Triangles in chunks."""
 
     corners: F32

@@ -63,8 +63,8 @@ class View:
         """Return OpenGL's projection matrix, column by column.
 
         Args:
-            samples_corners: Whether the renderer samples pixel corners; the principal point then
-                moves by half a pixel so that it samples the centre of each pixel.
+            samples_corners: Whether the renderer samples pixel corners, as PyBullet's does; the
+                principal point then moves by half a pixel, onto the centre of each pixel.
         """
         half = 1.0 if samples_corners else 0.0
         w, h, f = self.width, self.height, self.focal

@@ -16,7 +16,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
 from oodscen.data._verdict import Protocol, Verdict, verdict_id
-from oodscen.errors import StudyError
+from oodscen.errors import DataError
 from oodscen.judging._aspects.opinions import (
     Opinion,
     is_open,
@@ -124,7 +124,9 @@ def _truths(
     found: dict[tuple[Protocol, str], str] = {}
     for protocol, episodes in shown.items():
         for one in episodes:
-            told = [one.digest(), texts.get(scene_of(one.scene_id)), leaves]
+            # The pixels count, not the bytes that hold them.
+            content = one.model_dump(mode="json", exclude={"file_sha256"})
+            told = [digest(content), texts.get(scene_of(one.scene_id)), leaves]
             found[protocol, one.scene_id] = digest(told)
         found[protocol, ""] = digest(list(found.values()))
     return found
@@ -168,7 +170,7 @@ def _models(
     pictures = {}
     for episode in episodes:
         if episode.status == "ok" and "last" in episode.frames:
-            with suppress(StudyError):
+            with suppress(DataError):
                 pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
     maps = {scene.id: scene.map for scene in scenes}
     maps |= {twin_id(name): place for name, place in maps.items()}
@@ -207,7 +209,7 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
             try:
                 for moment, file in episode.frames.items():
                     frames[moment] = Image.from_file(run.store.inside(file), file)
-            except (OSError, StudyError) as error:
+            except (OSError, DataError) as error:
                 return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
             lacks = [f"there is no {moment} frame" for moment in MOMENTS if moment not in frames]
             if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:

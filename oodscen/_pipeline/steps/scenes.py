@@ -12,7 +12,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
-from oodscen.errors import LLMError, StudyError
+from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
 
@@ -35,10 +35,11 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         The scenes as they were staged.
 
     Raises:
-        StudyError: When `scenes.jsonl` holds a scene that belongs to no text, or two scenes of one text.
-        DataError: When a line of `scenes.jsonl` is malformed.
+        DataError: When a line of `scenes.jsonl` is malformed or belongs to no text, or two belong to one text.
     """
-    augmenter = Augmenter(run.llm, run.simulator.catalogue(), context=run.config.context)
+    augmenter = Augmenter(
+        run.llm, run.simulator.catalogue(), context=run.config.context, encoder=run.encoder
+    )
     by_id = {scenario.id: scenario for scenario in scenarios}
     before = _staged(_lines(run))
     written = _written(run, by_id, before)
@@ -101,12 +102,14 @@ def _written(
         source = f"{run.store.path(SCENES)}, line {number}"
         scene = Scene.parse(line, source=source)
         if scene.id in found:
-            raise StudyError(f"{source}: there are two scenes {scene.id!r}; remove one")
+            issue = Issue("", f"there are two scenes {scene.id!r}; remove one")
+            raise DataError(Scene.noun, [issue], source=source)
         if scene.id not in texts and _is_by_hand(scene, staged.get(scene.id)):
-            raise StudyError(
-                f"{source}: there is no text {scene.id!r} in this study; remove the line, and run the scene by "
-                "itself with `oodscen simulate`"
+            fault = (
+                f"there is no text {scene.id!r} in this study; remove the line, and run the scene by itself with "
+                "`oodscen simulate`"
             )
+            raise DataError(Scene.noun, [Issue("", fault)], source=source)
         found[scene.id] = scene
     return found
 
@@ -207,12 +210,14 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
 
 def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     """Run the scenes that lack an episode, each with its twin; update `staged` with the outcomes."""
-    job = Job(run.config.simulator, run.config.seed, run.extras, twins=True, restages=True)
+    job = Job(run.config.simulator, run.config.seed, run.options.extras, twins=True, restages=True)
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 
     def work(todo: Mapping[str, str]) -> Iterator[Episode]:
         wanted = [staged[name].scene for name in dict.fromkeys(todo.values())]
-        for result in sweep(job, wanted, workers=run.workers, executor=run.executor):
+        for result in sweep(
+            job, wanted, workers=run.options.workers, executor=run.options.executor
+        ):
             name = result.episode.id
             if name in staged:
                 tried = tuple(attempt._asdict() for attempt in result.tried)
@@ -247,7 +252,9 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
     items = {scene.id: scene for scene in scenes}
 
     def work(todo: Mapping[str, Scene]) -> Iterator[Episode]:
-        for result in sweep(job, list(todo.values()), workers=run.workers, executor=run.executor):
+        for result in sweep(
+            job, list(todo.values()), workers=run.options.workers, executor=run.options.executor
+        ):
             result.save(run.store)
             yield result.episode
 
@@ -263,4 +270,9 @@ def simulate_whole(run: Context, scenes: Sequence[Scene]) -> list[Episode]:
 
 
 def _has_files(run: Context, line: Mapping[str, Any]) -> bool:
-    return all(run.has(file) for file in (*line["frames"].values(), *line["files"]))
+    """Return whether the files of an episode are there, as they were written."""
+    written = line.get("file_sha256", {})
+    return all(
+        run.has(file) and (file not in written or run.store.digest(file) == written[file])
+        for file in (*line["frames"].values(), *line["files"])
+    )

@@ -24,7 +24,7 @@ def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
         chosen = [leaves[index * len(leaves) // count] for index in range(count)]
         paths = {leaf: paths[leaf] for leaf in chosen}
     counts = dict.fromkeys(paths, run.config.per_path)
-    return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0)
+    return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0, is_shown=True)
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
@@ -35,7 +35,7 @@ def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]
     counts = spread(tree.paths, largest)
     paths = {leaf: path for leaf, path in tree.paths.items() if counts[leaf]}
     file = f"texts.diverse.{largest}.jsonl"
-    texts = _describe(run, "describe sets", file, paths, counts, sample=1)
+    texts = _describe(run, "describe sets", file, paths, counts, sample=1, is_shown=False)
     sets = {size: spread_subset(texts, size) for size in sorted(run.config.sets)}
     for size, chosen in sets.items():
         if size != largest:
@@ -51,9 +51,13 @@ def _describe(
     counts: Mapping[str, int],
     *,
     sample: int,
+    is_shown: bool,
 ) -> list[Scenario]:
-    """Write texts path by path; a path is done once all its lines are written."""
-    describer = _describer(run, sample)
+    """Write texts path by path; a path is done once all its lines are written.
+
+    Texts that are to be shown are written with the simulator's catalogue in view.
+    """
+    describer = _describer(run, sample, is_shown=is_shown)
     lines: dict[str, list[dict[str, Any]]] = {}
     for line in run.store.lines(file):
         if not run.is_again(line):
@@ -85,7 +89,7 @@ def _describe(
     return [Scenario.parse(row) for row in ordered if "error" not in row]
 
 
-def _describer(run: Context, sample: int) -> Describer:
+def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
     config = run.config
     is_chosen = config.candidates > 1
     metrics = None
@@ -101,6 +105,7 @@ def _describer(run: Context, sample: int) -> Describer:
         metrics=metrics,
         twins=is_builtin(config.llm) if config.twins is None else config.twins,
         sample=sample,
+        catalogue=run.simulator.catalogue() if is_shown else None,
     )
 
 

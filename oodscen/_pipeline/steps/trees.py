@@ -39,6 +39,7 @@ def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:
         iterations=total,
         closed_loop=run.config.closed_loop,
         encoder=run.encoder,
+        catalogue=run.simulator.catalogue() if run.config.context is None else None,
         nearest=run.config.nearest,
         nearest_label=run.config.nearest_label,
         budget=run.config.red_budget,

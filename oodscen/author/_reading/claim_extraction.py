@@ -10,13 +10,13 @@ from oodscen.author._reading.clauses import (
     Noun,
     Subject,
     clauses_of,
-    count_of,
     last_end,
     number_of,
 )
 from oodscen.author._reading.phrases import Pattern
 from oodscen.author._reading.stationarity import usual_motion
-from oodscen.claims._things import Mention, mentions
+from oodscen.author._reading.subjects import nouns_of
+from oodscen.claims._things import mentions
 from oodscen.data._claim import Claim, Kind
 
 _STRONGER = {
@@ -56,9 +56,8 @@ class _Reading:
     def __init__(self, text: str) -> None:
         self.text = text
         self.found: dict[tuple[Kind, str, str], Claim] = {}
-        self.subjects: list[Subject] = []
         self.clauses = clauses_of(text)
-        self.nouns = self._nouns()
+        self.nouns, self.subjects = nouns_of(text)
         starts = [clause.start for clause in self.clauses]
         for noun in self.nouns:
             self.clauses[bisect_right(starts, noun.start) - 1].nouns.append(noun)
@@ -97,115 +96,6 @@ class _Reading:
         if subject.count > 1 and not (thing.many or thing.map or thing.vague):
             self._add("count", str(subject.count), subject.name, start, end)
 
-    # -------------------------------------------------------------- things
-
-    def _nouns(self) -> list[Noun]:
-        nouns: list[Noun] = []
-        named = list(mentions(self.text))
-        for mention, after in zip(named, [*named, None][1:], strict=True):
-            if after is not None and self.text[mention.end : after.start] == " ":
-                continue
-            before = self.text[: mention.start]
-            rest = self.text[mention.end :]
-            if mention.thing.name == "driver" and phrases.OF_ITS_VEHICLE.match(rest):
-                continue
-            oblique = phrases.OBLIQUE.search(before[-60:]) is not None
-            oblique = oblique and re.search(r", for (?:an?|the) $", before) is None
-            oblique = oblique and phrases.PART_OF.search(before[-60:]) is None
-            grouped = phrases.QUANTITY.search(before[-60:])
-            if oblique and grouped and grouped.group(3):
-                lead = before[-60:][: grouped.start()]
-                oblique = phrases.OBLIQUE.search(lead) is not None
-            subject = self._subject(mention)
-            is_part = phrases.ITS.search(before) or phrases.CARRIED.search(before[-40:])
-            is_part = is_part or phrases.LACKED.search(before[-40:]) or re.match("'s ", rest)
-            oblique = oblique or (subject is None and is_part is not None)
-            nouns.append(Noun(mention.start, mention.end, subject, oblique))
-        for found in phrases.EGO.finditer(self.text):
-            is_possessive = found.group(0).endswith(("'s", "your"))
-            oblique = phrases.OBLIQUE.search(self.text[: found.start()][-20:]) is not None
-            if not any(n.start < found.end() and found.start() < n.end for n in nouns):
-                nouns.append(Noun(found.start(), found.end(), None, oblique or is_possessive))
-        return sorted(nouns, key=lambda noun: noun.start)
-
-    def _subject(self, mention: Mention) -> Subject | None:
-        before, after = self.text[: mention.start], self.text[mention.end :]
-        sentence = before[last_end(phrases.SENTENCE, before) :]
-        name = mention.thing.name
-        is_all = name == "traffic light" and re.search(r"\b(?:all|every) (?:the )?$", before)
-        if (phrases.NOT_THERE.search(sentence) and not is_all) or phrases.NOT_ITSELF.match(after):
-            return None
-        if name == "traffic light" and re.match(r" (?:the |to |ego)", after):
-            return None
-        if re.search(r"\bas an? $", before) and re.match(r"[.,;]|$", after):
-            return None
-        if name == "object" and re.match(
-            r" [^.;,]{0,80}\b(?:is|turns out to be|proves to be) (?:an?|really) ", after
-        ):
-            return None
-        if name == "barrier" and after.startswith(" of "):
-            return None
-        lead = sentence[last_end(phrases.BREAK, sentence) :]
-        if (mention.word == "drunk" and phrases.BEING.search(before)) or (
-            name == "car door" and before.endswith("'s ")
-        ):
-            return None
-        count = count_of(lead, mention)
-        determiner = phrases.DETERMINER.search(lead)
-        word = determiner.group(1).casefold() if determiner else ""
-        if mention.thing.group == "person" and phrases.RIDES.match(after):
-            return None
-        if name in phrases.PARTS and word in ("the", "its", "their"):
-            return None
-        if mention.thing.group == "object" and self._is_carried(mention):
-            return None
-        if mention.word == "tree" and mention.is_plural and phrases.BACKGROUND.search(lead):
-            return None
-        same = [s for s in self.subjects if s.mention.thing is mention.thing]
-        is_new = word in ("a", "an", "another", "a second", "a third", "a further")
-        is_counted = phrases.QUANTITY.search(lead) is not None
-        is_new = is_new or (is_counted and word not in ("the", "these", "those", "its"))
-        if same and (not is_new or word == "one"):
-            return same[-1]
-        is_generic = name in phrases.GENERIC and mention.word in phrases.GENERIC_WORDS
-        if is_generic and word in ("the", "its", "this", "that"):
-            alike = [
-                s
-                for s in self.subjects
-                if s.mention.thing.group == mention.thing.group
-                and s.mention.thing.name not in phrases.CYCLES
-            ]
-            if alike and not re.match(r" (?:in front|ahead|behind)\b", after):
-                return alike[-1]
-            if count > 1:
-                return None
-        if word == "the" and mention.word == "cab" and not re.match(r" (?:that|ahead|in)\b", after):
-            return None
-        is_left = (
-            re.search(r"\b(?:left|parked|abandoned|leave) its (?:[\w-]+ )?$", lead) is not None
-        )
-        if (word == "its" and not is_left and mention.thing.group in ("vehicle", "object")) or (
-            word == "the" and name == "tree" and mention.is_plural
-        ):
-            return None
-        if mention.thing.vague and word in ("its", "their", "his", "her"):
-            return None
-        if re.match(r" behind\b", after) and re.search(r"\bleft (?:an?|the|its) ", lead[-40:]):
-            return None
-        is_somebody = mention.thing.vague or mention.thing.group == "person"
-        is_agent = is_somebody and phrases.AGENT.match(after) is not None
-        label = name if not same else f"{name} {len(same) + 1}"
-        subject = Subject(label, mention, count, is_agent)
-        self.subjects.append(subject)
-        return subject
-
-    def _is_carried(self, mention: Mention) -> bool:
-        """Return whether a thing is merely a part or the load of the thing named right before it."""
-        if not self.subjects:
-            return False
-        between = self.text[self.subjects[-1].mention.end : mention.start]
-        return phrases.CARRIED.fullmatch(between.lstrip()) is not None
-
     # -------------------------------------------------------------- predicates
 
     def _predicate(self, pattern: Pattern, found: re.Match[str]) -> None:
@@ -213,59 +103,71 @@ class _Reading:
         while start < end and self.text[start] == " ":
             start += 1
         is_verb = pattern.kind == "motion"
-        if is_verb and phrases.FORBIDDEN.search(self.text[:start][-40:]):
-            return
-        if is_verb and (self._leads(end) or self._is_within(start)):
-            return
-        lead = self.text[:start][-40:]
-        if pattern.kind == "state" and pattern.value != "off" and phrases.UNSHOWN.search(lead):
-            return
-        if pattern.value != "off" and not is_verb and phrases.NEGATED.search(lead):
-            return
-        if is_verb and pattern.value not in ("stationary", "slow") and phrases.PERFECT.search(lead):
-            return
-        if pattern.value == "clear_of_lane" and phrases.LEFT.search(self.text[:start][-40:]):
+        if self._is_denied(pattern, start, end):
             return
         if pattern.value in ("from_left", "from_right"):
             subject = self._comer(start, end)
         else:
             subject = self._owner(start, end, is_verb=is_verb)
-        if (
-            subject is not None
-            and subject.is_faint
-            and not (is_verb or self._adjoins(subject, start))
-        ):
-            subject = None
-        if subject is None:
+        if subject is None or (subject.is_faint and not is_verb and not _adjoins(subject, start)):
             self._unowned(pattern, found)
             return
-        if subject.is_agent and pattern.value == "stationary":
+        if not self._may_hold(pattern, found.group(0), start, subject):
             return
+        doer = self._on_foot(subject, start) if is_verb else subject
+        if doer is not None:
+            if doer.is_faint:
+                self._present(doer)
+            value = pattern.value or number_of(found.group(1))
+            self._add(pattern.kind, value, doer.name, start, end)
+
+    def _is_denied(self, pattern: Pattern, start: int, end: int) -> bool:
+        """Return whether the words around a predicate take it back, or make it a modifier."""
+        lead, value = self.text[:start][-40:], pattern.value
+        if pattern.kind == "motion":
+            is_over = value not in ("stationary", "slow") and phrases.PERFECT.search(lead)
+            is_denied = phrases.FORBIDDEN.search(lead) or is_over
+            return bool(is_denied) or self._leads(end) or self._is_within(start)
+        if value == "off":
+            return False
+        if pattern.kind == "state" and phrases.UNSHOWN.search(lead):
+            return True
+        is_left = value == "clear_of_lane" and phrases.LEFT.search(lead)
+        return bool(phrases.NEGATED.search(lead) or is_left)
+
+    def _may_hold(self, pattern: Pattern, words: str, start: int, subject: Subject) -> bool:
+        """Return whether a predicate can be about a thing at all."""
+        thing, value = subject.mention.thing, pattern.value
+        if pattern.kind == "state":
+            return thing.group in ("vehicle", "signal")
+        if value == "behind":
+            is_clear = thing.group == "vehicle" and not self._is_among_others(start, subject)
+            return is_clear or "ego" in words.casefold()
+        if pattern.kind != "motion":
+            return True
+        if value == "stationary":
+            return not subject.is_agent
+        if value == "reversing" and thing.group != "vehicle" and not subject.is_faint:
+            return False
+        if thing.name == "car door" and value == "into_lane":
+            return False
+        return not (thing.name in phrases.INERT and value in _WILFUL)
+
+    def _on_foot(self, subject: Subject, start: int) -> Subject | None:
+        """Return who walks, if a verb is for people on foot; `None` if nobody can.
+
+        Vehicles do not walk: their driver does. Somebody unnamed who walks is a pedestrian.
+        """
         thing = subject.mention.thing
-        if pattern.value == "reversing" and thing.group != "vehicle" and not subject.is_faint:
-            return
-        if pattern.kind == "state" and thing.group not in ("vehicle", "signal"):
-            return
-        names_ego = "ego" in found.group(0).casefold()
-        is_vague = thing.group != "vehicle" or self._is_among_others(start, subject)
-        if pattern.value == "behind" and not names_ego and is_vague:
-            return
-        if is_verb and thing.name in phrases.INERT and pattern.value in _WILFUL:
-            return
-        if thing.name == "car door" and pattern.value == "into_lane":
-            return
-        value = pattern.value or number_of(found.group(1))
-        on_foot = is_verb and phrases.STRIDES.match(self.text, start)
-        if on_foot and thing.group == "vehicle" and thing.name not in phrases.CYCLES:
+        is_vehicle = thing.group == "vehicle" and thing.name not in phrases.CYCLES
+        if is_vehicle and phrases.STRIDES.match(self.text, start):
             drivers = [one for one in self.subjects if one.mention.thing.name == "driver"]
             if not drivers:
-                return
+                return None
             subject = self._walker(drivers[-1])
-        if subject.is_faint and is_verb and phrases.ON_FOOT.match(self.text, start):
+        if subject.is_faint and phrases.ON_FOOT.match(self.text, start):
             subject = self._walker(subject)
-        if subject.is_faint:
-            self._present(subject)
-        self._add(pattern.kind, value, subject.name, start, end)
+        return subject
 
     def _walker(self, subject: Subject) -> Subject:
         """Return a subject for an unnamed pedestrian, unless the text names people."""
@@ -277,9 +179,6 @@ class _Reading:
         self.subjects.append(walker)
         self._present(walker)
         return walker
-
-    def _adjoins(self, subject: Subject, start: int) -> bool:
-        return subject.mention.thing.name == "driver" and 0 <= start - subject.mention.end <= 1
 
     def _comer(self, start: int, end: int) -> Subject | None:
         """Return the thing that comes from a side; if the side opens a clause, the thing after it."""
@@ -516,3 +415,7 @@ class _Reading:
             if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
                 continue
             yield claim
+
+
+def _adjoins(subject: Subject, start: int) -> bool:
+    return subject.mention.thing.name == "driver" and 0 <= start - subject.mention.end <= 1

@@ -70,35 +70,23 @@ def _said(match: re.Match[str], text: str) -> str:
     return f"I {_MY[match[1]]}"
 
 
-_PERSONS = {"I": ("me", "my", "am"), "we": ("us", "our", "are"), "you": ("you", "your", "are")}
 _AS_SUBJECT = re.compile(r"(?:^|(?<=, and )|(?<=while ))the ego vehicle (\w+)", re.IGNORECASE)
 _OWN = re.compile(r"\b[Tt]he ego vehicle's\b")
 _ITS = re.compile(r"\bits\b")
 
 
-def told_by(clause: str, name: str) -> str:
-    """Return a clause with the ego vehicle renamed.
-
-    Args:
-        clause: A clause that uses `the ego vehicle`.
-        name: Any noun phrase, or `I`, `we`, `you`.
-    """
-    if name == "ego":
-        return named(clause, "ego")
-    if name == "the ego car":
-        return named(clause, "the ego car")
-    person = _PERSONS.get(name)
-    if person is None:
-        return _VEHICLE.sub(lambda m: _as(m[1], name), clause)
-    to, own, being = person
+def told_by(clause: str, name: Name) -> str:
+    """Return a clause about the ego vehicle with the ego renamed; unlike `named`, `I` also replaces `its`."""
+    if name != "I":
+        return named(clause, name)
     if clause.casefold().startswith("the ego vehicle "):
-        clause = _ITS.sub(own, clause)
-    clause = _OWN.sub(own, clause)
-    clause = _AS_SUBJECT.sub(lambda m: f"{name} {_plural(m[1], being)}", clause)
-    return _VEHICLE.sub(to, clause)
+        clause = _ITS.sub("my", clause)
+    clause = _OWN.sub("my", clause)
+    clause = _AS_SUBJECT.sub(lambda m: f"I {_first_person(m[1])}", clause)
+    return _VEHICLE.sub("me", clause)
 
 
-def _plural(verb: str, being: str) -> str:
-    """Return the form of a verb that follows `I`, `we` or `you`."""
-    known = {"has": "have", "is": being}
+def _first_person(verb: str) -> str:
+    """Return the form of a verb that follows `I`."""
+    known = {"has": "have", "is": "am"}
     return known.get(verb, re.sub(r"(?<=ss|go)es$|s$", "", verb))

@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from oodscen._text import stem
 from oodscen.author._knowledge.base import Hazard, Knowledge
 from oodscen.author._reading.alternatives import Share, Split, alternatives, conjuncts, subject
-from oodscen.author._reading.stemming import stem, stems
+from oodscen.author._reading.stemming import stems
 from oodscen.data._catalogue import Category
 
 _MOST = 12

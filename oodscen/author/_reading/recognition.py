@@ -9,9 +9,10 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TypeVar
 
+from oodscen._text import stem
 from oodscen.author._knowledge.base import Condition, Hazard, Knowledge, Place, Traffic
 from oodscen.author._reading.label_reading import Alternative, LabelReader, Part, Reading
-from oodscen.author._reading.stemming import stem, stems
+from oodscen.author._reading.stemming import stems
 from oodscen.prompts._scenario.describe_path import plain
 
 __all__ = ["Recogniser", "Recognition", "stem", "stems"]

@@ -1,7 +1,7 @@
 """Staging: drafts a scene by recipe from a text and a catalogue's digest."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from oodscen.author._staging.background_traffic import company, follower, is_fol
 from oodscen.author._staging.lanes import settled, varied
 from oodscen.author._staging.weather import draw_weather
 from oodscen.claims._roads import is_so
-from oodscen.claims._things import Thing, mentions
+from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Trigger
 from oodscen.data._scene import Hazard as Unusual
@@ -121,6 +121,7 @@ class Stager:
             ego=Ego(speed=scene.speed, lane=scene.ego_lane),
             weather=weather,
             actors=actors,
+            stands_for=_shown(prompt.things, actors, unusual, prompt.catalogue),
             hazard=Unusual(actors=unusual, weather=ordinary),
             decision=decision
             if decision.kind == "time"
@@ -150,6 +151,23 @@ class Stager:
             alike = max(len(set(told.traits) & set(p.traits)) for p in fitting)
             fitting = [p for p in fitting if len(set(told.traits) & set(p.traits)) == alike]
         return fitting[int(rng.integers(len(fitting)))]
+
+
+def _shown(
+    things: Sequence[str],
+    actors: Sequence[Actor],
+    unusual: Collection[str],
+    digest: CatalogueDigest,
+) -> dict[str, list[str]]:
+    """Return for each thing of the claims the actors that its noun fits: unusual ones, or else others."""
+    lines = {asset.id: asset for asset in digest.assets}
+    found = {}
+    for thing in things:
+        fits = [one.id for one in actors if one.asset in lines and may_be(thing, lines[one.asset])]
+        shown = [name for name in fits if name in unusual] or fits
+        if shown:
+            found[thing] = shown
+    return found
 
 
 def _distance(text: str) -> float | None:

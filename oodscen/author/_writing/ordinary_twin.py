@@ -1,7 +1,7 @@
 """Ordinary twins: texts whose event is replaced by its ordinary counterpart.
 
 Only the text itself is available. The phrases of the knowledge base separate road, weather and
-traffic from the event; if the text contains none of these phrases, its grammar does.
+traffic from the event, so a text in other words has no twin.
 """
 
 import re
@@ -12,11 +12,11 @@ import numpy as np
 
 from oodscen.author._knowledge.base import Hazard, Knowledge
 from oodscen.author._reading.ego_naming import Name, told_by
-from oodscen.author._reading.recognition import Recogniser, stems
-from oodscen.author._reading.setting import Frame, framed, teller
+from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
 from oodscen.author._writing.constructions import KEEPS_ON, nominal, standing
 from oodscen.author._writing.headline import headline
+from oodscen.errors import LLMError
 from oodscen.prompts._scenario.describe_path import plain
 
 _EGO = r"(?:the ego vehicle|the ego car|my car|ego|i|it)"
@@ -48,26 +48,6 @@ _ANY_ROAD = (
     "the lane ahead is clear and traffic moves along as usual",
     "the lane ahead is clear and nothing moves in it",
 )
-_ANYWHERE = (
-    "traffic moves along as usual",
-    "the lane ahead is clear",
-    "the lane ahead of the ego vehicle is clear",
-    "traffic around the ego vehicle moves along as usual",
-    "the lane ahead is clear and traffic moves along as usual",
-    "all road users keep to their lanes and to the rules",
-    "the lane ahead of the ego vehicle is clear and traffic moves along as usual",
-    "all road users around the ego vehicle keep to their lanes and to the rules",
-)
-"""Clauses that are ordinary on any road."""
-_SUBJECT = "the ego vehicle "
-_HOUR = re.compile(r"\b(?:night|winter|sun|rain)\b", re.IGNORECASE)
-_ALONE = re.compile(r"the ego vehicle (?!and )")
-_PEOPLE = frozenset({"I", "we", "you"})
-_LINE = ": "
-"""Separator of place and event in a line of a test catalogue."""
-_SHORT = 0.1
-"""Share of its words by which the twin of another author's text may be shorter."""
-_SENTENCES_ADDED = 10
 _OVER = 4
 """Number of words by which an addition may exceed the missing length."""
 _CLEAR = re.compile(r"\b(?:clear|open|free|intact|even|clean|nothing)\b")
@@ -75,6 +55,8 @@ _AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|gap|waits?|comes the ot
 _TURNS = re.compile(
     r"\b(?:turn(?:s|ing)?|roundabout|u-turn|merg\w+|ramp|curves?|bends?)\b", re.IGNORECASE
 )
+_LINE = ": "
+"""Separator of place and event in a line of a test catalogue."""
 _EMPTY = "quiet"
 """Key of the entry for absent traffic."""
 _LITTLE = frozenset(
@@ -118,12 +100,18 @@ class OrdinaryAuthor:
             text: A text with an unusual event.
             label: Label of the leaf, for texts that are not recognised themselves.
             rng: Random generator for choices among ordinary clauses of similar length.
+
+        Raises:
+            LLMError: If the text contains no place in the words of the knowledge base.
         """
         hazard = self._recogniser.recognise(text).hazard
         if hazard is None and label:
             hazard = next(iter(self._recogniser.covered_by(label)), None)
         if self._known_place.search(text) is None:
-            return self._of_another(text, hazard, rng)
+            raise LLMError(
+                "the built-in author finds none of its own phrases for a place in the text, and "
+                "writes ordinary twins only of texts that have one"
+            )
         parts = list(self._told_apart(text))
         place = next((n for n, part in enumerate(parts) if self._is_event(part)), None)
         if place is None:
@@ -150,63 +138,6 @@ class OrdinaryAuthor:
                 last, more, is_joined=_is_joined(event.lead, clause) or " and " in more
             )
         return " ".join(last if part is event else _whole(part) for part in kept)
-
-    def _of_another(self, text: str, hazard: Hazard | None, rng: np.random.Generator) -> str:
-        """Return the twin of a text without known phrases; its place and time stay where they are."""
-        is_weather = hazard is not None and not hazard.conditions
-        own = stems(" ".join((hazard.label, *hazard.words))) if hazard and is_weather else ()
-        frame = framed(text, frozenset(w for w in plain(text).split() if set(stems(w)) & set(own)))
-        setting = self._setting(frame.text, frame.text, None)
-        name = teller(text)
-        length = len(plain(text).split())
-        clause = self._clause(frame, hazard, setting, name, length, rng)
-        clause = _not_twice(frame.text, clause)
-        told = _cap(_put(frame, told_by(clause, name or "the ego vehicle")))
-        said: list[str] = []
-        is_it = False
-        while len(said) < _SENTENCES_ADDED:
-            missing = length - len(plain(told).split())
-            if missing <= max(1, _SHORT * length):
-                break
-            more = self._more(clause, told, missing, setting, rng, tuple(said))
-            if not more:
-                break
-            said.append(more)
-            follows = len(said) > 1 and _ALONE.match(said[-2]) is not None and not is_it
-            is_it = follows and name not in _PEOPLE and _ALONE.match(more) is not None
-            subject = "it" if is_it else name or "the ego vehicle"
-            told = f"{told} {_cap(told_by(more, subject))}."
-        return told
-
-    def _clause(
-        self,
-        frame: Frame,
-        hazard: Hazard | None,
-        setting: Setting,
-        name: str,
-        length: int,
-        rng: np.random.Generator,
-    ) -> str:
-        """Return a counterpart that fits into the available length."""
-        room = max(length - len(plain(frame.text).split()), 0.3 * length)
-        known = self._agreement.suiting(hazard.ordinary if hazard else (), setting)
-        known = [
-            clause
-            for clause in known
-            if set(_HOUR.findall(clause)) <= set(_HOUR.findall(frame.text))
-        ]
-        fitting = [clause for clause in known if len(clause.split()) <= room + 0.2 * length]
-        if fitting:
-            return fitting[0] if frame.ride or not name else _to_whom(fitting[0])
-        options = [
-            clause
-            for clause in _ANYWHERE
-            if (_SUBJECT in clause) == (bool(name) and not frame.ride)
-            and self._agreement.suits(clause, setting)
-        ]
-        options = options or list(_ANYWHERE)
-        options.sort(key=lambda clause: abs(len(clause.split()) - room))
-        return options[int(rng.integers(min(2, len(options))))]
 
     def _is_event(self, part: _Part) -> bool:
         return bool(part.event) and plain(part.event) not in self._details
@@ -267,7 +198,6 @@ class OrdinaryAuthor:
         missing: int,
         setting: Setting,
         rng: np.random.Generator,
-        told_before: tuple[str, ...] = (),
     ) -> str:
         """Return an ordinary clause of about the missing length that adds to the existing text."""
         allowed = {"none", "ahead", "around"}
@@ -282,14 +212,10 @@ class OrdinaryAuthor:
             and (not driving.places or setting.place in driving.places)
             and (not driving.conditions or set(setting.conditions) & set(driving.conditions))
             for phrase in driving.phrases
-            if self._agreement.suits(phrase, setting)
-            and (not told_before or not set(driving.phrases) & set(told_before))
-            and len(phrase.split()) <= missing + _OVER
+            if self._agreement.suits(phrase, setting) and len(phrase.split()) <= missing + _OVER
         ]
         if "traffic" in clause:
             fitting = [phrase for phrase in fitting if "traffic" not in phrase]
-        if any(_AHEAD.search(phrase) for phrase in told_before):
-            fitting = [phrase for phrase in fitting if not _AHEAD.search(phrase)]
         if _TURNS.search(told):
             fitting = [phrase for phrase in fitting if "straight" not in phrase]
         said = set(plain(told).split()) - _LITTLE
@@ -304,36 +230,6 @@ def _not_twice(frame: str, clause: str) -> str:
     clause = re.sub(r"\b(air(?: over the road)?) is clear\b", r"\1 is clean", clause)
     named = r"\b((?:lane|road)(?: ahead)?(?: of the ego vehicle)?) is clear\b"
     return re.sub(named, r"\1 is free", clause)
-
-
-def _to_whom(clause: str) -> str:
-    """Return a clause that names the ego vehicle, if a simple insertion can do so."""
-    if _SUBJECT in f"{clause} ":
-        return clause
-    return re.sub(
-        r"\b(the (?:lane|road) ahead)\b(?! of)", r"\1 of the ego vehicle", clause, count=1
-    )
-
-
-def _put(frame: Frame, clause: str) -> str:
-    """Return a frame with a clause in place of the event."""
-    last = " ".join((clause, *frame.after))
-    front = _joined(frame.before)
-    if frame.ride:
-        ride = f"{front}, {frame.ride[0].lower()}{frame.ride[1:]}" if front else frame.ride
-        ride = re.sub(r", i\b", ", I", ride)
-        return f"{ride}. {_cap(last)}." if " and " in clause else f"{ride}, and {last}."
-    return f"{front}, {last}." if front else f"{last}."
-
-
-def _joined(phrases: tuple[str, ...]) -> str:
-    clauses = [one for one in phrases if re.match(r"(?:while|as|when|it|night) ", one)]
-    rest = " ".join(one for one in phrases if one not in clauses)
-    return ", ".join(part for part in (*clauses, rest) if part)
-
-
-def _cap(text: str) -> str:
-    return text[0].upper() + text[1:]
 
 
 def _misfit(phrase: str, missing: int, said: set[str]) -> float:

@@ -135,14 +135,29 @@ class Brake(LaneTracker):
         return -self.deceleration
 
 
-class ChangeLane(LaneTracker):
+class _Shift(LaneTracker):
+    """Moves sideways on a smooth course; a subclass plans it in `begin`."""
+
+    origin = shift = 0.0
+    distance = 1.0
+
+    def course(self) -> tuple[float, float, float]:
+        """Return the quintic course from the initial offset to the target: straight at both ends."""
+        shift, distance = self.shift, self.distance
+        p = min(max(self.travelled / distance, 0.0), 1.0)
+        rest = 1.0 - p
+        offset = self.origin + shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))
+        slope = shift / distance * 30.0 * p * p * rest * rest
+        bend = shift / (distance * distance) * 60.0 * p * rest * (1.0 - 2.0 * p)
+        return offset, slope, bend
+
+
+class ChangeLane(_Shift):
     """Moves to the centre of the neighbouring lane in about three seconds at constant speed."""
 
     def __init__(self, side: int) -> None:
         super().__init__()
         self.side = side
-        self.origin = self.shift = 0.0
-        self.distance = 1.0
 
     def begin(self, observation: Observation) -> None:
         """Plan the shift; it takes longer on slippery roads."""
@@ -151,19 +166,11 @@ class ChangeLane(LaneTracker):
         self.shift = (self.origin if target is None else target) - self.origin
         self.distance = _stretch(observation, self.shift, seconds=3.0)
 
-    def course(self) -> tuple[float, float, float]:
-        """Return the smooth course from the initial offset to the target."""
-        return _shifted(self.travelled, self.origin, self.shift, self.distance)
 
-
-class PullOver(LaneTracker):
+class PullOver(_Shift):
     """Moves to the roadside and stops there."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.origin = self.shift = 0.0
-        self.distance = 1.0
-        self.deceleration = 2.5
+    deceleration = 2.5
 
     def begin(self, observation: Observation) -> None:
         """Plan the shift, and a braking distance long enough for it."""
@@ -176,10 +183,6 @@ class PullOver(LaneTracker):
         comfortable = min(2.5, 0.5 * observation.friction * GRAVITY)
         room = max(1.15 * self.distance, 0.5 * observation.speed * observation.speed / comfortable)
         self.deceleration = 0.5 * observation.speed * observation.speed / max(room, 1.0)
-
-    def course(self) -> tuple[float, float, float]:
-        """Return the smooth course from the initial offset to the roadside."""
-        return _shifted(self.travelled, self.origin, self.shift, self.distance)
 
     def accelerate(self, observation: Observation) -> float:
         """Return the planned deceleration."""
@@ -242,15 +245,3 @@ def _stretch(now: Observation, shift: float, *, seconds: float, share: float = 0
     grip = min(2.5, share * now.friction * GRAVITY)
     needed = math.sqrt(_PEAK * abs(shift) / grip)
     return max(now.speed * max(seconds, needed), 4.0 * abs(shift), 1.0)
-
-
-def _shifted(
-    travelled: float, origin: float, shift: float, distance: float
-) -> tuple[float, float, float]:
-    """Return offset, slope and second derivative of the quintic course that starts and ends straight."""
-    p = min(max(travelled / distance, 0.0), 1.0)
-    rest = 1.0 - p
-    offset = origin + shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))
-    slope = shift / distance * 30.0 * p * p * rest * rest
-    bend = shift / (distance * distance) * 60.0 * p * rest * (1.0 - 2.0 * p)
-    return offset, slope, bend

@@ -4,9 +4,9 @@ The motion itself is in `oodscen.driving._motion.behaviour_kernels`, one branch 
 """
 
 from oodscen.data._catalogue import BehaviourKind, BehaviourParameter, Category
-from oodscen.driving._motion.behaviour_kernels import NAMES
+from oodscen.driving._motion.behaviour_kernels import Code
 
-BEHAVE: dict[str, int] = {name: code for code, name in enumerate(NAMES)}
+BEHAVE: dict[str, Code] = {code.name.lower(): code for code in Code}
 """Codes of the behaviours in the kinematic world, by id."""
 
 MOVES_BEFORE_TRIGGER = frozenset(

@@ -19,32 +19,36 @@ class Box(NamedTuple):
     """Extent across the heading, m."""
 
 
+class Shape(NamedTuple):
+    """The heading and size of a box, as kernels take them."""
+
+    cos: float
+    """Cosine of the heading."""
+    sin: float
+    half_length: float
+    half_width: float
+
+
+@part
 def radius(length: float, width: float) -> float:
     """Return the radius of the circle around a footprint, m."""
     return 0.5 * math.sqrt(length * length + width * width)
 
 
+@part
+def shape(yaw: float, length: float, width: float) -> Shape:
+    """Return the shape of a box with this heading, rad, and size, m."""
+    sine, cosine = sincos(yaw)
+    return Shape(cosine, sine, 0.5 * length, 0.5 * width)
+
+
 def gap(a: Box, b: Box) -> float:
     """Return the distance between two boxes, m; exactly 0 if they touch or overlap."""
-    sin_a, cos_a = sincos(a.yaw)
-    sin_b, cos_b = sincos(b.yaw)
-    dx, dy = b.x - a.x, b.y - a.y
-    return box_gap(dx, dy, cos_a, sin_a, a.length, a.width, cos_b, sin_b, b.length, b.width)
+    return box_gap(b.x - a.x, b.y - a.y, shape(*a[2:]), shape(*b[2:]))
 
 
 @part
-def box_gap(
-    dx: float,
-    dy: float,
-    cos_a: float,
-    sin_a: float,
-    length_a: float,
-    width_a: float,
-    cos_b: float,
-    sin_b: float,
-    length_b: float,
-    width_b: float,
-) -> float:
+def box_gap(dx: float, dy: float, a: Shape, b: Shape) -> float:
     """Return the distance between two boxes, m; the kernel form of `gap`.
 
     Two disjoint convex shapes have a separating axis along one of their edge normals, and their distance
@@ -53,70 +57,48 @@ def box_gap(
     Args:
         dx: x of the second centre relative to the first, m.
         dy: y of the second centre relative to the first, m.
-        cos_a: Cosine of the first box's yaw.
-        sin_a: Sine of the first box's yaw.
-        length_a: Length of the first box, m.
-        width_a: Width of the first box, m.
-        cos_b: Cosine of the second box's yaw.
-        sin_b: Sine of the second box's yaw.
-        length_b: Length of the second box, m.
-        width_b: Width of the second box, m.
+        a: The first box.
+        b: The second box.
     """
-    half_la, half_wa = 0.5 * length_a, 0.5 * width_a
-    half_lb, half_wb = 0.5 * length_b, 0.5 * width_b
-    turn_cos = cos_a * cos_b + sin_a * sin_b
-    turn_sin = cos_a * sin_b - sin_a * cos_b
-    abs_cos, abs_sin = abs(turn_cos), abs(turn_sin)
-    u, v = dx * cos_a + dy * sin_a, dy * cos_a - dx * sin_a
-    p, q = dx * cos_b + dy * sin_b, dy * cos_b - dx * sin_b
+    cos = a.cos * b.cos + a.sin * b.sin
+    sin = a.cos * b.sin - a.sin * b.cos
+    u, v = dx * a.cos + dy * a.sin, dy * a.cos - dx * a.sin
+    p, q = dx * b.cos + dy * b.sin, dy * b.cos - dx * b.sin
     if (
-        abs(u) <= half_la + half_lb * abs_cos + half_wb * abs_sin
-        and abs(v) <= half_wa + half_lb * abs_sin + half_wb * abs_cos
-        and abs(p) <= half_lb + half_la * abs_cos + half_wa * abs_sin
-        and abs(q) <= half_wb + half_la * abs_sin + half_wa * abs_cos
+        abs(u) <= a.half_length + b.half_length * abs(cos) + b.half_width * abs(sin)
+        and abs(v) <= a.half_width + b.half_length * abs(sin) + b.half_width * abs(cos)
+        and abs(p) <= b.half_length + a.half_length * abs(cos) + a.half_width * abs(sin)
+        and abs(q) <= b.half_width + a.half_length * abs(sin) + a.half_width * abs(cos)
     ):
         return 0.0
     nearest = min(
-        _corners_to_box(u, v, turn_cos, turn_sin, half_lb, half_wb, half_la, half_wa),
-        _corners_to_box(-p, -q, turn_cos, -turn_sin, half_la, half_wa, half_lb, half_wb),
+        _corners_to_box(u, v, Shape(cos, sin, b.half_length, b.half_width), a),
+        _corners_to_box(-p, -q, Shape(cos, -sin, a.half_length, a.half_width), b),
     )
     return math.sqrt(nearest)
 
 
 @part
-def _corners_to_box(
-    u: float,
-    v: float,
-    cos: float,
-    sin: float,
-    half_length: float,
-    half_width: float,
-    half_u: float,
-    half_v: float,
-) -> float:
-    """Return the least squared distance from a box's corners to an axis-aligned box at the origin.
+def _corners_to_box(u: float, v: float, box: Shape, origin: Shape) -> float:
+    """Return the least squared distance from a box's corners to another box, in that one's axes.
 
     Args:
         u: First coordinate of the centre of the box with the corners.
         v: Second coordinate of that centre.
-        cos: Cosine of its heading.
-        sin: Sine of its heading.
-        half_length: Half of its length.
-        half_width: Half of its width.
-        half_u: Half extent of the box at the origin along the first axis.
-        half_v: Half extent of the box at the origin along the second axis.
+        box: The box with the corners, its heading relative to the other.
+        origin: The box at the origin, along the axes.
     """
     least = math.inf
-    lu, lv = half_length * cos, half_length * sin
-    wu, wv = -half_width * sin, half_width * cos
+    lu, lv = box.half_length * box.cos, box.half_length * box.sin
+    wu, wv = -box.half_width * box.sin, box.half_width * box.cos
     for cu, cv in (
         (u + lu + wu, v + lv + wv),
         (u + lu - wu, v + lv - wv),
         (u - lu + wu, v - lv + wv),
         (u - lu - wu, v - lv - wv),
     ):
-        du = abs(cu) - half_u
-        dv = abs(cv) - half_v
+        du = abs(cu) - origin.half_length
+        dv = abs(cv) - origin.half_width
         square = (du * du if du > 0.0 else 0.0) + (dv * dv if dv > 0.0 else 0.0)
         if square < least:
             least = square

@@ -1,28 +1,12 @@
-"""Car following and lane keeping: the building blocks of behaviours."""
+"""Car following and lane keeping: the building blocks of behaviours.
+
+Every kernel takes the world `w` and the row `i` of the actor that moves or looks.
+"""
 
 import math
 
-from oodscen.driving._motion.bodies import (
-    DIRECTION,
-    GOAL,
-    GRAVITY,
-    HEADING,
-    IS_LIT,
-    IS_PASSABLE,
-    LANE,
-    OFFSET,
-    PATH_ACROSS,
-    PATH_ALONG,
-    PATH_S,
-    PATH_SPEED,
-    PATH_T,
-    SPEED,
-    TARGET,
-    TRIGGERED,
-    S,
-    Situation,
-    T,
-)
+from oodscen.driving._motion import columns as col
+from oodscen.driving._motion.bodies import GRAVITY, Situation
 from oodscen.driving._roads.track import bend, centre, curvature
 from oodscen.numerics._exact import PI, atan2, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import part
@@ -57,20 +41,20 @@ def grip(w: Situation) -> float:
 @part
 def move(w: Situation, i: int, distance: float) -> None:
     """Move along the actor's own heading relative to the road."""
-    s, t = w.state[i, S], w.state[i, T]
+    s, t = w.state[i, col.S], w.state[i, col.T]
     stretch = max(0.2, 1.0 - bend(w.track, s) * t)
-    sine, cosine = sincos(w.state[i, HEADING])
-    w.state[i, S] = quantised(s + distance * cosine / stretch)
-    w.state[i, T] = quantised(t + distance * sine)
+    sine, cosine = sincos(w.state[i, col.HEADING])
+    w.state[i, col.S] = quantised(s + distance * cosine / stretch)
+    w.state[i, col.T] = quantised(t + distance * sine)
 
 
 @part
 def speed_up(w: Situation, i: int, acceleration: float, target: float) -> float:
     """Accelerate towards a speed within the grip, and return the distance covered, m."""
-    before = w.state[i, SPEED]
+    before = w.state[i, col.SPEED]
     step = min(acceleration, grip(w)) * w.dt
     after = min(target, before + step) if target > before else max(target, before - step)
-    w.state[i, SPEED] = quantised(after)
+    w.state[i, col.SPEED] = quantised(after)
     return 0.5 * (before + after) * w.dt
 
 
@@ -80,43 +64,39 @@ def accelerate(w: Situation, i: int, acceleration: float) -> float:
 
     Grip that a curve uses is not available for braking or accelerating.
     """
-    before = w.state[i, SPEED]
-    across = before * before * curvature(w.track, w.state[i, S], w.state[i, T])
+    before = w.state[i, col.SPEED]
+    across = before * before * curvature(w.track, w.state[i, col.S], w.state[i, col.T])
     total = grip(w)
     left = math.sqrt(max(0.04 * total * total, total * total - across * across))
     after = max(0.0, before + min(max(acceleration, -left), left) * w.dt)
-    w.state[i, SPEED] = quantised(after)
+    w.state[i, col.SPEED] = quantised(after)
     return 0.5 * (before + after) * w.dt
 
 
 @part
 def keep_lane(w: Situation, i: int, distance: float, blend: float, shift: float) -> None:
-    """Move along the lane.
+    """Move along the lane by a distance, m, with an additional offset to the left, m.
 
-    Args:
-        w: The world.
-        i: The actor's row.
-        distance: Distance covered in this step, m.
-        blend: 0 in its own lane, 1 in its target lane.
-        shift: Additional offset to the left, m.
+    `blend` is 0 in its own lane and 1 in its target lane.
     """
-    state, direction = w.state, w.codes[i, DIRECTION]
-    s, t, heading = state[i, S], state[i, T], state[i, HEADING]
+    state, direction = w.state, w.codes[i, col.DIRECTION]
+    s, t, heading = state[i, col.S], state[i, col.T], state[i, col.HEADING]
     stretch = max(0.2, 1.0 - bend(w.track, s) * t)
     along = distance * abs(cos(heading))
     s = quantised(s + direction * along / stretch)
-    state[i, S] = s
-    wanted = (centre(w.track, w.codes[i, LANE], s) + w.traits[i, OFFSET]) * (1.0 - blend) + shift
+    state[i, col.S] = s
+    own = centre(w.track, w.codes[i, col.LANE], s) + w.traits[i, col.OFFSET]
+    wanted = own * (1.0 - blend) + shift
     if blend > 0.0:
-        wanted += centre(w.track, w.codes[i, TARGET], s) * blend
+        wanted += centre(w.track, w.codes[i, col.TARGET], s) * blend
     limit = _MAX_SLOPE * distance
     aside = min(max(wanted - t, -limit), limit)
-    state[i, T] = quantised(t + aside)
+    state[i, col.T] = quantised(t + aside)
     if distance > 1e-3:
         aim = atan2(aside, direction * along)
         most = _MAX_TURN * w.dt
         error = wrapped(aim - heading)
-        state[i, HEADING] = quantised(wrapped(heading + min(max(error, -most), most)))
+        state[i, col.HEADING] = quantised(wrapped(heading + min(max(error, -most), most)))
 
 
 @part
@@ -135,7 +115,7 @@ def sideways(w: Situation, shift: float, duration: float) -> float:
 @part
 def since(w: Situation, i: int, time: float) -> float:
     """Return the time since the trigger fired, s; negative before."""
-    return time - w.state[i, TRIGGERED] if w.state[i, TRIGGERED] >= 0.0 else -1.0
+    return time - w.state[i, col.TRIGGERED] if w.state[i, col.TRIGGERED] >= 0.0 else -1.0
 
 
 # ------------------------------------------------------------------ attention
@@ -147,25 +127,21 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
 
     The gap is infinite if nothing is ahead or nothing is visible: no driver sees beyond the visual range
     of fog, rain and snow, and at night bodies without lamps are visible only in the headlamp beam.
-
-    Args:
-        w: The world, at the beginning of the step.
-        i: The actor's row.
-        slowest: Bodies that move away more slowly than this are ignored, m/s.
+    Bodies that move away more slowly than `slowest`, m/s, are ignored.
     """
-    paths, direction = w.paths, w.codes[i, DIRECTION]
-    s, t = paths[i, PATH_S], paths[i, PATH_T]
+    paths, direction = w.paths, w.codes[i, col.DIRECTION]
+    s, t = paths[i, col.PATH_S], paths[i, col.PATH_T]
     best, away = math.inf, 0.0
     for j in range(paths.shape[0]):
-        ahead = (paths[j, PATH_S] - s) * direction
-        if ahead <= 0.0 or j == i or w.codes[j, IS_PASSABLE] == 1:
+        ahead = (paths[j, col.PATH_S] - s) * direction
+        if ahead <= 0.0 or j == i or w.codes[j, col.IS_PASSABLE] == 1:
             continue
-        room = paths[j, PATH_ACROSS] + paths[i, PATH_ACROSS] + _CLEARANCE
-        if abs(paths[j, PATH_T] - t) >= room:
+        room = paths[j, col.PATH_ACROSS] + paths[i, col.PATH_ACROSS] + _CLEARANCE
+        if abs(paths[j, col.PATH_T] - t) >= room:
             continue
-        gap = ahead - paths[j, PATH_ALONG] - paths[i, PATH_ALONG]
-        speed = paths[j, PATH_SPEED] * direction
-        reach = w.visual_range if w.codes[j, IS_LIT] == 1 else w.headlamp_range
+        gap = ahead - paths[j, col.PATH_ALONG] - paths[i, col.PATH_ALONG]
+        speed = paths[j, col.PATH_SPEED] * direction
+        reach = w.visual_range if w.codes[j, col.IS_LIT] == 1 else w.headlamp_range
         if gap < best and gap <= reach and speed >= slowest:
             best, away = gap, speed
     return best, away
@@ -173,22 +149,16 @@ def free_road(w: Situation, i: int, slowest: float) -> tuple[float, float]:
 
 @part
 def curve_speed(w: Situation, i: int, grip: float) -> float:
-    """Return the highest current speed that still allows for the curves ahead, m/s.
-
-    Args:
-        w: The world.
-        i: The driver's row.
-        grip: Maximum acceleration from the tyres, m/s^2.
-    """
+    """Return the highest current speed that still allows for the curves ahead at a grip, m/s^2."""
     along = _COMFORT * grip
     braking = min(_COMFORTABLE, 0.5 * grip)
-    speed, rows, step = w.state[i, SPEED], w.track.samples, w.track.step
-    s, t = w.state[i, S], w.state[i, T]
+    speed, rows, step = w.state[i, col.SPEED], w.track.samples, w.track.step
+    s, t = w.state[i, col.S], w.state[i, col.T]
     reach = 0.5 * speed * speed / braking + 10.0
     square, last = 1e6, rows.shape[0] - 1
     for k in range(_SAMPLES):
         ahead = reach * k / (_SAMPLES - 1.0)
-        place = (s + w.codes[i, DIRECTION] * ahead) / step
+        place = (s + w.codes[i, col.DIRECTION] * ahead) / step
         turn = rows[min(max(int(place + 0.5), 0), last), 5]
         if abs(turn) > 1e-5:
             turn = abs(turn / max(0.2, 1.0 - turn * t))
@@ -205,7 +175,7 @@ def attentive(w: Situation, i: int, desired: float, headway: float, slowest: flo
     most, comfortable = _MOST, min(_COMFORTABLE, 0.5 * grip(w))
     if desired <= 0.0:
         return -comfortable
-    speed = w.state[i, SPEED]
+    speed = w.state[i, col.SPEED]
     gap, leader = free_road(w, i, slowest)
     ratio = speed / desired
     acceleration = most * (1.0 - ratio * ratio * ratio * ratio)
@@ -224,21 +194,20 @@ def attentive(w: Situation, i: int, desired: float, headway: float, slowest: flo
 @part
 def desired_speed(w: Situation, i: int) -> float:
     """Return the behaviour's speed, or less if the curves ahead require it, m/s."""
-    return min(w.traits[i, GOAL], curve_speed(w, i, grip(w)))
-
-
-@part
-def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
-    """Drive in the lane at the behaviour's speed, reacting to traffic ahead."""
-    acceleration = attentive(w, i, desired_speed(w, i), _HEADWAY, -math.inf)
-    keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
+    return min(w.traits[i, col.GOAL], curve_speed(w, i, grip(w)))
 
 
 @part
 def hurry(w: Situation, i: int, blend: float, shift: float, headway: float, slowest: float) -> None:
-    """Drive like `cruise`, but less attentively."""
+    """Drive in the lane at the behaviour's speed, reacting to traffic ahead."""
     acceleration = attentive(w, i, desired_speed(w, i), headway, slowest)
     keep_lane(w, i, accelerate(w, i, acceleration), blend, shift)
+
+
+@part
+def cruise(w: Situation, i: int, blend: float, shift: float) -> None:
+    """Drive like `hurry`, with full attention."""
+    hurry(w, i, blend, shift, _HEADWAY, -math.inf)
 
 
 @part

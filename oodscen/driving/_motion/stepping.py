@@ -2,35 +2,10 @@
 
 import math
 
+from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
-from oodscen.driving._motion.bodies import (
-    ACCELERATION,
-    GRAVITY,
-    HEADING,
-    HEIGHT,
-    IS_PASSABLE,
-    LENGTH,
-    LIFT,
-    MEASURED,
-    PATH_ACROSS,
-    PATH_ALONG,
-    PATH_S,
-    PATH_SPEED,
-    PATH_T,
-    SPEED,
-    TRIGGER,
-    TRIGGERED,
-    VALUE,
-    WIDTH,
-    YAW,
-    S,
-    Situation,
-    T,
-    X,
-    Y,
-    drive_ego,
-)
-from oodscen.driving._motion.boxes import box_gap
+from oodscen.driving._motion.bodies import GRAVITY, Situation, drive_ego
+from oodscen.driving._motion.boxes import box_gap, radius, shape
 from oodscen.driving._motion.car_following import curve_speed
 from oodscen.driving._motion.triggers import TIME, fires
 from oodscen.driving._roads.track import (
@@ -68,9 +43,9 @@ def advance(w: Situation, count: int, acceleration: float, steering: float) -> N
     """
     time = quantised(count * w.dt)
     see_paths(w)
-    before = w.state[0, SPEED]
+    before = w.state[0, col.SPEED]
     drive_ego(w, acceleration, steering)
-    w.state[0, ACCELERATION] = quantised((w.state[0, SPEED] - before) / w.dt)
+    w.state[0, col.ACCELERATION] = quantised((w.state[0, col.SPEED] - before) / w.dt)
     stand_in_world(w, 0)
     for k in range(w.order.shape[0]):
         act(w, w.order[k], time)
@@ -82,12 +57,12 @@ def see_paths(w: Situation) -> None:
     """Record all positions and speeds for the other bodies to see."""
     state, paths = w.state, w.paths
     for i in range(state.shape[0]):
-        sine, cosine = sincos(state[i, HEADING])
-        length, width = w.traits[i, LENGTH], w.traits[i, WIDTH]
-        paths[i, PATH_S], paths[i, PATH_T] = state[i, S], state[i, T]
-        paths[i, PATH_SPEED] = state[i, SPEED] * cosine
-        paths[i, PATH_ALONG] = 0.5 * (length * abs(cosine) + width * abs(sine))
-        paths[i, PATH_ACROSS] = 0.5 * (length * abs(sine) + width * abs(cosine))
+        sine, cosine = sincos(state[i, col.HEADING])
+        length, width = w.traits[i, col.LENGTH], w.traits[i, col.WIDTH]
+        paths[i, col.PATH_S], paths[i, col.PATH_T] = state[i, col.S], state[i, col.T]
+        paths[i, col.PATH_SPEED] = state[i, col.SPEED] * cosine
+        paths[i, col.PATH_ALONG] = 0.5 * (length * abs(cosine) + width * abs(sine))
+        paths[i, col.PATH_ACROSS] = 0.5 * (length * abs(sine) + width * abs(cosine))
 
 
 @part
@@ -100,9 +75,9 @@ def is_pulled(w: Situation, code: int, value: float, row: int, time: float) -> b
         code,
         value,
         time,
-        state[row, S] - state[0, S],
-        state[0, SPEED] * alignment(w.track, state[0, S], state[0, YAW]),
-        state[row, SPEED] * alignment(w.track, state[row, S], state[row, YAW]),
+        state[row, col.S] - state[0, col.S],
+        state[0, col.SPEED] * alignment(w.track, state[0, col.S], state[0, col.YAW]),
+        state[row, col.SPEED] * alignment(w.track, state[row, col.S], state[row, col.YAW]),
     )
 
 
@@ -110,10 +85,10 @@ def is_pulled(w: Situation, code: int, value: float, row: int, time: float) -> b
 def pull_triggers(w: Situation, time: float) -> None:
     """Record the time at which each actor's trigger first fires."""
     for i in range(1, w.state.shape[0]):
-        if w.state[i, TRIGGERED] < 0.0 and is_pulled(
-            w, w.codes[i, TRIGGER], w.traits[i, VALUE], w.codes[i, MEASURED], time
+        if w.state[i, col.TRIGGERED] < 0.0 and is_pulled(
+            w, w.codes[i, col.TRIGGER], w.traits[i, col.VALUE], w.codes[i, col.MEASURED], time
         ):
-            w.state[i, TRIGGERED] = time
+            w.state[i, col.TRIGGERED] = time
 
 
 @Kernel
@@ -128,59 +103,47 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
         places: [n, 2] s, t.
     """
     state, traits = w.state, w.traits
-    x, y, yaw = state[0, X], state[0, Y], state[0, YAW]
-    sine, cosine = sincos(yaw)
-    length, width = traits[0, LENGTH], traits[0, WIDTH]
-    own = 0.5 * math.sqrt(length * length + width * width)
+    x, y, yaw = state[0, col.X], state[0, col.Y], state[0, col.YAW]
+    ego = shape(yaw, traits[0, col.LENGTH], traits[0, col.WIDTH])
+    own = radius(traits[0, col.LENGTH], traits[0, col.WIDTH])
     for i in range(state.shape[0]):
-        _, _, z, _, _ = point(w.track, state[i, S], state[i, T])
-        poses[i, 0], poses[i, 1], poses[i, 3] = state[i, X], state[i, Y], state[i, YAW]
-        poses[i, 2] = quantised(z + state[i, LIFT])
-        rows[0, i], rows[1, i] = state[i, SPEED], state[i, ACCELERATION]
-        places[i, 0], places[i, 1] = state[i, S], state[i, T]
+        _, _, z, _, _ = point(w.track, state[i, col.S], state[i, col.T])
+        poses[i, 0], poses[i, 1], poses[i, 3] = state[i, col.X], state[i, col.Y], state[i, col.YAW]
+        poses[i, 2] = quantised(z + state[i, col.LIFT])
+        rows[0, i], rows[1, i] = state[i, col.SPEED], state[i, col.ACCELERATION]
+        places[i, 0], places[i, 1] = state[i, col.S], state[i, col.T]
         rows[2, i] = rows[3, i] = math.inf
         if i == 0:
             continue
-        reach = 0.5 * math.sqrt(
-            traits[i, LENGTH] * traits[i, LENGTH] + traits[i, WIDTH] * traits[i, WIDTH]
-        )
-        dx, dy = state[i, X] - x, state[i, Y] - y
-        apart = math.sqrt(dx * dx + dy * dy) - own - reach
+        length, width = traits[i, col.LENGTH], traits[i, col.WIDTH]
+        dx, dy = state[i, col.X] - x, state[i, col.Y] - y
+        apart = math.sqrt(dx * dx + dy * dy) - own - radius(length, width)
         rows[3, i] = apart
-        if apart <= FAR_M and w.codes[i, IS_PASSABLE] == 0:
-            other_sine, other_cosine = sincos(state[i, YAW])
-            level = box_gap(
-                dx, dy, cosine, sine, length, width,
-                other_cosine, other_sine, traits[i, LENGTH], traits[i, WIDTH],
-            )  # fmt: skip
+        if apart <= FAR_M and w.codes[i, col.IS_PASSABLE] == 0:
+            level = box_gap(dx, dy, ego, shape(state[i, col.YAW], length, width))
             # Heights are relative to the road under both bodies: boxes do not pitch on a slope.
-            above = max(0.0, state[i, LIFT] - traits[0, HEIGHT])
+            above = max(0.0, state[i, col.LIFT] - traits[0, col.HEIGHT])
             rows[2, i] = quantised(math.sqrt(level * level + above * above))
-    return is_off_road(w, sine, cosine)
+    return is_off_road(w)
 
 
 @part
-def is_off_road(w: Situation, sine: float, cosine: float) -> bool:
-    """Return whether any part of the ego's footprint is beside the drivable road.
-
-    Args:
-        w: The world.
-        sine: Sine of the ego's yaw.
-        cosine: Cosine of the ego's yaw.
-    """
-    track, s, t = w.track, w.state[0, S], w.state[0, T]
-    length, width = w.traits[0, LENGTH], w.traits[0, WIDTH]
-    across, along = sincos(w.state[0, HEADING])
+def is_off_road(w: Situation) -> bool:
+    """Return whether any part of the ego's footprint is beside the drivable road."""
+    track, s, t = w.track, w.state[0, col.S], w.state[0, col.T]
+    length, width = w.traits[0, col.LENGTH], w.traits[0, col.WIDTH]
+    across, along = sincos(w.state[0, col.HEADING])
     reach = 0.5 * (length * abs(across) + width * abs(along)) + 0.1
     if abs(bend(track, s)) < 0.02 and is_drivable(track, s, t - reach, t + reach):
         return False
+    sine, cosine = sincos(w.state[0, col.YAW])
     low, high = math.inf, -math.inf
     for sweep in range(2):
         for corner in range(4):
             u = 0.5 * length if corner < 2 else -0.5 * length
             v = 0.5 * width if corner % 2 == 0 else -0.5 * width
-            x = w.state[0, X] + u * cosine - v * sine
-            y = w.state[0, Y] + u * sine + v * cosine
+            x = w.state[0, col.X] + u * cosine - v * sine
+            y = w.state[0, col.Y] + u * sine + v * cosine
             there, offset = locate(track, x, y, s)
             if sweep == 0:
                 low, high = min(low, offset), max(high, offset)
@@ -201,7 +164,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
         Offset, heading error, curvature ahead, offsets of the lanes to the left and right
         (infinite if there is none) and of the roadside, and the speed that the curves ahead allow.
     """
-    track, s, t = w.track, w.state[0, S], w.state[0, T]
+    track, s, t = w.track, w.state[0, col.S], w.state[0, col.T]
     middle = centre(track, lane, s)
     here = lane
     for k in range(track.driving.shape[0]):
@@ -213,10 +176,10 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
     _, _, _, cosine, sine = point(track, s, 0.0)
     stretch = max(0.2, 1.0 - bend(track, s) * t)
     slope, _ = lane_course(w, lane, s)
-    preview = s + max(1.0, 0.2 * w.state[0, SPEED])
+    preview = s + max(1.0, 0.2 * w.state[0, col.SPEED])
     _, turn = lane_course(w, lane, preview)
     # The room needed to stop, as `PullOver` plans it.
-    speed = w.state[0, SPEED]
+    speed = w.state[0, col.SPEED]
     braking = min(2.5, 0.5 * w.friction * GRAVITY)
     reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
     roadside = -math.inf
@@ -225,7 +188,7 @@ def look(w: Situation, lane: int) -> tuple[float, float, float, float, float, fl
         roadside = max(roadside, place)
     return (
         t - middle,
-        wrapped(w.state[0, YAW] - atan2(sine, cosine) - atan2(slope, stretch)),
+        wrapped(w.state[0, col.YAW] - atan2(sine, cosine) - atan2(slope, stretch)),
         curvature(track, preview, t) + turn / (stretch * stretch),
         math.inf if beside_left < 0 else centre(track, beside_left, s) - middle,
         -math.inf if beside_right < 0 else centre(track, beside_right, s) - middle,
@@ -252,5 +215,5 @@ def roadside_at(w: Situation, lane: int, s: float) -> float:
     edge, _ = edges(track, outer, s)
     is_road, low, _ = drivable_range(track, s, centre(track, outer, s))
     verge = low if is_road else edge
-    half = 0.5 * w.traits[0, WIDTH]
+    half = 0.5 * w.traits[0, col.WIDTH]
     return max(edge - half - 0.2, verge + half + 0.25) - centre(track, lane, s)

@@ -14,7 +14,16 @@ CODES = {"time": TIME, "distance": DISTANCE, "ttc": TTC}
 def fires(
     code: int, value: float, time: float, ahead: float, ego_speed: float, actor_speed: float
 ) -> bool:
-    """Return whether a trigger's condition holds; the kernel form of `is_reached`."""
+    """Return whether a trigger's condition holds.
+
+    Args:
+        code: One of `CODES`.
+        value: Threshold, s or m.
+        time: Time since the start, s.
+        ahead: Distance from the ego's centre to the actor's along the road, m; negative if behind.
+        ego_speed: The ego's speed along the road, m/s.
+        actor_speed: The actor's speed along the road, m/s; negative if it drives against the ego's direction.
+    """
     if code == TIME:
         return time >= value - 1e-9
     distance = abs(ahead)
@@ -22,22 +31,6 @@ def fires(
         return distance <= value
     closing = ego_speed - actor_speed if ahead > 0.0 else actor_speed - ego_speed
     return distance <= max(0.0, value * closing)
-
-
-def is_reached(
-    kind: str, value: float, *, time: float, ahead: float, ego_speed: float, actor_speed: float
-) -> bool:
-    """Return whether a trigger's condition holds.
-
-    Args:
-        kind: `time`, `distance` or `ttc`.
-        value: Threshold, s or m.
-        time: Time since the start, s.
-        ahead: Distance from the ego's centre to the actor's along the road, m; negative if behind.
-        ego_speed: The ego's speed along the road, m/s.
-        actor_speed: The actor's speed along the road, m/s; negative if it drives against the ego's direction.
-    """
-    return fires(CODES[kind], value, time, ahead, ego_speed, actor_speed)
 
 
 def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor) -> bool:
@@ -61,11 +54,5 @@ def is_due(trigger: Trigger, owner: str | None, state: State, corridor: Corridor
         s = corridor.locate(x, y)[0] if state.places is None else float(state.places[index, 0])
         places.append((s, float(state.speeds[index]) * corridor.alignment(s, yaw)))
     (ego_s, ego_speed), (actor_s, actor_speed) = places
-    return is_reached(
-        trigger.kind,
-        trigger.value,
-        time=state.time,
-        ahead=actor_s - ego_s,
-        ego_speed=ego_speed,
-        actor_speed=actor_speed,
-    )
+    code = CODES[trigger.kind]
+    return fires(code, trigger.value, state.time, actor_s - ego_s, ego_speed, actor_speed)

@@ -10,15 +10,8 @@ from numpy.typing import NDArray
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene, Trigger
-from oodscen.driving._motion import bodies as table
-from oodscen.driving._motion.behaviour_kernels import (
-    FALL,
-    OPEN_DOOR,
-    RUN_RED,
-    TOWED,
-    stand_in_world,
-    stand_on_road,
-)
+from oodscen.driving._motion import columns as col
+from oodscen.driving._motion.behaviour_kernels import Code, stand_in_world, stand_on_road
 from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.car_following import curve_speed, free_road, grip
@@ -130,18 +123,17 @@ class KinematicWorld:
         self.visual_range = quantised(visual_range(scene.weather))
         self.step_count = 0
         self.lane = ego_strip(corridor, scene.ego.lane)
-        self.ids = ("ego", *(actor.id for actor in scene.actors))
+        self._bodies = catalogue.bodies(scene)
+        self.ids = tuple(name for name, _, _ in self._bodies)
         """`ego`, then the actors in the scene's order."""
         self._rows = {name: row for row, name in enumerate(self.ids)}
-        assets = {asset.id: asset for asset in catalogue.assets}
         kinds = {kind.id: kind for kind in catalogue.behaviours}
-        self._assets = [catalogue.ego, *(assets[actor.asset] for actor in scene.actors)]
-        self.sizes = [(asset.length, asset.width) for asset in self._assets]
+        self.sizes = [(asset.length, asset.width) for _, asset, _ in self._bodies]
         """Length and width of every body, rows as in `ids`."""
         count = len(self.ids)
-        self._state = np.zeros((count, table.STATE_WIDTH))
-        self._traits = np.zeros((count, table.TRAITS_WIDTH))
-        self._codes = np.zeros((count, table.CODES_WIDTH), dtype=np.int64)
+        self._state = np.zeros((count, col.STATE_WIDTH))
+        self._traits = np.zeros((count, col.TRAITS_WIDTH))
+        self._codes = np.zeros((count, col.CODES_WIDTH), dtype=np.int64)
         order = self._order(scene)
         is_dark = scene.weather.sun_elevation_deg < NIGHT_DEG
         self._situation = Situation(
@@ -149,15 +141,15 @@ class KinematicWorld:
             state=seen(self._state),
             traits=seen(self._traits),
             codes=seen(self._codes),
-            paths=seen(np.zeros((count, table.PATHS_WIDTH))),
+            paths=seen(np.zeros((count, col.PATHS_WIDTH))),
             order=seen(np.array(order, dtype=np.int64)),
             dt=dt,
             friction=self.friction,
             visual_range=self.visual_range,
             headlamp_range=min(self.visual_range, HEADLAMPS_M) if is_dark else self.visual_range,
         )
-        self._traits[:, : table.WIDTH + 1] = self.sizes
-        self._traits[:, table.HEIGHT] = [asset.height for asset in self._assets]
+        self._traits[:, : col.WIDTH + 1] = self.sizes
+        self._traits[:, col.HEIGHT] = [asset.height for _, asset, _ in self._bodies]
         self._place_ego(scene.ego.speed)
         for row, actor in enumerate(scene.actors, start=1):
             kind = kinds[actor.behaviour.name]
@@ -177,11 +169,7 @@ class KinematicWorld:
 
     def bodies(self) -> list[tuple[str, Asset, str]]:
         """Return id, asset and state of every body, rows as in `ids`."""
-        states = ["", *(actor.state for actor in self.scene.actors)]
-        return [
-            (name, asset, state or (asset.states[0] if asset.states else ""))
-            for name, asset, state in zip(self.ids, self._assets, states, strict=True)
-        ]
+        return list(self._bodies)
 
     def publish(self) -> Published:
         """Return the data of a simulator's state."""
@@ -196,19 +184,15 @@ class KinematicWorld:
 
     def speeds(self) -> NDArray[np.float64]:
         """Return every body's speed along the heading, m/s: [n], rows as in `ids`."""
-        return self._state[:, table.SPEED].copy()
+        return self._state[:, col.SPEED].copy()
 
     def accelerations(self) -> NDArray[np.float64]:
         """Return every body's acceleration along the heading over the last step, m/s^2: [n]."""
-        return self._state[:, table.ACCELERATION].copy()
-
-    def places(self) -> NDArray[np.float64]:
-        """Return every body's s and t on the corridor, m: [n, 2], rows as in `ids`."""
-        return self._state[:, table.S : table.T + 1].copy()
+        return self._state[:, col.ACCELERATION].copy()
 
     def motion(self, body: str) -> Motion:
         """Return the motion of one body by its id."""
-        return Motion(*self._state[self._rows[body], : table.TRIGGERED + 1].tolist())
+        return Motion(*self._state[self._rows[body], : col.TRIGGERED + 1].tolist())
 
     @property
     def ego(self) -> Motion:
@@ -218,14 +202,14 @@ class KinematicWorld:
     def lanes(self, body: str) -> tuple[int, int]:
         """Return the strip where an actor is placed, and the strip that it may move to."""
         row = self._rows[body]
-        return int(self._codes[row, table.LANE]), int(self._codes[row, table.TARGET])
+        return int(self._codes[row, col.LANE]), int(self._codes[row, col.TARGET])
 
     def observe(self) -> Observation:
         """Return the ego driver's observation."""
         offset, askew, curvature, left, right, roadside, fastest = look(self._situation, self.lane)
         return Observation(
             self.time,
-            float(self._state[0, table.SPEED]),
+            float(self._state[0, col.SPEED]),
             offset,
             askew,
             curvature,
@@ -302,10 +286,10 @@ class KinematicWorld:
 
     def _place_ego(self, speed: float) -> None:
         state, start = self._state[0], self.corridor.start
-        state[table.S], state[table.T] = start, self.corridor.centre(self.lane, start)
-        state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
-        self._codes[0, table.OTHER], self._codes[0, table.DIRECTION] = -1, 1
-        self._codes[0, table.IS_LIT] = 1
+        state[col.S], state[col.T] = start, self.corridor.centre(self.lane, start)
+        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
+        self._codes[0, col.OTHER], self._codes[0, col.DIRECTION] = -1, 1
+        self._codes[0, col.IS_LIT] = 1
         stand_on_road(self._situation, 0)
         stand_in_world(self._situation, 0)
 
@@ -323,13 +307,13 @@ class KinematicWorld:
         heading = quantised(wrapped(heading))
         s = quantised(road.start + place.ahead_m)
         t = quantised(road.centre(lane, s) + place.offset_m)
-        asset, trigger = self._assets[row], actor.behaviour.trigger
+        asset, trigger = self._bodies[row][1], actor.behaviour.trigger
         phase = 0.0
         if name in _BY_CHANCE:
             phase = float(stream(seed, "actor", actor.id).uniform(0.0, TAU))
         code = BEHAVE[name]
         owner = actor.behaviour.other
-        if code in (FALL, TOWED, OPEN_DOOR) and owner is None:
+        if code in (Code.FALL, Code.TOWED, Code.OPEN_DOOR) and owner is None:
             raise ValueError(f"{actor.id!r} needs another actor to do {name!r}")
         self._codes[row] = [
             code,
@@ -343,42 +327,42 @@ class KinematicWorld:
             asset.category in _LIT,
         ]
         traits, state = self._traits[row], self._state[row]
-        traits[table.OFFSET], traits[table.PHASE] = place.offset_m, phase
-        traits[table.VALUE] = trigger.value
-        traits[table.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
-        traits[table.HOME_S], traits[table.HOME_T] = s, t
-        traits[table.FIRST :] = [parameters.get(name, 0.0) for name in table.PARAMETERS]
+        traits[col.OFFSET], traits[col.PHASE] = place.offset_m, phase
+        traits[col.VALUE] = trigger.value
+        traits[col.QUICKNESS] = QUICKNESS.get(asset.category, 2.5)
+        traits[col.HOME_S], traits[col.HOME_T] = s, t
+        traits[col.FIRST :] = [parameters.get(name, 0.0) for name in col.PARAMETERS]
         speed = parameters.get("speed", 0.0) if name in MOVES_BEFORE_TRIGGER else 0.0
-        state[table.S], state[table.T], state[table.HEADING] = s, t, heading
-        state[table.SPEED], state[table.TRIGGERED] = quantised(speed), -1.0
+        state[col.S], state[col.T], state[col.HEADING] = s, t, heading
+        state[col.SPEED], state[col.TRIGGERED] = quantised(speed), -1.0
         stand_on_road(self._situation, row)
-        if speed > 0.0 and code < RUN_RED:
+        if speed > 0.0 and code < Code.RUN_RED:
             fastest = float(curve_speed(self._situation, row, grip(self._situation)))
-            state[table.SPEED] = quantised(min(speed, fastest))
+            state[col.SPEED] = quantised(min(speed, fastest))
 
     def _attach(self, row: int) -> None:
         """Store an actor's pose relative to the body that it belongs to."""
-        code, other = self._codes[row, table.BEHAVIOUR], int(self._codes[row, table.OTHER])
-        if code not in (FALL, TOWED, OPEN_DOOR):
+        code, other = self._codes[row, col.BEHAVIOUR], int(self._codes[row, col.OTHER])
+        if code not in (Code.FALL, Code.TOWED, Code.OPEN_DOOR):
             return
         mine, its = self._state[row].tolist(), self._state[other].tolist()
-        sine, cosine = sincos(its[table.YAW])
-        dx, dy = mine[table.X] - its[table.X], mine[table.Y] - its[table.Y]
+        sine, cosine = sincos(its[col.YAW])
+        dx, dy = mine[col.X] - its[col.X], mine[col.Y] - its[col.Y]
         tail = 0.5 * self.sizes[other][0]
         hitch_x, hitch_y = dx + tail * cosine, dy + tail * sine
         pole = math.sqrt(hitch_x * hitch_x + hitch_y * hitch_y)
-        askew = wrapped(mine[table.YAW] - its[table.YAW])
+        askew = wrapped(mine[col.YAW] - its[col.YAW])
         traits = self._traits[row]
-        traits[table.APART_X] = dx * cosine + dy * sine
-        traits[table.APART_Y] = dy * cosine - dx * sine
-        traits[table.APART_YAW] = askew
-        traits[table.POLE] = max(pole, 0.5 * self.sizes[row][0])
-        state, speed = self._state[row], its[table.SPEED]
-        if code == FALL:
-            state[table.LIFT] = quantised(float(traits[table.DROP]))
-            state[table.MEMORY : table.MEMORY + 2] = speed * cosine, speed * sine
-        if code != OPEN_DOOR:
-            state[table.SPEED] = quantised(speed * cos(askew))
+        traits[col.APART_X] = dx * cosine + dy * sine
+        traits[col.APART_Y] = dy * cosine - dx * sine
+        traits[col.APART_YAW] = askew
+        traits[col.POLE] = max(pole, 0.5 * self.sizes[row][0])
+        state, speed = self._state[row], its[col.SPEED]
+        if code == Code.FALL:
+            state[col.LIFT] = quantised(float(traits[col.DROP]))
+            state[col.MEMORY : col.MEMORY + 2] = speed * cosine, speed * sine
+        if code != Code.OPEN_DOOR:
+            state[col.SPEED] = quantised(speed * cos(askew))
 
 
 def ego_strip(corridor: Corridor, lane: int) -> int:

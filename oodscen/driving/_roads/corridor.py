@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving._roads import track as look
-from oodscen.driving._roads.coverage import REACH_M, Band, Ranges, covered, merged
+from oodscen.driving._roads.coverage import REACH_M, Band, Ranges, covered, extend, merged
+from oodscen.driving._roads.network import StripKind
 from oodscen.driving._roads.track import Track, for_kernels, packed, viewed
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import seen
-
-StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
 
 DRIVABLE: frozenset[str] = frozenset({"driving", "shoulder", "parking"})
 """Kinds of strips that the ego may drive on."""
@@ -349,17 +348,11 @@ class Corridor:
 def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
     """Return the drivable ranges of t at every sample, with touching strips merged."""
     edges = [(s.right.tolist(), s.left.tolist()) for s in strips if s.kind in DRIVABLE]
-    count = len(strips[0].right) if strips else 0
     ranges_of: list[Ranges] = []
-    for sample in range(count):
+    for sample in range(len(strips[0].right) if strips else 0):
         ranges: list[tuple[float, float]] = []
         for right, left in edges:
-            low, high = right[sample], left[sample]
-            if high - low < 1e-6:
-                continue
-            if ranges and low - ranges[-1][1] < 0.01:
-                ranges[-1] = (ranges[-1][0], high)
-            else:
-                ranges.append((low, high))
+            if left[sample] - right[sample] >= 1e-6:
+                extend(ranges, right[sample], left[sample], touch=0.01)
         ranges_of.append(tuple(ranges))
     return ranges_of

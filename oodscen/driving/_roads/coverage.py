@@ -69,12 +69,7 @@ def covered(bands: Iterable[Band], step: float, count: int) -> dict[int, list[tu
     for sample, a, b in zip(
         every[order].tolist(), low[order].tolist(), high[order].tolist(), strict=True
     ):
-        known = ranges.setdefault(sample, [])
-        if known and a - known[-1][1] < _TOUCH:
-            if b > known[-1][1]:
-                known[-1] = (known[-1][0], b)
-        else:
-            known.append((a, b))
+        extend(ranges.setdefault(sample, []), a, b)
     return ranges
 
 
@@ -98,9 +93,15 @@ def merged(own: Sequence[tuple[float, float]], others: Sequence[tuple[float, flo
     """Return the union of two ascending lists of ranges; touching ranges are merged."""
     ranges: list[tuple[float, float]] = []
     for low, high in sorted([*own, *others]):
-        if ranges and low - ranges[-1][1] < _TOUCH:
-            if high > ranges[-1][1]:
-                ranges[-1] = (ranges[-1][0], high)
-        else:
-            ranges.append((low, high))
+        extend(ranges, low, high)
     return tuple(ranges)
+
+
+def extend(
+    ranges: list[tuple[float, float]], low: float, high: float, touch: float = _TOUCH
+) -> None:
+    """Add a range that begins no lower than the last one; ranges that touch are merged."""
+    if ranges and low - ranges[-1][1] < touch:
+        ranges[-1] = (ranges[-1][0], max(high, ranges[-1][1]))
+    else:
+        ranges.append((low, high))

@@ -7,21 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.driving._roads.corridor import LaneStrip, StripKind
+from oodscen.driving._roads.corridor import LaneStrip
 from oodscen.driving._roads.geometry import Cubic, piecewise
-from oodscen.driving._roads.network import Lane, Network
+from oodscen.driving._roads.network import KINDS, Lane, Network, StripKind
 from oodscen.driving._roads.routes import Leg, lane_links, section_links
-
-_KINDS: dict[str, StripKind] = {
-    **dict.fromkeys(("driving", "entry", "exit", "onRamp", "offRamp", "slipLane"), "driving"),
-    **dict.fromkeys(("connectingRamp", "bidirectional", "bus", "taxi", "HOV"), "driving"),
-    **dict.fromkeys(("shoulder", "stop", "biking"), "shoulder"),
-    **dict.fromkeys(("sidewalk", "walking"), "sidewalk"),
-    **dict.fromkeys(("border", "curb", "restricted"), "border"),
-    "parking": "parking",
-    "median": "median",
-}
-"""Kinds of strips by OpenDRIVE lane type; types that are missing here become `none`."""
 
 _BRIDGED = frozenset({"driving", "shoulder", "median"})
 """Kinds of strips that continue through a junction even if its connecting road lacks them."""
@@ -96,7 +85,7 @@ def build_strips(
     ordered = sides[-1][::-1] + sides[1]
     columns = [edges[id(chain)] for chain in ordered]
     wanted = [
-        _drawn_through(right, left, in_junction, _KINDS.get(chain.type, "none"))
+        _drawn_through(right, left, in_junction, KINDS.get(chain.type, "none"))
         for chain, (right, left) in zip(ordered, columns, strict=True)
     ]
     for _, (first, last) in _runs(owner):
@@ -106,7 +95,7 @@ def build_strips(
     for sign in (1, -1):
         marks = _marks(legs, sides[sign], sign, owner, numbers)
         for chain, rows in zip(sides[sign], marks, strict=True):
-            kind = _KINDS.get(chain.type, "none")
+            kind = KINDS.get(chain.type, "none")
             direction = 0
             if kind in ("driving", "shoulder", "parking"):
                 direction = -sign * keeps * (-1 if chain.reversed else 1)

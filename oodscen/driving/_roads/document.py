@@ -1,8 +1,8 @@
 """Parses untrusted XML: no entities, no network, and limits on size, depth and numbers."""
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import NoReturn
+from collections.abc import Iterator
+from typing import Literal, NoReturn
 
 from lxml import etree
 
@@ -26,7 +26,7 @@ class Document:
         self.source = source
         self.issues: list[Issue] = []
 
-    def parse(self, data: bytes) -> etree._Element:
+    def parse(self, data: bytes) -> "Node":
         """Return the root element.
 
         Raises:
@@ -56,7 +56,7 @@ class Document:
         count = sum(1 for _ in root.iter())
         if count > MAX_ELEMENTS:
             self.fail("", f"the file has {count} elements; at most {MAX_ELEMENTS} are read")
-        return root
+        return Node(self, root, "")
 
     def error(self) -> DataError:
         """Return all recorded faults as one error."""
@@ -72,76 +72,102 @@ class Document:
         if len(self.issues) < _MAX_ISSUES:
             self.issues.append(Issue(path, message))
 
+
+class Node:
+    """One element of a file, which records faults at its place."""
+
+    __slots__ = ("document", "element", "path")
+
+    def __init__(self, document: Document, element: etree._Element, path: str) -> None:
+        self.document = document
+        self.element = element
+        self.path = path
+
+    def get(self, name: str, default: str = "", *, longest: int | None = None) -> str:
+        """Return an attribute, cut to a length, or the default."""
+        return self.element.get(name, default)[:longest]
+
+    @property
+    def label(self) -> str:
+        """The element's id, shortened for a message."""
+        return self.get("id", "?", longest=40)
+
+    def fault(self, message: str, at: str = "") -> None:
+        """Record a fault here, or at a place within, such as `@length`."""
+        self.document.add(f"{self.path}{at}", message)
+
     def number(
-        self,
-        element: etree._Element,
-        name: str,
-        path: str,
-        *,
-        default: float | None = None,
-        limit: float = _MAX_NUMBER,
+        self, name: str, *, default: float | None = None, limit: float = _MAX_NUMBER
     ) -> float:
         """Return a finite attribute, or the default after recording a fault."""
         fallback = 0.0 if default is None else default
-        text = element.get(name)
+        text = self.element.get(name)
         if text is None:
             if default is None:
-                self.add(f"{path}@{name}", "is missing")
+                self.fault("is missing", f"@{name}")
             return fallback
         try:
             if len(text) > _MAX_DIGITS:
                 raise ValueError
             value = float(text)
         except ValueError:
-            self.add(f"{path}@{name}", f"{text[:40]!r} is not a number")
+            self.fault(f"{text[:40]!r} is not a number", f"@{name}")
             return fallback
         if not math.isfinite(value) or abs(value) > limit:
-            self.add(f"{path}@{name}", f"{text[:40]} is not within +-{limit:g}")
+            self.fault(f"{text[:40]} is not within +-{limit:g}", f"@{name}")
             return fallback
         return value
 
-    def lane_id(self, text: str | None, path: str) -> int | None:
-        """Return a lane's id; record a fault if it is invalid."""
+    def lane_id(self, name: str = "id") -> int | None:
+        """Return an attribute that is a lane's id; record a fault if it is invalid."""
+        text = self.element.get(name)
         if text is None or not text.strip().lstrip("+-").isascii() or len(text) > 5:
-            self.add(path, "is missing or not a lane id")
+            self.fault("is missing or not a lane id", f"@{name}")
             return None
         try:
             return int(text)
         except ValueError:
-            self.add(path, f"{text!r} is not a lane id")
+            self.fault(f"{text!r} is not a lane id", f"@{name}")
             return None
 
-    def limited(
-        self, elements: Sequence[etree._Element], limit: int, path: str, what: str
-    ) -> Sequence[etree._Element]:
-        """Return the elements up to the limit; record a fault if there are more."""
-        if len(elements) > limit:
-            self.add(path, f"{len(elements)} {what}; at most {limit} are read")
-        return elements[:limit]
+    def at(self, path: str) -> "Node":
+        """Return the same element with another path below its parent's."""
+        return Node(self.document, self.element, path)
 
+    def all(self, *names: str, by: Literal["index", "id", "name"] = "index") -> list["Node"]:
+        """Return the elements at the end of a path of names, in order.
 
-def label(element: etree._Element) -> str:
-    """Return an element's id, shortened for a message."""
-    return element.get("id", "?")[:40]
+        Args:
+            names: Names of elements, from this one's children down.
+            by: What tells the elements apart in messages, besides their name.
+        """
+        found = [self.element]
+        for name in names:
+            found = [child for parent in found for child in parent if name_of(child) == name]
+        path = f"{self.path}/{'/'.join(names)}" if self.path else "/".join(names)
+        nodes = []
+        for index, element in enumerate(found):
+            node = Node(self.document, element, path)
+            if by != "name":
+                node.path = f"{path}[{index if by == 'index' else node.label}]"
+            nodes.append(node)
+        return nodes
+
+    def first(self, *names: str) -> "Node | None":
+        """Return the first element at the end of a path of names, or `None`."""
+        return next(iter(self.all(*names, by="name")), None)
+
+    def limited(self, nodes: list["Node"], limit: int, what: str, at: str = "") -> list["Node"]:
+        """Return the nodes up to the limit; record a fault if there are more."""
+        if len(nodes) > limit:
+            self.fault(f"{len(nodes)} {what}; at most {limit} are read", at)
+        return nodes[:limit]
 
 
 def name_of(element: etree._Element) -> str:
     """Return an element's name without its namespace."""
     tag = element.tag
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""
-
-
-def children(element: etree._Element, *names: str) -> list[etree._Element]:
-    """Return the elements at the end of a path of names, in order."""
-    found = [element]
-    for name in names:
-        found = [child for parent in found for child in parent if name_of(child) == name]
-    return found
-
-
-def child(element: etree._Element, name: str) -> etree._Element | None:
-    """Return the first child with this name, or `None`."""
-    return next((one for one in element if name_of(one) == name), None)
 
 
 def _depth(root: etree._Element) -> int:

@@ -1,8 +1,6 @@
 """Signals, crosswalks, stop lines, tunnels and bridges along a road."""
 
-from lxml import etree
-
-from oodscen.driving._roads.document import Document, children, label
+from oodscen.driving._roads.document import Node
 from oodscen.driving._roads.network import Patch, Signal, Stretch
 from oodscen.numerics._exact import cos, sin
 
@@ -11,71 +9,59 @@ _MAX_THINGS = 5_000
 _MAX_CORNERS = 200
 
 
-def read_signals(document: Document, road: etree._Element, path: str) -> tuple[Signal, ...]:
+def read_signals(road: Node) -> tuple[Signal, ...]:
     """Read a road's traffic lights and signs."""
-    number = document.number
-    elements = children(road, "signals", "signal")
-    signals = []
-    for element in document.limited(elements, _MAX_THINGS, f"{path}/signals", "signals"):
-        here = f"{path}/signals/signal[{label(element)}]"
-        signals.append(
-            Signal(
-                id=element.get("id", "")[:64],
-                name=element.get("name", "")[:200],
-                s=number(element, "s", here),
-                t=number(element, "t", here),
-                height=number(element, "zOffset", here, default=0.0),
-                orientation=element.get("orientation", "none")[:8],
-                turn=number(element, "hOffset", here, default=0.0, limit=100.0),
-                type=element.get("type", "")[:64],
-                subtype=element.get("subtype", "")[:64],
-                country=element.get("country", "")[:64],
-                value=element.get("value", "")[:64],
-                is_dynamic=element.get("dynamic") == "yes",
-            )
+    nodes = road.all("signals", "signal", by="id")
+    return tuple(
+        Signal(
+            id=node.get("id", longest=64),
+            name=node.get("name", longest=200),
+            s=node.number("s"),
+            t=node.number("t"),
+            height=node.number("zOffset", default=0.0),
+            orientation=node.get("orientation", "none", longest=8),
+            turn=node.number("hOffset", default=0.0, limit=100.0),
+            type=node.get("type", longest=64),
+            subtype=node.get("subtype", longest=64),
+            country=node.get("country", longest=64),
+            value=node.get("value", longest=64),
+            is_dynamic=node.get("dynamic") == "yes",
         )
-    return tuple(signals)
+        for node in road.limited(nodes, _MAX_THINGS, "signals", "/signals")
+    )
 
 
-def read_patches(document: Document, road: etree._Element, path: str) -> tuple[Patch, ...]:
+def read_patches(road: Node) -> tuple[Patch, ...]:
     """Read a road's crosswalks and stop lines."""
-    elements = children(road, "objects", "object")
+    nodes = road.all("objects", "object", by="id")
     patches = []
-    for element in document.limited(elements, _MAX_THINGS, f"{path}/objects", "objects"):
-        words = "".join(element.get(key, "")[:80] for key in ("type", "subtype", "name")).lower()
+    for node in road.limited(nodes, _MAX_THINGS, "objects", "/objects"):
+        words = "".join(node.get(key, longest=80) for key in ("type", "subtype", "name")).lower()
         plain = words.replace(" ", "").replace("_", "").replace("-", "")
         if "crosswalk" not in plain and "stopline" not in plain:
             continue
-        corners = _corners(document, element, f"{path}/objects/object[{label(element)}]")
+        corners = _corners(node)
         if len(corners) >= 3:
             patches.append(Patch("crosswalk" if "crosswalk" in plain else "stop_line", corners))
     return tuple(patches)
 
 
-def _corners(
-    document: Document, element: etree._Element, here: str
-) -> tuple[tuple[float, float], ...]:
+def _corners(node: Node) -> tuple[tuple[float, float], ...]:
     """Return an object's outline, or its bounding box, in the road's coordinates."""
-    number = document.number
-    outlines = [*children(element, "outline"), *children(element, "outlines", "outline")][:1]
-    road = [
-        (one, f"{here}/cornerRoad") for line in outlines for one in children(line, "cornerRoad")
-    ]
+    outlines = [*node.all("outline"), *node.all("outlines", "outline")][:1]
+    road, local = (
+        [one.at(f"{node.path}/{name}") for line in outlines for one in line.all(name)]
+        for name in ("cornerRoad", "cornerLocal")
+    )
     if len(road) >= 3:
-        return tuple(
-            (number(one, "s", where), number(one, "t", where)) for one, where in road[:_MAX_CORNERS]
-        )
-    s, t = number(element, "s", here), number(element, "t", here)
-    heading = number(element, "hdg", here, default=0.0, limit=100.0)
-    local = [one for line in outlines for one in children(line, "cornerLocal")][:_MAX_CORNERS]
+        return tuple((one.number("s"), one.number("t")) for one in road[:_MAX_CORNERS])
+    s, t = node.number("s"), node.number("t")
+    heading = node.number("hdg", default=0.0, limit=100.0)
     if len(local) >= 3:
-        places = [
-            (number(one, "u", f"{here}/cornerLocal"), number(one, "v", f"{here}/cornerLocal"))
-            for one in local
-        ]
+        places = [(one.number("u"), one.number("v")) for one in local[:_MAX_CORNERS]]
     else:
-        length = number(element, "length", here, default=0.0, limit=1e3)
-        width = number(element, "width", here, default=0.0, limit=1e3)
+        length = node.number("length", default=0.0, limit=1e3)
+        width = node.number("width", default=0.0, limit=1e3)
         if min(length, width) <= 0.0:
             return ()
         u, v = 0.5 * length, 0.5 * width
@@ -84,17 +70,15 @@ def _corners(
     return tuple((s + u * along - v * across, t + u * across + v * along) for u, v in places)
 
 
-def read_stretches(document: Document, road: etree._Element, path: str) -> tuple[Stretch, ...]:
+def read_stretches(road: Node) -> tuple[Stretch, ...]:
     """Read a road's tunnels and bridges."""
     stretches = []
     for kind in ("tunnel", "bridge"):
-        elements = children(road, "objects", kind)
-        for element in document.limited(elements, _MAX_THINGS, f"{path}/objects", f"{kind}s"):
-            here = f"{path}/objects/{kind}[{label(element)}]"
-            start = document.number(element, "s", here)
-            length = document.number(element, "length", here)
+        nodes = road.all("objects", kind, by="id")
+        for node in road.limited(nodes, _MAX_THINGS, f"{kind}s", "/objects"):
+            start, length = node.number("s"), node.number("length")
             if length <= 0.0:
-                document.add(f"{here}@length", "must be above 0")
+                node.fault("must be above 0", "@length")
             stretches.append(
                 Stretch("tunnel" if kind == "tunnel" else "bridge", start, start + length)
             )

@@ -6,6 +6,18 @@ from typing import Literal
 from oodscen.driving._roads.geometry import Cubic, Curve
 
 Contact = Literal["start", "end"]
+StripKind = Literal["driving", "shoulder", "parking", "sidewalk", "median", "border", "none"]
+
+KINDS: dict[str, StripKind] = {
+    **dict.fromkeys(("driving", "entry", "exit", "onRamp", "offRamp", "slipLane"), "driving"),
+    **dict.fromkeys(("connectingRamp", "bidirectional", "bus", "taxi", "HOV"), "driving"),
+    **dict.fromkeys(("shoulder", "stop", "biking"), "shoulder"),
+    **dict.fromkeys(("sidewalk", "walking"), "sidewalk"),
+    **dict.fromkeys(("border", "curb", "restricted"), "border"),
+    "parking": "parking",
+    "median": "median",
+}
+"""Kinds of strips by OpenDRIVE lane type; types that are missing here become `none`."""
 
 
 @dataclass(frozen=True)

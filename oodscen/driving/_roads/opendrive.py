@@ -10,9 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from lxml import etree
-
-from oodscen.driving._roads.document import MAX_BYTES, Document, child, children, label, name_of
+from oodscen.driving._roads.document import MAX_BYTES, Document, Node, name_of
 from oodscen.driving._roads.furniture import read_patches, read_signals, read_stretches
 from oodscen.driving._roads.geometry import Arc, Cubic, Curve, Line, ParamPoly3, Poly3, Spiral
 from oodscen.driving._roads.network import (
@@ -26,7 +24,7 @@ from oodscen.driving._roads.network import (
     RoadLink,
 )
 
-__all__ = ["MAX_BYTES", "MAX_ROAD_LENGTH", "read_network", "read_road"]
+__all__ = ["MAX_BYTES", "MAX_ROAD_LENGTH", "read_network"]
 
 MAX_ROAD_LENGTH = 50_000.0
 _MAX_ROADS = 5_000
@@ -47,29 +45,6 @@ _KINK = 0.05
 """Angle between two pieces of a plan view above which the road is broken, rad."""
 
 
-def read_road(data: bytes, road_id: str = "", *, source: str = "") -> Road:
-    """Read one road from the bytes of an OpenDRIVE file.
-
-    Args:
-        data: The file's content.
-        road_id: OpenDRIVE id of the road; empty for the first.
-        source: The origin of the bytes, for error messages.
-
-    Raises:
-        DataError: With every fault of the file's structure and of that road.
-    """
-    document = Document(source)
-    roads = children(document.parse(data), "road")
-    chosen = [road for road in roads if not road_id or road.get("id") == road_id]
-    if not chosen:
-        known = ", ".join(label(road) for road in roads[:20])
-        document.fail("", f"no road {road_id!r}; the file has: {known}" if roads else "no road")
-    road = _Reader(document).road(chosen[0])
-    if document.issues or road is None:
-        raise document.error()
-    return road
-
-
 def read_network(data: bytes, *, source: str = "") -> Network:
     """Read all roads and junctions from the bytes of an OpenDRIVE file.
 
@@ -82,22 +57,22 @@ def read_network(data: bytes, *, source: str = "") -> Network:
     """
     document = Document(source)
     root = document.parse(data)
-    elements = document.limited(children(root, "road"), _MAX_ROADS, "", "roads")
-    if not elements:
+    nodes = root.limited(root.all("road", by="id"), _MAX_ROADS, "roads")
+    if not nodes:
         document.fail("", "no road")
     reader = _Reader(document)
     roads: dict[str, Road] = {}
-    for element in elements:
-        if element.get("id", "") in roads:
-            document.add(f"road[{label(element)}]@id", "is the id of an earlier road, too")
-        road = reader.road(element)
+    for node in nodes:
+        if node.get("id") in roads:
+            node.fault("is the id of an earlier road, too", "@id")
+        road = reader.road(node)
         if road is not None:
             roads[road.id] = road
     junctions: dict[str, Junction] = {}
-    for element in document.limited(children(root, "junction"), _MAX_ROADS, "", "junctions"):
-        junction = _junction(document, element)
+    for node in root.limited(root.all("junction", by="id"), _MAX_ROADS, "junctions"):
+        junction = _junction(node)
         if junction.id in junctions:
-            document.add(f"junction[{label(element)}]@id", "is the id of an earlier one, too")
+            node.fault("is the id of an earlier one, too", "@id")
         junctions[junction.id] = junction
     network = Network(roads, junctions)
     if not document.issues:
@@ -116,146 +91,127 @@ class _Reader:
         self.length = 0.0
         self.turn = 0.0
 
-    def road(self, element: etree._Element) -> Road | None:
-        document = self.document
-        before = len(document.issues)
-        path = f"road[{label(element)}]"
-        length = document.number(element, "length", path)
+    def road(self, node: Node) -> Road | None:
+        before = len(self.document.issues)
+        length = node.number("length")
         if not 0.0 < length <= MAX_ROAD_LENGTH:
-            document.add(f"{path}@length", f"must be above 0 and at most {MAX_ROAD_LENGTH:g}")
+            node.fault(f"must be above 0 and at most {MAX_ROAD_LENGTH:g}", "@length")
         self.length += max(length, 0.0)
         if self.length > _MAX_TOTAL_LENGTH:
-            document.fail("", f"the roads are longer than {_MAX_TOTAL_LENGTH:g} m together")
-        curves = self._plan_view(element, path, length)
-        profile = children(element, "elevationProfile", "elevation")
-        elevation = _pieces(document, profile, f"{path}/elevationProfile/elevation", "s")
-        _check_range(document, elevation, length, _HEIGHTS, f"{path}/elevationProfile")
-        lanes = child(element, "lanes")
+            self.document.fail("", f"the roads are longer than {_MAX_TOTAL_LENGTH:g} m together")
+        curves = self._plan_view(node, length)
+        elevation = _pieces(node.all("elevationProfile", "elevation"), "s")
+        _check_range(node, elevation, length, _HEIGHTS, "/elevationProfile")
+        lanes = node.first("lanes")
         if lanes is None:
-            document.add(f"{path}/lanes", "is missing")
+            node.fault("is missing", "/lanes")
             return None
-        offset = _pieces(document, children(lanes, "laneOffset"), f"{path}/lanes/laneOffset", "s")
-        _check_range(document, offset, length, _OFFSETS, f"{path}/lanes/laneOffset")
-        sections = _sections(document, lanes, f"{path}/lanes", length)
-        predecessor, successor = (
-            _link(document, element, end, path) for end in ("predecessor", "successor")
-        )
-        junction = element.get("junction", "-1")
+        offset = _pieces(lanes.all("laneOffset"), "s")
+        _check_range(lanes, offset, length, _OFFSETS, "/laneOffset")
+        sections = _sections(lanes, length)
+        junction = node.get("junction", "-1")
         road = Road(
-            id=element.get("id", ""),
+            id=node.get("id"),
             length=length,
-            left_hand=element.get("rule", "RHT") == "LHT",
+            left_hand=node.get("rule", "RHT") == "LHT",
             curves=tuple(curves),
             elevation=elevation,
             lane_offset=offset,
             sections=tuple(sections),
-            speed_limit=_speed(document, element, path),
+            predecessor=_link(node, "predecessor"),
+            successor=_link(node, "successor"),
+            speed_limit=_speed(node),
             junction="" if junction == "-1" else junction,
-            predecessor=predecessor,
-            successor=successor,
-            signals=read_signals(document, element, path),
-            patches=read_patches(document, element, path),
-            stretches=read_stretches(document, element, path),
+            signals=read_signals(node),
+            patches=read_patches(node),
+            stretches=read_stretches(node),
         )
-        return road if len(document.issues) == before else None
+        return road if len(self.document.issues) == before else None
 
-    def _plan_view(self, road: etree._Element, path: str, length: float) -> list[Curve]:
-        document = self.document
-        elements = children(road, "planView", "geometry")
-        if not elements:
-            document.add(f"{path}/planView", "has no geometry")
-        self.pieces += len(elements)
+    def _plan_view(self, road: Node, length: float) -> list[Curve]:
+        nodes = road.all("planView", "geometry")
+        if not nodes:
+            road.fault("has no geometry", "/planView")
+        self.pieces += len(nodes)
         if self.pieces > _MAX_PIECES:
-            document.fail(f"{path}/planView", f"the file has more than {_MAX_PIECES} geometries")
+            message = f"the file has more than {_MAX_PIECES} geometries"
+            self.document.fail(f"{road.path}/planView", message)
         curves: list[Curve] = []
         total = 0.0
-        for index, element in enumerate(elements):
-            here = f"{path}/planView/geometry[{index}]"
-            curve = self._curve(element, here)
+        for node in nodes:
+            curve = self._curve(node)
             if curve is None:
                 continue
             total += curve.length
             if total > 2.0 * MAX_ROAD_LENGTH:
                 break
             if curves:
-                _check_joint(document, curves[-1], curve, here)
+                _check_joint(node, curves[-1], curve)
             elif abs(curve.s) > _GAP:
-                document.add(f"{here}@s", "the first geometry must start at 0")
+                node.fault("the first geometry must start at 0", "@s")
             curves.append(curve)
-        if curves and len(curves) == len(elements) and abs(total - length) > _GAP + 1e-3 * length:
-            document.add(
-                f"{path}@length", f"{length:g} m, but the geometries add up to {total:g} m"
-            )
+        if curves and len(curves) == len(nodes) and abs(total - length) > _GAP + 1e-3 * length:
+            road.fault(f"{length:g} m, but the geometries add up to {total:g} m", "@length")
         return curves
 
-    def _curve(self, element: etree._Element, here: str) -> Curve | None:
-        number = self.document.number
-        s, x, y, heading, length = (
-            number(element, name, here) for name in ("s", "x", "y", "hdg", "length")
-        )
+    def _curve(self, node: Node) -> Curve | None:
+        s, x, y, heading, length = map(node.number, ("s", "x", "y", "hdg", "length"))
         if not 1e-6 < length <= MAX_ROAD_LENGTH:
-            self.document.add(f"{here}@length", "must be above 0")
+            node.fault("must be above 0", "@length")
             return None
         base = (s, x, y, math.remainder(heading, math.tau), length)
-        shape = next((one for one in element if name_of(one) in _SHAPES), None)
+        kind = next((name for one in node.element if (name := name_of(one)) in _SHAPES), "")
+        shape = node.first(kind) if kind else None
         if shape is None:
-            self.document.add(here, f"needs one of {', '.join(_SHAPES)}")
+            node.fault(f"needs one of {', '.join(_SHAPES)}")
             return None
-        kind = name_of(shape)
-        inner = f"{here}/{kind}"
         if kind == "line":
             return Line(*base)
         if kind in ("arc", "spiral"):
             names = ("curvature",) if kind == "arc" else ("curvStart", "curvEnd")
-            bends = [number(shape, name, inner, limit=2.0) for name in names]
+            bends = [shape.number(name, limit=2.0) for name in names]
             self.turn += length * max(abs(bend) for bend in bends)
             if self.turn > _MAX_TURN:
-                self.document.fail(here, f"the roads turn by more than {_MAX_TURN:g} rad together")
+                message = f"the roads turn by more than {_MAX_TURN:g} rad together"
+                self.document.fail(node.path, message)
             return Arc(*base, bends[0]) if kind == "arc" else Spiral(*base, bends[0], bends[1])
         if kind == "poly3":
-            a, b, c, d = (number(shape, name, inner) for name in "abcd")
+            a, b, c, d = map(shape.number, "abcd")
             return Poly3(*base, (a, b, c, d))
-        au, bu, cu, du = (number(shape, f"{name}U", inner) for name in "abcd")
-        av, bv, cv, dv = (number(shape, f"{name}V", inner) for name in "abcd")
+        au, bu, cu, du = (shape.number(f"{name}U") for name in "abcd")
+        av, bv, cv, dv = (shape.number(f"{name}V") for name in "abcd")
         scale = 1.0 if shape.get("pRange", "normalized") == "normalized" else length
         curve = ParamPoly3(*base, (au, bu, cu, du), (av, bv, cv, dv), scale)
         if not abs(curve.arc - length) <= 0.5 + 0.1 * length:
-            self.document.add(f"{here}@length", f"{length:g} m, but the curve is {curve.arc:g} m")
+            node.fault(f"{length:g} m, but the curve is {curve.arc:g} m", "@length")
         return curve
 
 
-def _check_joint(document: Document, before: Curve, after: Curve, here: str) -> None:
+def _check_joint(node: Node, before: Curve, after: Curve) -> None:
     last = before.s + before.length
     if abs(last - after.s) > _GAP:
-        document.add(f"{here}@s", f"{after.s:g}, but the last one ends at {last:g}")
+        node.fault(f"{after.s:g}, but the last one ends at {last:g}", "@s")
     end, start = before.at(before.length), after.at(0.0)
     gap = math.sqrt((end.x - start.x) ** 2 + (end.y - start.y) ** 2)
     if not gap <= _GAP:
-        document.add(here, f"starts {gap:.3g} m away from the end of the last geometry")
+        node.fault(f"starts {gap:.3g} m away from the end of the last geometry")
     kink = abs(math.remainder(end.heading - start.heading, math.tau))
     if not kink <= _KINK:
-        document.add(f"{here}@hdg", f"turns by {kink:.3g} rad at the end of the last geometry")
+        node.fault(f"turns by {kink:.3g} rad at the end of the last geometry", "@hdg")
 
 
-def _pieces(
-    document: Document, elements: list[etree._Element], where: str, key: str
-) -> tuple[Cubic, ...]:
+def _pieces(nodes: Sequence[Node], key: str) -> tuple[Cubic, ...]:
     pieces: list[Cubic] = []
-    for index, element in enumerate(elements):
-        here = f"{where}[{index}]"
-        start, a, b, c, d = (document.number(element, name, here) for name in (key, *"abcd"))
+    for node in nodes:
+        start, a, b, c, d = map(node.number, (key, *"abcd"))
         if pieces and start < pieces[-1].start:
-            document.add(f"{here}@{key}", "must not be below the one before")
+            node.fault("must not be below the one before", f"@{key}")
         pieces.append(Cubic(start, a, b, c, d))
     return tuple(pieces)
 
 
 def _check_range(
-    document: Document,
-    pieces: Sequence[Cubic],
-    end: float,
-    limits: tuple[float, float],
-    where: str,
+    node: Node, pieces: Sequence[Cubic], end: float, limits: tuple[float, float], at: str
 ) -> None:
     """Record a fault for polynomials that leave the allowed range where they apply."""
     low, high = limits
@@ -265,128 +221,112 @@ def _check_range(
         for part in (0.0, 0.25, 0.5, 0.75, 1.0):
             value = piece.at(begin + part * (last - begin))
             if not low <= value <= high:
-                document.add(
-                    f"{where}[{index}]", f"becomes {value:.3g} m; {low:g} to {high:g} are allowed"
-                )
+                message = f"becomes {value:.3g} m; {low:g} to {high:g} are allowed"
+                node.fault(message, f"{at}[{index}]")
                 break
 
 
-def _speed(document: Document, road: etree._Element, path: str) -> float | None:
+def _speed(road: Node) -> float | None:
     factors = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
-    for kind in children(road, "type"):
-        speed = child(kind, "speed")
-        if speed is not None and speed.get("max") not in (None, "no limit", "undefined"):
-            value = document.number(speed, "max", f"{path}/type/speed", limit=500.0)
+    for kind in road.all("type", by="name"):
+        speed = kind.first("speed")
+        if speed is not None and speed.get("max", "no limit") not in ("no limit", "undefined"):
+            value = speed.number("max", limit=500.0)
             return max(value, 0.0) * factors.get(speed.get("unit", "m/s"), 1.0)
     return None
 
 
-def _link(document: Document, road: etree._Element, end: str, path: str) -> RoadLink | None:
-    link = child(road, "link")
-    element = None if link is None else child(link, end)
-    if element is None:
+def _link(road: Node, end: str) -> RoadLink | None:
+    link = road.first("link")
+    node = None if link is None else link.first(end)
+    if node is None:
         return None
-    where = f"{path}/link/{end}"
-    kind, identity = element.get("elementType", "road"), element.get("elementId")
+    kind, identity = node.get("elementType", "road"), node.element.get("elementId")
     if identity is None:
-        document.add(f"{where}@elementId", "is missing")
+        node.fault("is missing", "@elementId")
         return None
     if kind == "junction":
         return RoadLink("junction", identity)
     if kind != "road":
-        document.add(f"{where}@elementType", f"{kind[:40]!r} is neither road nor junction")
+        node.fault(f"{kind[:40]!r} is neither road nor junction", "@elementType")
         return None
-    return RoadLink("road", identity, _contact(document, element, where, "start"))
+    return RoadLink("road", identity, _contact(node))
 
 
-def _contact(document: Document, element: etree._Element, where: str, default: Contact) -> Contact:
-    contact = element.get("contactPoint", default)
+def _contact(node: Node) -> Contact:
+    contact = node.get("contactPoint", "start")
     if contact == "start":
         return "start"
     if contact != "end":
-        document.add(f"{where}@contactPoint", f"{contact[:40]!r} is neither start nor end")
+        node.fault(f"{contact[:40]!r} is neither start nor end", "@contactPoint")
     return "end"
 
 
 # ---------------------------------------------------------------------- lanes
 
 
-def _sections(
-    document: Document, lanes: etree._Element, path: str, length: float
-) -> list[LaneSection]:
+def _sections(lanes: Node, length: float) -> list[LaneSection]:
     sections: list[LaneSection] = []
-    elements = children(lanes, "laneSection")
-    if not elements:
-        document.add(path, "has no laneSection")
-    elements = list(document.limited(elements, _MAX_SECTIONS, path, "lane sections"))
-    starts = [
-        document.number(element, "s", f"{path}/laneSection[{index}]")
-        for index, element in enumerate(elements)
-    ]
-    for index, (s, element) in enumerate(zip(starts, elements, strict=True)):
-        here = f"{path}/laneSection[{index}]"
+    nodes = lanes.all("laneSection")
+    if not nodes:
+        lanes.fault("has no laneSection")
+    nodes = lanes.limited(nodes, _MAX_SECTIONS, "lane sections")
+    starts = [node.number("s") for node in nodes]
+    for index, (s, node) in enumerate(zip(starts, nodes, strict=True)):
         if index == 0 and abs(s) > _GAP:
-            document.add(f"{here}@s", "the first section must start at 0")
+            node.fault("the first section must start at 0", "@s")
         if index and s <= starts[index - 1]:
-            document.add(f"{here}@s", "must be above the one before")
+            node.fault("must be above the one before", "@s")
         if s >= length > 0.0:
-            document.add(f"{here}@s", "lies behind the road's end")
+            node.fault("lies behind the road's end", "@s")
         end = starts[index + 1] if index + 1 < len(starts) else length
-        sections.append(LaneSection(s, _lanes(document, element, here, end - s)))
+        sections.append(LaneSection(s, _lanes(node, end - s)))
     return sections
 
 
-def _lanes(
-    document: Document, section: etree._Element, path: str, length: float
-) -> tuple[Lane, ...]:
+def _lanes(section: Node, length: float) -> tuple[Lane, ...]:
     lanes: list[Lane] = []
     for side, sign in (("left", 1), ("center", 0), ("right", -1)):
-        elements = children(section, side, "lane")
-        for element in document.limited(elements, _MAX_LANES, path, "lanes on one side"):
-            lane = _lane(document, element, sign, f"{path}/{side}", length)
+        nodes = section.all(side, "lane", by="name")
+        for node in section.limited(nodes, _MAX_LANES, "lanes on one side"):
+            lane = _lane(node, sign, length)
             if lane is not None:
                 lanes.append(lane)
     ids = sorted((lane.id for lane in lanes), reverse=True)
     if 0 not in ids:
-        document.add(f"{path}/center", "has no lane 0")
+        section.fault("has no lane 0", "/center")
     if ids and ids != list(range(ids[0], ids[-1] - 1, -1)):
-        document.add(path, f"lane ids must be unique and without a gap, not {ids[:20]}")
+        section.fault(f"lane ids must be unique and without a gap, not {ids[:20]}")
     if len(ids) < 2:
-        document.add(path, "has no lane beside the centre")
+        section.fault("has no lane beside the centre")
     return tuple(sorted(lanes, key=lambda lane: -lane.id))
 
 
-def _lane(
-    document: Document, element: etree._Element, sign: int, path: str, length: float
-) -> Lane | None:
-    number = document.lane_id(element.get("id"), f"{path}/lane@id")
+def _lane(node: Node, sign: int, length: float) -> Lane | None:
+    number = node.lane_id()
     if number is None:
         return None
-    here = f"{path}/lane[{number}]"
+    node = node.at(f"{node.path}[{number}]")
     if (number > 0) - (number < 0) != sign:
-        document.add(f"{here}@id", "is on the wrong side")
-    widths = _pieces(document, children(element, "width"), f"{here}/width", "sOffset")
+        node.fault("is on the wrong side", "@id")
+    widths = _pieces(node.all("width"), "sOffset")
     if number != 0 and not widths:
-        document.add(f"{here}/width", "is missing (lane borders are not supported)")
+        node.fault("is missing (lane borders are not supported)", "/width")
     if widths and abs(widths[0].start) > _GAP:
-        document.add(f"{here}/width[0]@sOffset", "the first width must start at 0")
+        node.fault("the first width must start at 0", "/width[0]@sOffset")
     if widths:
         widths = (replace(widths[0], start=0.0), *widths[1:])
-    _check_range(document, widths, length, _WIDTHS, f"{here}/width")
-    marks = children(element, "roadMark")
-    ends: list[int | None] = []
-    for end in ("predecessor", "successor"):
-        found = children(element, "link", end)
-        where = f"{here}/link/{end}@id"
-        ends.append(document.lane_id(found[0].get("id"), where) if found else None)
+    _check_range(node, widths, length, _WIDTHS, "/width")
+    mark = node.first("roadMark")
+    before, after = node.first("link", "predecessor"), node.first("link", "successor")
     return Lane(
         id=number,
-        type=element.get("type", "none"),
+        type=node.get("type", "none"),
         widths=widths,
-        mark=marks[0].get("type", "none") if marks else "none",
-        predecessor=ends[0],
-        successor=ends[1],
-        reversed=element.get("direction") == "reversed",
+        mark=mark.get("type", "none") if mark else "none",
+        predecessor=before.lane_id() if before else None,
+        successor=after.lane_id() if after else None,
+        reversed=node.get("direction") == "reversed",
     )
 
 
@@ -396,27 +336,21 @@ _SHAPES = ("line", "arc", "spiral", "poly3", "paramPoly3")
 # ---------------------------------------------------------------------- junctions
 
 
-def _junction(document: Document, element: etree._Element) -> Junction:
-    path = f"junction[{label(element)}]"
+def _junction(node: Node) -> Junction:
     connections = []
-    for index, one in enumerate(children(element, "connection")):
-        here = f"{path}/connection[{index}]"
-        incoming = one.get("incomingRoad")
-        connecting = one.get("connectingRoad", one.get("linkedRoad"))
+    for one in node.all("connection"):
+        incoming = one.element.get("incomingRoad")
+        connecting = one.element.get("connectingRoad", one.element.get("linkedRoad"))
         if incoming is None or connecting is None:
-            document.add(here, "needs incomingRoad and connectingRoad")
+            one.fault("needs incomingRoad and connectingRoad")
             continue
         pairs = []
-        for pair in children(one, "laneLink"):
-            start, end = (
-                document.lane_id(pair.get(name), f"{here}/laneLink@{name}")
-                for name in ("from", "to")
-            )
+        for link in one.all("laneLink", by="name"):
+            start, end = link.lane_id("from"), link.lane_id("to")
             if start is not None and end is not None:
                 pairs.append((start, end))
-        contact = _contact(document, one, here, "start")
-        connections.append(Connection(incoming, connecting, contact, tuple(pairs)))
-    return Junction(element.get("id", ""), tuple(connections))
+        connections.append(Connection(incoming, connecting, _contact(one), tuple(pairs)))
+    return Junction(node.get("id"), tuple(connections))
 
 
 def _check_links(document: Document, network: Network) -> None:

@@ -1,11 +1,20 @@
 """The ego's route: the sequence of roads that it drives through a network."""
 
 import math
+from bisect import bisect_right
 from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
 from oodscen.driving._roads.geometry import CurvePoint
-from oodscen.driving._roads.network import Contact, Lane, LaneSection, Network, Road, RoadLink
+from oodscen.driving._roads.network import (
+    KINDS,
+    Contact,
+    Lane,
+    LaneSection,
+    Network,
+    Road,
+    RoadLink,
+)
 from oodscen.errors import Issue
 from oodscen.numerics._exact import cos, sin
 
@@ -14,9 +23,6 @@ AHEAD_M = 2_000.0
 BEHIND_M = 250.0
 """Length behind the start up to which preceding roads are joined, m."""
 _MAX_LEGS = 300
-_DRIVING = frozenset(
-    "driving entry exit onRamp offRamp slipLane connectingRamp bidirectional bus taxi HOV".split()
-)
 
 
 class Leg(NamedTuple):
@@ -57,7 +63,7 @@ class Leg(NamedTuple):
     def has_lane(self, direction: int, section: int = 0) -> bool:
         """Return whether a section (0: the first driven) has a driving lane in a direction."""
         return any(
-            lane.id and lane.type in _DRIVING and self.direction_of(lane) == direction
+            lane.id and KINDS.get(lane.type) == "driving" and self.direction_of(lane) == direction
             for lane in self.sections[section].lanes
         )
 
@@ -72,14 +78,8 @@ class Leg(NamedTuple):
 
 def road_point(road: Road, s: float, forward: bool = True) -> CurvePoint:
     """Return a point of a road's reference line, with heading and curvature in driving direction."""
-    low, high = 0, len(road.curves) - 1
-    while low < high:
-        middle = (low + high + 1) // 2
-        if s >= road.curves[middle].s:
-            low = middle
-        else:
-            high = middle - 1
-    curve = road.curves[low]
+    index = bisect_right(road.curves, s, key=lambda curve: curve.s)
+    curve = road.curves[max(index - 1, 0)]
     point = curve.at(min(max(s - curve.s, 0.0), curve.length))
     if forward:
         return point

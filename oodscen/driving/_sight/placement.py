@@ -80,7 +80,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     if issues:
         return issues
     world = KinematicWorld(corridor, scene, catalogue, 0)
-    return overlapping(scene, {"first": bodies(scene, catalogue, world.poses())})
+    return overlapping(scene, corridor, {"first": bodies(scene, catalogue, world.poses())})
 
 
 def _all_actors(scene: Scene) -> list[tuple[str, Actor]]:
@@ -151,18 +151,33 @@ def _roll(
         cast = bodies(scene, catalogue, world.poses())
         path.append(cast)
         if world.is_off_road():
-            return path, [_early(world, f"{cast[0]} leaves the road")]
+            return path, [_early(world, f"{cast[0].at(scene, corridor)} leaves the road")]
         for body in cast[1:]:
             if touch(cast[0], body, is_tall=False):
-                return path, [_early(world, f"{cast[0]} touches {body}")]
+                touched = f"{cast[0].at(scene, corridor)} touches {body.at(scene, corridor)}"
+                return path, [_early(world, touched)]
         if world.is_due(scene.decision):
             return path, []
         if world.time >= within:
             break
         world.step(driver.act(world.observe()))
-    what = f"{scene.decision.kind} {scene.decision.value:g}"
-    message = f"{what} is not reached within {within:g} s by an ego that keeps lane and speed"
-    return path, [Issue("decision", message)]
+    return path, [_late(scene, path[-1], corridor, within)]
+
+
+def _late(scene: Scene, cast: tuple[Body, ...], corridor: Corridor, within: float) -> Issue:
+    decision = scene.decision
+    what = f"{decision.kind} {decision.value:g}"
+    where = ""
+    if decision.kind != "time":
+        body = next(one for one in cast if one.id == decision.actor)
+        s, own = (corridor.locate(one.solid.x, one.solid.y)[0] for one in (body, cast[0]))
+        where = (
+            f"; by then the ego is {abs(s - own):.0f} m {'before' if s > own else 'past'} {body}"
+        )
+    message = (
+        f"{what} is not reached within {within:g} s by an ego that keeps lane and speed{where}"
+    )
+    return Issue("decision", message)
 
 
 def _early(world: KinematicWorld, what: str) -> Issue:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,10 @@ SUNK_M = 0.1
 CAMERA = Camera()
 """The dash camera, in which the hazard must be visible."""
 
+_NEAREST_M = 6.0
+"""Least distance from the ego at which to look for a place where a hidden body would be seen, m."""
+_SHARES = (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
+"""Shares of a hidden body's distance, and of its offset, at which to look for it."""
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 _AIRBORNE = frozenset({"fall", "blown"})
 """Behaviours that leave the ground."""
@@ -35,9 +40,17 @@ class Body(NamedTuple):
     solid: Solid
 
     def __str__(self) -> str:
-        x, y, z, yaw = self.solid.x, self.solid.y, self.solid.z, self.solid.yaw
-        place = f"x={x:.1f} y={y:.1f} z={z:.1f} yaw={math.degrees(yaw):.0f} deg"
-        return f"{self.id!r} ({self.asset}) at {place}"
+        return f"{self.id!r} ({self.asset})"
+
+    def at(self, scene: Scene, corridor: Corridor) -> str:
+        """Return the body and its place in the words of a placement relative to the ego's lane."""
+        s, t = corridor.locate(self.solid.x, self.solid.y)
+        lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
+        turn = math.degrees(math.remainder(self.solid.yaw - corridor.heading(s), math.tau))
+        return (
+            f"{self} at ahead_m {s - corridor.start:.1f}, offset_m "
+            f"{t - corridor.centre(lane, s) + 0.0:.1f} from the ego's lane, heading {turn + 0.0:.0f} deg against the road"
+        )
 
     @property
     def box(self) -> Box:
@@ -58,12 +71,11 @@ def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tu
         catalogue: Source of their sizes.
         poses: [n, 4], x, y, z and yaw.
     """
-    assets = {asset.id: asset for asset in catalogue.assets}
-    cast = [("ego", catalogue.ego)]
-    cast += [(actor.id, assets[actor.asset]) for actor in scene.actors]
     return tuple(
         Body(name, asset.id, Solid(x, y, z, yaw, asset.length, asset.width, asset.height))
-        for (name, asset), (x, y, z, yaw) in zip(cast, poses.tolist(), strict=True)
+        for (name, asset, _), (x, y, z, yaw) in zip(
+            catalogue.bodies(scene), poses.tolist(), strict=True
+        )
     )
 
 
@@ -81,7 +93,7 @@ def truth_issues(
         moments: All bodies at the key moments.
         camera: The camera that shows them.
     """
-    issues = floating(scene, corridor, moments) + overlapping(scene, moments)
+    issues = floating(scene, corridor, moments) + overlapping(scene, corridor, moments)
     if scene.is_twin:
         return issues
     hazard = scene.hazard
@@ -102,7 +114,7 @@ def seen(
         eye = Eye(camera, cast[0].solid)
         for row, body in enumerate(cast):
             if body.id in scene.hazard.actors and body.id not in found:
-                others = [one.solid for i, one in enumerate(cast) if i not in (0, row)]
+                others = _others(scene, cast, row)
                 sight = eye.see(body.solid, others, corridor)
                 if sight.fault(scene.weather, camera) is None:
                     found[body.id] = moment
@@ -126,12 +138,12 @@ def floating(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
             height = body.solid.z - corridor.point(s, t)[2]
             if not -SUNK_M <= height <= AFLOAT_M:
                 what = "floats above" if height > 0.0 else "sinks below"
-                message = f"{body} {what} the road by {abs(height):.2f} m {_WHEN[moment]}"
+                message = f"{body.at(scene, corridor)} {what} the road by {abs(height):.2f} m {_WHEN[moment]}"
                 issues[body.id] = Issue(f"actors[{rows[body.id]}].placement", message)
     return list(issues.values())
 
 
-def overlapping(scene: Scene, moments: Moments) -> list[Issue]:
+def overlapping(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
     """Return issues for actors inside one another at a moment, unless one belongs to the other."""
     owners = {"ego": None} | {actor.id: actor.behaviour.other for actor in scene.actors}
     issues: dict[tuple[str, str], Issue] = {}
@@ -143,7 +155,8 @@ def overlapping(scene: Scene, moments: Moments) -> list[Issue]:
                     continue
                 if touch(body, other):
                     field = "placement" if moment == "first" else "behaviour"
-                    message = f"{body} overlaps {other} {_WHEN[moment]}"
+                    one, two = body.at(scene, corridor), other.at(scene, corridor)
+                    message = f"{one} overlaps {two} {_WHEN[moment]}"
                     issues[pair] = Issue(f"actors[{row - 1}].{field}", message)
     return list(issues.values())
 
@@ -168,19 +181,72 @@ def touch(a: Body, b: Body, *, is_tall: bool = True) -> bool:
 
 def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) -> Issue:
     """Return an issue with the reason why an unusual actor is never visible, for the moment that comes closest."""
-    best: tuple[float, str, list[str]] | None = None
+    best: tuple[float, int] | None = None
+    reasons: dict[int, list[str]] = {}
     for row, actor in enumerate(scene.actors, start=1):
         if actor.id not in scene.hazard.actors:
             continue
-        largest, reasons = 0.0, []
+        largest = 0.0
         for moment, cast in moments.items():
-            others = [one.solid for i, one in enumerate(cast) if i not in (0, row)]
-            sight = Eye(camera, cast[0].solid).see(cast[row].solid, others, corridor)
+            sight = Eye(camera, cast[0].solid).see(
+                cast[row].solid, _others(scene, cast, row), corridor
+            )
             largest = max(largest, sight.area_px)
-            reasons.append(f"{_WHEN[moment]} {sight.fault(scene.weather, camera)}")
+            fault = sight.fault(scene.weather, camera)
+            is_hidden = fault is not None and fault.endswith("hidden")
+            by = _hider(cast, row, camera, corridor) if is_hidden else ""
+            reasons.setdefault(row, []).append(f"{_WHEN[moment]} {fault}{by}")
         if best is None or largest > best[0]:
-            last = list(moments.values())[-1][row]
-            best = (largest, f"actors[{row - 1}]", [str(last), *reasons])
+            best = largest, row
     assert best is not None, "asked only where there are unusual actors"
-    _, path, (who, *reasons) = best
-    return Issue(path, f"{who} cannot be seen in any frame: {'; '.join(reasons)}")
+    row = best[1]
+    cast = list(moments.values())[-1]
+    who = cast[row].at(scene, corridor)
+    told = "; ".join(reasons[row])
+    hint = _nearer(scene, corridor, cast, row, camera)
+    return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {told}{hint}")
+
+
+def _others(scene: Scene, cast: Sequence[Body], row: int) -> list[Solid]:
+    """Return what may hide a body; what carries it is hollow, and its box does not count."""
+    carrier = scene.actors[row - 1].behaviour.other
+    return [one.solid for i, one in enumerate(cast) if i not in (0, row) and one.id != carrier]
+
+
+def _hider(cast: Sequence[Body], row: int, camera: Camera, corridor: Corridor) -> str:
+    """Return in words what hides most of a body."""
+    eye, body = Eye(camera, cast[0].solid), cast[row].solid
+    shares = [
+        (eye.see(body, [one.solid]).hidden, f" by {one}")
+        for i, one in enumerate(cast)
+        if i not in (0, row)
+    ]
+    shares.append((eye.see(body, (), corridor).hidden, " by the crest of the road"))
+    return max(shares, key=lambda one: one[0])[1]
+
+
+def _nearer(
+    scene: Scene, corridor: Corridor, cast: Sequence[Body], row: int, camera: Camera
+) -> str:
+    """Return in words the nearest place at which a body would be seen at the decision."""
+    ego, body = cast[0].solid, cast[row].solid
+    eye, others = Eye(camera, ego), _others(scene, cast, row)
+    s, t = corridor.locate(body.x, body.y)
+    own, _ = corridor.locate(ego.x, ego.y)
+    lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
+
+    def is_seen(at: float, beside: float) -> bool:
+        x, y, z, heading = corridor.point(at, beside)
+        moved = replace(body, x=x, y=y, z=z, yaw=heading + body.yaw - corridor.heading(s))
+        return eye.see(moved, others, corridor).fault(scene.weather, camera) is None
+
+    away = s - own
+    told = f"; at the decision it is {away:.0f} m ahead of the ego and would be seen "
+    for share in _SHARES:
+        if share * away > _NEAREST_M and is_seen(own + share * away, t):
+            return f"{told}{share * away:.0f} m ahead of it at the same offset"
+    aside = t - corridor.centre(lane, s)
+    for share in _SHARES:
+        if away > _NEAREST_M and is_seen(s, t + (share - 1.0) * aside):
+            return f"{told}there with {share * aside:.1f} m between it and the middle of the lane"
+    return ""

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 
+from oodscen._text import stem
 from oodscen.judging._aspects.concepts import Concept, Naming, concepts, named, widened
 
 MOST_THINGS = 6
@@ -40,7 +41,7 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     """
     if not path or not aspect.strip():
         return False
-    if _words(aspect) == _words(path[-1]):
+    if is_same_wording(aspect, path[-1]):
         return True
     if len(_parts(aspect)) > MOST_THINGS:
         return False
@@ -49,6 +50,12 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     if not heads:
         return _names_state(said, label) or _names_word(aspect, path[-1])
     return any(_names_oddity(said, head) or _names_case(said, label, head) for head in heads)
+
+
+def is_same_wording(aspect: str, label: str) -> bool:
+    """Return whether two texts have the same words."""
+    first, second = (re.findall(r"\w+", text.casefold()) for text in (aspect, label))
+    return first == second
 
 
 def _names_oddity(said: Naming, head: Concept) -> bool:
@@ -142,10 +149,6 @@ def _names_word(aspect: str, label: str) -> bool:
 _PHRASE_END = re.compile(r"\b(?:on|in|into|onto|at|from|over|across|with|of|by|to|behind)\b")
 
 
-def _words(text: str) -> list[str]:
-    return re.findall(r"\w+", text.casefold())
-
-
 def affirmed_words(text: str) -> set[str]:
     """Return the telling words of the clauses of a text that deny nothing (unlike "no deer")."""
     said: set[str] = set()
@@ -181,21 +184,3 @@ COMMON = frozenset(
     """.split()
 )
 """Words too common for a match on them to mean anything."""
-
-
-def stem(word: str) -> str:
-    """Return an English word without its ending."""
-    for ending, rest in _ENDINGS:
-        if word.endswith(ending) and len(word) - len(ending) >= 3:
-            return _undoubled(word.removesuffix(ending) + rest)
-    is_plural = len(word) > 3 and not word.endswith("ss")
-    return _undoubled(word.removesuffix("s") if is_plural else word)
-
-
-_ENDINGS = (("ies", "y"), ("ings", ""), ("ing", ""), ("ed", ""), ("es", ""), ("ly", ""))
-
-
-def _undoubled(word: str) -> str:
-    """Return the common stem of a word's forms: "stopp" and "stop", "merg" and "merge"."""
-    is_doubled = len(word) > 3 and word[-1] == word[-2] and word[-1] not in "sl"
-    return word[:-1] if is_doubled else word.removesuffix("e")

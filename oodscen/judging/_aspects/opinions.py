@@ -1,7 +1,6 @@
 """Scores open aspects with a judge model, asked once per distinct answer and path."""
 
 import hashlib
-import re
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal
 
@@ -9,7 +8,7 @@ from oodscen._redaction import redact
 from oodscen.data._base import Data, canonical_json
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
-from oodscen.judging._aspects.matching import names_aspect
+from oodscen.judging._aspects.matching import is_same_wording, names_aspect
 from oodscen.llm._ask import ask
 from oodscen.prompts import JudgeAspect
 from oodscen.protocols import LLM
@@ -63,30 +62,22 @@ def opinion(judge: LLM, aspect: str, path: Sequence[str]) -> Opinion:
         path: Labels from the root to the leaf.
     """
     label = judge_label(judge)
-    name, path = opinion_id(label, aspect, path), tuple(path)
-    if path and _words(aspect) == _words(path[-1]):
-        return Opinion(id=name, judge=label, aspect=aspect, path=path, is_same=True)
-    try:
-        answer = ask(judge, JudgeAspect(aspect=aspect, path=path[1:] or path))
-    except LLMError as error:
-        return Opinion(
-            id=name,
-            judge=label,
-            aspect=aspect,
-            path=path,
-            status="failed",
-            error=redact(str(error))[:2_000],
-            error_type=type(error).__name__,
-            retryable=bool(getattr(error, "retryable", False)),
-        )
-    return Opinion(
-        id=name,
-        judge=label,
-        aspect=aspect,
-        path=path,
-        is_same=answer.is_same,
-        reasoning=answer.reasoning[:600],
+    blank = Opinion(
+        id=opinion_id(label, aspect, path), judge=label, aspect=aspect, path=tuple(path)
     )
+    if path and is_same_wording(aspect, path[-1]):
+        return blank.model_copy(update={"is_same": True})
+    try:
+        answer = ask(judge, JudgeAspect(aspect=aspect, path=blank.path[1:] or blank.path))
+    except LLMError as error:
+        failure = {
+            "status": "failed",
+            "error": redact(str(error))[:2_000],
+            "error_type": type(error).__name__,
+            "retryable": bool(getattr(error, "retryable", False)),
+        }
+        return blank.model_copy(update=failure)
+    return blank.model_copy(update={"is_same": answer.is_same, "reasoning": answer.reasoning[:600]})
 
 
 def rescored(
@@ -115,7 +106,3 @@ def rescored(
     if all(getattr(verdict, name) == value for name, value in update.items()):
         return verdict
     return verdict.model_copy(update=update)
-
-
-def _words(text: str) -> list[str]:
-    return re.findall(r"\w+", text.casefold())

@@ -5,7 +5,8 @@ from typing import ClassVar, Literal
 
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol
-from oodscen.statistics._tests import Bounds, PairedTest
+from oodscen.statistics._intervals import Interval
+from oodscen.statistics._tests import PairedTest
 
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
@@ -29,7 +30,7 @@ class Rate(Data):
     """In [0, 1]; `None` if `n` is 0."""
     worst: float | None = None
     """The share with every missing answer counted as wrong; `None` if nothing was asked."""
-    interval: Bounds | None = None
+    interval: Interval | None = None
     paths: int = 0
     """Number of paths that the items cover."""
 
@@ -41,7 +42,7 @@ class Figure(Data):
 
     value: float | None = None
     n: int = 0
-    interval: Bounds | None = None
+    interval: Interval | None = None
 
 
 class Detection(Data):
@@ -246,37 +247,30 @@ def best_floor(standings: Sequence[Standing], task: Task) -> Standing | None:
     return max(seen, key=lambda item: item[0], default=(0.0, None))[1]
 
 
-def score(row: Standing, task: Task) -> float | None:
-    """Return the figure that ranks a task."""
-    if task == "detection":
-        return row.detection.balanced_accuracy.value
-    rates = {
-        "open": row.identification.open,
-        "closed": row.identification.closed,
-        "control": row.control.safe,
-    }
-    return rates[task].value
-
-
-def worst_score(row: Standing, task: Task) -> float | None:
-    """Return the figure that ranks a task, with every missing answer counted as wrong."""
-    if task == "detection":
-        return row.detection.worst.value
-    rates = {
-        "open": row.identification.open,
-        "closed": row.identification.closed,
-        "control": row.control.safe,
-    }
-    return rates[task].worst
-
-
-def missing_share(row: Standing, task: Task) -> float:
-    """Return the share of a task's items that were asked about and not answered."""
-    rates = {
+def rates(row: Standing, task: Task) -> tuple[Rate, ...]:
+    """Return the rates that count a task's answers: over scenes and twins in detection, over scenes elsewhere."""
+    return {
         "detection": (row.detection.sensitivity, row.detection.specificity),
         "open": (row.identification.open,),
         "closed": (row.identification.closed,),
         "control": (row.control.safe,),
     }[task]
-    asked = sum(rate.n + rate.missing for rate in rates)
-    return sum(rate.missing for rate in rates) / asked if asked else 0.0
+
+
+def score(row: Standing, task: Task) -> float | None:
+    """Return the figure that ranks a task."""
+    if task == "detection":
+        return row.detection.balanced_accuracy.value
+    return rates(row, task)[0].value
+
+
+def worst_score(row: Standing, task: Task) -> float | None:
+    """Return the figure that ranks a task, with every missing answer counted as wrong."""
+    return row.detection.worst.value if task == "detection" else rates(row, task)[0].worst
+
+
+def missing_share(row: Standing, task: Task) -> float:
+    """Return the share of a task's items that were asked about and not answered."""
+    found = rates(row, task)
+    asked = sum(rate.n + rate.missing for rate in found)
+    return sum(rate.missing for rate in found) / asked if asked else 0.0

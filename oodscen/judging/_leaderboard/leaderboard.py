@@ -1,7 +1,8 @@
 """The leaderboard: the scores of every model and reference, with n, intervals and tests."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._twins import is_twin
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
-from oodscen.judging._items import Column, Items, Sheet
+from oodscen.judging._items import Column, Items, Mask, Sheet
 from oodscen.judging._leaderboard.board import (
     TASKS,
     ActionTally,
@@ -30,18 +31,12 @@ from oodscen.judging._leaderboard.board import (
     score,
 )
 from oodscen.judging._leaderboard.paper_example import paper_example
-from oodscen.statistics._tests import (
-    FEWEST_CLUSTERS,
-    Resampler,
-    above_chance,
-    auroc,
-    d_prime,
-    holm,
-    intraclass,
-    paired,
-    percentiles,
-    share_bounds,
-)
+from oodscen.judging._safety import as_offered
+from oodscen.statistics._answers import above_chance, d_prime, intraclass
+from oodscen.statistics._auroc import auroc_of_items
+from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds
+from oodscen.statistics._resampling import Resampler
+from oodscen.statistics._tests import holm, paired
 
 __all__ = [
     "ActionTally", "Comparison", "Confusion", "Control", "Detection", "Figure", "Group",
@@ -51,6 +46,18 @@ __all__ = [
 
 Key = tuple[str, Protocol]
 """Model and protocol."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Study:
+    """The values that all rows of a leaderboard share."""
+
+    items: Items
+    resampler: Resampler
+    groups: Sequence[tuple[Group, Mask]]
+    shown: Mask
+    """[n] the items whose hazard is visible under the paper's protocol."""
+    seed: int
 
 
 def leaderboard(
@@ -63,7 +70,7 @@ def leaderboard(
 ) -> Leaderboard:
     """Return the leaderboard of some verdicts.
 
-    Intervals resample whole paths (`oodscen.statistics._tests.share_bounds`); comparisons are
+    Intervals resample whole paths (`oodscen.statistics._intervals.share_bounds`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer counts as
     missing, never as wrong; `Rate.worst` gives the score with all of them counted as wrong. Open aspects
     scored by different judges are not compared.
@@ -75,20 +82,15 @@ def leaderboard(
         whole: Episodes of the paper's protocol, which tell whether its frames show the hazard.
         seed: Seed of the resampling.
     """
-    items = Items.of(list(episodes), list(scenarios))
-    resampler = Resampler(items.clusters, seed=seed)
+    ran = [episode for episode in whole if episode.status == "ok"]
+    seen = {episode.scene_id for episode in ran if episode.hazard_visible}
+    study = _study(Items.of(list(episodes), list(scenarios)), seen, seed)
+    items = study.items
     grouped: dict[Key, list[Verdict]] = {}
     for verdict in verdicts:
         grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
-    sheets = [Sheet.of(items, rows) for rows in grouped.values()]
-    groups = _groups(items)
-    ran = [episode for episode in whole if episode.status == "ok"]
-    seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    shown = np.array([episode.scene_id in seen for episode in items.episodes], np.bool_)
-    rows = [
-        _standing(items, sheet, found, resampler, groups, shown)
-        for sheet, found in zip(sheets, grouped.values(), strict=True)
-    ]
+    sheets = {key: Sheet.of(items, found) for key, found in grouped.items()}
+    rows = [_standing(study, sheets[key], found) for key, found in grouped.items()]
     standings = sorted(
         rows,
         key=lambda row: (
@@ -98,11 +100,8 @@ def leaderboard(
             row.model,
         ),
     )
-    named: dict[Key, Sheet] = dict(
-        zip([(row.model, row.protocol) for row in rows], sheets, strict=True)
-    )
     real = [row for row in rows if row.kind == "model"] or rows
-    likeness = [_likeness(items, named[row.model, row.protocol]) for row in real]
+    likeness = [_likeness(items, sheets[row.model, row.protocol]) for row in real]
     return Leaderboard(
         scenes=items.count(items.is_scene),
         twins=items.count(~items.is_scene),
@@ -117,9 +116,15 @@ def leaderboard(
         whole_shown=len(seen),
         actions=_tallies(items),
         standings=tuple(standings),
-        comparisons=tuple(_comparisons(items, standings, named, seed)),
+        comparisons=tuple(_comparisons(study, standings, sheets)),
         seed=seed,
     )
+
+
+def _study(items: Items, seen: Collection[str], seed: int) -> _Study:
+    """Return the shared values of a leaderboard; `seen` holds the scenes whose hazard is visible."""
+    shown = np.array([episode.scene_id in seen for episode in items.episodes], np.bool_)
+    return _Study(items, Resampler(items.clusters, seed=seed), _groups(items), shown, seed)
 
 
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
@@ -128,21 +133,14 @@ def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
     return count.most_common(1)[0][0] if count else ""
 
 
-def _standing(
-    items: Items,
-    sheet: Sheet,
-    verdicts: Sequence[Verdict],
-    resampler: Resampler,
-    groups: Sequence[tuple[Group, NDArray[np.bool_]]],
-    shown: NDArray[np.bool_],
-) -> Standing:
-    """Return one row; `shown` marks the [n] scenes whose hazard is visible under the paper's protocol."""
+def _standing(study: _Study, sheet: Sheet, verdicts: Sequence[Verdict]) -> Standing:
+    items, protocol = study.items, verdicts[0].protocol
     scene, twin = items.is_scene, ~items.is_scene
     columns = {
         "sensitivity": Column(sheet.called, scene),
         "specificity": Column(1.0 - sheet.called, twin),
         "open": Column(sheet.open, scene),
-        "open_shown": Column(sheet.open, scene & shown & (verdicts[0].protocol == "paper")),
+        "open_shown": Column(sheet.open, scene & study.shown & (protocol == "paper")),
         "closed": Column(sheet.closed, scene),
         "safe": Column(sheet.safe, scene),
         "collision_free": Column(sheet.success, scene),
@@ -151,22 +149,22 @@ def _standing(
         "needless": Column(sheet.cautious, twin & items.keeping_is_safe),
         "above_chance": Column(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
     }
-    found = _resampled(resampler, list(columns.values()))
+    found = _resampled(study.resampler, list(columns.values()))
     replicates = dict(zip(columns, found.T, strict=True))
     rates = {
-        name: _rate(column, replicates[name], sheet, resampler, is_fault=name == "needless")
+        name: _rate(study, column, sheet, replicates[name], is_fault=name == "needless")
         for name, column in columns.items()
         if name != "above_chance"
     }
     return Standing(
         model=verdicts[0].model,
         kind="reference" if any(v.kind == "reference" for v in verdicts) else "model",
-        protocol=verdicts[0].protocol,
+        protocol=protocol,
         asked=len(verdicts),
         outcomes=dict(sorted(Counter(_outcome(v) for v in verdicts).items())),
         contradictions=sum(bool(v.contradiction) for v in verdicts),
         outdated=sum(v.is_outdated for v in verdicts),
-        detection=_detection(items, sheet, resampler, rates, replicates),
+        detection=_detection(study, sheet, rates, replicates),
         identification=Identification(
             open=rates["open"],
             open_shown=rates["open_shown"],
@@ -174,18 +172,18 @@ def _standing(
             judged=sum(bool(v.judge) for v in verdicts),
             unjudged=sum(bool(v.judge_error) for v in verdicts),
         ),
-        control=_control(items, sheet, resampler, rates, replicates["above_chance"]),
+        control=_control(study, sheet, rates, replicates["above_chance"]),
         actions=dict(
             Counter(
                 v.action for v in verdicts if v.action and not is_twin(v.scene_id)
             ).most_common()
         ),
-        groups=tuple(_group(group, mask & scene, sheet, resampler) for group, mask in groups),
+        groups=tuple(_group(study, sheet, group, mask) for group, mask in study.groups),
         confusions=_confusions(items, verdicts),
     )
 
 
-def _group(group: Group, mask: NDArray[np.bool_], sheet: Sheet, resampler: Resampler) -> Group:
+def _group(study: _Study, sheet: Sheet, group: Group, mask: Mask) -> Group:
     """Return a group with the scores of one answerer in its scenes."""
     columns = {
         "detected": sheet.called,
@@ -193,10 +191,7 @@ def _group(group: Group, mask: NDArray[np.bool_], sheet: Sheet, resampler: Resam
         "closed": sheet.closed,
         "safe": sheet.safe,
     }
-    rates = {
-        name: _rate(Column(values, mask), None, sheet, resampler)
-        for name, values in columns.items()
-    }
+    rates = {name: _rate(study, Column(values, mask), sheet) for name, values in columns.items()}
     return group.model_copy(update=rates)
 
 
@@ -214,19 +209,19 @@ def _resampled(resampler: Resampler, columns: Sequence[Column]) -> NDArray[np.fl
 
 
 def _rate(
+    study: _Study,
     column: Column,
-    replicates: NDArray[np.float64] | None,
     sheet: Sheet,
-    resampler: Resampler,
+    replicates: NDArray[np.float64] | None = None,
     *,
     is_fault: bool = False,
 ) -> Rate:
     """Return a share; if it counts faults, the worst case counts every missing answer as one."""
     there = column.is_there
     hits, n = float(column.above.sum()), int(there.sum())
-    units = resampler.count(there)
+    units = study.resampler.count(there)
     if replicates is None and units >= FEWEST_CLUSTERS:
-        replicates = _resampled(resampler, [column])[:, 0]
+        replicates = _resampled(study.resampler, [column])[:, 0]
     missing = int((column.mask & sheet.was_asked & ~there).sum())
     least = hits + missing if is_fault else hits
     return Rate(
@@ -241,21 +236,10 @@ def _rate(
 
 
 def _control(
-    items: Items,
-    sheet: Sheet,
-    resampler: Resampler,
-    rates: Mapping[str, Rate],
-    replicates: NDArray[np.float64],
+    study: _Study, sheet: Sheet, rates: Mapping[str, Rate], replicates: NDArray[np.float64]
 ) -> Control:
-    """Return the figures of task 2.
-
-    Args:
-        items: The items of the study.
-        sheet: The answers of one answerer.
-        resampler: Resampler over the items.
-        rates: Rates by name, including those of `Control`.
-        replicates: [r] replicates of `above_chance`.
-    """
+    """Return the figures of task 2; `replicates` are the [r] ones of `above_chance`."""
+    items = study.items
     reach = items.is_decidable & np.isfinite(sheet.safe)
     chance, decidable = items.chance_over(reach), rates["decidable"]
     corrected = None
@@ -269,7 +253,7 @@ def _control(
         above_chance=Figure(
             value=corrected,
             n=decidable.n,
-            interval=percentiles(replicates, resampler.count(reach)),
+            interval=percentiles(replicates, study.resampler.count(reach)),
         ),
         twin_safe=rates["twin_safe"],
         needless=rates["needless"],
@@ -277,18 +261,18 @@ def _control(
 
 
 def _detection(
-    items: Items,
+    study: _Study,
     sheet: Sheet,
-    resampler: Resampler,
     rates: Mapping[str, Rate],
     replicates: Mapping[str, NDArray[np.float64]],
 ) -> Detection:
     """Return the figures of detection; `replicates` are [r] by the names of the rates."""
+    items, resampler = study.items, study.resampler
     sensitivity, specificity = rates["sensitivity"], rates["specificity"]
     balanced = (replicates["sensitivity"] + replicates["specificity"]) / 2
     known = np.isfinite(sheet.called)
     units = resampler.count(known)
-    area = auroc(sheet.p_ood, items.is_scene, resampler)
+    area = auroc_of_items(sheet.p_ood, items.is_scene, resampler)
     both = sensitivity.value is not None and specificity.value is not None
     n = sensitivity.n + specificity.n
     columns = [
@@ -307,7 +291,7 @@ def _detection(
             n=n if both else 0,
             interval=percentiles(balanced, units) if both else None,
         ),
-        worst=_worst_balanced(items, sheet, resampler, sensitivity, specificity),
+        worst=_worst_balanced(study, sheet, sensitivity, specificity),
         auroc=Figure(
             value=area[0] if area else None,
             n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
@@ -324,12 +308,11 @@ def _detection(
     )
 
 
-def _worst_balanced(
-    items: Items, sheet: Sheet, resampler: Resampler, sensitivity: Rate, specificity: Rate
-) -> Figure:
+def _worst_balanced(study: _Study, sheet: Sheet, sensitivity: Rate, specificity: Rate) -> Figure:
     """Return the balanced accuracy with every missing answer counted as wrong."""
     if sensitivity.worst is None or specificity.worst is None:
         return Figure()
+    items, resampler = study.items, study.resampler
     right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
     columns = [
         Column(right, sheet.was_asked & items.is_scene),
@@ -343,7 +326,7 @@ def _worst_balanced(
     )
 
 
-def _groups(items: Items) -> list[tuple[Group, NDArray[np.bool_]]]:
+def _groups(items: Items) -> list[tuple[Group, Mask]]:
     """Return every class, family and path with its scenes, in order of appearance."""
     found = []
     for level, labels in items.levels.items():
@@ -380,7 +363,7 @@ def _tallies(items: Items) -> tuple[ActionTally, ...]:
         for action, outcome in episode.actions.items():
             kind = "unavailable" if outcome.unavailable else "safe" if outcome.safe else "unsafe"
             rows.setdefault(action, Counter())[kind] += 1
-    return tuple(ActionTally(action=action, **dict(rows[action])) for action in items.order(rows))
+    return tuple(ActionTally(action=action, **dict(rows[action])) for action in as_offered(rows))
 
 
 def _likeness(items: Items, sheet: Sheet) -> float | None:
@@ -390,10 +373,7 @@ def _likeness(items: Items, sheet: Sheet) -> float | None:
 
 
 def _comparisons(
-    items: Items,
-    standings: Sequence[Standing],
-    sheets: Mapping[Key, Sheet],
-    seed: int,
+    study: _Study, standings: Sequence[Standing], sheets: Mapping[Key, Sheet]
 ) -> list[Comparison]:
     ours = [row for row in standings if row.protocol == "ours"]
     models = [row for row in ours if row.kind == "model"]
@@ -401,34 +381,34 @@ def _comparisons(
     for task in TASKS:
         floor = best_floor(ours, task)
         pairs = [(a, b) for i, a in enumerate(models) for b in models[i + 1 :]]
-        found += _family(items, task, "model", pairs, sheets, seed)
+        found += _family(study, task, "model", pairs, sheets)
         if floor is not None:
-            found += _family(items, task, "floor", [(m, floor) for m in models], sheets, seed)
+            found += _family(study, task, "floor", [(m, floor) for m in models], sheets)
     return found
 
 
 def _family(
-    items: Items,
+    study: _Study,
     task: Task,
     against: Literal["model", "floor"],
     pairs: Sequence[tuple[Standing, Standing]],
     sheets: Mapping[Key, Sheet],
-    seed: int,
 ) -> list[Comparison]:
     """Return the comparisons of pairs in one task, with p-values corrected for all of them together."""
+    items = study.items
     tests, worst = [], []
     for first, second in pairs:
         sheet, other = (sheets[row.model, row.protocol] for row in (first, second))
         one, two = sheet.right(task, items), other.right(task, items)
         unlike = sheet.scored_unlike(other) & (task == "open")
         one = np.where(unlike, np.nan, one)
-        test = paired(one, two, items.clusters, seed=seed)
+        test = paired(one, two, items.clusters, seed=study.seed)
         if not test.n:
             continue
         silent = sheet.unanswered(task, items) & ~unlike
         tests.append((first.model, second.model, test, int(silent.sum())))
         filled = np.where(silent, 0.0, one)
-        worst.append(paired(filled, two, items.clusters, seed=seed) if silent.any() else test)
+        worst.append(paired(filled, two, items.clusters, seed=study.seed) if silent.any() else test)
     plain = holm([test.p_mcnemar for _, _, test, _ in tests])
     clustered = holm([test.p_clustered for _, _, test, _ in tests])
     at_worst = holm([test.p_clustered for test in worst])

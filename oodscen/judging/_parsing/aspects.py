@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
+    Question,
     Reading,
     is_placeholder,
     is_refusal,
@@ -32,12 +33,12 @@ class Detected:
 
 def read_aspect(text: str) -> Reading[Detected]:
     """Return whether something was called out of the ordinary, the aspect and the confidence."""
-    return read(text, _detected, _detected_in_prose)
+    return read(text, Question(_detected, _detected_in_prose, _DETECTION))
 
 
 def read_named_aspect(text: str) -> Reading[str]:
     """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
-    return read(text, _named, _named_in_prose)
+    return read(text, Question(_named, _named_in_prose, _NAMED))
 
 
 def names_nothing(aspect: str) -> bool:
@@ -60,6 +61,7 @@ _IS_OOD = re.compile(
 _ASPECT = re.compile(r"(?:\w*aspect|what|label)")
 _NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 _CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
+_DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
 
 
 def _detected(value: Mapping[str, Any]) -> Detected | None:

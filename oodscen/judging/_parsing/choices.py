@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
+    Question,
     Reading,
     is_placeholder,
     is_refusal,
@@ -12,7 +13,7 @@ from oodscen.judging._parsing.reading import (
     read,
     unwrapped,
 )
-from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, stated
+from oodscen.judging._parsing.stating import FIRST, GERUNDS, OPTION, denied, options_in, stated
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded, tidied
 
 Marking = Callable[[str], str]
@@ -90,7 +91,16 @@ def _read(
             raise UnusableError(f"{str(held[0])[:80]!r} is no option")
         return found
 
-    reading = read(text, picked, in_prose, is_closed=True)
+    def named(prose: str) -> set[int]:
+        return options_in(mark(folded(prose)))
+
+    def denies(prose: str, option: int) -> bool:
+        return option in denied(mark(folded(prose)))
+
+    reading = read(
+        text,
+        Question(picked, in_prose, re.compile(f"{keys.pattern}|{_INSIDE.pattern}"), named, denies),
+    )
     if reading.value is None:
         return Reading(None, reading.outcome, reading.note)
     return Reading(names[reading.value], "answered", reading.note)
@@ -128,9 +138,7 @@ def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
 
     def mark(plain: str) -> str:
         if not is_numbered:
-            return finder.sub(
-                called, re.sub(r"^\d{1,2}[.)] (?=\D)", "\u2022 ", plain, flags=re.MULTILINE)
-            )
+            return finder.sub(called, _LIST_MARK.sub("\u2022 ", plain))
         plain = finder.sub(called, plain)
         for pattern in _NUMBERS:
             plain = pattern.sub(numbered, plain)
@@ -141,6 +149,7 @@ def _marking(words: Mapping[str, str], *, is_numbered: bool = False) -> Marking:
 
 _MOST = 2_000
 """The most options found in prose; later ones count only by number in JSON. Also the place of no option."""
+_LIST_MARK = re.compile(r"^\(?(?:\d{1,2}|[a-h])[.)] (?=\D)", re.MULTILINE)
 _GERUND = re.compile(r"\w+ing\b|.*\bbraking$")
 _MARK = r"(?P<mark>\(?(?<![-.,\d])(?P<number>\d{1,3})(?![\d%]|[.,]\d)\)?)"
 _NUMBERS = (
@@ -185,7 +194,7 @@ _ACTION_WORDS = {
     "change_lane_left": _lane_change("left"),
     "change_lane_right": _lane_change("right"),
     "stop": (
-        rf"(?:keep the lane and )?(?:com(?:e|ing)|brak(?:e|ing)|slow(?:ing)?(?: down)?|decelerat(?:e|ing)){_GENTLY} to an?"
+        rf"(?:keep the lane and )?(?:com(?:e|ing)|brak(?:e|ing)){_GENTLY} to an?"
         r" (?:(?:complete|full|controlled|safe|smooth) )*(?:stop|halt|standstill)|(?:a )?(?:complete|full|controlled) stop"
         r"|(?<!bus )(?<!non )(?<!truck )stop(?:ping)?(?: the (?:car|vehicle|ego vehicle))?"
         r"(?! ?(?:signs?|lines?|lights?|signals?|at nothing|\w+ing\b))|halt(?:ing)?"

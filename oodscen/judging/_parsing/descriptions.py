@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
+    Question,
     Reading,
     is_placeholder,
     is_refusal,
@@ -15,13 +16,15 @@ from oodscen.judging._parsing.reading import (
 from oodscen.judging._parsing.text import UnusableError, folded
 
 _DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
+_ANY = re.compile(r".*")
+"""Any member may describe the frame."""
 _LONGEST_REFUSAL = 300
 """The longest prose that counts as a refusal, in characters; longer prose is a description."""
 
 
 def read_description(text: str) -> Reading[str]:
     """Return a description of a frame; any prose is accepted except a refusal or nothing."""
-    return read(text, _in_object, _in_prose)
+    return read(text, Question(_in_object, _in_prose, _ANY))
 
 
 def _in_object(value: Mapping[str, Any]) -> str | None:

@@ -3,10 +3,18 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
+from oodscen.judging._parsing.surroundings import (
+    RETRACTED,
+    is_doubtful,
+    leads_to_an_answer,
+    runs_on,
+    split_reasons,
+    takes_back,
+)
 from oodscen.judging._parsing.text import (
     LONGEST,
     TWO_ANSWERS,
@@ -31,33 +39,50 @@ class Reading(Generic[Value]):
     """The source of the value, or the reason for its absence: `JSON`, `prose`, `two answers`."""
 
 
-def read(
-    text: str,
-    pick: Callable[[Mapping[str, Any]], Value | None],
-    prose: Callable[[str], Value | None],
-    *,
-    is_closed: bool = False,
-) -> Reading[Value]:
-    """Parse an answer from its JSON, else from its prose.
+@dataclass(frozen=True)
+class Question(Generic[Value]):
+    """The way to find the answer to one question."""
 
-    Args:
-        text: A model's answer.
-        pick: Returns the answer in one object; `None` if it lacks the requested member. Raises
-            `UnusableError`.
-        prose: Returns the answer in tidied prose; `None` if there is none. Raises `UnusableError`.
-        is_closed: Whether prose after an object that answers something else contradicts it.
-    """
+    pick: Callable[[Mapping[str, Any]], Value | None]
+    """Returns the answer in one object; `None` if it lacks the requested member. Raises `UnusableError`."""
+    prose: Callable[[str], Value | None]
+    """Returns the answer in tidied prose; `None` if there is none. Raises `UnusableError`."""
+    members: re.Pattern[str]
+    """Matches the names of the members that hold the answer, as `spelt` spells them."""
+    named: Callable[[str], Set[Value]] | None = None
+    """For a choice from a list: returns the options that tidied prose names, in whatever way."""
+    denies: Callable[[str, Value], bool] | None = None
+    """For a choice from a list: returns whether tidied reasons rule an option out."""
+
+    def answer_in(self, one: Found, said: str) -> tuple[Value | None, str]:
+        """Return the answer in one object of a text, and the reason why one that it has cannot be used."""
+        try:
+            value = self.pick(one.value)
+        except UnusableError as error:
+            return None, str(error)
+        if value is None:
+            return None, ""
+        fault = ""
+        if one.is_mended and _lost_words(one, said):
+            fault = "the JSON object has faults"
+        elif _is_annulled(one.value, self.members):
+            fault = "another member puts the answer in doubt"
+        elif self.denies and self.denies(tidied(_reasons(one.value)), value):
+            fault = "its reasons rule the answer out"
+        return None if fault else value, fault
+
+
+def read(text: str, question: Question[Value]) -> Reading[Value]:
+    """Parse an answer from its JSON, else from its prose."""
     if len(text) > LONGEST:
         return Reading(None, "unparsed", f"it has {len(text):,} characters; {LONGEST:,} at most")
     note = "no answer is named plainly"
     try:
         said = spoken_json(text)
-        value, after = _in_objects(said, pick)
+        value = _in_objects(said, question)
         if value is not None:
-            if is_closed and prose(tidied(after)) not in (None, value):
-                raise UnusableError(TWO_ANSWERS)
             return Reading(value, "answered", "JSON")
-        value = prose(tidied(_without_objects(said)))
+        value = question.prose(tidied("\n".join(_between(said, scan(said)[0]))))
         if value is not None:
             return Reading(value, "answered", "prose")
     except UnusableError as error:
@@ -82,73 +107,96 @@ def spoken_json(text: str) -> str:
     return said if '"' in said else re.sub("[\u201c\u201d]", '"', said)
 
 
-def _in_objects(
-    said: str, pick: Callable[[Mapping[str, Any]], Value | None]
-) -> tuple[Value | None, str]:
-    """Return the answer in the last object with the requested member, and the text after that object."""
+def _in_objects(said: str, question: Question[Value]) -> Value | None:
+    """Return the answer in the last object that is given as one; `None` if no object has the requested member."""
     found, broken_off = scan(said)
     if broken_off is not None:
         raise UnusableError("the answer is cut off before its end")
     if len(found) > _MOST_OBJECTS:
         raise UnusableError(f"it has {len(found)} JSON objects")
-    answers: list[tuple[Value | UnusableError, int, int]] = []
-    edges = [0, *(edge for one in found for edge in (one.start, one.start + one.width)), len(said)]
-    for index, one in enumerate(found):
-        before, start, end, after = edges[2 * index : 2 * index + 4]
-        if _QUOTED_BEFORE.search(said[max(before, start - 60) : start]) or _QUOTED_AFTER.match(
-            said[end:after]
-        ):
-            continue
-        try:
-            value: Value | UnusableError | None = pick(one.value)
-            if value is not None and one.is_mended and _lost_words(one, said):
-                value = UnusableError("the JSON object has faults")
-        except UnusableError as error:
-            value = error
-        if value is not None:
-            answers.append((value, start, end))
-    if not answers:
-        return None, ""
-    last, start, end = answers[-1]
-    if isinstance(last, UnusableError):
-        raise last
-    for value, _, stop in answers[:-1]:
-        is_other = value != last and not isinstance(value, UnusableError)
-        if is_other and not _CORRECTED.search(said[stop:start]):
+    between = _between(said, found)
+    picked = [question.answer_in(one, said) for one in found]
+    holding = [index for index, (value, fault) in enumerate(picked) if value is not None or fault]
+    given = [
+        index
+        for index in holding
+        if leads_to_an_answer(between[index], "".join(between[:index]))
+        and not runs_on(between[index + 1])
+    ]
+    if not holding:
+        return None
+    if not given:
+        raise UnusableError("the JSON object is not given as the answer")
+    last = given[-1]
+    value, fault = picked[last]
+    if value is None:
+        raise UnusableError(fault)
+    for index in given[:-1]:
+        is_other = not picked[index][1] and picked[index][0] != value
+        if is_other and not RETRACTED.search("\n".join(between[index + 1 : last + 1])):
             raise UnusableError(TWO_ANSWERS)
-    if _CORRECTED.search(said[end:]):
+    told, reasons = split_reasons("\n".join(between[last + 1 :]))
+    if last < len(found) - 1 or takes_back(told) or RETRACTED.search(reasons):
         raise UnusableError("it is taken back after the JSON object")
-    return last, said[end:]
+    if question.named and question.named(told) - {value}:
+        raise UnusableError(TWO_ANSWERS)
+    if question.denies and question.denies(reasons, value):
+        raise UnusableError("its reasons rule the answer out")
+    return value
 
+
+def _between(said: str, found: Sequence[Found]) -> list[str]:
+    """Return the texts before, between and after the objects."""
+    parts, end = [], 0
+    for one in found:
+        parts.append(said[end : one.start])
+        end = one.start + one.width
+    return [*parts, said[end:]]
+
+
+def _is_annulled(value: Mapping[str, Any], asked: re.Pattern[str], depth: int = 6) -> bool:
+    """Return whether a member beside the answer is a truth value, or a note that may deny the answer."""
+    for name, held in value.items():
+        if _REASON.fullmatch(spelt(name)):
+            continue
+        for one in held if isinstance(held, list) else [held]:
+            if isinstance(one, dict):
+                if not depth or _is_annulled(one, asked, depth - 1):
+                    return True
+            elif not asked.fullmatch(spelt(name)) and (
+                isinstance(one, (bool, list))
+                or (isinstance(one, str) and is_doubtful(one))
+                or (isinstance(one, (int, float)) and _DENYING.search(spelt(name)))
+            ):
+                return True
+    return False
+
+
+_DENYING = re.compile(r"not|neg|wrong|invalid|reject|false|fake|cancel|revoke|retract|void")
+"""Matches the names of members whose number may deny the answer."""
+
+
+def _reasons(value: Mapping[str, Any], depth: int = 6) -> str:
+    """Return the reasons in an object and in the objects that it wraps."""
+    found = [words_in(one) for name, one in value.items() if _REASON.fullmatch(spelt(name))]
+    inner = [one for one in value.values() if isinstance(one, dict) and depth]
+    return "\n".join([*found, *(_reasons(one, depth - 1) for one in inner)])
+
+
+_REASON = re.compile(
+    r"(?:step\w*|chainof)?(?:reason(?:s|ing)?|rationale|thoughts?|thinking|analysis|explanation|justification"
+    r"|descriptions?|observations?|details)"
+)
+"""Matches the members that give reasons, in which other options may be weighed."""
 
 _MOST_OBJECTS = 50
 
-_QUOTED_BEFORE = re.compile(
-    r"\b(?:not|n't|never|wrong|incorrect|bad|worst|unsafe|example|e\.g\.|format|template|schema|like"
-    r"|instead of|rather than|opposite|if|unless|or|either|could|might|should i|would have)\b[^.!?\n]*$"
-    r"|\"\s*:\s*$",
-    re.IGNORECASE,
-)
-"""Matches words before an object that is not given as the answer."""
-_QUOTED_AFTER = re.compile(
-    r"[\s`'\")]*(?:is|isn't|was|wasn't|would|wouldn't|could|might|may|if|unless|or)\b",
-    re.IGNORECASE,
-)
-_CORRECTED = re.compile(
-    r"(?:^|[.,;:!?\n(\u2014`-])\s*(?:oh,? )?(?:wait|actually|no|nope|hmm+|correct(?:ion|ed)|edit|sorry|oops|but"
-    r"|however|instead|finally|final (?:answer|decision)|on (?:second thou?ght|reflection)|scratch|strike|not"
-    r"|revis\w+|better)\b|\b(?:wrong|incorrect|mistake\w*|take (?:that|it) back|change my (?:mind|answer)"
-    r"|disregard|disagree|(?:do not|don't) do (?:this|that)|ignore (?:that|this)|reconsider\w*|just kidding|joking|opposite of)\b",
-    re.IGNORECASE,
-)
-"""Matches words that retract the text before them, or announce the real answer."""
-
 
 def _lost_words(one: Found, said: str) -> bool:
-    """Return whether repairing an object dropped some of its words, such as one of two values."""
+    """Return whether repairing an object dropped some of its words, such as one of two values, or a fence."""
     source = _COMMENT.sub(" ", said[one.start : one.start + one.width])
     kept = json.dumps(one.value, ensure_ascii=False, default=str)
-    return bool(_words(source) - _words(kept))
+    return "```" in source or bool(_words(source) - _words(kept))
 
 
 _COMMENT = re.compile(r"//[^\n]*|/\*[^*]*\*/")
@@ -156,14 +204,6 @@ _COMMENT = re.compile(r"//[^\n]*|/\*[^*]*\*/")
 
 def _words(text: str) -> Counter[str]:
     return Counter(re.findall(r"\w+|[!~]", text.casefold().replace("none", "null")))
-
-
-def _without_objects(said: str) -> str:
-    parts, end = [], 0
-    for one in scan(said)[0]:
-        parts.append(said[end : one.start])
-        end = one.start + one.width
-    return "\n".join([*parts, said[end:]])
 
 
 def spelt(name: str) -> str:

@@ -7,6 +7,7 @@ Denials, conditions, questions, reports and statements about others match none o
 
 import re
 
+from oodscen.judging._parsing.surroundings import DOUBTS, FEW, points_back
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError
 
 FIRST, GERUNDS = 0xE000, 0x800
@@ -30,13 +31,37 @@ def stated(plain: str) -> int | None:
     options = {_number(found) for found in stating.values()}
     if len(options) > 1:
         raise UnusableError(TWO_ANSWERS)
-    if any(_number(one) in options for one in _DENIED.findall(plain)):
+    if options & denied(plain):
         raise UnusableError("it is stated and denied")
     for sentence in sentences[max(stating) + 1 :] if stating else ():
         others = {_number(one) for one in re.findall(OPTION, sentence)} - options
-        if others or _AGAINST.search(sentence) or _NO.match(sentence):
+        is_short = len(sentence.split()) < FEW
+        if (
+            others
+            or _AGAINST.search(sentence)
+            or _NO.match(sentence)
+            or _UNSAYS.match(sentence)
+            or points_back(sentence)
+            or (is_short and DOUBTS.search(sentence))
+        ):
             raise UnusableError("something else is said after the answer")
     return options.pop() if options else None
+
+
+def options_in(plain: str) -> set[int]:
+    """Return the numbers of the options that folded prose names, in whatever way."""
+    return {_number(option) for option in re.findall(OPTION, plain)}
+
+
+def denied(plain: str) -> set[int]:
+    """Return the numbers of the options that folded prose rules out without a condition."""
+    return {
+        _number(found[1] or found[2])
+        for sentence in _sentences(plain)
+        if not _CONDITIONAL.search(sentence)
+        for found in _RULED_OUT.finditer(sentence)
+        if not (found[1] and _OTHERS.search(sentence[: found.end()]))
+    }
 
 
 def _number(option: str) -> int:
@@ -126,11 +151,29 @@ _AGAINST = re.compile(
 )
 """Matches words that retract the statement of a sentence or make it conditional."""
 _NO = re.compile(r"\W*(?:or|not|no|nope|hmm+|oops|sorry|only|never ?mind)\b")
-_DENIED = re.compile(rf"(?:\bnot|n't|\bnever|\bcannot) (?:to |a )?({OPTION})")
+_CONDITIONAL = re.compile(r"\b(?:if|unless|otherwise|when|where)\b")
+_RULED_OUT = re.compile(
+    r"(?:\b(?:not|never|cannot|refuse|decline|unable|wrong|unsafe)|n't)"
+    rf" (?:(?:to|a|an|be|do|choose|pick|select|take|answer|say|simply|just) )*({OPTION})"
+    rf"|({OPTION})(?: here| now)? (?:(?:is|was|would be|seems)(?:n't| not| never)"
+    r"|(?:is|would be) (?:wrong|unsafe|impossible|out of the question|the wrong|ruled out)"
+    r"|not\b|never\b|(?:i|we) (?:will|would|can|must|should|do|shall) ?not\b)"
+)
+"""Matches an option that is ruled out."""
+_OTHERS = re.compile(
+    r"\b(?:it|he|she|they|others?|(?:the|a|an) (?!ego\b|self\b|autonomous\b)\w+)(?: \w+){0,2}"
+    r" (?:must|should|will|would|can(?:not)?|could|do(?:es)?|did|may|might)(?:n't)?\b"
+)
+"""Matches road users other than the ego as the subject."""
+_UNSAYS = re.compile(
+    r"(?:(?:but|yet|still|and|alas),? )?(?:i|we)\b[^,;]*\b(?:not|never|no|nothing|anything)\b|(?:i|we)\b[^,;]*n't\b"
+    r"|(?:but|yet|still|alas)\b|.*\b(?:psych|forget (?:it|that|this)|lied|(?:a|all) lies?|reverse)\b"
+)
+"""Matches a sentence that unsays the one before it."""
 _FINITE = re.compile(rf"\b(?:is|are|was|would|could|might|may|will|can|has|have|then)\b|{OPTION}")
 _REJECTS = re.compile(
     r"\b(?:wrong|worst|avoid|reject\w*|ruled? out|never|unsafe|bad|impossible|none|(?:not|n't) know"
-    r"|other (?:car|vehicle|driver)|instead of)\b"
+    r"|e\.g|example|instance|other (?:car|vehicle|driver)|instead of)\b"
 )
 _UNREAL = re.compile(
     r"\b(?:suppos(?:e|ing)|imagine|pretend(?:ing)?|hypothetical(?:ly)?|sarcas\w+|role ?play"

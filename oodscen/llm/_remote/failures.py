@@ -41,8 +41,8 @@ _FILTER = re.compile(
 _BROKEN = {
     "size": "the response has more than {detail} bytes",
     "encoding": "the response is compressed although plain text was asked for",
-    "redirect": "the server redirects to {detail}, where neither question nor key is sent; "
-    "if that is the right server, give its address",
+    "redirect": "the server redirects to {detail}, and redirects are not followed; if that is the right "
+    "address of the API, give it as the server's address",
     "proxy": "a proxy is asked over http:// only; mend HTTPS_PROXY or ALL_PROXY",
     "offline": "OODSCEN_OFFLINE is set, and {detail} is not this machine",
 }
@@ -50,7 +50,11 @@ _BROKEN = {
 
 
 class Filtered(Exception):
-    """Raised when a content filter withheld the answer; callers never see it."""
+    """Raised when a content filter withheld or cut the answer; callers never see it."""
+
+
+class NoAnswer(Exception):
+    """Raised for a response that is well-formed but holds no answer; callers never see it."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,8 @@ def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
         kind, reason = "late", "the response did not end in time"
     elif bounds.broken == "closed":
         reason = "the run was interrupted"
+    elif isinstance(error, NoAnswer):
+        reason = text
     elif kind == "filtered":
         reason = f"the provider's content filter declined it: {text}"
     is_unreadable = kind == "erring" and (status is None or status < 400)

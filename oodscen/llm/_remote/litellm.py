@@ -2,12 +2,15 @@
 
 import base64
 import os
+import re
 import threading
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from types import ModuleType
 from typing import Any
+from urllib.parse import urlsplit
 
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
@@ -22,7 +25,7 @@ from oodscen.errors import (
     UsageError,
 )
 from oodscen.llm._remote.call_bounds import Bounds, bounded
-from oodscen.llm._remote.failures import Failure, Filtered, diagnose
+from oodscen.llm._remote.failures import Failure, Filtered, NoAnswer, diagnose
 from oodscen.llm._remote.limits import Price, Spent, Traffic, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen.llm._remote.usage import believed, count, estimate_tokens
@@ -67,7 +70,7 @@ class LiteLLM:
         temperature: Sampling temperature; `None` leaves it to the provider.
         max_tokens: Longest answer; `None` leaves it to the provider.
         retries: Maximum number of retries.
-        max_wait_s: Longest wait before a retry; a call is given up if the server asks for more.
+        max_wait_s: Longest wait before a retry; a call is given up at once if the server asks for more.
         max_bytes: Largest response.
         traffic: Caps, prices and endpoints, shared by the models of a run. Without it nothing is capped and
             no endpoint is given up.
@@ -109,6 +112,8 @@ class LiteLLM:
         self._sleep = sleep or self.traffic.sleep
         self._sdk = sdk = load_litellm()
         settings = {name: value for name, value in vars(sdk).items() if name.islower()}
+        if api_base is not None:
+            _check_address(api_base)
         hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
         # litellm asks some models' servers what they can do.
         with bounded(Bounds(LOOKUP_S, max_bytes)):
@@ -116,7 +121,6 @@ class LiteLLM:
             _permit(model, api_base, address)
             self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
-            self._json = _json_ability(sdk, self._model)
         _afford(model, self.price, self.traffic)
         self._endpoint = self.traffic.endpoint(redact(api_base) if api_base else provider)
         self._refused: set[str] = set()
@@ -167,6 +171,7 @@ class LiteLLM:
                 continue
             wait = self._wait(outcome, tries, request)
             if wait is None:
+                outcome = self._explained(outcome)
                 self._endpoint.given_up(outcome, self.name)
                 self._endpoint.check(self.name)
                 raise self._error(outcome, requests)
@@ -216,6 +221,14 @@ class LiteLLM:
             return True
         return self._endpoint.is_alive(bounds.url, _responds)
 
+    def _explained(self, failure: Failure) -> Failure:
+        """Add to a failure that the server asked for too long a wait."""
+        asked = failure.retry_after
+        if not failure.retryable or asked is None or asked <= self.max_wait_s:
+            return failure
+        said = f"; the server asked to wait {asked:.0f} s, more than max_wait_s {self.max_wait_s:g}"
+        return replace(failure, message=f"{failure.message}{said}")
+
     def _error(self, failure: Failure, requests: int) -> LLMError:
         if failure.kind == "filtered":
             return RefusedError(failure.message, model=self.name, requests=requests)
@@ -250,10 +263,12 @@ class LiteLLM:
         return Spent(1, tokens, cost or 0.0)
 
     def _completion(self, response: Any, request: Request) -> Completion:
-        message = response.choices[0].message
-        text = message.content or getattr(message, "refusal", None) or ""
-        if not text and getattr(response.choices[0], "finish_reason", "") == "content_filter":
-            raise Filtered("the answer was withheld")
+        if not response.choices:
+            raise NoAnswer("the response holds no answer: its list of choices is empty")
+        choice = response.choices[0]
+        if getattr(choice, "finish_reason", "") == "content_filter":
+            raise Filtered("the answer was withheld or cut")
+        text = choice.message.content or getattr(choice.message, "refusal", None) or ""
         said = getattr(response, "usage", None)
         details = getattr(said, "prompt_tokens_details", None)
         usage = Usage(
@@ -277,10 +292,16 @@ class LiteLLM:
             return None
 
     def _response_format(self, request: Request) -> dict[str, Any] | None:
-        if self._json == "schema":
+        if self._ability == "schema":
             name = request.prompt.purpose.replace("-", "_")
             return {"type": "json_schema", "json_schema": {"name": name, "schema": request.schema}}
-        return {"type": "json_object"} if self._json == "mode" else None
+        return {"type": "json_object"} if self._ability == "mode" else None
+
+    @cached_property
+    def _ability(self) -> str:
+        """The answer formats that litellm says the model has; it asks some models' servers."""
+        with bounded(Bounds(LOOKUP_S, self.max_bytes)):
+            return _json_ability(self._sdk, self._model)
 
     def _wait(self, failure: Failure, tries: int, request: Request) -> float | None:
         """Return the seconds to wait before the next attempt, or `None` to give up."""
@@ -289,6 +310,7 @@ class LiteLLM:
         if not failure.retryable or tries >= most:
             return None
         if failure.retry_after is not None:
+            # An earlier retry would be refused again, and count against the caller.
             return failure.retry_after if failure.retry_after <= self.max_wait_s else None
         keys = ("retry", request.prompt.purpose, request.sample, request.attempt, tries)
         jitter = float(stream(self.seed, *keys).uniform(0.5, 1.0))
@@ -305,10 +327,12 @@ def load_litellm() -> ModuleType:
     enforce()
     with _import_lock:
         os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
-        # litellm's type definitions make pydantic warn, some of them only on first use.
-        warnings.filterwarnings(
-            "ignore", message=r".*ReadOnly. qualifier", category=UserWarning, module=r"pydantic\."
-        )
+        # litellm's type definitions make pydantic warn, some of them only on first use; so do
+        # responses whose fields have other types than the API's.
+        for message in (r".*ReadOnly. qualifier", "Pydantic serializer warnings"):
+            warnings.filterwarnings(
+                "ignore", message=message, category=UserWarning, module=r"pydantic\."
+            )
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -367,15 +391,22 @@ def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
     return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003) % 2**31
 
 
+_MARKS_CACHE = re.compile(r"anthropic|claude", re.IGNORECASE)
+"""Models whose providers cache a prefix only where a request marks its end."""
+
+
 def wire_message(message: Message, model: str = "") -> dict[str, Any]:
     """Return a message in OpenAI's format; pictures become base64 data URLs.
 
     Raises:
         LLMError: When a picture cannot be read.
     """
-    if not message.images:
-        return {"role": message.role, "content": message.text}
     parts: list[dict[str, Any]] = [{"type": "text", "text": message.text}]
+    if message.role == "system" and _MARKS_CACHE.search(model):
+        # Other providers find repeated prefixes by themselves.
+        parts[0]["cache_control"] = {"type": "ephemeral"}
+    elif not message.images:
+        return {"role": message.role, "content": message.text}
     for image in message.images:
         try:
             url = data_url(image)
@@ -412,6 +443,20 @@ def _responds(url: str, timeout_s: float) -> bool:
     from oodscen.llm._remote.transport import responds
 
     return responds(url, timeout_s)
+
+
+def _check_address(api_base: str) -> None:
+    """Refuse an address that no request can be sent to."""
+    try:
+        parts = urlsplit(api_base)
+        is_sound = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+        is_sound &= not re.search(r"[\s\\]", api_base)
+    except ValueError:
+        is_sound = False
+    if not is_sound:
+        raise UsageError(
+            f"{redact(api_base)!r:.200} is no address of a server; write it as http://HOST:PORT/v1"
+        )
 
 
 def _permit(model: str, api_base: str | None, address: str | None) -> None:

@@ -7,7 +7,9 @@ import socket
 import ssl
 import threading
 import time
+import zlib
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from contextvars import copy_context
 from queue import Empty, SimpleQueue
 from types import ModuleType
@@ -16,7 +18,8 @@ from typing import Any
 import httpcore
 import httpx
 
-from oodscen.llm._remote.call_bounds import HEAD, BoundReached, Bounds, active, bounded
+from oodscen._redaction import redact
+from oodscen.llm._remote.call_bounds import HEAD, KEPT, BoundReached, Bounds, active, bounded
 from oodscen.llm._remote.offline import is_loopback, is_offline
 
 CONNECT_S = 10.0
@@ -24,6 +27,12 @@ CONNECT_S = 10.0
 
 PIECE = 16_384
 """Bytes handed to a connection at once; a piece is sent whole within the time limit, or not at all."""
+
+BEGINNING_S = 1.0
+"""Longest time to read the beginning of a refused body, in seconds."""
+
+_LONGEST_ADDRESS = 300
+"""Number of characters of a redirect's address that are shown."""
 
 _TOO_LONG = "the call took too long as a whole"
 
@@ -101,28 +110,48 @@ def _watch(response: httpx.Response) -> None:
     if bounds is None:
         return
     bounds.status = response.status_code
-    if response.has_redirect_location and (elsewhere := _elsewhere(response)):
-        bounds.stop("redirect", elsewhere)
-        raise httpx.RemoteProtocolError(f"the server redirects to {elsewhere}")
-    if response.headers.get("content-encoding", "identity").strip().casefold() != "identity":
+    if response.has_redirect_location:
+        target = _target(response)
+        bounds.stop("redirect", target)
+        raise httpx.RemoteProtocolError(f"the server redirects to {target}")
+    encoding = response.headers.get("content-encoding", "identity").strip().casefold()
+    if encoding != "identity":
+        bounds.head = _inflated(_beginning(response))
         bounds.stop("encoding")
         raise httpx.DecodingError("the response is compressed although plain text was asked for")
     announced = response.headers.get("content-length", "")
-    bounds.refuse(int(announced) if announced.isdecimal() else 0)
+    size = int(announced) if announced.isdecimal() else 0
+    if size > bounds.size:
+        bounds.head = _beginning(response)
+    bounds.refuse(size)
     if isinstance(response.stream, httpx.SyncByteStream):
         response.stream = _Counted(response.stream, bounds)
 
 
-def _elsewhere(response: httpx.Response) -> str:
-    """Return the origin of a redirect, or an empty string if it stays on the same origin."""
-    origins = []
+def _target(response: httpx.Response) -> str:
+    """Return the address of a redirect without what may hold a credential: its user, password and query."""
     try:
-        for url in (response.request.url, response.request.url.join(response.headers["location"])):
-            port = url.port or {"http": 80, "https": 443}.get(url.scheme)
-            origins.append(f"{url.scheme}://{url.host}:{port}")
-    except httpx.InvalidURL:
-        return "an address that is none"
-    return origins[1] if origins[0] != origins[1] else ""
+        url = response.request.url.join(response.headers["location"])
+        return redact(f"{url.scheme}://{url.netloc.decode('ascii')}{url.path}")[:_LONGEST_ADDRESS]
+    except (httpx.InvalidURL, UnicodeError):
+        return "a malformed address"
+
+
+def _beginning(response: httpx.Response) -> bytes:
+    """Return the beginning of a body that is about to be refused; a slow server does not delay the refusal."""
+    beginning = Bounds(BEGINNING_S, KEPT)
+    with bounded(beginning), suppress(httpx.HTTPError, BoundReached):
+        for chunk in response.iter_raw():
+            beginning.count(chunk)
+    return beginning.head
+
+
+def _inflated(data: bytes) -> bytes:
+    """Return the beginning of gzip or zlib data in plain, or any other data as it is."""
+    try:
+        return zlib.decompressobj(zlib.MAX_WBITS | 32).decompress(data, KEPT)
+    except zlib.error:
+        return data
 
 
 class _Tunnel(httpx.BaseTransport):

@@ -1,1 +1,1 @@
-"""Detectors of OOD texts: calibration, anchors, separation, the off-topic guard."""
+"""Detectors of OOD texts: calibration, anchors, the off-topic guard."""

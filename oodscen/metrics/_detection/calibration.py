@@ -64,9 +64,7 @@ def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64
     if len(vectors) > _MOST:
         chosen = np.sort(stream(seed, "calibration").permutation(len(vectors))[:_MOST])
         vectors = np.ascontiguousarray(vectors[chosen])
-    group = like_groups(vectors)
-    if not group.any():
-        group = np.arange(len(vectors))
+    group = separate_groups(vectors)
     asked = np.arange(len(vectors))
     if len(asked) > _SAMPLE:
         asked = np.sort(stream(seed, "calibration", "asked").permutation(len(asked))[:_SAMPLE])
@@ -77,6 +75,12 @@ def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64
         cosines[group[rows, None] == group] = -np.inf
         found[first : first + _STEP] = -np.clip(cosines.max(axis=1), -1.0, 1.0)
     return found, int(group.max()) + 1
+
+
+def separate_groups(vectors: Vectors) -> NDArray[np.int64]:
+    """Return the groups of similar rows, [n]; if all fall into one, each row is a group of its own."""
+    group = like_groups(vectors)
+    return group if group.any() else np.arange(len(vectors))
 
 
 def like_groups(vectors: Vectors, threshold: float = _ALIKE) -> NDArray[np.int64]:

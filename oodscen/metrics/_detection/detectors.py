@@ -15,19 +15,14 @@ the baseline, mu and Sigma their mean and covariance.
     whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: features that vary much among ordinary texts
                   (place, wording) weigh less. In [-1, 1]. Misled by rare words in ordinary texts.
     events        judgement + novelty + leaning / 2, each in standard deviations of the baseline about its mean.
-                  *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on S^-1
-                  a,
-                  where a points from ordinary to not ordinary (`oodscen.metrics._detection.anchors`) and S is
-                  Sigma
-                  shrunk by 0.3. *Novelty* is the largest distance of a clause to the nearest clause of another
-                  baseline text. *Leaning* is the cosine to the nearest anchor for a kind of event minus that to
-                  the
-                  nearest anchor for its absence, for the text and its clauses (averaged). About 0 for ordinary
-                  text,
-                  unbounded. Specific to this library, not from the paper. Misled by ordinary text that mentions
-                  danger ("a fire engine returns to its station"), by OOD text in mild words, and by kinds of
-                  events
-                  that no anchor covers.
+                  *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on
+                  S^-1 a, where a points from ordinary to not ordinary (`oodscen.metrics._detection.anchors`)
+                  and S is Sigma shrunk by 0.3. *Novelty* is the largest distance of a clause to the nearest
+                  clause of another baseline text. *Leaning* is the cosine to the nearest anchor for a kind of
+                  event minus that to the nearest anchor for its absence, for the text and its clauses
+                  (averaged). About 0 for ordinary text, unbounded. Specific to this library, not from the
+                  paper. Misled by ordinary text that mentions danger ("a fire engine returns to its station"),
+                  by OOD text in mild words, and by kinds of events that no anchor covers.
 
 `docs/metrics.md` reports which is best, with error rates.
 """

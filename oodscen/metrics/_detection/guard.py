@@ -1,28 +1,24 @@
 """The off-topic guard: flags texts that are not about driving a car on a road.
 
-OOD-ness ranks a recipe above every accident, so off-topic texts must be removed before a set is scored. The guard
-is
-fitted to bundled data: the ordinary driving texts on one side, `elsewhere.txt` and the *tune* half of
-`load_off_topic`
-on the other. It uses no OOD text. A text is flagged below a threshold that was set on *tune*, with each subject
-scored
-without its own texts, and on the public OOD sets.
+OOD-ness ranks a recipe above every accident, so off-topic texts must be removed before a set is
+scored. The guard is fitted to bundled data: the ordinary driving texts on one side, `elsewhere.txt`
+and the *tune* half of `load_off_topic` on the other. It uses no OOD text. A text is flagged below a
+threshold that was set on *tune*, with each subject scored without its own texts, and on the public
+OOD sets.
 
     score    f(e) + near(e, driving) - near(e, elsewhere): f is a linear function of the embedding by
              class-balanced ridge regression, near the mean of the 3 largest cosines. About 1.5 for ordinary
              driving, -1.5 for other texts; flagged below the threshold
 
-Its error rates on unseen texts are in `docs/metrics.md` and come with every result. Pitfalls: texts about driving
-in
-another language are flagged (the default encoder does not read it), texts about racing games and car trade may
-pass,
-and a terse OOD text without a vehicle in it may be flagged. The threshold holds for all-MiniLM-L6-v2; for another
-encoder `calibrated` is false, and the flags are only a hint.
+Its error rates on unseen texts are in `docs/metrics.md` and come with every result. Pitfalls: texts
+about driving in another language are flagged (the default encoder does not read it), texts about
+racing games and car trade may pass, and a terse OOD text without a vehicle in it may be flagged.
+The threshold holds for all-MiniLM-L6-v2; for another encoder `calibrated` is false, and the flags
+are only a hint.
 """
 
 from collections.abc import Sequence
 from functools import cache
-from importlib import resources
 from typing import ClassVar
 
 import numpy as np
@@ -30,6 +26,7 @@ from numpy.typing import NDArray
 
 from oodscen.baselines._off_topic import load_off_topic
 from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.metrics._detection.detectors import Encode
 from oodscen.metrics._vectors.similarity import Vectors, largest
@@ -101,8 +98,7 @@ def is_calibrated(encoder: str) -> bool:
 @cache
 def elsewhere() -> tuple[str, ...]:
     """Return the bundled texts, not about driving, that the guard is fitted to."""
-    file = resources.files("oodscen.metrics._detection") / "elsewhere.txt"
-    lines = file.read_text(encoding="utf-8").splitlines()
+    lines = bundled("elsewhere.txt", "oodscen.metrics._detection").splitlines()
     return tuple(line for line in lines if line and not line.startswith("# "))
 
 

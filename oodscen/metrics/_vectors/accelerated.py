@@ -1,9 +1,8 @@
 """Nearest-neighbour search in torch, on a GPU if there is one.
 
-`nearest` returns what `oodscen.metrics._vectors.similarity.nearest` returns, to the last few bits. Sums are taken
-in
-float32 (never TF32) and in another order, so two references whose cosines agree to 1e-6 may swap
-places. torch is imported only when a device is requested.
+`nearest` returns what `oodscen.metrics._vectors.similarity.nearest` returns, to the last few bits.
+Sums are taken in float32 (never TF32) and in another order, so two references whose cosines agree
+to 1e-6 may swap places. torch is imported only when a device is requested.
 """
 
 from typing import Any

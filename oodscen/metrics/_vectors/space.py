@@ -15,7 +15,7 @@ from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
 from oodscen.errors import UsageError
-from oodscen.metrics._detection.calibration import held_out_scores, like_groups
+from oodscen.metrics._detection.calibration import held_out_scores, separate_groups
 from oodscen.metrics._detection.detectors import DetectorName, Detectors
 from oodscen.metrics._detection.guard import Guard
 from oodscen.metrics._oodness import Measure
@@ -90,12 +90,7 @@ class Space:
 
     def scores(self, texts: Sequence[str], measure: Measure) -> NDArray[np.float64]:
         """Return the OOD-ness of each text by a definition or a detector."""
-        vectors = self.vectors(texts)
-        if measure == "tabulated":
-            return 0.0 - self.nearest(vectors).cosine
-        if measure == "printed":
-            return smallest(vectors, self.reference)
-        return self.detectors.score(measure, texts, vectors)
+        return self._scored(texts, self.vectors(texts), measure)
 
     def neighbour_text(self, index: int) -> str:
         """Return a baseline text; empty if only its embedding is known."""
@@ -113,33 +108,28 @@ class Space:
         """The off-topic guard."""
         return Guard(self._shipped, self.encoder.name)
 
-    @cached_property
-    def held_out(self) -> tuple[NDArray[np.float64], int]:
-        """The OOD-ness of held-out baseline texts, and the number of groups."""
-        return held_out_scores(self.whole, self.seed)
-
-    def held_out_by(self, measure: Measure) -> tuple[NDArray[np.float64], int]:
+    def held_out(self, measure: Measure) -> tuple[NDArray[np.float64], int]:
         """Return scores of held-out baseline texts by any definition or detector, and the number of groups.
 
         For all but `tabulated`, the groups of similar texts are split into 4 parts; a detector fitted to three of
-        them
-        scores up to 300 texts of the fourth. The baseline is smaller then, so texts appear slightly more OOD.
+        them scores up to 300 texts of the fourth. The baseline is smaller then, so texts appear slightly more OOD.
         """
-        if measure == "tabulated":
-            return self.held_out
         if measure not in self._held_out:
-            self._held_out[measure] = self._in_parts(measure)
+            self._held_out[measure] = (
+                held_out_scores(self.whole, self.seed)
+                if measure == "tabulated"
+                else self._in_parts(measure)
+            )
         return self._held_out[measure]
 
     def _in_parts(
         self, measure: DetectorName | Literal["printed"]
     ) -> tuple[NDArray[np.float64], int]:
         whole, texts = self.whole, np.array(self.baseline.texts, object)
-        group = like_groups(whole) if len(whole) <= _MOST_GROUPED else np.arange(len(whole))
-        if not group.any():
-            group = np.arange(len(whole))
+        group = separate_groups(whole) if len(whole) <= _MOST_GROUPED else np.arange(len(whole))
+        count = int(group.max()) + 1
         draws = stream(self.seed, "calibration", "parts")
-        part = draws.permutation(int(group.max()) + 1)[group] % min(_PARTS, int(group.max()) + 1)
+        part = draws.permutation(count)[group] % min(_PARTS, count)
         found = []
         for number in range(int(part.max()) + 1):
             out = np.flatnonzero(part == number)
@@ -150,12 +140,16 @@ class Space:
                 continue
             fitted = Detectors(tuple(texts[part != number]), rest, self._kept)
             found.append(fitted.score(measure, tuple(texts[asked]), whole[asked]))
-        return np.concatenate(found), int(group.max()) + 1
+        return np.concatenate(found), count
 
     def control_scores(self, measure: Measure) -> NDArray[np.float64]:
         """Return the OOD-ness of the ordinary controls reserved for reporting."""
         texts = [control.text for control in load_controls("frozen")[::2]]
-        vectors = self._shipped(texts)
+        return self._scored(texts, self._shipped(texts), measure)
+
+    def _scored(
+        self, texts: Sequence[str], vectors: Vectors, measure: Measure
+    ) -> NDArray[np.float64]:
         if measure == "tabulated":
             return 0.0 - self.nearest(vectors).cosine
         if measure == "printed":

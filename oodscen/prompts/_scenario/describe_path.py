@@ -7,6 +7,7 @@ from pydantic import BaseModel, Field
 
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
+from oodscen.prompts._digest import CatalogueDigest
 
 Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
 """Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
@@ -35,6 +36,8 @@ class DescribePath(Prompt[Descriptions]):
     """Existing texts that must not be repeated."""
     style: Style = "natural"
     """Register of the texts."""
+    catalogue: CatalogueDigest | None = None
+    """What the texts may ask for; `None` leaves it open."""
 
     def variables(self) -> dict[str, Any]:
         """Return the fields, with the style's instructions in words."""

@@ -1,16 +1,23 @@
 """The augmenting prompt: turn a text into a scene."""
 
-from typing import ClassVar
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger, Weather
-from oodscen.prompts._base import Prompt
+from oodscen.errors import Issue
+from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest
+
+_BLANK: Mapping[str, Any] = {"map": "", "ego": {"speed": 0}, "hazard": {}, "decision": {}}
+"""What is required of a draft, in one that says that the text cannot be shown."""
 
 
 class SceneDraft(BaseModel):
-    """Answer: a scene without the ids that it gets later."""
+    """Answer: a scene without the ids that it gets later, or the reason why there is none."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -19,10 +26,70 @@ class SceneDraft(BaseModel):
     ego: Ego
     weather: Weather = Weather()
     actors: list[Actor] = []
+    stands_for: dict[str, list[str]] = Field(
+        default={},
+        description="for each thing in the claims the ids of the actors that show it, or `map`",
+    )
     hazard: Hazard
     decision: Trigger
     """Where it names no actor, a distance or time to collision is that to the first of `hazard.actors`."""
     horizon_s: float = Field(default=8.0, gt=0, le=60)
+    cannot_show: str = Field(
+        default="",
+        max_length=400,
+        description="why no scene here can show the text; else left out",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, value: object) -> object:
+        """Leave out what is blank, and turn headings into the range from -180 to 180 degrees."""
+        if not isinstance(value, Mapping):
+            return value
+        hazard = value.get("hazard")
+        tidy = without_blanks({name: one for name, one in value.items() if name != "hazard"})
+        assert isinstance(tidy, dict)
+        if isinstance(hazard, Mapping):
+            # A hazard's actor that is null is one that ordinary traffic does not have.
+            ordinary = hazard.get("actors")
+            rest = without_blanks({name: hazard[name] for name in hazard if name != "actors"})
+            assert isinstance(rest, dict)
+            if isinstance(ordinary, Mapping):
+                rest["actors"] = {key: without_blanks(ordinary[key]) or None for key in ordinary}
+            elif ordinary:
+                rest["actors"] = ordinary
+            tidy["hazard"] = rest
+        elif hazard is not None:
+            tidy["hazard"] = hazard
+        if str(tidy.get("cannot_show", "")).strip():
+            return {**_BLANK, "cannot_show": tidy["cannot_show"]}
+        _turn(tidy)
+        return tidy
+
+    @field_validator("stands_for", mode="before")
+    @classmethod
+    def _listed(cls, value: object) -> object:
+        """Accept a single id in place of a list of one."""
+        if not isinstance(value, Mapping):
+            return value
+        return {key: [one] if isinstance(one, str) else one for key, one in value.items()}
+
+
+def _turn(draft: dict[str, Any]) -> None:
+    """Replace the headings of a draft's actors by equal ones within -180 to 180 degrees."""
+    hazard = draft.get("hazard")
+    ordinary = hazard.get("actors") if isinstance(hazard, Mapping) else None
+    actors = draft.get("actors")
+    for actor in (
+        *(actors if isinstance(actors, list) else ()),
+        *(ordinary.values() if isinstance(ordinary, Mapping) else ()),
+    ):
+        place = actor.get("placement") if isinstance(actor, Mapping) else None
+        if not isinstance(place, dict):
+            continue
+        heading = place.get("heading_deg")
+        if isinstance(heading, (int, float)) and math.isfinite(heading) and abs(heading) > 180:
+            place["heading_deg"] = math.remainder(heading, 360.0)
 
 
 class StageScene(Prompt[SceneDraft]):
@@ -35,4 +102,34 @@ class StageScene(Prompt[SceneDraft]):
     text: str
     path: tuple[str, ...]
     """Labels from the root down to the leaf."""
+    claims: tuple[Claim, ...] = ()
+    """Claims of the text that the scene will be checked against."""
+    roads: tuple[str, ...] = ()
+    """Ids of the maps for which all claims about the road hold; empty if there are none."""
     catalogue: CatalogueDigest
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """The things that the claims name, in their order."""
+        return tuple(dict.fromkeys(claim.subject for claim in self.claims if claim.subject))
+
+    def variables(self) -> dict[str, Any]:
+        """Return the fields and the things that the claims name."""
+        return {**super().variables(), "things": self.things}
+
+    def check(self, answer: SceneDraft) -> list[Issue]:
+        """Return faults of `stands_for`: things that no claim names, and actors that do not exist."""
+        if answer.cannot_show or not self.claims:
+            return []
+        ids = {actor.id for actor in answer.actors} | {"map"}
+        issues = []
+        for thing, names in answer.stands_for.items():
+            issues += [
+                Issue(
+                    f"stands_for.{thing}",
+                    f"there is no actor {name!r}; the scene has {sorted(ids)}",
+                )
+                for name in names
+                if name not in ids
+            ]
+        return issues

@@ -6,6 +6,7 @@ from pydantic import BaseModel, Field
 
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
+from oodscen.prompts._digest import CatalogueDigest
 
 
 class ImaginedScenario(BaseModel):
@@ -24,6 +25,8 @@ class ImagineScenario(Prompt[ImaginedScenario]):
 
     shown: tuple[str, ...]
     """The few-shot examples."""
+    catalogue: CatalogueDigest | None = None
+    """What the simulator of the study can show; `None` in the paper's open loop."""
     covered: tuple[str, ...] = ()
     """Labels of the existing leaves; in the paper's open loop this field and all that follow are empty."""
     unlisted: int = 0

@@ -2,11 +2,11 @@
 
 from typing import ClassVar
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 
 from oodscen.data._additions import Addition
 from oodscen.errors import Issue, close_matches
-from oodscen.prompts._base import Prompt
+from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.tree._labels import label_fault, same_words
 
@@ -24,7 +24,12 @@ class Substitute(BaseModel):
 class BranchJudgement(BaseModel):
     """Answer: whether a branch can be simulated, with what, or what is missing."""
 
-    reasoning: str = Field(description="one or two sentences")
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, value: object) -> object:
+        return without_blanks(value)
+
+    reasoning: str = Field(default="", description="one or two sentences")
     simulatable: bool
     assets: list[str] = Field(
         default=[], max_length=_MOST, description="ids of the assets that realise it"

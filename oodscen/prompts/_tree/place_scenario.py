@@ -78,7 +78,7 @@ class PlaceScenario(Prompt[PlacedScenario]):
 
     def variables(self) -> dict[str, Any]:
         """Return the fields, with the tree as an outline."""
-        tree = ScenarioTree.model_validate({"nodes": self.nodes})
+        tree = ScenarioTree.parse({"nodes": self.nodes})
         left_out = {item.id: item.leaves for item in self.hidden}
         lines = (
             f"{'  ' * depth}- {node.label} [{node.id}]"

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from oodscen._text import stem
 from oodscen.prompts._tree.place_scenario import Hidden
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree
 
@@ -129,8 +130,7 @@ def thin(tree: ScenarioTree, *, turn: int = 0) -> tuple[str, ...]:
 def by_words(text: str, labels: Sequence[str]) -> list[float]:
     """Return for each label the share of its weighted words that a text contains, 0 to 1.
 
-    Rare words among the labels weigh more. Words are compared by their first five letters, so that
-    inflections coincide.
+    Rare words among the labels weigh more. Words are compared by their stems, so that inflections coincide.
     """
     own = _words(text)
     of_label = [_words(label) for label in labels]
@@ -148,4 +148,4 @@ def by_words(text: str, labels: Sequence[str]) -> list[float]:
 
 
 def _words(text: str) -> set[str]:
-    return {word[:5] for word in re.findall(r"[^\W\d_]{3,}", text.casefold())}
+    return {stem(word) for word in re.findall(r"[^\W\d_]{3,}", text.casefold())}

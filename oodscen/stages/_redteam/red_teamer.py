@@ -2,21 +2,21 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from oodscen._concurrency import cancelling
-from oodscen._paper import FEW_SHOTS, ITERATIONS
 from oodscen._text import one_line
+from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.llm._ask import ask, speaker
-from oodscen.prompts import ImagineScenario, PlacedScenario, PlaceScenario
+from oodscen.prompts import CatalogueDigest, ImagineScenario, PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
+from oodscen.stages._options import RedTeamOptions, chosen
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
 from oodscen.stages._redteam.excerpt import excerpt, listed, thin
 from oodscen.stages._redteam.novelty import Nearness, Novelty
 from oodscen.stages._redteam.rounds import Round, RunnerUp
-from oodscen.stages._redteam.stopping import Limits, Progress, Stop
-from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
+from oodscen.stages._redteam.stopping import Progress, Stop
 from oodscen.tree._scenario_tree import ScenarioTree
 
 __all__ = ["RedTeamer", "Round", "RunnerUp"]
@@ -30,28 +30,21 @@ class RedTeamer:
 
     Closed loop, the default: the red-LLM sees what the tree covers, where it is thin and which proposals were
     rejected. A proposal that the `encoder`, if given, finds too similar to what exists is refused before the
-    tree-LLM is asked, and a leaf that was broadened `broadenings` times is split. Open loop is the paper's
+    tree-LLM is asked, and a leaf that was broadened often is split. Open loop is the paper's
     procedure: nothing is shown and nothing refused, and nodes are added or broadened.
 
     Args:
         llm: The tree-LLM.
         red_llm: The red-LLM; the same model if left out.
-        iterations: Maximum number of rounds.
-        closed_loop: `False` is the paper's procedure.
-        shown: The few-shot examples.
         encoder: Compares proposals with what exists, e.g. `make_encoder("minilm")`, as in a study and on the
             command line. Without one, only literal repetitions are refused. Not used in the open loop.
-        nearest: Minimum similarity to an earlier proposal at which a proposal is refused.
-        nearest_label: Minimum similarity to a leaf's label at which a proposal is refused.
-        budget: Maximum number of model calls, including repairs; a round that might exceed it is not started.
-        patience: Stop after this many rounds in a row without a new kind.
-        coverage: Stop when the Good-Turing coverage exceeds this.
-        in_flight: Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago.
-            Decisions are taken in the order of the rounds.
-        threads: Threads that ask; they change no result. As many as `in_flight` if left out.
+        catalogue: The simulator that will show the scenarios, which the red-LLM is told of in the closed loop.
+        options: All other options; the defaults if left out.
         cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
-        broadenings: Number of broadenings of a leaf before it is split.
-        tokens: Room for the tree in a prompt; only a part of a larger tree is shown.
+        **changes: Single options, e.g. `iterations=20`, instead of those in `options`.
+
+    Raises:
+        UsageError: For an unknown option, or a value that is not allowed.
     """
 
     def __init__(
@@ -59,42 +52,18 @@ class RedTeamer:
         llm: LLM,
         red_llm: LLM | None = None,
         *,
-        iterations: int = ITERATIONS,
-        closed_loop: bool = True,
-        shown: tuple[str, ...] = FEW_SHOTS,
         encoder: Encoder | None = None,
-        nearest: float = NEAREST_TEXT,
-        nearest_label: float = NEAREST_LABEL,
-        budget: int | None = None,
-        patience: int | None = None,
-        coverage: float | None = None,
-        in_flight: int = 1,
-        threads: int | None = None,
+        catalogue: Catalogue | None = None,
+        options: RedTeamOptions | None = None,
         cancel: Callable[[], None] | None = None,
-        broadenings: int = BROADENINGS,
-        tokens: int = TOKENS,
+        **changes: Any,
     ) -> None:
         self.llm = llm
         self.red_llm = red_llm or llm
-        self.limits = Limits.parse(
-            {
-                "rounds": iterations,
-                "budget": budget,
-                "patience": patience,
-                "coverage": coverage,
-            }
-        )
-        self.iterations = iterations
-        self.closed_loop = closed_loop
-        self.shown = shown
-        self.encoder = encoder if closed_loop else None
-        self.nearest = nearest
-        self.nearest_label = nearest_label
-        self.in_flight = max(in_flight, 1)
-        self.threads = self.in_flight if threads is None else threads
+        self.options = chosen(RedTeamOptions, options, changes)
+        self.encoder = encoder if self.options.closed_loop else None
+        self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
-        self.broadenings = broadenings
-        self.tokens = tokens
 
     def run(self, tree: ScenarioTree) -> ScenarioTree:
         """Return the tree after all rounds; each edit holds its round, text and reason."""
@@ -115,20 +84,22 @@ class RedTeamer:
         game = _Game(self, tree)
         for item in done:
             game.add(item)
-        if self.threads <= 1 or self.in_flight <= 1:
+        in_flight = self.options.in_flight
+        threads = in_flight if self.options.threads is None else self.options.threads
+        if threads <= 1 or in_flight <= 1:
             while game.progress.stop is None:
                 number = game.progress.round + 1
                 attempts = game.progress.attempts()
                 yield game.play(self._imagine(game.questions[number], number, attempts))
             return
         with (
-            ThreadPoolExecutor(min(self.threads, self.in_flight)) as pool,
+            ThreadPoolExecutor(min(threads, in_flight)) as pool,
             cancelling(self.cancel),
         ):
             flying: dict[int, Future[_Proposal]] = {}
             while game.progress.stop is None:
                 first = game.progress.round + 1
-                for number in range(first, first + self.in_flight):
+                for number in range(first, first + in_flight):
                     is_due = number == first or game.progress.is_certain(number)
                     if number not in flying and is_due:
                         question, attempts = game.questions[number], game.progress.attempts()
@@ -137,7 +108,7 @@ class RedTeamer:
 
     def stopped_by(self, rounds: Iterable[Round]) -> Stop | None:
         """Return the rule that ends the red teaming after these rounds, or `None` if it goes on."""
-        progress = Progress(self.limits)
+        progress = Progress(self.options)
         for item in rounds:
             progress.add(item)
         return progress.stop
@@ -177,14 +148,15 @@ class _Game:
 
     def __init__(self, teamer: RedTeamer, tree: ScenarioTree) -> None:
         self.teamer = teamer
+        self.options = teamer.options
         self.tree = tree
-        self.progress = Progress(teamer.limits)
+        self.progress = Progress(self.options)
         self.novelty = Novelty(
             tree,
             teamer.encoder,
-            text=teamer.nearest,
-            label=teamer.nearest_label,
-            shown=teamer.shown,
+            text=self.options.nearest,
+            label=self.options.nearest_label,
+            shown=self.options.shown,
         )
         self.questions: dict[int, ImagineScenario] = {}
         """Questions of the next rounds, made as soon as the tree that they show is known."""
@@ -192,7 +164,7 @@ class _Game:
         self._in_vain: list[str] = []
         for edit in tree.edits:
             self._count(edit.op, edit.node)
-        for number in range(1, teamer.in_flight + 1):
+        for number in range(1, self.options.in_flight + 1):
             self.questions[number] = self._question(number)
 
     def play(self, proposal: _Proposal) -> Round:
@@ -205,14 +177,14 @@ class _Game:
         """Update tree, progress and novelty with a round."""
         self.tree = self.tree.apply(*item.edits)
         self.progress.add(item)
-        if self.teamer.closed_loop:
+        if self.options.closed_loop:
             self.novelty.learn(item, self.tree)
             for edit in item.edits:
                 self._count(edit.op, edit.node)
             if item.text and not any(edit.op in ("add", "broaden") for edit in item.edits):
                 self._in_vain = [*self._in_vain, item.text][-_REFUSED:]
         self.questions.pop(item.round, None)
-        ahead = item.round + self.teamer.in_flight
+        ahead = item.round + self.options.in_flight
         self.questions[ahead] = self._question(ahead)
 
     def _count(self, op: str, node: str) -> None:
@@ -220,12 +192,12 @@ class _Game:
             self._broadened[node] = self._broadened.get(node, 0) + 1
 
     def _question(self, number: int) -> ImagineScenario:
-        teamer = self.teamer
-        if not teamer.closed_loop:
-            return ImagineScenario(shown=teamer.shown)
-        covered, unlisted = listed(self.tree, tokens=teamer.tokens, turn=number - 1)
+        if not self.options.closed_loop:
+            return ImagineScenario(shown=self.options.shown)
+        covered, unlisted = listed(self.tree, tokens=self.options.tokens, turn=number - 1)
         return ImagineScenario(
-            shown=teamer.shown,
+            shown=self.options.shown,
+            catalogue=self.teamer.catalogue,
             covered=covered,
             unlisted=unlisted,
             thin=thin(self.tree, turn=number - 1),
@@ -238,11 +210,11 @@ class _Game:
             text=proposal.text,
             nodes=len(self.tree),
             calls=proposal.calls,
-            seen=max(number - self.teamer.in_flight, 0) if self.teamer.closed_loop else 0,
+            seen=max(number - self.options.in_flight, 0) if self.options.closed_loop else 0,
         )
         if proposal.error is not None:
             return _failed(known, proposal.error)
-        if self.teamer.closed_loop:
+        if self.options.closed_loop:
             found = self.novelty.nearness(proposal.text)
             known = known.model_copy(
                 update={
@@ -296,13 +268,13 @@ class _Game:
 
     def _where(self, text: str) -> PlaceScenario:
         """Return the question about the whole tree, or about the part of a large one that matters for a text."""
-        tree, closed = self.tree, self.teamer.closed_loop
-        part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.teamer.tokens)
+        tree, closed = self.tree, self.options.closed_loop
+        part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.options.tokens)
         shown = {node.id for node in part.nodes}
         often = [
             name
             for name in shown
-            if self._broadened.get(name, 0) >= self.teamer.broadenings and not tree.children[name]
+            if self._broadened.get(name, 0) >= self.options.broadenings and not tree.children[name]
         ]
         return PlaceScenario(
             text=text,

@@ -11,7 +11,7 @@ from typing import ClassVar
 
 from oodscen.data._base import Data
 from oodscen.stages._redteam.rounds import NEW, Round
-from oodscen.statistics._resampling import wilson
+from oodscen.statistics._intervals import wilson
 
 Z = 1.959964
 """Normal quantile of a 95 % interval."""

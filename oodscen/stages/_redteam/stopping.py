@@ -1,11 +1,9 @@
 """The stopping rules of red teaming: rounds, budget, novelty."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
-from pydantic import Field
-
-from oodscen.data._base import Data
 from oodscen.llm._ask import ATTEMPTS
+from oodscen.stages._options import RedTeamOptions
 from oodscen.stages._redteam.rounds import NEW, Round
 from oodscen.stages._redteam.saturation import Tally
 
@@ -17,29 +15,12 @@ LEAST = 2
 _MOST = 2 * ATTEMPTS
 
 
-class Limits(Data):
-    """The stopping rules; the first that holds ends the red teaming."""
-
-    noun: ClassVar[str] = "stopping rules"
-
-    rounds: int = Field(ge=0)
-    """Maximum number of rounds."""
-    budget: int | None = Field(default=None, ge=0)
-    """Maximum number of model calls, including repairs; a round that might exceed it is not started."""
-    patience: int | None = Field(default=None, ge=1)
-    """Stop after this many rounds in a row without a new kind."""
-    coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
-    """Stop when the Good-Turing coverage exceeds this. One extra kind counts as met once, so that a few lucky
-    rounds do not end the red teaming: 1 - (f1 + 1) / (n + 1).
-    """
-
-
 class Progress:
     """The state that the stopping rules examine, updated round by round."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, options: RedTeamOptions) -> None:
         """Start before the first round."""
-        self.limits = limits
+        self.options = options
         self.round = 0
         self.calls = 0
         self.idle = 0
@@ -67,9 +48,9 @@ class Progress:
         Args:
             spent: Calls that the round has used; above 0 for its second question.
         """
-        if self.limits.budget is None:
+        if self.options.budget is None:
             return ATTEMPTS
-        left = self.limits.budget - self.calls - spent
+        left = self.options.budget - self.calls - spent
         return min(ATTEMPTS, left if spent else left - 1)
 
     def is_certain(self, number: int) -> bool:
@@ -78,16 +59,16 @@ class Progress:
 
     def _stop(self, ahead: int) -> Stop | None:
         """Apply the rules as if `ahead` further rounds had been played with the worst outcome."""
-        limits = self.limits
-        if self.round + ahead >= limits.rounds:
+        options = self.options
+        if self.round + ahead >= options.iterations:
             return "rounds"
         needed = LEAST if ahead == 0 else _MOST * (ahead + 1)
-        if limits.budget is not None and self.calls + needed > limits.budget:
+        if options.budget is not None and self.calls + needed > options.budget:
             return "budget"
-        if limits.patience is not None and self.idle + ahead >= limits.patience:
+        if options.patience is not None and self.idle + ahead >= options.patience:
             return "patience"
-        if limits.coverage is not None and any(
-            self._covered(more) > limits.coverage for more in range(ahead + 1)
+        if options.coverage is not None and any(
+            self._covered(more) > options.coverage for more in range(ahead + 1)
         ):
             return "coverage"
         return None

@@ -16,6 +16,7 @@ from oodscen.driving import Box, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing._check import PARTS, check_simulator
+from oodscen.testing._samples import plain_scene
 
 MakeActor = Callable[..., Actor]
 MakeScene = Callable[..., Scene]
@@ -26,10 +27,20 @@ def digest(frame: Frame) -> str:
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
+REPEATED = ("determinism", "process")
+
+
 def test_it_keeps_the_protocols_promises() -> None:
     # How every asset looks in every state is looked at below and in the tests of the catalogue.
-    parts = [part for part in PARTS if part != "appearance"]
+    parts = [part for part in PARTS if part not in ("appearance", *REPEATED)]
     check_simulator(PyBulletSimulator, parts=parts, resets=60)
+
+
+def test_runs_repeat_in_town_in_a_tunnel_and_on_a_bridge() -> None:
+    catalogue = load_catalogue()
+    roads = [one for one in catalogue.maps if one.id in ("urban_three_lane", "tunnel", "bridge")]
+    scenes = [plain_scene(catalogue, road) for road in roads]
+    check_simulator(PyBulletSimulator, scenes=scenes, parts=REPEATED)
 
 
 @pytest.mark.parametrize("asset", [asset.id for asset in load_catalogue().assets])

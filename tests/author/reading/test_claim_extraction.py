@@ -1,7 +1,7 @@
 """Reading: what the words say and nothing else, whatever the words are."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
@@ -82,7 +82,9 @@ def test_what_is_denied_or_compared_is_no_claim(text):
     assert told(text) == set()
 
 
-@settings(max_examples=150)
+AUTHOR = BuiltinAuthor()
+
+
 @given(
     st.lists(
         st.sampled_from(
@@ -97,7 +99,7 @@ def test_any_words_are_read_and_answered_validly(words):
     claims = read_claims(text)
     assert claims == read_claims(text)
     if claims:
-        assert tuple(ask(BuiltinAuthor(), ExtractClaims(text=text)).claims) == claims
+        assert tuple(ask(AUTHOR, ExtractClaims(text=text)).claims) == claims
 
 
 @given(st.text(max_size=60))

@@ -4,7 +4,8 @@ from hypothesis import strategies as st
 
 from oodscen._seeding import stream
 from oodscen.author import Knowledge
-from oodscen.author._reading.recognition import Recogniser, stem, stems
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._reading.stemming import stems
 from oodscen.author._writing.compose import Composer
 
 
@@ -22,7 +23,7 @@ def test_every_composed_text_is_recognised(knowledge: Knowledge, recogniser: Rec
     composer = Composer(knowledge)
     wrong = []
     for hazard in knowledge.hazards:
-        for sample in range(6):
+        for sample in range(2):
             texts = composer.texts(hazard, stream(7, hazard.label, sample), set())
             for text, _ in zip(texts, range(3), strict=False):
                 if recogniser.recognise(text).hazard is not hazard:
@@ -134,18 +135,3 @@ def test_any_text_can_be_looked_at(recogniser: Recogniser, text: str) -> None:
     recogniser.conditions(text)
     recogniser.place(text)
     assert all(token == token.casefold() for token in stems(text))
-
-
-@pytest.mark.parametrize(
-    "forms",
-    [
-        ("tree", "trees"),
-        ("block", "blocks", "blocked", "blocking"),
-        ("lorry", "lorries"),
-        ("crash", "crashes", "crashed"),
-        ("cone", "cones"),
-        ("skid", "skidded", "skidding"),
-    ],
-)
-def test_inflections_coincide(forms: tuple[str, ...]) -> None:
-    assert len({stem(form) for form in forms}) == 1

@@ -14,7 +14,9 @@ from oodscen.prompts import CatalogueDigest, SceneDraft, StageScene
 
 
 def scene_of(draft: SceneDraft) -> Scene:
-    fields = {name: getattr(draft, name) for name in SceneDraft.model_fields if name != "reasoning"}
+    fields = {
+        name: getattr(draft, name) for name in Scene.model_fields if name in SceneDraft.model_fields
+    }
     return Scene(id="x", scenario_id="x", **fields)
 
 
@@ -40,7 +42,7 @@ def test_drafts_pass_the_check_at_once_or_after_a_refusal(
     refused = []
     texts = texts_of(knowledge, rich_digest, 1)
     assert len({name for name, _ in texts}) >= 120
-    for name, text in texts:
+    for name, text in texts[::2]:
         for attempt in (1, 2, 3):
             question = StageScene(text=text, path=(), catalogue=rich_digest)
             draft = ask(author, question, attempt=attempt)
@@ -50,7 +52,7 @@ def test_drafts_pass_the_check_at_once_or_after_a_refusal(
             refused.append((name, attempt, issues))
         else:
             pytest.fail(f"{name}: {text} {refused[-1]}")
-    assert len(refused) <= 0.05 * len(texts), refused
+    assert len(refused) <= 0.025 * len(texts), refused
 
 
 def test_a_refused_scene_is_drawn_again(

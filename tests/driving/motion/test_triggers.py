@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._scene import Trigger
 from oodscen.driving import is_due
-from oodscen.driving._motion.triggers import is_reached
+from oodscen.driving._motion.triggers import CODES, fires
 from oodscen.protocols import Control, State
 from tests.driving.staging import actor, scene, world
 
@@ -16,7 +16,7 @@ speeds = st.floats(-30, 30)
 def test_time_to_collision_is_when_the_distance_is_zero(
     ahead: float, ego: float, other: float, limit: float
 ) -> None:
-    due = is_reached("ttc", limit, time=0.0, ahead=ahead, ego_speed=ego, actor_speed=other)
+    due = fires(CODES["ttc"], limit, 0.0, ahead, ego, other)
     later = np.linspace(0.0, limit, 2001)
     distance = ahead + (other - ego) * later
     meets = bool((np.sign(distance) != np.sign(ahead)).any()) or ahead == 0.0
@@ -26,7 +26,7 @@ def test_time_to_collision_is_when_the_distance_is_zero(
 
 @given(st.floats(0, 50), st.floats(0, 50))
 def test_time_triggers_stay_due(value: float, time: float) -> None:
-    due = is_reached("time", value, time=time, ahead=0, ego_speed=0, actor_speed=0)
+    due = fires(CODES["time"], value, time, 0.0, 0.0, 0.0)
     assert due == (time >= value - 1e-9)
 
 

@@ -7,8 +7,8 @@ import pytest
 from oodscen.data._catalogue import RoadMap
 from oodscen.driving import SHIPPED_MAPS, find_map, load_corridor
 from oodscen.driving._roads.building import build_corridor
-from oodscen.driving._roads.opendrive import read_road
 from oodscen.errors import DataError, UnknownComponent
+from tests.driving.networks import read_road
 from tests.driving.staging import CATALOGUE
 
 SECTIONS = """<OpenDRIVE><road id="7" length="200" rule="{rule}"><planView>

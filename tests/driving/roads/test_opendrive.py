@@ -10,8 +10,9 @@ from lxml import etree
 
 from oodscen.driving._roads.building import build_corridor
 from oodscen.driving._roads.geometry import Arc, Line, ParamPoly3, Poly3, Spiral
-from oodscen.driving._roads.opendrive import MAX_BYTES, read_road
+from oodscen.driving._roads.opendrive import MAX_BYTES
 from oodscen.errors import DataError
+from tests.driving.networks import read_road
 
 RURAL = files("oodscen.driving").joinpath("maps/rural_curve.xodr").read_bytes()
 AVENUE = files("oodscen.driving").joinpath("maps/urban_avenue.xodr").read_bytes()

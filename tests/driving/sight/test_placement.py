@@ -79,7 +79,7 @@ def test_standing_things_may_be_beside_the_road() -> None:
 
 def test_an_overlap_names_both_and_where_they_are() -> None:
     (issue,) = check_scene(scene(actor("a"), actor("b", ahead=31.0)), CATALOGUE)
-    for part in ("'a'", "'b'", "x=", "yaw="):
+    for part in ("'a'", "'b'", "ahead_m 31.0", "heading"):
         assert part in issue.message
 
 

@@ -3,10 +3,11 @@
 import json
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.judging._parsing import Detected, names_nothing, read_aspect, read_named_aspect
+from oodscen.judging._parsing.aspects import LONGEST_ASPECT, probability
 
 
 @pytest.mark.parametrize(
@@ -77,3 +78,54 @@ def test_any_text_is_read_and_names_something_or_nothing(said):
     assert not reading.value or not names_nothing(reading.value)
     again = read_named_aspect(json.dumps({"aspect": said}))
     assert again.value is None or isinstance(again.value, str)
+
+
+@given(
+    st.integers(0, 130), st.sampled_from(["{} %", "{}%", "{} percent", "{}/100", "{} out of 100"])
+)
+def test_a_share_is_read_as_it_is_written(n, form):
+    found = probability(form.format(n))
+    assert found == (n / 100 if n <= 100 else None)
+
+
+@given(st.integers(0, 1300))
+@example(10)
+@example(100)
+@example(1000)
+def test_a_bare_number_above_ten_is_a_percentage_and_one_up_to_one_a_share(tenths):
+    number = tenths / 10
+    wanted = number if number <= 1 else number / 100 if 10 < number <= 100 else None
+    assert probability(number) == wanted
+    assert probability(str(number)) == wanted
+    assert probability(True) is None
+
+
+@given(st.integers(1, 40))
+def test_the_name_of_an_aspect_has_at_most_twenty_words(n):
+    said = " ".join(["deer"] * n)
+    assert (read_named_aspect(said).value == said) is (n <= 20)
+
+
+@given(st.integers(-3, 3))
+def test_prose_of_more_than_300_characters_names_no_aspect(beyond):
+    named = "deer" + "x" * (LONGEST_ASPECT - 4 + beyond)
+    found = read_aspect(f"Yes,{named}").value
+    assert (found is not None) is (beyond <= 0)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        '{"is_ood": 0.5}',
+        '{"is_ood": 2}',
+        '{"is_ood": [true, false]}',
+        '{"is_ood": true, "anomaly": "no"}',
+        "Answer: yes. Verdict: no.",
+    ],
+)
+def test_what_is_neither_yes_nor_no_is_asked_again(said):
+    assert read_aspect(said).outcome == "unparsed"
+
+
+def test_an_ordinary_scene_has_no_aspect():
+    assert read_aspect('{"is_ood": false, "aspect": "a deer"}').value == Detected(False)

@@ -84,6 +84,10 @@ def test_an_answer_in_the_reasoning_is_not_the_answer(thought, action, tag):
         assert read_action(f'{{"action": "{action}"}}{thinking}', ACTIONS).value == action
         assert read_action(f"{action}{thinking}", ACTIONS).value == action
         assert read_action(f"{said}</{tag}>{action}", ACTIONS).value == action
+        assert read_action(f"{said}{thinking}{said}</{tag}>{action}", ACTIONS).value == action
+        quoted = json.dumps(f'{thinking}{{"action": "{action}"}}')
+        for one in (quoted, quoted.replace("<", "\\u003c")):
+            assert read_action(one, ACTIONS).value == action
 
 
 @given(
@@ -152,7 +156,38 @@ def test_no_answer_takes_long(part):
 
 
 def test_longer_answers_are_not_read():
-    assert read_action("stop" + " " * LONGEST, ACTIONS).outcome == "unparsed"
+    assert read_action("stop" + " " * (LONGEST - 4), ACTIONS).value == "stop"
+    assert read_action("stop" + " " * (LONGEST - 3), ACTIONS).outcome == "unparsed"
+
+
+def test_fifty_objects_are_read_and_no_more():
+    assert read_action('{"action": "stop"} ' * 50, ACTIONS).value == "stop"
+    assert read_action('{"action": "stop"} ' * 51, ACTIONS).outcome == "unparsed"
+
+
+@given(st.permutations(ACTIONS), st.integers(1, 9))
+def test_wrappers_are_opened_and_hide_nothing(actions, depth):
+    first, second, *_ = actions
+    one, two = {"action": first}, {"action": second}
+    for said in ({"answer": one, "result": two}, {"result": two, "answer": one}):
+        assert read_action(json.dumps(said), ACTIONS).outcome == "unparsed"
+    assert read_action(json.dumps({**one, "data": two}), ACTIONS).value == first
+    assert read_action(json.dumps({"data": two, **one}), ACTIONS).value == first
+    hidden = {"negated": True}
+    for _ in range(depth):
+        hidden = {"meta": hidden}
+    assert read_action(json.dumps({**one, **hidden}), ACTIONS).outcome == "unparsed"
+
+
+@given(st.permutations(ACTIONS))
+def test_what_is_said_beside_an_object_may_neither_name_nor_state_another_option(actions):
+    first, second, *_ = actions
+    said = json.dumps({"action": first})
+    names = second.replace("_", " ")
+    after = read_action(f"{said}\nThe driver behind the ego will {names} as well.", ACTIONS)
+    assert (after.value, after.note) == (None, "two answers")
+    twice = f"{said} would come too late. {json.dumps({'action': second})}"
+    assert read_action(twice, ACTIONS).value == second
 
 
 @pytest.mark.parametrize(
@@ -181,6 +216,8 @@ def test_a_refusal_is_told_from_a_denial(said, is_one):
 def test_reasons_are_those_of_the_object_else_all_that_is_said():
     assert reasoning_in('<think>x</think>{"reasoning": "wet", "action": "stop"}') == "wet"
     assert reasoning_in('{"action": "stop"}') == ""
+    assert reasoning_in('{"reasoning": "dry"} {"reasoning": "wet", "action": "stop"}') == "wet"
+    assert reasoning_in(" " * LONGEST + "x") == ""
     assert reasoning_in("<think>x</think>I would stop.") == "I would stop."
 
 

@@ -118,6 +118,8 @@ UNREAD_JSON = {
         '{"keep_speed": false, "pull_over": true}',
         '{"reasoning" = "x", "action" = "stop"}',
         '{"name": "choose_action", "arguments": "{\\"action\\": \\"pull_over\\"}"}',
+        # another option after it
+        '{"reasoning": "stop", "action": "slow_down"} Note: "stop" would also work.',
     },
     "leaf": {'{"answer": "tree"}'},
     "choice": {'{"choice": "fallen tree"}', '{"choice": 08}'},

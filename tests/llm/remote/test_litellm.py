@@ -198,6 +198,8 @@ def test_a_server_that_asks_for_too_long_a_wait_is_given_up():
         server.client("m", max_wait_s=5, sleep=waits.append).complete(request())
     assert caught.value.retryable
     assert (len(server.received), waits) == (1, [])
+    assert "asked to wait" in str(caught.value)
+    assert "more than max_wait_s 5" in str(caught.value)
 
 
 def test_nobody_listening_is_a_retryable_error():
@@ -208,7 +210,7 @@ def test_nobody_listening_is_a_retryable_error():
     assert caught.value.retryable
 
 
-@pytest.mark.parametrize("fault", ["filtered", "withheld"])
+@pytest.mark.parametrize("fault", ["filtered", "withheld", "flagged"])
 def test_a_content_filter_is_a_refusal_and_not_asked_twice(fault):
     with serving(*[fault] * 9) as server, pytest.raises(RefusedError) as caught:
         server.client("m").complete(request())
@@ -334,7 +336,7 @@ def test_offline_means_this_machine_only(monkeypatch):
         ("m", "http://example.com/v1"),
         ("m", "http://127.0.0.1.example.com/v1"),
         ("m", "http://10.0.0.1/v1"),
-        ("m", "nonsense"),
+        ("m", "http://nonsense"),
     ]:
         with pytest.raises(UsageError, match="OODSCEN_OFFLINE"):
             LiteLLM(name, api_base=address)

@@ -1,8 +1,11 @@
 """A call ends in time and in bounded memory, whatever the server sends."""
 
+import gzip
+import json
 import socket
 import time
 import tracemalloc
+import zlib
 from contextlib import contextmanager
 
 import pytest
@@ -14,6 +17,7 @@ from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, FunctionLLM
+from tests.llm.rogue import saying, talking
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
 REQUEST = Request(PROMPT, PROMPT.messages(), PROMPT.answer_schema())
@@ -61,6 +65,52 @@ def test_a_compressed_body_is_not_unpacked():
     error = failing("packed")
     assert isinstance(error, ResponseError)
     assert "compressed" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("headers", "body"),
+    [
+        ("", b"<html>" + b" " * 12_000_000),
+        ("content-length: 12000000\r\n", b"<html>" + b" " * 12_000_000),
+        ("content-length: 12000000\r\n", b"<html>"),
+        ("content-encoding: gzip\r\n", gzip.compress(b"<html>" * 100)),
+        ("content-encoding: gzip\r\n", gzip.compress(b"<html>" + bytes(20_000_000))),
+        ("content-encoding: deflate\r\n", zlib.compress(b"<html>" * 100)),
+        ("content-encoding: br\r\n", b"<html> this is not packed at all"),
+    ],
+)
+def test_the_beginning_of_a_refused_response_is_kept(monkeypatch, headers, body):
+    monkeypatch.setattr("oodscen.llm._remote.transport.BEGINNING_S", 0.1)
+    head = f"HTTP/1.1 200 OK\r\nconnection: close\r\n{headers}\r\n".encode()
+    with talking(saying(head + body)) as rogue, pytest.raises(ResponseError) as caught:
+        LiteLLM("m", api_base=rogue.address, retries=0).complete(REQUEST)
+    assert caught.value.raw.startswith("<html>")
+    assert len(caught.value.raw) <= 4_000
+
+
+USAGE = {"prompt_tokens": "many", "completion_tokens": -3.5, "total_tokens": [1]}
+MESSAGE = {"role": "assistant", "content": [{"type": "text", "text": "A sofa."}]}
+
+
+@pytest.mark.parametrize(
+    "response",
+    [
+        {"choices": []},
+        {"choices": ["A sofa."]},
+        {"choices": [{"message": MESSAGE}], "usage": USAGE},
+        {"choices": [{"message": MESSAGE}], "usage": "none"},
+    ],
+)
+def test_a_response_of_another_form_is_one_error_without_warnings(response, recwarn):
+    body = json.dumps({"id": "1", "object": "chat.completion", "model": "m", **response})
+    head = f"HTTP/1.1 200 OK\r\ncontent-length: {len(body)}\r\nconnection: close\r\n\r\n"
+    with (
+        talking(saying(f"{head}{body}".encode())) as rogue,
+        pytest.raises(ResponseError) as caught,
+    ):
+        LiteLLM("m", api_base=rogue.address, retries=0).complete(REQUEST)
+    assert "IndexError" not in str(caught.value)
+    assert not [one for one in recwarn if issubclass(one.category, UserWarning)]
 
 
 @pytest.mark.parametrize(("fault", "raw"), [("html", "<!doctype html>"), ("empty", "")])

@@ -3,7 +3,7 @@ import pytest
 
 from oodscen.errors import UsageError
 from oodscen.metrics import Metrics
-from oodscen.metrics._lexical import compression_ratio, distinct_n
+from oodscen.metrics._variety import compression_ratio, distinct_n
 from oodscen.metrics._vectors.distances import frechet, mmd, remote_clique, vendi
 from oodscen.metrics._vectors.similarity import unit
 from oodscen.testing._encoder import HashEncoder

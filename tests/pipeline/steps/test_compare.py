@@ -3,6 +3,7 @@
 import pytest
 
 from oodscen._pipeline.context import Context
+from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import CATALOGUES, compare_catalogues
 from oodscen.author import BuiltinAuthor
 from oodscen.study import StudyConfig
@@ -28,7 +29,7 @@ def tree() -> ScenarioTree:
 
 
 def prepared(out, config, **models):
-    run = Context(out, config, models=models)
+    run = Context(out, config, RunOptions(models=models))
     run.store.prepare()
     run.prepare()
     return run

@@ -13,7 +13,7 @@ from oodscen import Study
 from oodscen._pipeline import run_study
 from oodscen._pipeline.steps.judge import OPINIONS
 from oodscen.data._episode import ACTIONS
-from oodscen.errors import BudgetExceeded, LLMError, StudyError
+from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
 from oodscen.llm._remote.limits import Caps, Traffic
@@ -123,6 +123,10 @@ def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path
     model.name, model.kind = "mine", "model"
     config = CONFIG.model_copy(update={"vlms": ("mine",)})
     cut = Study.open(out).scenes[0].id
+    episodes = [
+        episode.model_copy(update={"file_sha256": {}}) for episode in Study.open(out).episodes
+    ]
+    Study(out).store.write_lines("episodes.jsonl", episodes)
     for picture in (out / "frames" / cut).iterdir():
         picture.write_bytes(picture.read_bytes()[:2_000])
     study = run_study(out, config, models={"mine": model})
@@ -159,10 +163,10 @@ def test_a_picture_that_is_named_outside_the_study_is_not_shown(asked):
     out, scenes, shown, run = asked
     lines = (out / "episodes.jsonl").read_text()
     (out / "episodes.jsonl").write_text(
-        lines.replace(f"frames/{scenes[0]}/last.jpg", "../priv/last.jpg")
+        lines.replace(f'"last":"frames/{scenes[0]}/last.jpg"', '"last":"../priv/last.jpg"')
     )
     rows = run()
-    assert (rows[scenes[0]].outcome, rows[scenes[0]].error_type) == ("error", "StudyError")
+    assert (rows[scenes[0]].outcome, rows[scenes[0]].error_type) == ("error", "DataError")
     assert all(rows[name].outcome == "answered" for name in scenes[1:])
     assert shown
     assert all(path.resolve().is_relative_to(out.resolve()) for path in shown)
@@ -174,7 +178,7 @@ def test_a_folder_of_frames_that_leads_outside_stops_the_run_before_anything_is_
     out, scenes, shown, run = asked
     shutil.rmtree(out / "frames" / scenes[1])
     (out / "frames" / scenes[1]).symlink_to(tmp_path / "priv")
-    with pytest.raises(StudyError, match=scenes[1]):
+    with pytest.raises(DataError, match=scenes[1]):
         run()
     assert not shown
     assert [path.name for path in (tmp_path / "priv").iterdir()] == ["last.jpg"]
@@ -200,6 +204,7 @@ def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back
         data = picture.read_bytes()
         picture.write_bytes(data[: int(kept * len(data))])
     shutil.rmtree(out / "frames" / none)
+    del lines[0]["file_sha256"]
     del lines[3]["frames"]["middle"]
     (out / "episodes.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     model = ConstantAnswerer("stop")

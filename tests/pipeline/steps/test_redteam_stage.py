@@ -4,6 +4,7 @@ import pytest
 
 from oodscen import make_llm
 from oodscen._pipeline.context import Context
+from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.trees import grow, redteam
 from oodscen.study import StudyConfig
 from oodscen.testing import FunctionLLM
@@ -29,7 +30,9 @@ def model(after=None):
 
 
 def play(out, given=None, **changes):
-    context = Context(out, CONFIG.model_copy(update=changes), models={"model": given or model()})
+    context = Context(
+        out, CONFIG.model_copy(update=changes), RunOptions(models={"model": given or model()})
+    )
     context.prepare()
     redteam(context, grow(context))
     return {name: (out / name).read_bytes() for name in FILES}

@@ -34,13 +34,19 @@ def test_an_excerpt_is_a_tree_that_fits_and_counts_what_it_leaves_out(shape, tok
     random.shuffle(ranked)
     part = excerpt(tree, lambda: ranked, tokens=tokens)
     shown = {node.id for node in part.nodes}
-    assert ScenarioTree.model_validate({"nodes": part.nodes})
+    assert ScenarioTree.parse({"nodes": part.nodes})
     assert {"root", "environmental", "interactional"} <= shown
     left_out = [leaf.id for leaf in tree.leaves if leaf.id not in shown]
     assert sum(item.leaves for item in part.hidden) == len(left_out)
     assert {item.id for item in part.hidden} <= shown
     outline = PlaceScenario(text="x", nodes=part.nodes, hidden=part.hidden).variables()["outline"]
     assert len(outline) <= 4 * tokens or len(shown) == 3
+    leaves = {leaf.id for leaf in tree.leaves} & shown
+    upper = {"root", "environmental", "interactional"} | {tree.by_id[one].parent for one in leaves}
+    branches = tuple(node for node in part.nodes if node.id in leaves | upper)
+    if left_out and leaves:
+        outline = PlaceScenario(text="x", nodes=branches).variables()["outline"]
+        assert len(outline) <= 0.75 * 4 * tokens
     if left_out:
         first = [name for name in ranked if name in shown]
         assert first == ranked[: len(first)]
@@ -82,6 +88,8 @@ def test_the_thinnest_groups_are_named():
     assert set(thin(tree)) == {"Family 1", "Family 2", "Family 3"}
     assert "Interactional" in thin(grown([5]))
     assert thin(ScenarioTree.planted()) == ()
+    assert set(thin(grown([2, 4]))) == {"Family 0"}
+    assert set(thin(grown([2, 3, 1, 4, 3]))) == {"Family 2", "Family 0", "Family 4"}
 
 
 def test_words_rank_labels():
@@ -89,3 +97,9 @@ def test_words_rank_labels():
     scores = by_words("The dogs run towards the ego vehicle.", labels)
     assert max(scores) == scores[1]
     assert by_words("", labels) == [0.0, 0.0, 0.0]
+
+
+def test_rare_words_weigh_more_than_common_ones():
+    labels = ["Icy bridge", "Road bridge", "Road works", "Closed road"]
+    icy, _, works, closed = by_words("The road is icy.", labels)
+    assert icy > 0.5 > works == closed > 0.0

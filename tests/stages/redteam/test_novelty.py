@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
+from oodscen.metrics._vectors.centring import unit_rows
 from oodscen.stages._redteam.novelty import Novelty
 from oodscen.stages._redteam.rounds import Round
 from oodscen.testing._encoder import HashEncoder
@@ -64,6 +65,33 @@ def test_of_a_split_leaf_the_old_meaning_keeps_the_proposals():
     novelty.learn(Round(round=2, edits=edits, decision="split", kind="new"), after)
     assert novelty.nearness(text).node == "old"
     assert novelty.nearness("Thick fog at night").node == "old"
+    near = novelty.nearness("A wall of mist stands on the long bridge.")
+    assert (near.node, near.by) == ("old", "text")
+
+
+def test_what_is_as_near_as_the_limit_is_too_near():
+    text = "Hail stones everywhere"
+    found = Novelty(TREE, HashEncoder(), label=2.0).nearness(text)
+    assert not found.is_too_near
+    assert Novelty(TREE, HashEncoder(), label=found.similarity).nearness(text).is_too_near
+
+
+def test_proposals_are_compared_after_centring_on_all_of_them():
+    shown, told, text = (
+        ("A car waits.", "A bus turns."),
+        ("Fog falls.", "A dog barks."),
+        "A dog naps.",
+    )
+    encoder = HashEncoder()
+    novelty = Novelty(TREE, encoder, label=2.0, text=-2.0, shown=shown)
+    for number, one in enumerate(told, start=1):
+        novelty.learn(covered(number, one), TREE)
+    rows = unit_rows(encoder, [*shown, *told, text])
+    rows = rows - rows[:-1].mean(axis=0)
+    cosines = rows[2:-1] @ rows[-1] / np.linalg.norm(rows[2:-1], axis=1) / np.linalg.norm(rows[-1])
+    found = novelty.nearness(text)
+    assert found.by == "text"
+    assert found.similarity == round(float(cosines.max()), 4)
 
 
 def test_leaves_are_ranked_by_meaning_or_by_words():

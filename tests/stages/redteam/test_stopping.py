@@ -5,12 +5,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError
+from oodscen.stages import RedTeamOptions
 from oodscen.stages._redteam.rounds import Round
-from oodscen.stages._redteam.stopping import Limits, Progress
+from oodscen.stages._redteam.stopping import Progress
 
 limits = st.builds(
-    Limits,
-    rounds=st.integers(0, 30),
+    RedTeamOptions,
+    iterations=st.integers(0, 30),
     budget=st.none() | st.integers(0, 80),
     patience=st.none() | st.integers(1, 10),
     coverage=st.none() | st.floats(0.05, 0.95),
@@ -20,13 +21,13 @@ decisions = st.sampled_from(["add", "covered", "duplicate", "malformed", None])
 
 def test_each_rule_names_itself():
     def stop(**rules):
-        progress = Progress(Limits(**{"rounds": 100, **rules}))
+        progress = Progress(RedTeamOptions(**{"iterations": 100, **rules}))
         for number in range(1, 21):
             progress.add(Round(round=number, decision="covered", kind="x", calls=2))
         return progress.stop
 
     assert stop() is None
-    assert stop(rounds=20) == "rounds"
+    assert stop(iterations=20) == "rounds"
     assert stop(budget=41) == "budget"
     assert stop(budget=42) is None
     assert stop(patience=20) == "patience"
@@ -37,7 +38,7 @@ def test_each_rule_names_itself():
 
 def test_malformed_rules_are_refused():
     with pytest.raises(DataError):
-        Limits.parse({"rounds": -1})
+        RedTeamOptions.parse({"iterations": -1})
 
 
 @given(limits, st.lists(decisions, max_size=40), st.data())
@@ -63,7 +64,7 @@ def test_a_round_that_is_certain_is_played_whatever_comes_before(rules, course, 
 
 @given(st.integers(2, 40), st.integers(0, 38))
 def test_the_attempts_keep_one_call_for_placing(budget, spent):
-    progress = Progress(Limits(rounds=10, budget=budget))
+    progress = Progress(RedTeamOptions(iterations=10, budget=budget))
     if spent:
         progress.add(Round(round=1, calls=min(spent, budget)))
     if progress.stop is None:
@@ -71,3 +72,17 @@ def test_the_attempts_keep_one_call_for_placing(budget, spent):
         assert 1 <= first <= 3
         assert progress.calls + first + progress.attempts(first) <= budget
         assert progress.attempts(first) >= 1
+
+
+def test_a_later_round_is_certain_only_if_all_calls_before_it_may_be_spent():
+    assert Progress(RedTeamOptions(budget=12)).is_certain(2)
+    assert not Progress(RedTeamOptions(budget=11)).is_certain(2)
+
+
+def test_a_later_round_is_uncertain_if_the_new_kinds_may_be_met_again_before_it():
+    progress = Progress(RedTeamOptions(coverage=0.55))
+    for number, kind in enumerate("ab", start=1):
+        progress.add(Round(round=number, decision="add", kind=kind, calls=2))
+    assert progress.is_certain(3)
+    assert progress.is_certain(4)
+    assert not progress.is_certain(5)

@@ -75,9 +75,8 @@ def _eyes(mesh: MeshBuilder, x: float, y: float, z: float, size: float) -> None:
         mesh.ball((x, side * y, z), (size, 0.5 * size, size), "black", around=6, down=4)
 
 
-def deer(shown: Shown) -> MeshBuilder:
+def deer(mesh: MeshBuilder, shown: Shown) -> None:
     """A stag with antlers, a pale rump and a raised head."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.78, 0, 1.0), 0.08, 0.10),
@@ -104,12 +103,10 @@ def deer(shown: Shown) -> MeshBuilder:
     mesh.beam((-0.76, 0, 1.1), (-0.86, 0, 0.94), 0.09, "deer_dark", end_width=0.04)
     legs(mesh, shown, (-0.50, 0.42), 0.12, 0.88, 0.09, ("deer", "deer_dark"))
     grounded(mesh)
-    return mesh
 
 
-def moose(shown: Shown) -> MeshBuilder:
+def moose(mesh: MeshBuilder, shown: Shown) -> None:
     """A moose: very tall and dark, with broad antlers and a hanging muzzle."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-1.22, 0, 1.42), 0.12, 0.16),
@@ -152,12 +149,10 @@ def moose(shown: Shown) -> MeshBuilder:
             (x, side * 0.19, 1.36), (x, side * 0.19, 0.9), 0.16, "bear", sides=7, end_radius=0.1
         )
     grounded(mesh)
-    return mesh
 
 
-def horse(shown: Shown) -> MeshBuilder:
+def horse(mesh: MeshBuilder, shown: Shown) -> None:
     """A brown horse with a black mane and tail, without a rider."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.92, 0, 1.22), 0.12, 0.16),
@@ -186,12 +181,10 @@ def horse(shown: Shown) -> MeshBuilder:
     mesh.beam((-1.08, 0, 1.1), (-1.12, 0, 0.62), 0.14, "black", end_width=0.05)
     legs(mesh, shown, (-0.66, 0.44), 0.16, 1.08, 0.125, ("horse", "black"))
     grounded(mesh)
-    return mesh
 
 
-def cow(shown: Shown) -> MeshBuilder:
+def cow(mesh: MeshBuilder, shown: Shown) -> None:
     """A black and white cow."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-1.05, 0, 1.06), 0.2, 0.24),
@@ -231,12 +224,10 @@ def cow(shown: Shown) -> MeshBuilder:
     mesh.ball((-1.14, 0, 0.66), (0.06, 0.06, 0.11), "cow_black", around=6, down=4)
     legs(mesh, shown, (-0.74, 0.58), 0.22, 0.82, 0.125, ("cow_white", "cow_black"))
     grounded(mesh)
-    return mesh
 
 
-def sheep(shown: Shown) -> MeshBuilder:
+def sheep(mesh: MeshBuilder, shown: Shown) -> None:
     """A woolly sheep with a black face."""
-    mesh = MeshBuilder()
     for index, (x, z, size) in enumerate(
         ((-0.36, 0.64, 0.3), (0.0, 0.66, 0.33), (0.32, 0.66, 0.3))
     ):
@@ -260,12 +251,10 @@ def sheep(shown: Shown) -> MeshBuilder:
     mesh.ball((-0.64, 0, 0.68), (0.07, 0.07, 0.1), "wool", around=6, down=4)
     legs(mesh, shown, (-0.34, 0.3), 0.13, 0.46, 0.06, ("cow_black", "black"))
     grounded(mesh)
-    return mesh
 
 
-def wild_boar(shown: Shown) -> MeshBuilder:
+def wild_boar(mesh: MeshBuilder, shown: Shown) -> None:
     """A dark wild boar with bristles and tusks."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.62, 0, 0.54), 0.12, 0.16),
@@ -291,12 +280,10 @@ def wild_boar(shown: Shown) -> MeshBuilder:
     mesh.beam((-0.62, 0, 0.6), (-0.72, 0, 0.4), 0.04, "black", end_width=0.05)
     legs(mesh, shown, (-0.38, 0.32), 0.12, 0.42, 0.075, ("boar", "black"))
     grounded(mesh)
-    return mesh
 
 
-def bear(shown: Shown) -> MeshBuilder:
+def bear(mesh: MeshBuilder, shown: Shown) -> None:
     """A brown bear on all fours."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.92, 0, 0.82), 0.2, 0.26),
@@ -317,12 +304,10 @@ def bear(shown: Shown) -> MeshBuilder:
         mesh.ball((0.78, side * 0.19, 1.24), (0.05, 0.09, 0.09), "bear", around=7, down=5)
     legs(mesh, shown, (-0.58, 0.46), 0.24, 0.72, 0.2, ("bear", "hair"), half=0.3)
     grounded(mesh)
-    return mesh
 
 
-def dog(shown: Shown) -> MeshBuilder:
+def dog(mesh: MeshBuilder, shown: Shown) -> None:
     """A brown dog the size of a shepherd, with its tail up."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.42, 0, 0.50), 0.07, 0.08),
@@ -348,12 +333,11 @@ def dog(shown: Shown) -> MeshBuilder:
     mesh.beam((-0.55, 0, 0.70), (-0.60, 0, 0.86), 0.06, "dog_dark", end_width=0.02)
     legs(mesh, shown, (-0.29, 0.25), 0.08, 0.47, 0.06, ("dog", "dog_dark"))
     mesh.cylinder((0.33, 0, 0.60), (0.36, 0, 0.635), 0.105, "red", sides=8)
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def cat(shown: Shown) -> MeshBuilder:
+def cat(mesh: MeshBuilder, shown: Shown) -> None:
     """A ginger cat with its tail up."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.24, 0, 0.25), 0.04, 0.05),
@@ -376,12 +360,11 @@ def cat(shown: Shown) -> MeshBuilder:
     for one, two, colour in zip(tail, tail[1:], ("cat", "cat_dark", "cat"), strict=False):
         mesh.beam(one, two, 0.04, colour)
     legs(mesh, shown, (-0.16, 0.13), 0.045, 0.22, 0.034, ("cat", "white"))
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def goose(shown: Shown) -> MeshBuilder:
+def goose(mesh: MeshBuilder, shown: Shown) -> None:
     """A white goose with an orange bill."""
-    mesh = MeshBuilder()
     mesh.column(
         [
             ((-0.42, 0, 0.46), 0.03, 0.02),
@@ -413,4 +396,7 @@ def goose(shown: Shown) -> MeshBuilder:
             (ahead - 0.02, ahead + 0.06, side * 0.08 - 0.02, side * 0.08 + 0.02, up + 0.04),
             "orange",
         )
-    return grounded(mesh)
+    grounded(mesh)
+
+
+VARIED = (deer, moose, horse, cow, sheep, wild_boar, bear, dog, cat, goose)

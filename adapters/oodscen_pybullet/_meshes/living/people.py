@@ -180,18 +180,16 @@ def grounded(mesh: MeshBuilder) -> MeshBuilder:
     return mesh.shift((0.0, 0.0, -float(low[2])))
 
 
-def adult(shown: Shown) -> MeshBuilder:
+def adult(mesh: MeshBuilder, shown: Shown) -> None:
     """An adult pedestrian."""
-    mesh = MeshBuilder()
     figure(mesh, WARDROBE[shown.index % len(WARDROBE)], shown)
     if shown.index % 2:
         mesh.box((-0.12, 0, 1.2), (0.11, 0.28, 0.38), "bag")
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def child(shown: Shown) -> MeshBuilder:
+def child(mesh: MeshBuilder, shown: Shown) -> None:
     """A child of about seven, with a satchel."""
-    mesh = MeshBuilder()
     tops = ("yellow", "shirt_red", "teal")
     hair = "hair_fair" if shown.index % 2 else "hair"
     clothes = Clothes(tops[shown.index % 3], "jeans", hair, sleeves="skin")
@@ -204,7 +202,7 @@ def child(shown: Shown) -> MeshBuilder:
         mesh.ball(
             (x + 0.1, y + side * 0.045, z + 0.03), (0.012, 0.016, 0.018), "hair", around=6, down=4
         )
-    return grounded(mesh).shift((0, 0, 0), scale=0.68)
+    grounded(mesh).shift((0, 0, 0), scale=0.68)
 
 
 def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
@@ -225,21 +223,19 @@ def vest(mesh: MeshBuilder, colour: str, head: Point) -> None:
         )
 
 
-def worker(shown: Shown) -> MeshBuilder:
+def worker(mesh: MeshBuilder, shown: Shown) -> None:
     """A road worker in high-visibility clothes, with helmet and shovel."""
-    mesh = MeshBuilder()
     clothes = Clothes("fluor_orange", "fluor_orange", hat="yellow")
     hold = replace(UPRIGHT, half_step=0.28, right_hand=(0.16, -0.30, 1.06))
     head = figure(mesh, clothes, shown, hold)
     vest(mesh, "fluor_yellow", head)
     mesh.cylinder((0.18, -0.34, 0.08), (0.15, -0.29, 1.38), 0.022, "wood", sides=6)
     mesh.box((0.19, -0.345, 0.15), (0.04, 0.22, 0.28), "metal")
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def police_officer(shown: Shown) -> MeshBuilder:
+def police_officer(mesh: MeshBuilder, shown: Shown) -> None:
     """A police officer in a yellow vest, holding up a stop disc."""
-    mesh = MeshBuilder()
     hold = replace(UPRIGHT, half_step=0.25, right_hand=(0.36, -0.30, 1.62))
     x, _, z = figure(mesh, Clothes("uniform", "uniform", hat="uniform"), shown, hold)
     vest(mesh, "fluor_yellow", (x, 0.0, z))
@@ -255,4 +251,7 @@ def police_officer(shown: Shown) -> MeshBuilder:
     mesh.cylinder((0.37, -0.30, 1.52), (0.39, -0.30, 1.80), 0.018, "white", sides=6)
     mesh.cylinder((0.375, -0.30, 1.90), (0.405, -0.30, 1.90), 0.17, "white", sides=14)
     mesh.cylinder((0.37, -0.30, 1.90), (0.41, -0.30, 1.90), 0.13, "red", sides=14)
-    return grounded(mesh)
+    grounded(mesh)
+
+
+VARIED = (adult, child, worker, police_officer)

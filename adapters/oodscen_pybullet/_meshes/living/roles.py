@@ -9,9 +9,8 @@ from oodscen_pybullet._meshes.living.people import UPRIGHT, Clothes, Posture, fi
 from oodscen_pybullet._meshes.look import Shown
 
 
-def jogger(shown: Shown) -> MeshBuilder:
+def jogger(mesh: MeshBuilder, shown: Shown) -> None:
     """A runner in shorts and a bright shirt."""
-    mesh = MeshBuilder()
     tops = ("fluor_yellow", "orange", "teal")
     clothes = Clothes(
         tops[shown.index % 3], "black", skin=("skin", "skin_dark")[shown.index % 2],
@@ -22,12 +21,11 @@ def jogger(shown: Shown) -> MeshBuilder:
     mesh.column(
         [((x - 0.01, 0, z + 0.05), 0.115, 0.1), ((x - 0.01, 0, z + 0.09), 0.11, 0.096)], "white"
     )
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def elderly_person(shown: Shown) -> MeshBuilder:
+def elderly_person(mesh: MeshBuilder, shown: Shown) -> None:
     """An elderly person, bent forward, with grey hair and a stick."""
-    mesh = MeshBuilder()
     clothes = Clothes(
         "shirt_green" if shown.index % 2 else "coat", "trousers", hair="light_grey",
         has_long_hair=bool(shown.index % 2), skirt="navy" if shown.index % 2 else "",
@@ -36,12 +34,11 @@ def elderly_person(shown: Shown) -> MeshBuilder:
     figure(mesh, clothes, shown, posture)
     mesh.cylinder((0.40, -0.26, 0.02), (0.39, -0.26, 0.86), 0.018, "wood_dark", sides=6)
     mesh.beam((0.33, -0.26, 0.88), (0.44, -0.26, 0.88), 0.035, "wood_dark")
-    return grounded(mesh).shift((0, 0, 0), scale=0.95)
+    grounded(mesh).shift((0, 0, 0), scale=0.95)
 
 
-def wheelchair_user(shown: Shown) -> MeshBuilder:
+def wheelchair_user(mesh: MeshBuilder, shown: Shown) -> None:
     """A person in a wheelchair, turning the wheels by hand."""
-    mesh = MeshBuilder()
     phase, _ = shown.gait or (0.0, False)
     push = 0.1 * math.sin(2 * math.pi * phase)
     for side in (-1.0, 1.0):
@@ -77,7 +74,6 @@ def wheelchair_user(shown: Shown) -> MeshBuilder:
     mesh.cylinder((-0.19, 0, 1.1), (-0.17, 0, 1.24), 0.05, "skin", sides=6)
     mesh.ball((-0.16, 0, 1.29), (0.10, 0.082, 0.125), "skin")
     mesh.ball((-0.185, 0, 1.335), (0.105, 0.095, 0.105), "hair")
-    return mesh
 
 
 def _ring(
@@ -95,9 +91,8 @@ def _ring(
             mesh.beam((x, y, z), one, 0.012, "silver")
 
 
-def person_with_stroller(shown: Shown) -> MeshBuilder:
+def person_with_stroller(mesh: MeshBuilder, shown: Shown) -> None:
     """A parent pushing a pram."""
-    mesh = MeshBuilder()
     posture = Posture((0.40, 0.2, 1.04), (0.40, -0.2, 1.04), lean=0.06, half_step=0.28)
     clothes = Clothes("shirt_white", "jeans", "hair_fair", has_long_hair=True)
     figure(mesh, clothes, shown, posture)
@@ -115,19 +110,17 @@ def person_with_stroller(shown: Shown) -> MeshBuilder:
     mesh.hull((0.16, 0.7, -0.17, 0.17, 0.46), (0.08, 0.82, -0.2, 0.2, 0.78), "navy")
     mesh.cylinder((0.62, -0.2, 0.78), (0.62, 0.2, 0.78), 0.24, "navy", sides=12)
     mesh.box((0.3, 0, 0.8), (0.34, 0.3, 0.04), "shirt_white")
-    return mesh
 
 
-def construction_flagger(shown: Shown) -> MeshBuilder:
+def construction_flagger(mesh: MeshBuilder, shown: Shown) -> None:
     """A road worker holding a STOP paddle on a staff."""
-    mesh = MeshBuilder()
     clothes = Clothes("fluor_orange", "navy", hat="white")
     posture = Posture(right_hand=(0.30, -0.28, 1.22), half_step=0.25)
     head = figure(mesh, clothes, shown, posture)
     vest(mesh, "fluor_yellow", head)
     mesh.cylinder((0.32, -0.28, 0.1), (0.32, -0.28, 1.75), 0.018, "white", sides=6)
     _disc(mesh, (0.32, -0.28, 1.98), 0.3, "sign_stop", "sign_stop")
-    return grounded(mesh)
+    grounded(mesh)
 
 
 def _disc(
@@ -141,9 +134,8 @@ def _disc(
     face(mesh, (x + 0.012, y, z), half, back, corners=8, is_forward=True)
 
 
-def person_in_costume(shown: Shown) -> MeshBuilder:
+def person_in_costume(mesh: MeshBuilder, shown: Shown) -> None:
     """A person dressed up as a big yellow chicken."""
-    mesh = MeshBuilder()
     clothes = Clothes("yellow", "orange", hair="yellow", skin="yellow", shoes="orange")
     x, _, z = figure(mesh, clothes, shown, replace(UPRIGHT, half_step=0.26))
     mesh.ball((-0.04, 0, 1.08), (0.36, 0.36, 0.42), "yellow", around=12, down=8)
@@ -169,12 +161,11 @@ def person_in_costume(shown: Shown) -> MeshBuilder:
             "machine",
             end_width=0.04,
         )
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def protester(shown: Shown) -> MeshBuilder:
+def protester(mesh: MeshBuilder, shown: Shown) -> None:
     """A demonstrator with a placard on a stick."""
-    mesh = MeshBuilder()
     index = shown.index
     clothes = Clothes(
         ("shirt_green", "burgundy", "black")[index % 3], ("jeans", "trousers", "navy")[index % 3],
@@ -194,14 +185,20 @@ def protester(shown: Shown) -> MeshBuilder:
             ],
             "sign_placard",
         )
-    return grounded(mesh)
+    grounded(mesh)
 
 
-def person_lying(shown: Shown) -> MeshBuilder:
+def person_lying(mesh: MeshBuilder) -> None:
     """A person lying on their back on the road, arms and legs apart."""
     body = MeshBuilder()
     clothes = Clothes("shirt", "jeans", sleeves="skin")
     figure(body, clothes, Shown(), Posture((0.06, 0.62, 1.5), (0.06, -0.62, 1.08)))
     facing_left = MeshBuilder().add(body.build(), yaw=math.pi / 2).build()
-    mesh = MeshBuilder().add(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2)
-    return mesh.flatten(0.0)
+    mesh.add(facing_left, (0.0, 0.0, 0.14), roll=math.pi / 2).flatten(0.0)
+
+
+STILL = (person_lying,)
+VARIED = (
+    jogger, elderly_person, wheelchair_user, person_with_stroller, construction_flagger,
+    person_in_costume, protester,
+)  # fmt: skip

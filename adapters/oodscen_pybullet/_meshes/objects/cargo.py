@@ -7,9 +7,9 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Shown
 
 
-def car_door(shown: Shown) -> MeshBuilder:
+def car_door(mesh: MeshBuilder, shown: Shown) -> None:
     """A car door, upright as when shut, hinged at its front edge and visible from both sides."""
-    mesh, paint = MeshBuilder(), shown.paint
+    paint = shown.paint
     mesh.hull((-0.52, 0.52, -0.04, 0.06, 0.32), (-0.56, 0.54, -0.05, 0.05, 0.94), paint)
     mesh.hull((-0.5, 0.46, -0.085, -0.04, 0.4), (-0.5, 0.48, -0.09, -0.05, 0.9), "dark_grey")
     mesh.box((0.1, -0.1, 0.62), (0.5, 0.04, 0.08), "grey")
@@ -20,12 +20,10 @@ def car_door(shown: Shown) -> MeshBuilder:
     glass = [(x, -0.02 - 0.04 * (z > 1), z) for x, z in top]
     mesh.polygon(glass, "glass_light").polygon(glass[::-1], "glass_light")
     mesh.box((0.4, 0.13, 1.0), (0.1, 0.16, 0.13), paint)
-    return mesh
 
 
-def bumper(shown: Shown) -> MeshBuilder:
+def bumper(mesh: MeshBuilder, shown: Shown) -> None:
     """A torn-off bumper with its number plate, across the lane."""
-    mesh = MeshBuilder()
     paint = shown.paint
     spots = [
         (0.35, -0.86, 0.24),
@@ -50,12 +48,10 @@ def bumper(shown: Shown) -> MeshBuilder:
     )
     for x, y in ((-0.4, 0.3), (-0.25, -0.5), (-0.5, -0.1), (0.4, 0.1)):
         mesh.box((x, y, 0.015), (0.16, 0.09, 0.03), "tail" if y > 0 else "glass_light")
-    return mesh
 
 
-def barrel(shown: Shown) -> MeshBuilder:
+def barrel(mesh: MeshBuilder, shown: Shown) -> None:
     """Two steel drums, one upright and one lying."""
-    mesh = MeshBuilder()
     colour = shown.paint
 
     def one() -> MeshBuilder:
@@ -74,12 +70,10 @@ def barrel(shown: Shown) -> MeshBuilder:
         [(-0.29, 0.62, 0.3), (-0.29, 0.22, 0.3), (-0.29, 0.22, 0.7), (-0.29, 0.62, 0.7)],
         "sign_danger",
     )
-    return mesh
 
 
-def crate(shown: Shown) -> MeshBuilder:
+def crate(mesh: MeshBuilder) -> None:
     """A big wooden crate with diagonal battens."""
-    mesh = MeshBuilder()
     half = 0.5
     mesh.box((0, 0, half), (0.96, 0.96, 0.96), "wood")
     for side in (-1.0, 1.0):
@@ -91,12 +85,10 @@ def crate(shown: Shown) -> MeshBuilder:
             mesh.box((y, side * 0.48, half), (0.13, 0.05, 0.8), "wood_dark")
         mesh.beam((side * 0.485, -0.4, 0.14), (side * 0.485, 0.4, 0.86), 0.06, "wood_dark")
         mesh.beam((-0.4, side * 0.485, 0.14), (0.4, side * 0.485, 0.86), 0.06, "wood_dark")
-    return mesh
 
 
-def spilled_logs(shown: Shown) -> MeshBuilder:
+def spilled_logs(mesh: MeshBuilder) -> None:
     """Tree trunks that rolled off a lorry, lying across each other."""
-    mesh = MeshBuilder()
     logs = (
         ((-0.9, -2.0, 0.24), (-0.7, 2.0, 0.24), 0.24),
         ((-0.3, -2.1, 0.22), (-0.2, 1.8, 0.22), 0.22),
@@ -115,12 +107,10 @@ def spilled_logs(shown: Shown) -> MeshBuilder:
         for point, other, r in ((start, end, radius), (end, start, 0.88 * radius)):
             out = tuple(p + 0.006 * (p - q) / length for p, q in zip(point, other, strict=True))
             mesh.cylinder(point, (out[0], out[1], out[2]), 0.55 * r, "wood", sides=8)
-    return mesh
 
 
-def spilled_gravel(shown: Shown) -> MeshBuilder:
+def spilled_gravel(mesh: MeshBuilder) -> None:
     """A heap of gravel with stones around it."""
-    mesh = MeshBuilder()
     mesh.ball(
         (0, 0, 0.0),
         (1.3, 1.6, 0.62),
@@ -152,12 +142,11 @@ def spilled_gravel(shown: Shown) -> MeshBuilder:
             jitter=0.2,
             key=410 + index,
         )
-    return mesh.flatten(0.0)
+    mesh.flatten(0.0)
 
 
-def fridge(shown: Shown) -> MeshBuilder:
+def fridge(mesh: MeshBuilder) -> None:
     """A white refrigerator lying on its back, its door ajar."""
-    mesh = MeshBuilder()
     mesh.hull((-0.85, 0.85, -0.32, 0.32, 0.0), (-0.85, 0.85, -0.32, 0.32, 0.52), "white", caps="b")
     mesh.polygon(
         [(-0.85, -0.32, 0.5), (0.85, -0.32, 0.5), (0.85, 0.32, 0.5), (-0.85, 0.32, 0.5)],
@@ -177,12 +166,10 @@ def fridge(shown: Shown) -> MeshBuilder:
     mesh.beam((0.4, 0.2, 0.63), (0.7, 0.2, 0.63), 0.04, "silver")
     mesh.beam((-0.4, 0.6, 0.86), (0.0, 0.6, 0.86), 0.05, "silver")
     mesh.box((-0.86, 0.0, 0.16), (0.03, 0.5, 0.2), "black")
-    return mesh
 
 
-def tarpaulin(shown: Shown) -> MeshBuilder:
+def tarpaulin(mesh: MeshBuilder) -> None:
     """A crumpled blue tarpaulin."""
-    mesh = MeshBuilder()
     columns, rows = 9, 8
     heights: dict[tuple[int, int], float] = {}
     for i in range(columns):
@@ -208,12 +195,10 @@ def tarpaulin(shown: Shown) -> MeshBuilder:
             mesh.polygon([at(i, j), at(i + 1, j + 1), at(i, j + 1)], "blue")
     for x, y in ((-1.1, -1.3), (1.1, -1.3), (1.1, 1.3), (-1.1, 1.3)):
         mesh.cylinder((x, y, 0.0), (0.97 * x, 0.97 * y, 0.04), 0.05, "silver", sides=6)
-    return mesh
 
 
-def plastic_bag(shown: Shown) -> MeshBuilder:
+def plastic_bag(mesh: MeshBuilder) -> None:
     """A white plastic carrier bag inflated by the wind, printed in blue, with loop handles."""
-    mesh = MeshBuilder()
     mesh.hull((-0.12, 0.12, -0.17, 0.17, 0.0), (-0.17, 0.17, -0.24, 0.24, 0.16), "plastic")
     mesh.hull((-0.17, 0.17, -0.24, 0.24, 0.16), (-0.14, 0.14, -0.23, 0.23, 0.34), "white", caps="")
     mesh.hull((-0.14, 0.14, -0.23, 0.23, 0.34), (-0.06, 0.06, -0.2, 0.2, 0.42), "plastic", caps="t")
@@ -225,12 +210,10 @@ def plastic_bag(shown: Shown) -> MeshBuilder:
     for side in (-1.0, 1.0):
         mesh.box((side * 0.158, 0, 0.25), (0.012, 0.28, 0.05), "blue")
         mesh.box((side * 0.166, 0, 0.17), (0.012, 0.2, 0.04), "blue")
-    return mesh
 
 
-def tumbleweed(shown: Shown) -> MeshBuilder:
+def tumbleweed(mesh: MeshBuilder) -> None:
     """A ball of dry twigs."""
-    mesh = MeshBuilder()
     middle, radius = 0.42, 0.40
     for index in range(44):
         turn, rise = index * 2.399963, -1 + 2 * (index + 0.5) / 44
@@ -255,4 +238,7 @@ def tumbleweed(shown: Shown) -> MeshBuilder:
         key=511,
         second_colour="wood_dark",
     )
-    return mesh
+
+
+STILL = (crate, spilled_logs, spilled_gravel, fridge, tarpaulin, plastic_bag, tumbleweed)
+VARIED = (car_door, bumper, barrel)

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.look import Shown
 
 
 def _blot(
@@ -43,20 +42,17 @@ def _foot(mesh: MeshBuilder, colour: str) -> None:
     mesh.polygon([(0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)], colour)
 
 
-def puddle(shown: Shown) -> MeshBuilder:
+def puddle(mesh: MeshBuilder) -> None:
     """A wide, shallow puddle that nothing collides with."""
-    mesh = MeshBuilder()
     waves = ((3, 0.10, 0.6), (5, 0.05, 0.0))
     _fan(mesh, _blot((1.25, 1.6), 0.02, waves), "water")
     _fan(mesh, _blot((0.9, 1.15), 0.026, waves), "water_light")
     _fan(mesh, _blot((0.62, 0.8), 0.032, waves), "water")
     _foot(mesh, "water")
-    return mesh
 
 
-def oil_spill(shown: Shown) -> MeshBuilder:
+def oil_spill(mesh: MeshBuilder) -> None:
     """A black, reflective pool of oil with streaks of purple sheen."""
-    mesh = MeshBuilder()
     waves = ((2, 0.12, 0.2), (5, 0.08, 1.0), (9, 0.04, 0.0))
     _fan(mesh, _blot((1.8, 1.35), 0.012, waves, 36), "oil")
     streaks = (
@@ -74,12 +70,10 @@ def oil_spill(shown: Shown) -> MeshBuilder:
     for x, y, r in ((-2.1, 0.5, 0.2), (1.9, -0.9, 0.26), (0.6, 1.55, 0.16), (-1.2, -1.4, 0.22)):
         mesh.polygon([(x + a, y + b, h) for a, b, h in _blot((r, r), 0.012, (), 12)], "oil")
     _foot(mesh, "oil")
-    return mesh
 
 
-def broken_glass(shown: Shown) -> MeshBuilder:
+def broken_glass(mesh: MeshBuilder) -> None:
     """Glittering glass shards and lamp fragments, spread over the lane."""
-    mesh = MeshBuilder()
     for index in range(130):
         turn, reach = index * 2.399963, math.sqrt((index + 0.5) / 130)
         x, y = 1.2 * reach * math.cos(turn), 1.5 * reach * math.sin(turn)
@@ -94,12 +88,10 @@ def broken_glass(shown: Shown) -> MeshBuilder:
         ]
         mesh.polygon(points, colour)
     _foot(mesh, "glass_light")
-    return mesh
 
 
-def pothole(shown: Shown) -> MeshBuilder:
+def pothole(mesh: MeshBuilder) -> None:
     """A deep hole in the asphalt, with a pale broken rim, dark walls and a puddle at the bottom."""
-    mesh = MeshBuilder()
     waves = ((3, 0.10, 0.3), (7, 0.07, 0.9))
     rings = (
         ((1.0, 1.3), 0.006, "asphalt_dark", 0.0),
@@ -136,12 +128,10 @@ def pothole(shown: Shown) -> MeshBuilder:
             ],
             "hole",
         )
-    return mesh
 
 
-def flood_water(shown: Shown) -> MeshBuilder:
+def flood_water(mesh: MeshBuilder) -> None:
     """Brown flood water across the whole lane, with ripples and drifting twigs."""
-    mesh = MeshBuilder()
     waves = ((2, 0.05, 0.0), (5, 0.04, 0.7))
     _fan(mesh, _blot((4.5, 3.4), 0.015, waves, 36), "flood")
     for index in range(26):
@@ -154,12 +144,10 @@ def flood_water(shown: Shown) -> MeshBuilder:
         dx, dy = 0.4 * math.cos(turn), 0.4 * math.sin(turn)
         mesh.beam((x - dx, y - dy, 0.03), (x + dx, y + dy, 0.04), 0.05, "bark_dark", end_width=0.02)
     _foot(mesh, "flood")
-    return mesh
 
 
-def road_plate(shown: Shown) -> MeshBuilder:
+def road_plate(mesh: MeshBuilder) -> None:
     """A steel plate over a trench, with a chequered surface and striped edges."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.015), (2.4, 1.8, 0.03), "rust")
     for i in range(6):
         for j in range(5):
@@ -188,4 +176,6 @@ def road_plate(shown: Shown) -> MeshBuilder:
                 ],
                 colour,
             )
-    return mesh
+
+
+STILL = (puddle, oil_spill, broken_glass, pothole, flood_water, road_plate)

@@ -9,9 +9,8 @@ from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure, gro
 from oodscen_pybullet._meshes.look import Shown
 
 
-def open_manhole(shown: Shown) -> MeshBuilder:
+def open_manhole(mesh: MeshBuilder) -> None:
     """An open manhole: a black hole with an iron rim and its lid beside it."""
-    mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 0.03), 0.46, "rust", sides=20, cap_colour="metal")
     mesh.cylinder((0, 0, 0.03), (0, 0, 0.034), 0.38, "black", sides=20)
     mesh.cylinder((0.3, 0.82, 0), (0.3, 0.82, 0.11), 0.42, "rust", sides=20, cap_colour="dirty_hub")
@@ -19,12 +18,10 @@ def open_manhole(shown: Shown) -> MeshBuilder:
         turn = math.pi * k / 4
         x, y = 0.34 * math.cos(turn), 0.34 * math.sin(turn)
         mesh.beam((0.3 - x, 0.82 - y, 0.105), (0.3 + x, 0.82 + y, 0.105), 0.03, "metal")
-    return mesh
 
 
-def balloon(shown: Shown) -> MeshBuilder:
+def balloon(mesh: MeshBuilder) -> None:
     """A bunch of bright balloons on strings tied to a weight."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.06), (0.16, 0.16, 0.12), "silver")
     spots = (
         (0.0, 0.0, 1.75, "balloon"),
@@ -39,42 +36,40 @@ def balloon(shown: Shown) -> MeshBuilder:
         mesh.ball((x, y, z), (0.2, 0.2, 0.25), colour, around=9, down=6)
         mesh.cylinder((x, y, z - 0.29), (x, y, z - 0.24), 0.04, colour, sides=5, end_radius=0.01)
         mesh.beam((0, 0, 0.12), (x, y, z - 0.28), 0.012, "white")
-    return mesh
 
 
-def inflatable(shown: Shown) -> MeshBuilder:
+def inflatable(mesh: MeshBuilder) -> None:
     """A giant inflatable duck blown onto the road, facing -x."""
-    mesh = MeshBuilder()
-    mesh.ball((-0.2, 0, 0.85), (1.35, 1.05, 0.85), "yellow", around=14, down=9)
-    mesh.ball((0.65, 0, 1.95), (0.66, 0.62, 0.64), "yellow", around=12, down=8)
-    mesh.cylinder((-1.2, 0, 1.15), (-1.75, 0, 1.65), 0.42, "yellow", sides=10, end_radius=0.06)
-    mesh.ball((1.32, 0, 1.82), (0.34, 0.34, 0.12), "orange", around=10, down=5)
-    mesh.ball((1.3, 0, 1.68), (0.28, 0.28, 0.1), "orange", around=10, down=5)
+    duck = MeshBuilder()
+    duck.ball((-0.2, 0, 0.85), (1.35, 1.05, 0.85), "yellow", around=14, down=9)
+    duck.ball((0.65, 0, 1.95), (0.66, 0.62, 0.64), "yellow", around=12, down=8)
+    duck.cylinder((-1.2, 0, 1.15), (-1.75, 0, 1.65), 0.42, "yellow", sides=10, end_radius=0.06)
+    duck.ball((1.32, 0, 1.82), (0.34, 0.34, 0.12), "orange", around=10, down=5)
+    duck.ball((1.3, 0, 1.68), (0.28, 0.28, 0.1), "orange", around=10, down=5)
     for side in (-1.0, 1.0):
-        mesh.ball((1.1, side * 0.3, 2.15), (0.14, 0.1, 0.18), "white", around=8, down=5)
-        mesh.ball((1.19, side * 0.32, 2.15), (0.07, 0.06, 0.1), "black", around=8, down=5)
-        mesh.ball((-0.3, side * 0.98, 1.0), (0.75, 0.2, 0.42), "machine", around=10, down=6)
-    return MeshBuilder().add(mesh.flatten(0.0).build(), yaw=math.pi)
+        duck.ball((1.1, side * 0.3, 2.15), (0.14, 0.1, 0.18), "white", around=8, down=5)
+        duck.ball((1.19, side * 0.32, 2.15), (0.07, 0.06, 0.1), "black", around=8, down=5)
+        duck.ball((-0.3, side * 0.98, 1.0), (0.75, 0.2, 0.42), "machine", around=10, down=6)
+    mesh.add(duck.flatten(0.0).build(), yaw=math.pi)
 
 
-def mannequin(shown: Shown) -> MeshBuilder:
+def mannequin(mesh: MeshBuilder) -> None:
     """A white, faceless shop-window dummy on a stand, facing -x."""
-    mesh = MeshBuilder()
+    doll = MeshBuilder()
     white = "plastic"
     clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
-    figure(mesh, clothes, Shown(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
-    grounded(mesh).shift((0, 0, 0.04))
-    mesh.ball((0.02, 0, 1.66), (0.112, 0.095, 0.135), white)
-    mesh.cylinder((0, 0, 0), (0, 0, 0.04), 0.26, "dark_grey", sides=14)
-    mesh.cylinder((-0.14, 0, 0.04), (-0.14, 0, 0.9), 0.02, "metal", sides=6)
+    figure(doll, clothes, Shown(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
+    grounded(doll).shift((0, 0, 0.04))
+    doll.ball((0.02, 0, 1.66), (0.112, 0.095, 0.135), white)
+    doll.cylinder((0, 0, 0), (0, 0, 0.04), 0.26, "dark_grey", sides=14)
+    doll.cylinder((-0.14, 0, 0.04), (-0.14, 0, 0.9), 0.02, "metal", sides=6)
     for z in (0.86, 1.2):
-        mesh.column([((0, 0, z), 0.125, 0.172), ((0, 0, z + 0.015), 0.125, 0.172)], "grey", caps="")
-    return MeshBuilder().add(mesh.build(), yaw=math.pi)
+        doll.column([((0, 0, z), 0.125, 0.172), ((0, 0, z + 0.015), 0.125, 0.172)], "grey", caps="")
+    mesh.add(doll.build(), yaw=math.pi)
 
 
-def drone(shown: Shown) -> MeshBuilder:
+def drone(mesh: MeshBuilder) -> None:
     """A large quadcopter that has crashed on the road."""
-    mesh = MeshBuilder()
     mesh.hull((-0.24, 0.24, -0.16, 0.16, 0.26), (-0.18, 0.18, -0.12, 0.12, 0.42), "white")
     mesh.box((0.26, 0, 0.3), (0.1, 0.12, 0.1), "black")
     mesh.cylinder((0.3, 0, 0.3), (0.34, 0, 0.3), 0.035, "glass_light", sides=8)
@@ -89,12 +84,10 @@ def drone(shown: Shown) -> MeshBuilder:
         mesh.beam((sx * 0.12, sy * 0.14, 0.28), (sx * 0.16, sy * 0.24, 0.04), 0.03, "dark_grey")
     for sy in (-1.0, 1.0):
         mesh.beam((-0.3, sy * 0.24, 0.02), (0.3, sy * 0.24, 0.02), 0.04, "dark_grey")
-    return mesh
 
 
-def smoke(shown: Shown) -> MeshBuilder:
+def smoke(mesh: MeshBuilder, shown: Shown) -> None:
     """A bank of grey smoke that drifts over the lane from a smouldering heap."""
-    mesh = MeshBuilder()
     for index in range(12):
         turn = index * 2.4
         reach = 0.25 + 0.05 * index
@@ -121,12 +114,10 @@ def smoke(shown: Shown) -> MeshBuilder:
             density=0.95,
             count=6,
         )
-    return mesh
 
 
-def fire(shown: Shown) -> MeshBuilder:
+def fire(mesh: MeshBuilder, shown: Shown) -> None:
     """A burning heap of wood and tyres."""
-    mesh = MeshBuilder()
     for index in range(7):
         turn = index * 0.9
         a = (0.75 * math.cos(turn), 0.75 * math.sin(turn), 0.05)
@@ -150,4 +141,7 @@ def fire(shown: Shown) -> MeshBuilder:
         mesh, shown, (0, 0, 1.5), 0.5, 3.0, density=0.65, colour=(0.25, 0.24, 0.24), count=7
     )
     mesh.lamp((0, 0, 0.9), (1.0, 0.6, 0.2), (0, 0, 0), 5.0)
-    return mesh
+
+
+STILL = (open_manhole, balloon, inflatable, mannequin, drone)
+VARIED = (smoke, fire)

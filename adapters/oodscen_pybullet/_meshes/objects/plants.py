@@ -1,16 +1,12 @@
-"""Trees, standing and fallen."""
+"""Fallen trees and branches, leaves, hay."""
 
 import math
 
-import numpy as np
-
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.look import Shown
 
 
-def fallen_tree(shown: Shown) -> MeshBuilder:
+def fallen_tree(mesh: MeshBuilder) -> None:
     """A tree lying along its y axis, with roots on the right and a leafy crown on the left."""
-    mesh = MeshBuilder()
     mesh.cylinder(
         (0, -3.1, 0.42),
         (0.0, 0.6, 0.56),
@@ -68,12 +64,10 @@ def fallen_tree(shown: Shown) -> MeshBuilder:
             key=50 + index,
         )
     mesh.flatten(0.0)
-    return mesh.centred()
 
 
-def branch(shown: Shown) -> MeshBuilder:
+def branch(mesh: MeshBuilder) -> None:
     """A broken bough with twigs and leaves, lying along its y axis."""
-    mesh = MeshBuilder()
     mesh.cylinder(
         (0, -1.1, 0.09),
         (0.05, 0.3, 0.16),
@@ -111,70 +105,10 @@ def branch(shown: Shown) -> MeshBuilder:
             second_colour="leaf_dark",
         )
     mesh.flatten(0.0)
-    return mesh.centred()
 
 
-def broad_tree(key: int) -> MeshBuilder:
-    """A broad-leaved tree about seven metres high."""
-    mesh = MeshBuilder()
-    rng = np.random.Generator(np.random.PCG64(1000 + key))
-    mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.2, "bark", sides=7, end_radius=0.13)
-    for turn in (0.4, 2.5, 4.4):
-        mesh.beam(
-            (0, 0, 2.3),
-            (1.0 * math.cos(turn), 1.0 * math.sin(turn), 3.6),
-            0.14,
-            "bark",
-            end_width=0.06,
-        )
-    greens = ("leaf", "leaf_dark", "leaf_light")
-    for index in range(5):
-        turn = index * 2.2 + key
-        reach = 0.0 if index == 0 else 0.95 + 0.35 * float(rng.uniform())
-        size = 1.75 if index == 0 else 1.05 + 0.3 * float(rng.uniform())
-        z = 4.7 if index == 0 else 3.6 + 1.9 * float(rng.uniform())
-        at = (reach * math.cos(turn), reach * math.sin(turn), z)
-        mesh.ball(
-            at,
-            (size, size, size * 0.86),
-            greens[(index + key) % 3],
-            around=7,
-            down=4,
-            jitter=0.15,
-            key=90 + key * 7 + index,
-        )
-    return mesh
-
-
-def conifer(key: int) -> MeshBuilder:
-    """A fir about nine metres high."""
-    mesh = MeshBuilder()
-    mesh.cylinder((0, 0, 0), (0, 0, 1.6), 0.18, "bark_dark", sides=6)
-    for z0, z1, radius in ((1.0, 4.0, 2.0), (2.9, 5.8, 1.6), (4.7, 7.4, 1.2), (6.2, 9.0, 0.8)):
-        mesh.cylinder(
-            (0, 0, z0), (0, 0, z1), radius, "needle", sides=9, end_radius=0.02, phase=key + z0
-        )
-    return mesh
-
-
-def bush(key: int) -> MeshBuilder:
-    """A bush about one metre high."""
-    mesh = MeshBuilder()
-    mesh.ball(
-        (0, 0, 0.5),
-        (0.9, 0.8, 0.6),
-        "leaf_dark" if key % 2 else "leaf",
-        around=8,
-        down=5,
-        jitter=0.2,
-        key=200 + key,
-    )
-    return mesh
-
-
-def fallen_pole(shown: Shown) -> MeshBuilder:
+def fallen_pole(mesh: MeshBuilder) -> None:
     """A wooden power pole lying across the lane, with cross arms, insulators and slack wires."""
-    mesh = MeshBuilder()
     mesh.cylinder(
         (0, -3.6, 0.17),
         (0.1, 3.4, 0.24),
@@ -214,12 +148,11 @@ def fallen_pole(shown: Shown) -> MeshBuilder:
             )
             mesh.beam(before, point, 0.03, "black")
             before = point
-    return mesh.flatten(0.0)
+    mesh.flatten(0.0)
 
 
-def leaves_pile(shown: Shown) -> MeshBuilder:
+def leaves_pile(mesh: MeshBuilder) -> None:
     """A heap of autumn leaves."""
-    mesh = MeshBuilder()
     mesh.ball(
         (0, 0, 0),
         (0.85, 1.0, 0.34),
@@ -251,12 +184,11 @@ def leaves_pile(shown: Shown) -> MeshBuilder:
         ]
         colour = ("leaf_autumn", "leaf_yellow", "burgundy", "rust", "straw")[index % 5]
         mesh.polygon(leaf, colour).polygon(leaf[::-1], colour)
-    return mesh.flatten(0.0)
+    mesh.flatten(0.0)
 
 
-def stump(shown: Shown) -> MeshBuilder:
+def stump(mesh: MeshBuilder) -> None:
     """A tree stump with roots and rings."""
-    mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 0.28), 0.44, "bark", sides=12, end_radius=0.34)
     mesh.cylinder(
         (0, 0, 0.28),
@@ -283,12 +215,11 @@ def stump(shown: Shown) -> MeshBuilder:
             "bark_dark",
             end_width=0.05,
         )
-    return mesh.flatten(0.0)
+    mesh.flatten(0.0)
 
 
-def hay_bale(shown: Shown) -> MeshBuilder:
+def hay_bale(mesh: MeshBuilder) -> None:
     """A big round bale of straw."""
-    mesh = MeshBuilder()
     mesh.cylinder(
         (0, -0.6, 0.65), (0, 0.6, 0.65), 0.65, "straw", sides=18, cap_colour="leaf_yellow"
     )
@@ -302,4 +233,7 @@ def hay_bale(shown: Shown) -> MeshBuilder:
         )
     for y in (-0.4, -0.13, 0.13, 0.4):
         mesh.cylinder((0, y - 0.01, 0.655), (0, y + 0.01, 0.655), 0.655, "white", sides=18)
-    return mesh.flatten(0.0)
+    mesh.flatten(0.0)
+
+
+STILL = (fallen_tree, branch, fallen_pole, leaves_pile, stump, hay_bale)

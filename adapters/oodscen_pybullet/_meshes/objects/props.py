@@ -4,12 +4,10 @@ import itertools
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.look import Shown
 
 
-def cardboard_box(shown: Shown) -> MeshBuilder:
+def cardboard_box(mesh: MeshBuilder) -> None:
     """A large taped and printed carton with one pair of flaps open."""
-    mesh = MeshBuilder()
     half, top = 0.45, 0.8
     mesh.hull(
         (-half, half, -half, half, 0.0), (-half, half, -half, half, top), "cardboard", caps="b"
@@ -61,12 +59,10 @@ def cardboard_box(shown: Shown) -> MeshBuilder:
             (side * 0.40, side * e, 0.62),
         ]
         mesh.picture(mark, "box_print")
-    return mesh.centred()
 
 
-def plant_pot(shown: Shown) -> MeshBuilder:
+def plant_pot(mesh: MeshBuilder) -> None:
     """A big terracotta pot with a bushy plant."""
-    mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 0.46), 0.22, "terracotta", sides=14, end_radius=0.32)
     mesh.cylinder((0, 0, 0.44), (0, 0, 0.54), 0.36, "terracotta", sides=14, cap_colour="soil")
     for index in range(11):
@@ -88,7 +84,6 @@ def plant_pot(shown: Shown) -> MeshBuilder:
             around=6,
             down=4,
         )
-    return mesh.centred()
 
 
 def _leaf(mesh: MeshBuilder, start: Point, end: Point, width: float, colour: str) -> None:
@@ -125,21 +120,18 @@ def _torus(mesh: MeshBuilder, centre: Point, radius: float, thick: float, colour
             mesh.polygon([points[i][j], points[k][j], points[k][m], points[i][m]], colour)
 
 
-def tyre(shown: Shown) -> MeshBuilder:
+def tyre(mesh: MeshBuilder) -> None:
     """A lorry tyre leaning on another one that lies flat."""
-    mesh = MeshBuilder()
     _torus(mesh, (0, 0, 0.14), 0.36, 0.14, "tyre")
     _torus(mesh, (0, 0, 0.14), 0.25, 0.03, "dark_grey")
     lean = MeshBuilder()
     _torus(lean, (0, 0, 0), 0.36, 0.14, "tyre")
     _torus(lean, (0, 0, 0.1), 0.25, 0.03, "grey")
     mesh.add(lean.build(), (0.0, 0.36, 0.60), roll=math.radians(62))
-    return mesh.centred()
 
 
-def mattress(shown: Shown) -> MeshBuilder:
+def mattress(mesh: MeshBuilder) -> None:
     """A sagging mattress with striped sides and one end bent up."""
-    mesh = MeshBuilder()
     rows = [(-1.0, 0.0), (-0.4, 0.0), (0.2, 0.0), (0.6, 0.12), (0.92, 0.42)]
     half, thick = 0.72, 0.24
     for (x0, z0), (x1, z1) in itertools.pairwise(rows):
@@ -173,12 +165,10 @@ def mattress(shown: Shown) -> MeshBuilder:
         [(x1, -half, z1), (x1, half, z1), (x1, half, z1 + thick), (x1, -half, z1 + thick)],
         "mattress_edge",
     )
-    return mesh.centred()
 
 
-def sofa(shown: Shown) -> MeshBuilder:
+def sofa(mesh: MeshBuilder) -> None:
     """A red three-seater sofa whose seat faces -x, towards an approaching driver."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.26), (0.86, 2.0, 0.32), "sofa")
     mesh.hull((0.16, 0.44, -1.0, 1.0, 0.4), (0.26, 0.46, -1.0, 1.0, 0.86), "sofa_dark")
     for side in (-1.0, 1.0):
@@ -191,10 +181,9 @@ def sofa(shown: Shown) -> MeshBuilder:
         mesh.hull(
             (0.06, 0.2, y - 0.25, y + 0.25, 0.56), (0.16, 0.28, y - 0.25, y + 0.25, 0.84), "sofa"
         )
-    return mesh.centred()
 
 
-def pallet(shown: Shown) -> MeshBuilder:
+def pallet(mesh: MeshBuilder) -> None:
     """A stack of three wooden pallets."""
     flat = MeshBuilder()
     for index in range(7):
@@ -205,15 +194,13 @@ def pallet(shown: Shown) -> MeshBuilder:
         for x in (-0.5, 0.0, 0.5):
             flat.box((x, y, 0.063), (0.14, 0.1, 0.085), "wood")
     one = flat.build()
-    mesh = MeshBuilder().add(one)
+    mesh.add(one)
     mesh.add(one, (0.05, -0.12, 0.16), yaw=0.16)
     mesh.add(one, (-0.04, 0.05, 0.32), yaw=-0.1)
-    return mesh.centred()
 
 
-def ladder(shown: Shown) -> MeshBuilder:
+def ladder(mesh: MeshBuilder) -> None:
     """An aluminium ladder lying across the lane, along its y axis."""
-    mesh = MeshBuilder()
     for x in (-0.22, 0.22):
         mesh.box((x, 0, 0.06), (0.06, 3.2, 0.10), "silver")
     for index in range(11):
@@ -222,12 +209,10 @@ def ladder(shown: Shown) -> MeshBuilder:
         )
     for y in (-1.58, 1.58):
         mesh.box((0, y, 0.06), (0.5, 0.05, 0.12), "red")
-    return mesh.centred()
 
 
-def rock(shown: Shown) -> MeshBuilder:
+def rock(mesh: MeshBuilder) -> None:
     """A boulder with two smaller stones."""
-    mesh = MeshBuilder()
     mesh.ball(
         (0, 0, 0.36),
         (0.62, 0.52, 0.46),
@@ -251,12 +236,10 @@ def rock(shown: Shown) -> MeshBuilder:
     mesh.ball(
         (-0.4, -0.55, 0.10), (0.18, 0.17, 0.13), "rock", around=7, down=5, jitter=0.16, key=13
     )
-    return mesh.centred()
 
 
-def debris(shown: Shown) -> MeshBuilder:
+def debris(mesh: MeshBuilder) -> None:
     """A heap of broken planks, bent metal and rubble."""
-    mesh = MeshBuilder()
     planks = (
         ((-0.9, -0.7, 0.05), (0.8, 0.4, 0.30), "wood"),
         ((-0.7, 0.8, 0.06), (0.6, -0.6, 0.42), "wood_dark"),
@@ -290,12 +273,10 @@ def debris(shown: Shown) -> MeshBuilder:
             key=20 + index,
         )
     mesh.ball((0, 0, 0.1), (0.75, 0.7, 0.24), "earth", around=9, down=4, jitter=0.2, key=31)
-    return mesh.centred()
 
 
-def shopping_cart(shown: Shown) -> MeshBuilder:
+def shopping_cart(mesh: MeshBuilder) -> None:
     """A supermarket trolley."""
-    mesh = MeshBuilder()
     low, high = (-0.28, 0.36, -0.2, 0.2, 0.42), (-0.42, 0.46, -0.28, 0.28, 0.92)
     corners_low = [(low[0], low[2]), (low[1], low[2]), (low[1], low[3]), (low[0], low[3])]
     corners_high = [(high[0], high[2]), (high[1], high[2]), (high[1], high[3]), (high[0], high[3])]
@@ -331,16 +312,14 @@ def shopping_cart(shown: Shown) -> MeshBuilder:
             mesh.cylinder((x, side * 0.19, 0.07), (x, side * 0.24, 0.07), 0.07, "black", sides=8)
     mesh.box((0.05, -0.05, 0.56), (0.3, 0.2, 0.26), "cardboard")
     mesh.box((-0.15, 0.09, 0.52), (0.16, 0.16, 0.18), "shirt_green")
-    return mesh.centred()
 
 
 def _between(a: tuple[float, float], b: tuple[float, float], f: float) -> tuple[float, float]:
     return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])
 
 
-def suitcase(shown: Shown) -> MeshBuilder:
+def suitcase(mesh: MeshBuilder) -> None:
     """An upright blue suitcase with its handle extended."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.40), (0.3, 0.52, 0.68), "blue")
     for y in (-0.16, 0.0, 0.16):
         mesh.box((0, y, 0.40), (0.32, 0.03, 0.66), "navy")
@@ -351,12 +330,10 @@ def suitcase(shown: Shown) -> MeshBuilder:
             mesh.cylinder((x, side * 0.2, 0.035), (x, side * 0.24, 0.035), 0.035, "black", sides=8)
     mesh.beam((0.08, -0.15, 1.04), (0.08, 0.15, 1.04), 0.04, "black")
     mesh.box((-0.163, 0.0, 0.62), (0.012, 0.16, 0.1), "yellow")
-    return mesh.centred()
 
 
-def wheelie_bin(shown: Shown) -> MeshBuilder:
+def wheelie_bin(mesh: MeshBuilder) -> None:
     """A green wheeled rubbish bin."""
-    mesh = MeshBuilder()
     mesh.hull((-0.22, 0.26, -0.22, 0.22, 0.06), (-0.32, 0.32, -0.29, 0.29, 0.94), "bin_green")
     mesh.hull((-0.36, 0.36, -0.31, 0.31, 0.94), (-0.34, 0.34, -0.29, 0.29, 1.02), "bin_dark")
     mesh.hull((-0.3, 0.2, -0.24, 0.24, 1.02), (-0.2, 0.1, -0.16, 0.16, 1.07), "bin_dark")
@@ -364,15 +341,19 @@ def wheelie_bin(shown: Shown) -> MeshBuilder:
     for side in (-1.0, 1.0):
         mesh.cylinder((0.22, side * 0.22, 0.1), (0.22, side * 0.3, 0.1), 0.1, "black", sides=10)
     mesh.box((-0.29, 0, 0.6), (0.03, 0.22, 0.16), "white")
-    return mesh.centred()
 
 
-def snow_pile(shown: Shown) -> MeshBuilder:
+def snow_pile(mesh: MeshBuilder) -> None:
     """A heap of ploughed snow, dirty at the base."""
-    mesh = MeshBuilder()
     mesh.ball((0, 0, 0.02), (0.95, 1.25, 0.62), "snow", around=12, down=8, jitter=0.08, key=41)
     mesh.ball((0.35, 0.6, 0.05), (0.6, 0.6, 0.5), "snow", around=9, down=6, jitter=0.12, key=42)
     mesh.ball(
         (-0.3, -0.6, 0.05), (0.6, 0.65, 0.42), "snow_shade", around=9, down=6, jitter=0.12, key=43
     )
-    return mesh.flatten(0.0).centred()
+    mesh.flatten(0.0)
+
+
+STILL = (
+    cardboard_box, plant_pot, tyre, mattress, sofa, pallet, ladder, rock, debris, shopping_cart,
+    suitcase, wheelie_bin, snow_pile,
+)  # fmt: skip

@@ -73,53 +73,49 @@ def _post(mesh: MeshBuilder, height: float, radius: float = 0.04) -> None:
 
 
 def _sign(
-    region: str, half: float, *, corners: int = 16, is_down: bool = False, lift: float = 2.0
-) -> MeshBuilder:
-    mesh = MeshBuilder()
+    mesh: MeshBuilder, region: str, half: float, *,
+    corners: int = 16, is_down: bool = False, lift: float,
+) -> None:  # fmt: skip
     _post(mesh, lift + 1.6 * half)
     _plate(mesh, lift + half, half, region, corners=corners, is_down=is_down)
-    return mesh
 
 
-def stop_sign(shown: Shown) -> MeshBuilder:
+def stop_sign(mesh: MeshBuilder) -> None:
     """A red octagon reading STOP, on a post."""
-    return _sign("sign_stop", 0.42, corners=8, lift=1.8)
+    _sign(mesh, "sign_stop", 0.42, corners=8, lift=1.8)
 
 
-def yield_sign(shown: Shown) -> MeshBuilder:
+def yield_sign(mesh: MeshBuilder) -> None:
     """A give-way triangle, tip down, on a post."""
-    return _sign("sign_yield", 0.46, corners=3, is_down=True, lift=1.8)
+    _sign(mesh, "sign_yield", 0.46, corners=3, is_down=True, lift=1.8)
 
 
-def speed_limit_sign(shown: Shown) -> MeshBuilder:
+def speed_limit_sign(mesh: MeshBuilder) -> None:
     """A round 30 km/h speed limit sign, on a post."""
-    return _sign("sign_limit", 0.38, lift=1.9)
+    _sign(mesh, "sign_limit", 0.38, lift=1.9)
 
 
-def no_entry_sign(shown: Shown) -> MeshBuilder:
+def no_entry_sign(mesh: MeshBuilder) -> None:
     """A red disc with a white bar, on a post."""
-    return _sign("sign_entry", 0.38, lift=1.9)
+    _sign(mesh, "sign_entry", 0.38, lift=1.9)
 
 
-def warning_sign(shown: Shown) -> MeshBuilder:
+def warning_sign(mesh: MeshBuilder) -> None:
     """A warning triangle with an exclamation mark, on a post."""
-    return _sign("sign_warning", 0.46, corners=3, lift=1.8)
+    _sign(mesh, "sign_warning", 0.46, corners=3, lift=1.8)
 
 
-def road_works_sign(shown: Shown) -> MeshBuilder:
+def road_works_sign(mesh: MeshBuilder) -> None:
     """A low warning triangle showing a man digging, on a stand."""
-    mesh = MeshBuilder()
     _post(mesh, 1.3, 0.03)
     _plate(mesh, 0.95, 0.5, "sign_works", corners=3)
     for side in (-1.0, 1.0):
         mesh.beam((-0.34, side * 0.3, 0.03), (0.34, side * 0.3, 0.03), 0.06, "dark_grey")
         mesh.beam((0.0, side * 0.3, 0.03), (0, 0, 0.5), 0.04, "grey")
-    return mesh
 
 
-def one_way_sign(shown: Shown) -> MeshBuilder:
+def one_way_sign(mesh: MeshBuilder) -> None:
     """A blue board with a white arrow to the right, on a post."""
-    mesh = MeshBuilder()
     _post(mesh, 2.5)
     mesh.picture(
         [(-0.06, 0.6, 2.05), (-0.06, -0.6, 2.05), (-0.06, -0.6, 2.5), (-0.06, 0.6, 2.5)],
@@ -128,12 +124,10 @@ def one_way_sign(shown: Shown) -> MeshBuilder:
     mesh.polygon(
         [(-0.045, -0.6, 2.05), (-0.045, 0.6, 2.05), (-0.045, 0.6, 2.5), (-0.045, -0.6, 2.5)], "grey"
     )
-    return mesh
 
 
-def sign_fallen(shown: Shown) -> MeshBuilder:
+def sign_fallen(mesh: MeshBuilder) -> None:
     """A knocked-over stop sign: the post along x, the face propped up towards the viewer."""
-    mesh = MeshBuilder()
     mesh.cylinder((1.7, 0.1, 0.04), (-0.6, 0, 0.22), 0.04, "grey", sides=8)
     mesh.ball(
         (1.75, 0.1, 0.08), (0.24, 0.24, 0.16), "concrete", around=8, down=5, jitter=0.2, key=81
@@ -151,7 +145,6 @@ def sign_fallen(shown: Shown) -> MeshBuilder:
         lean = MeshBuilder().add(side, roll=tilt).build()
         turned.add(lean, yaw=-math.pi / 2)
     mesh.add(turned.build(), (-0.62, 0, 0.36))
-    return mesh
 
 
 # ------------------------------------------------------------------ lights
@@ -182,9 +175,8 @@ def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: 
         mesh.lamp((x - 0.03, y, z), _GLOW[name], (-1, 0, 0), 2.0)
 
 
-def traffic_light(shown: Shown) -> MeshBuilder:
+def traffic_light(mesh: MeshBuilder, shown: Shown) -> None:
     """A traffic light on a post; the flashing state is amber."""
-    mesh = MeshBuilder()
     lit = _LENSES.get(shown.state, ("red",))
     if shown.state == "flashing" and shown.frame % 2:
         lit = ()
@@ -216,12 +208,10 @@ def traffic_light(shown: Shown) -> MeshBuilder:
         )
     for name, z in (("red", 3.29), ("amber", 2.95), ("green", 2.61)):
         lens(mesh, (-0.272, 0, z), 0.135, name, is_lit=name in lit)
-    return mesh
 
 
-def pedestrian_light(shown: Shown) -> MeshBuilder:
+def pedestrian_light(mesh: MeshBuilder, shown: Shown) -> None:
     """A pedestrian light on a post, with a standing or a walking figure."""
-    mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.055, "dark_grey", sides=8)
     mesh.box((-0.14, 0, 2.5), (0.2, 0.34, 0.74), "black")
     mesh.box((-0.08, 0, 1.15), (0.1, 0.14, 0.2), "yellow")
@@ -243,12 +233,10 @@ def pedestrian_light(shown: Shown) -> MeshBuilder:
         else:
             mesh.polygon(corners, "lens_red" if region == "sign_man" else "lens_green")
         mesh.box((-0.28, 0, z + 0.17), (0.1, 0.32, 0.02), "black")
-    return mesh
 
 
-def level_crossing_gate(shown: Shown) -> MeshBuilder:
+def level_crossing_gate(mesh: MeshBuilder, shown: Shown) -> None:
     """A railway gate with two red lamps; its arm lies across the lane or points up."""
-    mesh = MeshBuilder()
     is_open = shown.state == "open"
     right = -2.9
     mesh.box((0.25, right, 0.55), (0.5, 0.5, 1.1), "light_grey")
@@ -265,4 +253,10 @@ def level_crossing_gate(shown: Shown) -> MeshBuilder:
     for side in (-1.0, 1.0):
         is_lit = not is_open and (side > 0) == (shown.frame % 2 == 0)
         lens(mesh, (-0.13, right + side * 0.21, 2.0), 0.13, "red", is_lit=is_lit)
-    return mesh
+
+
+STILL = (
+    stop_sign, yield_sign, speed_limit_sign, no_entry_sign, warning_sign, road_works_sign,
+    one_way_sign, sign_fallen,
+)  # fmt: skip
+VARIED = (traffic_light, pedestrian_light, level_crossing_gate)

@@ -12,9 +12,8 @@ def _face(mesh: MeshBuilder, x: float, half: float, low: float, high: float, reg
     mesh.box((x + 0.03, 0, (low + high) / 2), (0.04, 2 * half, high - low), "grey")
 
 
-def cone(shown: Shown) -> MeshBuilder:
+def cone(mesh: MeshBuilder) -> None:
     """An orange traffic cone with two white bands."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.025), (0.42, 0.42, 0.05), "black")
     rings = (
         (0.05, 0.16),
@@ -27,12 +26,10 @@ def cone(shown: Shown) -> MeshBuilder:
     colours = ("fluor_orange", "white", "fluor_orange", "white", "fluor_orange")
     for (z0, r0), (z1, r1), colour in zip(rings, rings[1:], colours, strict=False):
         mesh.cylinder((0, 0, z0), (0, 0, z1), r0, colour, sides=12, end_radius=r1)
-    return mesh
 
 
-def barrier(shown: Shown) -> MeshBuilder:
+def barrier(mesh: MeshBuilder) -> None:
     """A red and white striped barrier with two lamps, across the lane."""
-    mesh = MeshBuilder()
     for z, shift in ((0.86, 0), (0.42, 1)):
         for index in range(8):
             colour = "white" if (index + shift) % 2 else "red"
@@ -45,12 +42,11 @@ def barrier(shown: Shown) -> MeshBuilder:
             (-0.05, side * 0.7, 1.14), (0.05, side * 0.7, 1.14), 0.09, "amber_lit", sides=10
         )
         mesh.lamp((0, side * 0.7, 1.14), AMBER, (0, 0, 0), 1.2)
-    return mesh.centred()
+    mesh.centred()
 
 
-def arrow_board(shown: Shown) -> MeshBuilder:
+def arrow_board(mesh: MeshBuilder, shown: Shown) -> None:
     """A trailer with an illuminated arrow."""
-    mesh = MeshBuilder()
     region = "arrow_right" if shown.state == "right" else "arrow_left"
     _face(mesh, -0.2, 0.95, 1.2, 2.45, region)
     mesh.box((-0.15, 0, 1.825), (0.08, 2.0, 1.35), "black")
@@ -71,12 +67,11 @@ def arrow_board(shown: Shown) -> MeshBuilder:
             "white" if index % 2 else "red",
         )
     mesh.beam((0.6, 0, 0.5), (1.3, 0, 0.42), 0.1, "grey")
-    return mesh.centred()
+    mesh.centred()
 
 
-def road_closed_sign(shown: Shown) -> MeshBuilder:
+def road_closed_sign(mesh: MeshBuilder) -> None:
     """A white board reading ROAD CLOSED, on a striped trestle."""
-    mesh = MeshBuilder()
     _face(mesh, -0.06, 0.9, 0.75, 1.65, "road_closed")
     for index in range(8):
         mesh.box(
@@ -85,15 +80,12 @@ def road_closed_sign(shown: Shown) -> MeshBuilder:
             "white" if index % 2 else "red",
         )
     _trestle(mesh)
-    return mesh.centred()
 
 
-def detour_sign(shown: Shown) -> MeshBuilder:
+def detour_sign(mesh: MeshBuilder) -> None:
     """An orange board reading DETOUR above an arrow."""
-    mesh = MeshBuilder()
     _face(mesh, -0.06, 0.85, 0.7, 1.55, "detour")
     _trestle(mesh)
-    return mesh.centred()
 
 
 def _trestle(mesh: MeshBuilder) -> None:
@@ -103,21 +95,18 @@ def _trestle(mesh: MeshBuilder) -> None:
         mesh.box((-0.2, side * 0.6, 0.1), (0.24, 0.3, 0.1), "tyre")
 
 
-def drum(shown: Shown) -> MeshBuilder:
+def drum(mesh: MeshBuilder) -> None:
     """An orange channelling drum with white bands and an amber lamp."""
-    mesh = MeshBuilder()
     mesh.cylinder((0, 0, 0), (0, 0, 0.08), 0.31, "black", sides=14)
     rings = ((0.08, 0.29), (0.28, 0.28), (0.44, 0.27), (0.60, 0.26), (0.76, 0.25), (0.95, 0.24))
     colours = ("fluor_orange", "white", "fluor_orange", "white", "fluor_orange")
     for (z0, r0), (z1, r1), colour in zip(rings, rings[1:], colours, strict=False):
         mesh.cylinder((0, 0, z0), (0, 0, z1), r0, colour, sides=14, end_radius=r1)
     mesh.box((0, 0, 0.99), (0.06, 0.26, 0.1), "dark_grey")
-    return mesh
 
 
-def water_barrier(shown: Shown) -> MeshBuilder:
+def water_barrier(mesh: MeshBuilder) -> None:
     """Two water-filled plastic barriers, red and white, across the lane."""
-    mesh = MeshBuilder()
     for y, colour in ((-0.77, "red"), (0.77, "white")):
         low, high = y - 0.75, y + 0.75
         mesh.hull((-0.28, 0.28, low, high, 0.0), (-0.24, 0.24, low, high, 0.24), colour)
@@ -136,12 +125,10 @@ def water_barrier(shown: Shown) -> MeshBuilder:
         stripe = "white" if colour == "red" else "red"
         for side in (-1.0, 1.0):
             mesh.box((side * 0.115, y, 0.72), (0.02, 1.3, 0.14), stripe)
-    return mesh
 
 
-def temporary_light(shown: Shown) -> MeshBuilder:
+def temporary_light(mesh: MeshBuilder, shown: Shown) -> None:
     """A portable traffic light on a yellow battery trailer."""
-    mesh = MeshBuilder()
     lit = {"red": "red", "green": "green", "amber": "amber", "flashing": "amber"}.get(
         shown.state or "red", ""
     )
@@ -156,12 +143,10 @@ def temporary_light(shown: Shown) -> MeshBuilder:
     mesh.box((0.0, 0, 2.3), (0.03, 0.5, 1.16), "yellow")
     for name, z in (("red", 2.6), ("amber", 2.3), ("green", 2.0)):
         lens(mesh, (-0.2, 0, z), 0.12, name, is_lit=name == lit)
-    return mesh
 
 
-def portable_toilet(shown: Shown) -> MeshBuilder:
+def portable_toilet(mesh: MeshBuilder) -> None:
     """A blue portable toilet."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.06), (1.2, 1.2, 0.12), "dark_grey")
     mesh.box((0, 0, 1.12), (1.12, 1.12, 2.0), "blue")
     mesh.hull((-0.58, 0.58, -0.58, 0.58, 2.12), (-0.4, 0.4, -0.56, 0.56, 2.34), "white")
@@ -175,12 +160,10 @@ def portable_toilet(shown: Shown) -> MeshBuilder:
             mesh.box((-0.4 + 0.2 * k, side * 0.565, 1.95), (0.14, 0.02, 0.05), "navy")
             mesh.box((-0.4 + 0.2 * k, side * 0.565, 1.0), (0.03, 0.03, 1.4), "navy")
     mesh.cylinder((0.4, 0.4, 2.2), (0.4, 0.4, 2.5), 0.06, "black", sides=8)
-    return mesh
 
 
-def scaffolding(shown: Shown) -> MeshBuilder:
+def scaffolding(mesh: MeshBuilder) -> None:
     """Two storeys of scaffolding with planks, along the edge of the lane."""
-    mesh = MeshBuilder()
     xs, ys = (-1.6, 0.0, 1.6), (-0.5, 0.5)
     for x in xs:
         for y in ys:
@@ -199,12 +182,10 @@ def scaffolding(shown: Shown) -> MeshBuilder:
     mesh.box((0, 0.5, 2.1), (3.3, 0.03, 0.2), "wood")
     mesh.beam((-0.4, -0.42, 0.0), (0.4, -0.42, 2.0), 0.06, "fluor_orange")
     mesh.beam((-0.15, -0.42, 0.0), (0.65, -0.42, 2.0), 0.06, "fluor_orange")
-    return mesh
 
 
-def generator(shown: Shown) -> MeshBuilder:
+def generator(mesh: MeshBuilder) -> None:
     """A yellow generator on a trailer, with a light mast folded down."""
-    mesh = MeshBuilder()
     mesh.hull((-0.85, 0.75, -0.5, 0.5, 0.45), (-0.8, 0.7, -0.48, 0.48, 1.35), "machine")
     mesh.hull((-0.88, 0.78, -0.53, 0.53, 1.35), (-0.7, 0.6, -0.4, 0.4, 1.45), "black")
     mesh.box((-0.05, 0, 0.4), (1.9, 0.8, 0.1), "dark_grey")
@@ -220,4 +201,10 @@ def generator(shown: Shown) -> MeshBuilder:
     for x in (-0.6, -0.2):
         mesh.box((x, -0.25, 1.62), (0.1, 0.36, 0.22), "head")
     mesh.box((-0.88, 0, 0.6), (0.03, 0.7, 0.14), "red")
-    return mesh
+
+
+STILL = (
+    cone, barrier, road_closed_sign, detour_sign, drum, water_barrier, portable_toilet,
+    scaffolding, generator,
+)  # fmt: skip
+VARIED = (arrow_board, temporary_light)

@@ -29,11 +29,9 @@ _CAR: tuple[Section, ...] = (
 )
 
 
-def car(shown: Shown) -> MeshBuilder:
+def car(mesh: MeshBuilder, shown: Shown) -> None:
     """A mid-size hatchback."""
-    mesh = MeshBuilder()
     car_body(mesh, shown.lights, shown.paint)
-    return mesh
 
 
 def car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
@@ -67,10 +65,11 @@ def car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
     underside(mesh, 1.34, -1.32, 0.7, 0.22)
 
 
-def ego_car(shown: Shown) -> MeshBuilder:
+def ego_car(mesh: MeshBuilder, shown: Shown) -> None:
     """The vehicle under test: a car of 4.5 x 1.85 x 1.5 m."""
-    mesh = MeshBuilder()
-    built = car(shown).build()
+    whole = MeshBuilder()
+    car(whole, shown)
+    built = whole.build()
     low, high = built.bounds
     size = high - low
     scale = (4.5 / size[0], 1.85 / size[1], 1.5 / size[2])
@@ -81,7 +80,6 @@ def ego_car(shown: Shown) -> MeshBuilder:
         triangles=built.triangles,
     )
     mesh.add(scaled)
-    return mesh
 
 
 def bonnet(paint: str) -> MeshBuilder:
@@ -109,9 +107,8 @@ def bonnet(paint: str) -> MeshBuilder:
     return mesh
 
 
-def police_car(shown: Shown) -> MeshBuilder:
+def police_car(mesh: MeshBuilder, shown: Shown) -> None:
     """A patrol car with livery and light bar."""
-    mesh = MeshBuilder()
     car_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.0, 1.0), 0.912, (0.46, 0.84), "police")
     side_print(mesh, (-2.0, -1.62), 0.908, (0.46, 0.76), "checks")
@@ -121,14 +118,13 @@ def police_car(shown: Shown) -> MeshBuilder:
     )
     rear_print(mesh, -2.248, 0.70, (0.33, 0.50), "chevrons")
     light_bar(mesh, shown.lights, -0.35, 1.45, 0.56)
-    return mesh
 
 
-def overturned_car(shown: Shown) -> MeshBuilder:
+def overturned_car(mesh: MeshBuilder, shown: Shown) -> None:
     """A car on its crushed roof, wheels up, with glass and parts around it."""
-    whole = car(shown).build()
-    mesh = MeshBuilder().add(whole, upside_down=1.44, yaw=0.0)
-    mesh.shift((0, 0, 0.0))
+    whole = MeshBuilder()
+    car(whole, shown)
+    mesh.add(whole.build(), upside_down=1.44)
     for index, (x, y) in enumerate(((1.9, 0.5), (-1.7, 0.6), (1.75, -0.7), (-1.2, -0.8))):
         mesh.box((x, y, 0.02 + 0.01 * index), (0.14, 0.1, 0.03), "glass_light")
     mesh.beam((1.5, 0.75, 0.04), (2.05, 0.5, 0.06), 0.08, shown.paint)
@@ -137,7 +133,6 @@ def overturned_car(shown: Shown) -> MeshBuilder:
         for x in (-2.1, 2.1):
             for y in (-0.7, 0.7):
                 mesh.lamp((x, y, 0.75), (1.0, 0.62, 0.08), (1.0 if x > 0 else -1.0, 0, 0), 2.5)
-    return mesh
 
 
 _VAN: tuple[Section, ...] = (
@@ -182,9 +177,8 @@ def _van_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
             mesh.wheel(x, side * 0.87, 0.36, 0.24)
 
 
-def van(shown: Shown) -> MeshBuilder:
+def van(mesh: MeshBuilder, shown: Shown) -> None:
     """A delivery van."""
-    mesh = MeshBuilder()
     _van_body(mesh, shown.lights, shown.paint)
     for side in (-1.0, 1.0):
         window = [
@@ -195,12 +189,10 @@ def van(shown: Shown) -> MeshBuilder:
         ]
         mesh.polygon(window if side < 0 else window[::-1], "glass")
     mesh.box((-2.61, 0, 1.2), (0.05, 0.03, 1.5), "dark_grey")
-    return mesh
 
 
-def ambulance(shown: Shown) -> MeshBuilder:
+def ambulance(mesh: MeshBuilder, shown: Shown) -> None:
     """An ambulance built on a van, with stripes and beacons."""
-    mesh = MeshBuilder()
     _van_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.9, 0.3), 0.955, (1.45, 1.82), "ambulance")
     side_print(mesh, (-2.4, 0.7), 0.985, (0.86, 1.14), "checks")
@@ -216,4 +208,6 @@ def ambulance(shown: Shown) -> MeshBuilder:
         mesh.polygon(window if side < 0 else window[::-1], "glass")
     light_bar(mesh, shown.lights, 0.7, 2.13, 0.7)
     light_bar(mesh, shown.lights, -2.3, 2.13, 0.6)
-    return mesh
+
+
+VARIED = (car, ego_car, police_car, overturned_car, van, ambulance)

@@ -35,9 +35,9 @@ def _beacon(mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float) -> 
         mesh.lamp((x, y, z + 0.12), AMBER, (0, 0, 0), 3.0)
 
 
-def school_bus(shown: Shown) -> MeshBuilder:
+def school_bus(mesh: MeshBuilder, shown: Shown) -> None:
     """A yellow school bus with a bonnet; the hazard state flashes its red lamps."""
-    mesh, lights, paint = MeshBuilder(), shown.lights, "school_bus"
+    lights, paint = shown.lights, "school_bus"
     mesh.box((-0.9, 0, 1.15), (8.2, 2.4, 1.3), paint)
     mesh.hull((-5.0, 3.2, -1.2, 1.2, 1.8), (-4.98, 3.02, -1.17, 1.17, 2.55), "glass", caps="")
     mesh.hull((-5.0, 3.04, -1.19, 1.19, 2.5), (-4.9, 2.9, -0.95, 0.95, 2.95), paint, caps="t")
@@ -73,12 +73,11 @@ def school_bus(shown: Shown) -> MeshBuilder:
         arches(mesh, x, 1.2, 0.54)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.05, 0.48, 0.3, hub="black")
-    return mesh
 
 
-def garbage_truck(shown: Shown) -> MeshBuilder:
+def garbage_truck(mesh: MeshBuilder, shown: Shown) -> None:
     """A refuse lorry with a rounded body and a loader at the rear."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     cab(mesh, lights, "white", 4.0, 1.8, 2.8)
     _chassis(mesh, -3.9, 2.2)
     mesh.hull((-2.6, 2.1, -1.22, 1.22, 0.95), (-2.6, 2.1, -1.24, 1.24, 2.6), "garbage")
@@ -107,12 +106,11 @@ def garbage_truck(shown: Shown) -> MeshBuilder:
     _beacon(mesh, lights, -3.2, 0.9, 3.04)
     plates(mesh, (-4.18, 0.76), (4.06, 0.55))
     _axles(mesh, (-2.6, -1.5, 2.9))
-    return mesh
 
 
-def tow_truck(shown: Shown) -> MeshBuilder:
+def tow_truck(mesh: MeshBuilder, shown: Shown) -> None:
     """A recovery lorry with a crane and an empty flatbed."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     cab(mesh, lights, "orange", 4.0, 1.9, 2.7)
     _chassis(mesh, -3.9, 2.0)
     mesh.hull((-3.95, 1.9, -1.2, 1.2, 0.95), (-3.95, 1.9, -1.2, 1.2, 1.1), "orange")
@@ -132,12 +130,11 @@ def tow_truck(shown: Shown) -> MeshBuilder:
     rear_lamps(mesh, lights, -3.97, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-4.0, 0.72), (4.06, 0.55))
     _axles(mesh, (-2.5, 2.9))
-    return mesh
 
 
-def cement_mixer(shown: Shown) -> MeshBuilder:
+def cement_mixer(mesh: MeshBuilder, shown: Shown) -> None:
     """A concrete mixer lorry with a striped drum."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     cab(mesh, lights, "blue", 4.0, 1.8, 2.7)
     _chassis(mesh, -3.9, 2.2)
     rings = (
@@ -163,12 +160,11 @@ def cement_mixer(shown: Shown) -> MeshBuilder:
     rear_lamps(mesh, lights, -3.93, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-3.98, 0.66), (4.06, 0.55))
     _axles(mesh, (-2.7, -1.5, 2.9))
-    return mesh
 
 
-def tanker(shown: Shown) -> MeshBuilder:
+def tanker(mesh: MeshBuilder, shown: Shown) -> None:
     """A fuel tanker with a polished tank and hazard plates."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     cab(mesh, lights, shown.paint, 4.8, 1.9, 2.9)
     _chassis(mesh, -4.6, 2.9)
     rings = [
@@ -200,12 +196,11 @@ def tanker(shown: Shown) -> MeshBuilder:
     rear_lamps(mesh, lights, -4.62, 0.95, 0.84, (0.4, 0.12))
     plates(mesh, (-4.66, 0.66), (4.86, 0.55))
     _axles(mesh, (-3.5, -2.4, 3.7))
-    return mesh
 
 
-def tram(shown: Shown) -> MeshBuilder:
+def tram(mesh: MeshBuilder, shown: Shown) -> None:
     """A single-car tram with a pantograph, broken down or in the way."""
-    mesh, lights, paint = MeshBuilder(), shown.lights, "red"
+    lights, paint = shown.lights, "red"
     mesh.hull((-6.8, 6.8, -1.25, 1.25, 0.3), (-7.0, 7.0, -1.25, 1.25, 1.2), paint)
     mesh.hull((-7.0, 7.0, -1.25, 1.25, 1.2), (-6.75, 6.75, -1.22, 1.22, 2.6), "glass", caps="")
     mesh.hull((-6.8, 6.8, -1.24, 1.24, 2.5), (-6.6, 6.6, -1.1, 1.1, 3.2), "white", caps="t")
@@ -238,12 +233,11 @@ def tram(shown: Shown) -> MeshBuilder:
         mesh.beam((-0.8, side * 0.4, 3.3), (0.5, side * 0.2, 3.8), 0.05, "dark_grey")
         mesh.beam((0.5, side * 0.2, 3.8), (-0.2, side * 0.5, 4.3), 0.05, "dark_grey")
     mesh.beam((-0.2, -0.9, 4.3), (-0.2, 0.9, 4.3), 0.07, "dark_grey")
-    return mesh
 
 
-def forklift(shown: Shown) -> MeshBuilder:
+def forklift(mesh: MeshBuilder, shown: Shown) -> None:
     """A yellow forklift carrying a crate."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     mesh.hull((-1.1, 0.75, -0.5, 0.5, 0.25), (-1.1, 0.7, -0.5, 0.5, 0.85), "machine")
     mesh.hull((-1.25, -0.45, -0.52, 0.52, 0.35), (-1.2, -0.5, -0.48, 0.48, 1.15), "machine_dark")
     for x, tip in ((-0.9, -0.75), (0.6, 0.35)):
@@ -267,12 +261,11 @@ def forklift(shown: Shown) -> MeshBuilder:
     _beacon(mesh, lights, -0.5, 0.0, 2.16)
     head_lamps(mesh, lights, 0.42, 0.4, 1.98, (0.12, 0.12))
     rear_lamps(mesh, lights, -1.24, 0.36, 0.98, (0.14, 0.1))
-    return mesh
 
 
-def road_roller(shown: Shown) -> MeshBuilder:
+def road_roller(mesh: MeshBuilder, shown: Shown) -> None:
     """A yellow road roller with two steel drums."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     for x in (-1.5, 1.5):
         mesh.cylinder(
             (x, -0.85, 0.65), (x, 0.85, 0.65), 0.65, "metal", sides=18, cap_colour="dark_grey"
@@ -295,4 +288,6 @@ def road_roller(shown: Shown) -> MeshBuilder:
     _beacon(mesh, lights, -0.65, 0.0, 2.74)
     head_lamps(mesh, lights, 1.82, 0.55, 1.3, (0.2, 0.14))
     rear_lamps(mesh, lights, -1.9, 0.65, 1.62, (0.2, 0.1))
-    return mesh
+
+
+VARIED = (school_bus, garbage_truck, tow_truck, cement_mixer, tanker, tram, forklift, road_roller)

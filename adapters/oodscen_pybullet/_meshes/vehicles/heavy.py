@@ -1,5 +1,7 @@
 """Lorries, buses and machines."""
 
+import math
+
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Lights, Shown
 from oodscen_pybullet._meshes.vehicles.bodywork import (
@@ -46,9 +48,8 @@ def cab(
         mesh.box((front - 0.1, side * 1.28, 1.95), (0.1, 0.14, 0.5), "black")
 
 
-def truck(shown: Shown) -> MeshBuilder:
+def truck(mesh: MeshBuilder, shown: Shown) -> None:
     """A lorry with a box body."""
-    mesh = MeshBuilder()
     cab(mesh, shown.lights, shown.paint, 4.0, 1.9, 2.9)
     mesh.box((-1.0, 0, 2.15), (6.0, 2.44, 2.5), "white")
     mesh.box((-1.0, 0, 0.72), (6.0, 0.9, 0.3), "dark_grey")
@@ -66,25 +67,21 @@ def truck(shown: Shown) -> MeshBuilder:
     for x in (-2.6, 2.9):
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.02, 0.5, 0.36, hub="light_grey")
-    return mesh
 
 
-def overturned_truck(shown: Shown) -> MeshBuilder:
+def overturned_truck(mesh: MeshBuilder, shown: Shown) -> None:
     """The lorry on its right side, with its wheels towards the viewer's left."""
-    from math import pi
-
-    mesh = MeshBuilder().add(truck(shown).build(), roll=pi / 2)
-    mesh.centred()
+    whole = MeshBuilder()
+    truck(whole, shown)
+    mesh.add(whole.build(), roll=math.pi / 2).centred()
     if shown.lights.left or shown.lights.right:
         for x in (-4.0, 4.0):
             for y in (-0.9, 0.9):
                 mesh.lamp((x, y, 0.5), AMBER, (1.0 if x > 0 else -1.0, 0, 0), 2.5)
-    return mesh
 
 
-def bus(shown: Shown) -> MeshBuilder:
+def bus(mesh: MeshBuilder, shown: Shown) -> None:
     """A city bus."""
-    mesh = MeshBuilder()
     mesh.box((0, 0, 0.85), (10.8, 2.5, 1.1), shown.paint)
     mesh.hull((-5.4, 5.4, -1.25, 1.25, 1.4), (-5.38, 5.3, -1.22, 1.22, 2.55), "glass", caps="")
     mesh.hull((-5.4, 5.34, -1.24, 1.24, 2.5), (-5.3, 5.1, -1.12, 1.12, 3.0), shown.paint, caps="t")
@@ -110,12 +107,10 @@ def bus(shown: Shown) -> MeshBuilder:
         arches(mesh, x, 1.25, 0.56)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.1, 0.48, 0.32, hub="light_grey")
-    return mesh
 
 
-def fire_truck(shown: Shown) -> MeshBuilder:
+def fire_truck(mesh: MeshBuilder, shown: Shown) -> None:
     """A fire engine with ladder, shutters and beacons."""
-    mesh = MeshBuilder()
     red = "fire_red"
     cab(mesh, shown.lights, red, 4.0, 2.4, 2.75)
     mesh.box((-1.25, 0, 1.75), (5.3, 2.46, 2.3), red)
@@ -146,12 +141,10 @@ def fire_truck(shown: Shown) -> MeshBuilder:
         arches(mesh, x, 1.245, 0.56)
         for side in (-1.0, 1.0):
             mesh.wheel(x, side * 1.06, 0.5, 0.36, hub="light_grey")
-    return mesh
 
 
-def tractor(shown: Shown) -> MeshBuilder:
+def tractor(mesh: MeshBuilder, shown: Shown) -> None:
     """A farm tractor."""
-    mesh = MeshBuilder()
     mesh.hull((0.2, 1.95, -0.36, 0.36, 0.75), (0.2, 1.9, -0.32, 0.32, 1.5), "green")
     mesh.box((1.96, 0, 1.12), (0.06, 0.56, 0.6), "dark_grey")
     mesh.box((0.0, 0, 0.75), (3.0, 0.4, 0.4), "dark_grey")
@@ -176,12 +169,11 @@ def tractor(shown: Shown) -> MeshBuilder:
     mesh.cylinder((-0.9, 0.5, 2.63), (-0.9, 0.5, 2.8), 0.07, blink)
     if shown.lights.left and shown.lights.right:
         mesh.lamp((-0.9, 0.5, 2.72), AMBER, (0, 0, 0), 3.0)
-    return mesh.centred()
+    mesh.centred()
 
 
-def excavator(shown: Shown) -> MeshBuilder:
+def excavator(mesh: MeshBuilder, shown: Shown) -> None:
     """A tracked excavator with its boom forward and its bucket down."""
-    mesh = MeshBuilder()
     for side in (-1.0, 1.0):
         y = side * 1.0
         mesh.hull(
@@ -229,4 +221,7 @@ def excavator(shown: Shown) -> MeshBuilder:
     if shown.lights.left and shown.lights.right:
         mesh.lamp((0.0, 0.7, 3.0), AMBER, (0, 0, 0), 3.0)
     rear_lamps(mesh, shown.lights, -2.19, 0.95, 1.55, (0.2, 0.1))
-    return mesh.centred()
+    mesh.centred()
+
+
+VARIED = (truck, overturned_truck, bus, fire_truck, tractor, excavator)

@@ -81,9 +81,8 @@ def _lamps(mesh: MeshBuilder, shown: Shown, tail: Point, head: Point) -> None:
         mesh.lamp(head, WHITE, (1, 0, 0), 1.0)
 
 
-def cyclist(shown: Shown) -> MeshBuilder:
+def cyclist(mesh: MeshBuilder, shown: Shown) -> None:
     """A person with a helmet on a bicycle."""
-    mesh = MeshBuilder()
     colour = ("blue", "red", "teal")[shown.index % 3]
     for x in (-0.52, 0.53):
         _spoked_wheel(mesh, x, 0.34)
@@ -104,12 +103,10 @@ def cyclist(shown: Shown) -> MeshBuilder:
     top = ("fluor_yellow", "shirt_red", "shirt_white")[shown.index % 3]
     clothes = Clothes(top, "trousers", hat="white")
     _rider(mesh, clothes, (-0.22, 0, 1.0), (0.34, 0.26, 1.05), _pedals(shown, (-0.12, 0, 0.32)))
-    return mesh
 
 
-def cargo_bike(shown: Shown) -> MeshBuilder:
+def cargo_bike(mesh: MeshBuilder, shown: Shown) -> None:
     """A person on a long bicycle with a big wooden box in front."""
-    mesh = MeshBuilder()
     _spoked_wheel(mesh, -0.95, 0.31)
     _spoked_wheel(mesh, 1.12, 0.25)
     for start, end in (
@@ -133,12 +130,10 @@ def cargo_bike(shown: Shown) -> MeshBuilder:
         mesh, clothes, (-0.62, 0, 0.98), (-0.14, 0.28, 1.05), _pedals(shown, (-0.5, 0, 0.30)),
         lean=0.12,
     )  # fmt: skip
-    return mesh
 
 
-def e_scooter(shown: Shown) -> MeshBuilder:
+def e_scooter(mesh: MeshBuilder, shown: Shown) -> None:
     """A person standing on an electric scooter."""
-    mesh = MeshBuilder()
     top = ("shirt_red", "shirt", "fluor_yellow")[shown.index % 3]
     clothes = Clothes(top, "jeans", hat=("", "white", "black")[shown.index % 3])
     posture = Posture((0.40, 0.22, 1.0), (0.40, -0.22, 1.0), lean=0.04)
@@ -150,7 +145,6 @@ def e_scooter(shown: Shown) -> MeshBuilder:
     mesh.beam((0.48, 0, 0.12), (0.36, 0, 1.16), 0.05, "silver")
     mesh.beam((0.34, -0.26, 1.17), (0.34, 0.26, 1.17), 0.04, "black")
     _lamps(mesh, shown, (-0.5, 0, 0.26), (0.43, 0, 1.06))
-    return mesh
 
 
 def _signals(mesh: MeshBuilder, lights: Lights, x: float, z: float) -> None:
@@ -160,9 +154,9 @@ def _signals(mesh: MeshBuilder, lights: Lights, x: float, z: float) -> None:
             mesh.lamp((x, side * 0.2, z), AMBER, (1.0 if x > 0 else -1.0, 0, 0), 2.0)
 
 
-def motorcycle(shown: Shown) -> MeshBuilder:
+def motorcycle(mesh: MeshBuilder, shown: Shown) -> None:
     """A motorcycle with its rider."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     colour = shown.paint if shown.paint in ("red", "blue", "green") else "red"
     for x in (-0.68, 0.72):
         mesh.cylinder((x, -0.08, 0.32), (x, 0.08, 0.32), 0.32, "tyre", sides=14)
@@ -196,4 +190,6 @@ def motorcycle(shown: Shown) -> MeshBuilder:
     feet = ((-0.06, -0.17, 0.44), (-0.06, 0.17, 0.44))
     clothes = Clothes("black", "trousers", hat=colour)
     _rider(mesh, clothes, (-0.3, 0, 0.94), (0.42, 0.34, 1.04), feet, lean=0.34)
-    return mesh
+
+
+VARIED = (cyclist, cargo_bike, e_scooter, motorcycle)

@@ -41,9 +41,9 @@ def _off_road_front(mesh: MeshBuilder, lights: Lights, x: float) -> None:
     head_lamps(mesh, lights, x - 0.04, 0.62, 0.84, (0.28, 0.16))
 
 
-def suv(shown: Shown) -> MeshBuilder:
+def suv(mesh: MeshBuilder, shown: Shown) -> None:
     """A tall off-road estate car with roof rails."""
-    mesh, lights, paint = MeshBuilder(), shown.lights, shown.paint
+    lights, paint = shown.lights, shown.paint
     shell(mesh, _SUV, (paint, paint, paint), front=paint, rear=paint)
     mesh.hull((-2.18, 1.15, -0.86, 0.86, 1.10), (-1.98, 0.45, -0.70, 0.70, 1.68), "glass", caps="")
     mesh.hull((-2.02, 0.48, -0.72, 0.72, 1.66), (-1.9, 0.3, -0.64, 0.64, 1.74), paint, caps="t")
@@ -63,7 +63,6 @@ def suv(shown: Shown) -> MeshBuilder:
     plates(mesh, (-2.365, 0.56), (2.352, 0.50))
     _wheels(mesh, (-1.4, 1.42), 0.955, 0.38, "hub")
     underside(mesh, 1.42, -1.4, 0.75, 0.32)
-    return mesh
 
 
 _PICKUP: tuple[Section, ...] = (
@@ -74,9 +73,9 @@ _PICKUP: tuple[Section, ...] = (
 )
 
 
-def pickup(shown: Shown) -> MeshBuilder:
+def pickup(mesh: MeshBuilder, shown: Shown) -> None:
     """A pickup truck with crates in its open bed."""
-    mesh, lights, paint = MeshBuilder(), shown.lights, shown.paint
+    lights, paint = shown.lights, shown.paint
     shell(mesh, _PICKUP, (paint, paint, paint), front=paint, rear=paint)
     mesh.hull((-0.56, 1.36, -0.86, 0.86, 1.08), (-0.45, 0.66, -0.7, 0.7, 1.66), "glass", caps="")
     mesh.hull((-0.48, 0.7, -0.72, 0.72, 1.64), (-0.36, 0.52, -0.64, 0.64, 1.72), paint, caps="t")
@@ -99,12 +98,10 @@ def pickup(shown: Shown) -> MeshBuilder:
     mesh.polygon(
         [(-2.6, -0.8, 0.4), (-2.6, 0.8, 0.4), (2.5, 0.8, 0.4), (2.5, -0.8, 0.4)], "underbody"
     )
-    return mesh
 
 
-def taxi(shown: Shown) -> MeshBuilder:
+def taxi(mesh: MeshBuilder, shown: Shown) -> None:
     """A yellow taxi with a lit roof sign."""
-    mesh = MeshBuilder()
     car_body(mesh, shown.lights, "taxi")
     mesh.box((-0.5, 0, 1.49), (0.3, 0.7, 0.04), "black")
     mesh.box((-0.5, 0, 1.58), (0.2, 0.62, 0.18), "lamp_glass")
@@ -113,12 +110,11 @@ def taxi(shown: Shown) -> MeshBuilder:
         mesh.picture([(x, y, 1.5), (x, -y, 1.5), (x, -y, 1.66), (x, y, 1.66)], "sign_taxi")
     side_print(mesh, (-1.0, 0.95), 0.912, (0.6, 0.76), "sign_checks")
     mesh.lamp((-0.5, 0, 1.6), (1.0, 0.9, 0.6), (0, 0, 0), 0.6)
-    return mesh
 
 
-def camper(shown: Shown) -> MeshBuilder:
+def camper(mesh: MeshBuilder, shown: Shown) -> None:
     """A motor home with a sleeping alcove over the cab."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     mesh.box((-0.85, 0, 1.62), (4.5, 2.2, 2.3), "white")
     mesh.hull((1.4, 2.35, -1.1, 1.1, 2.05), (1.4, 2.2, -1.1, 1.1, 2.77), "white")
     nose: tuple[Section, ...] = (
@@ -151,12 +147,11 @@ def camper(shown: Shown) -> MeshBuilder:
     head_lamps(mesh, lights, 2.94, 0.64, 0.78, (0.26, 0.18))
     plates(mesh, (-3.14, 0.62), (3.046, 0.47))
     _wheels(mesh, (-1.75, 2.05), 1.0, 0.36, "light_grey")
-    return mesh
 
 
-def trailer(shown: Shown) -> MeshBuilder:
+def trailer(mesh: MeshBuilder, shown: Shown) -> None:
     """A caravan to be towed, with its drawbar forward."""
-    mesh, lights = MeshBuilder(), shown.lights
+    lights = shown.lights
     profile: tuple[Section, ...] = (
         (-2.3, ((1.0, 0.75), (1.02, 1.4), (0.98, 2.2))),
         (-2.15, ((1.05, 0.5), (1.08, 1.4), (1.0, 2.45))),
@@ -186,12 +181,10 @@ def trailer(shown: Shown) -> MeshBuilder:
         "plate_rear",
     )
     mesh.polygon([(-2.1, -1, 0.5), (-2.1, 1, 0.5), (1.7, 1, 0.5), (1.7, -1, 0.5)], "underbody")
-    return mesh
 
 
-def burning_car(shown: Shown) -> MeshBuilder:
+def burning_car(mesh: MeshBuilder, shown: Shown) -> None:
     """A burnt-out car in flames under a column of black smoke."""
-    mesh = MeshBuilder()
     car_body(mesh, Lights(), "char")
     seats = (
         (1.3, 0.0, 0.9),
@@ -207,4 +200,6 @@ def burning_car(shown: Shown) -> MeshBuilder:
         x, y = 1.7 * math.cos(turn), 0.7 * math.sin(turn)
         mesh.puff((x, y, 0.9), 0.4, (1.0, 0.55, 0.15), 0.5, is_bright=True)
     mesh.lamp((0.4, 0, 1.6), (1.0, 0.6, 0.2), (0, 0, 0), 6.0)
-    return mesh
+
+
+VARIED = (suv, pickup, taxi, camper, trailer, burning_car)

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import (
     CELLS,
     FAR_CELLS,
@@ -115,7 +116,8 @@ def test_lit_faces_cast_no_shadow_on_themselves() -> None:
     stage.show_scenery([ground()], is_snowy=False)
     stage.show_actors([tower(14.0, 0.0, 3.0, 3.0)])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.0)])
-    shot = stage.photograph(VIEW, sun=SUN, ambient=0.5, diffuse=0.5, ground=0.0)
+    light = Light(SUN, 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False, shades=SUN)
+    shot = stage.photograph(VIEW, light, ground=0.0)
     assert shot.shade is not None
     shade = shot.shade
     across, upwards = VIEW.slopes()

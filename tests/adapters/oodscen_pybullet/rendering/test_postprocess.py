@@ -10,9 +10,9 @@ from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import picture
 from oodscen_pybullet._rendering import postprocess as developing
-from oodscen_pybullet._rendering.bullet_camera import Shot
 from oodscen_pybullet._rendering.picture import Picture, develop
 from oodscen_pybullet._rendering.postprocess import fade, grain
+from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
 from oodscen_pybullet._rendering.view import View
 

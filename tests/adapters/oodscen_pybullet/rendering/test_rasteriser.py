@@ -8,11 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from oodscen_pybullet._engine import load_pybullet
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import Mesh, asset_ids, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look
-from oodscen_pybullet._rendering.bullet_camera import BulletStage, Pose, Shot, Stage
+from oodscen_pybullet._rendering.bullet_camera import BulletStage
 from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
 from oodscen_pybullet._rendering.triangles import MIRROR, PLAIN, SHINING
 from oodscen_pybullet._rendering.view import View
 
@@ -23,7 +25,9 @@ IDS = [asset for asset in asset_ids() if asset != "ego_car"]
 
 
 def shoot(stage: Stage, view: View) -> Shot:
-    return stage.photograph(view, sun=(-0.6, 0.48, 0.64), ambient=0.6, diffuse=0.4)
+    return stage.photograph(
+        view, Light((-0.6, 0.48, 0.64), 0.6, 0.4, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False)
+    )
 
 
 def scenery(rng: np.random.Generator) -> Mesh:
@@ -87,6 +91,7 @@ import hashlib
 import numpy as np
 from oodscen_pybullet._rendering.rasteriser import Canvas
 from oodscen_pybullet._rendering.appearance import Look
+from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.view import View
 from oodscen.protocols import Camera
@@ -97,7 +102,8 @@ def photograph(stage):
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.photograph(
-        View.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)), sun=(0.0, 0.6, 0.8), ambient=0.5, diffuse=0.5
+        View.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)),
+        Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False),
     )
     parts = (shot.rgb, shot.depth, shot.rows, shot.reach, shot.sky)
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()

@@ -1,0 +1,24 @@
+"""The choice of the camera that takes the pictures."""
+
+import warnings
+from collections.abc import Callable
+from functools import partial
+from types import ModuleType
+
+from oodscen.numerics._kernels import is_compiled
+from oodscen_pybullet._rendering.bullet_camera import BulletStage
+from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.stage import Stage
+
+
+def choose_camera(engine: ModuleType) -> Callable[[], Stage]:
+    """Return what opens a stage: the rasteriser's, or PyBullet's own with a warning without numba."""
+    if is_compiled():
+        return Canvas
+    warnings.warn(
+        "numba is missing or broken: pictures come from PyBullet's own camera, which is slow "
+        "(pip install 'oodscen[pybullet]')",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return partial(BulletStage, engine, casts_shadows=True)

@@ -1,0 +1,77 @@
+"""The interface of the cameras: the bodies that they show and the raw picture that they take."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._lighting.shadows import Shade
+from oodscen_pybullet._lighting.shelter import Shelter
+from oodscen_pybullet._meshes import Mesh
+from oodscen_pybullet._rendering.appearance import Look
+from oodscen_pybullet._rendering.view import View
+
+Pose = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A camera's raw picture before light and weather."""
+
+    rgb: NDArray[np.uint8]
+    """[height, width, 3]; in pixels that are partly sky, the colour of the rest."""
+    depth: NDArray[np.float32]
+    """[height, width] metres along the optical axis at the pixel's centre; infinity for sky."""
+    rows: NDArray[np.int32]
+    """[height, width] row of the actor, -1 for scenery and sky."""
+    reach: NDArray[np.float32]
+    """[height, width] mean depth of the part that is not sky; light and weather use it."""
+    sky: NDArray[np.uint8]
+    """[height, width] fraction of sky, 0 to 255."""
+    lit: NDArray[np.uint8]
+    """[height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
+    kinds: NDArray[np.uint8] | None
+    """[height, width] surface flags: `triangles.SHINING` and so on; `None` if unknown."""
+    shade: Shade | None = None
+    """The shadow map; `None` if it was not requested, or is part of `rgb` already."""
+
+
+class Stage(Protocol):
+    """The bodies of a picture: scenery, which stays as long as the road does, and actors."""
+
+    def close(self) -> None:
+        """Release all resources; calling it twice is allowed."""
+
+    def show_scenery(
+        self, meshes: Sequence[Mesh], *, is_snowy: bool, shelter: Shelter | None = None
+    ) -> None:
+        """Replace everything shown by new scenery, with the road's tunnels."""
+
+    def show_actors(self, looks: Sequence[Look | Mesh]) -> None:
+        """Replace the actors; row i of `pose_actors` is look i."""
+
+    def pose_actors(self, poses: Sequence[Pose]) -> None:
+        """Move every actor to its x, y, z, yaw."""
+
+    def photograph(
+        self, view: View, light: Light, *, ground: float | None = None, is_inside: bool = False
+    ) -> Shot:
+        """Take a picture.
+
+        Args:
+            view: The camera.
+            light: The light of the scene.
+            ground: Height of the road below the camera, m, if shadows are requested.
+            is_inside: Whether the camera is in a tunnel, whose roof then casts no shadow.
+        """
+        ...
+
+    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+        """Return the number of pixels that each actor would fill without occlusion, [actors].
+
+        `None` if the renderer cannot tell.
+        """
+        ...

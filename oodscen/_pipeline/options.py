@@ -1,0 +1,39 @@
+"""The options of a run that are no part of its study's identity."""
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+
+from oodscen._pipeline.sweep import Extras
+from oodscen.llm._accounting import Ledger
+from oodscen.llm._remote.limits import Traffic
+from oodscen.protocols import LLM
+
+Progress = Callable[[str, int, int], None]
+"""Called after every finished item of a long task with the stage, the items done and their total."""
+
+
+def _silent(stage: str, done: int, total: int) -> None:
+    pass
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """The means of a run: they may differ between a run and its continuation."""
+
+    workers: int = 0
+    """Simulation processes; 0 simulates in this process."""
+    executor: Executor | None = None
+    """Runs the simulation jobs instead of local processes."""
+    progress: Progress = _silent
+    """Called after every finished item."""
+    models: Mapping[str, LLM] = field(default_factory=dict)
+    """Models to use for names in the configuration."""
+    extras: Extras = field(default_factory=Extras)
+    """Further outputs to keep for each newly simulated episode."""
+    traffic: Traffic = field(default_factory=Traffic)
+    """Caps, prices and concurrency of the models."""
+    ledger: Ledger = field(default_factory=Ledger)
+    """Keeps running totals of the calls."""
+    retry: bool = False
+    """Redo all failed items; otherwise only those marked as retryable."""

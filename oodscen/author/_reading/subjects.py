@@ -1,0 +1,203 @@
+"""The things that a text mentions: which words name a new thing, which an earlier one, and which none."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+from oodscen.author._reading import phrases
+from oodscen.author._reading.clauses import Noun, Subject, count_of, last_end
+from oodscen.claims._things import Mention, mentions
+
+_NEAR = 60
+"""Number of characters before a noun in which its preposition or its quantity stands."""
+_NEW = frozenset({"a", "an", "another", "a second", "a third", "a further"})
+_KNOWN = frozenset({"the", "these", "those", "its"})
+_POSSESSIVE = frozenset({"its", "their", "his", "her"})
+
+
+@dataclass(frozen=True)
+class Naming:
+    """A noun in a text, with the words around it."""
+
+    text: str
+    mention: Mention
+    earlier: tuple[Subject, ...]
+    """The things named before."""
+
+    @cached_property
+    def before(self) -> str:
+        """The text before the noun."""
+        return self.text[: self.mention.start]
+
+    @cached_property
+    def after(self) -> str:
+        """The text after the noun."""
+        return self.text[self.mention.end :]
+
+    @cached_property
+    def sentence(self) -> str:
+        """The words of its sentence before the noun."""
+        return self.before[last_end(phrases.SENTENCE, self.before) :]
+
+    @cached_property
+    def lead(self) -> str:
+        """The words of its clause before the noun."""
+        return self.sentence[last_end(phrases.BREAK, self.sentence) :]
+
+    @cached_property
+    def determiner(self) -> str:
+        """The article or pronoun that determines the noun; empty if there is none."""
+        found = phrases.DETERMINER.search(self.lead)
+        return found.group(1).casefold() if found else ""
+
+    @cached_property
+    def count(self) -> int:
+        """The number of things that the noun means."""
+        return count_of(self.lead, self.mention)
+
+    @property
+    def is_new(self) -> bool:
+        """True if the noun introduces another thing."""
+        is_counted = phrases.QUANTITY.search(self.lead) is not None
+        return self.determiner in _NEW or (is_counted and self.determiner not in _KNOWN)
+
+    @property
+    def name(self) -> str:
+        """The name of the thing."""
+        return self.mention.thing.name
+
+    @property
+    def group(self) -> str:
+        """The group of the thing."""
+        return self.mention.thing.group
+
+
+def _is_absent(at: Naming) -> bool:
+    is_all = at.name == "traffic light" and phrases.ALL_OF_THEM.search(at.before)
+    return bool(phrases.NOT_THERE.search(at.sentence) and not is_all)
+
+
+def _is_carried(at: Naming) -> bool:
+    """Return whether a thing is merely a part or the load of the thing named right before it."""
+    if not at.earlier:
+        return False
+    between = at.text[at.earlier[-1].mention.end : at.mention.start]
+    return phrases.CARRIED.fullmatch(between.lstrip()) is not None
+
+
+def _is_of_someone(at: Naming) -> bool:
+    is_left = phrases.LEFT_ITS.search(at.lead) is not None
+    return at.determiner == "its" and not is_left and at.group in ("vehicle", "object")
+
+
+_NOTHING: tuple[Callable[[Naming], object], ...] = (
+    _is_absent,
+    lambda at: phrases.NOT_ITSELF.match(at.after),
+    lambda at: at.name == "traffic light" and phrases.LIGHTS_UP.match(at.after),
+    lambda at: phrases.AS_A.search(at.before) and phrases.ENDS.match(at.after),
+    lambda at: at.name == "object" and phrases.TURNS_OUT.match(at.after),
+    lambda at: at.name == "barrier" and at.after.startswith(" of "),
+    lambda at: at.mention.word == "drunk" and phrases.BEING.search(at.before),
+    lambda at: at.name == "car door" and at.before.endswith("'s "),
+    lambda at: at.group == "person" and phrases.RIDES.match(at.after),
+    lambda at: at.name in phrases.PARTS and at.determiner in ("the", "its", "their"),
+    lambda at: at.group == "object" and _is_carried(at),
+    lambda at: (
+        at.mention.word == "tree" and at.mention.is_plural and phrases.BACKGROUND.search(at.lead)
+    ),
+)
+"""Tests of a noun that names nothing that is there; any of them suffices."""
+
+_NOTHING_NEW: tuple[Callable[[Naming], object], ...] = (
+    lambda at: (
+        at.determiner == "the"
+        and at.mention.word == "cab"
+        and not phrases.CAB_OF_ITS_OWN.match(at.after)
+    ),
+    _is_of_someone,
+    lambda at: at.determiner == "the" and at.name == "tree" and at.mention.is_plural,
+    lambda at: at.mention.thing.vague and at.determiner in _POSSESSIVE,
+    lambda at: phrases.BEHIND.match(at.after) and phrases.LEFT_A.search(at.lead[-40:]),
+)
+"""Tests of a noun that names nothing of its own, unless it names a thing that was named before."""
+
+
+def subject_of(at: Naming) -> Subject | None:
+    """Return the thing that a noun names: an earlier one, or a new one; `None` if it names none."""
+    if any(test(at) for test in _NOTHING):
+        return None
+    same = [one for one in at.earlier if one.mention.thing is at.mention.thing]
+    if same and (not at.is_new or at.determiner == "one"):
+        return same[-1]
+    if _is_generic(at):
+        alike = [one for one in at.earlier if _is_alike(one, at)]
+        if alike and not phrases.PLACED.match(at.after):
+            return alike[-1]
+        if at.count > 1:
+            return None
+    if any(test(at) for test in _NOTHING_NEW):
+        return None
+    is_somebody = at.mention.thing.vague or at.group == "person"
+    is_agent = is_somebody and phrases.AGENT.match(at.after) is not None
+    label = at.name if not same else f"{at.name} {len(same) + 1}"
+    return Subject(label, at.mention, at.count, is_agent)
+
+
+def _is_generic(at: Naming) -> bool:
+    return (
+        at.name in phrases.GENERIC
+        and at.mention.word in phrases.GENERIC_WORDS
+        and at.determiner in ("the", "its", "this", "that")
+    )
+
+
+def _is_alike(one: Subject, at: Naming) -> bool:
+    thing = one.mention.thing
+    return thing.group == at.group and thing.name not in phrases.CYCLES
+
+
+def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
+    """Return the noun phrases of a text in order, and the things that they name."""
+    nouns: list[Noun] = []
+    subjects: list[Subject] = []
+    named = list(mentions(text))
+    for mention, after in zip(named, [*named, None][1:], strict=True):
+        at = Naming(text, mention, tuple(subjects))
+        is_modifier = after is not None and text[mention.end : after.start] == " "
+        is_driver = mention.thing.name == "driver" and phrases.OF_ITS_VEHICLE.match(at.after)
+        if is_modifier or is_driver:
+            continue
+        subject = subject_of(at)
+        if subject is not None and subject not in subjects:
+            subjects.append(subject)
+        is_oblique = _is_oblique(at) or (subject is None and _is_part(at))
+        nouns.append(Noun(mention.start, mention.end, subject, is_oblique))
+    for found in phrases.EGO.finditer(text):
+        if not any(n.start < found.end() and found.start() < n.end for n in nouns):
+            is_possessive = found.group(0).endswith(("'s", "your"))
+            lead = text[: found.start()][-20:]
+            is_oblique = is_possessive or phrases.OBLIQUE.search(lead) is not None
+            nouns.append(Noun(found.start(), found.end(), None, is_oblique))
+    return sorted(nouns, key=lambda noun: noun.start), subjects
+
+
+def _is_oblique(at: Naming) -> bool:
+    """Return whether a noun phrase follows a preposition and therefore is no subject."""
+    lead = at.before[-_NEAR:]
+    if (
+        not phrases.OBLIQUE.search(lead)
+        or phrases.FOR_A.search(at.before)
+        or phrases.PART_OF.search(lead)
+    ):
+        return False
+    grouped = phrases.QUANTITY.search(lead)
+    if grouped and grouped.group(3):
+        return phrases.OBLIQUE.search(lead[: grouped.start()]) is not None
+    return True
+
+
+def _is_part(at: Naming) -> bool:
+    lead = at.before[-40:]
+    tests = (phrases.ITS.search(at.before), phrases.CARRIED.search(lead))
+    return any((*tests, phrases.LACKED.search(lead), re.match("'s ", at.after)))

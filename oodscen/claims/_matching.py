@@ -1,0 +1,160 @@
+"""Plausibility of a statement that an actor stands for a thing of the text."""
+
+import re
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen.claims._things import Thing, is_head, may_be, named, words_of
+from oodscen.data._catalogue import Asset, Catalogue, RoadMap
+from oodscen.encoders._check import encode
+from oodscen.protocols import Encoder
+
+OF_THE_MAP = "map"
+"""The name, in place of an actor's id, of what the road itself shows."""
+_LEAST = 0.3
+"""Least cosine between a noun phrase and an asset that may be what it names."""
+_MARGIN = 0.12
+"""Largest difference of that cosine to that of the nearest asset."""
+_SURE = 0.55
+"""Cosine from which the nearest asset is taken even for a noun that other assets are known by."""
+_COMMON = frozenset(
+    "a an and are as at by for from has have her his in into is it its of off on onto or out over the their there to "
+    "who with road lane street ego vehicle person people way right left ahead front".split()
+)
+
+
+class Likeness:
+    """Nearness in meaning between noun phrases and the assets of a catalogue.
+
+    Args:
+        encoder: An encoder whose cosines follow meaning.
+        catalogue: The assets.
+    """
+
+    def __init__(self, encoder: Encoder, catalogue: Catalogue) -> None:
+        self.encoder = encoder
+        self.catalogue = catalogue
+
+    @cached_property
+    def _assets(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        names = [asset.id.replace("_", " ") for asset in self.catalogue.assets]
+        descriptions = [
+            asset.description or name
+            for asset, name in zip(self.catalogue.assets, names, strict=True)
+        ]
+        return self._unit(names), self._unit(descriptions)
+
+    def of(self, phrase: str) -> dict[str, float]:
+        """Return the cosine of a phrase with every asset, by id: with its name or its description."""
+        names, descriptions = self._assets
+        vector = self._unit([phrase])[0]
+        near = np.maximum(names @ vector, descriptions @ vector)
+        return {
+            asset.id: float(one) for asset, one in zip(self.catalogue.assets, near, strict=True)
+        }
+
+    def _unit(self, texts: Sequence[str]) -> NDArray[np.float32]:
+        vectors = encode(self.encoder, texts)
+        norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
+        unit: NDArray[np.float32] = vectors / np.maximum(norms, np.float32(1e-12))
+        return unit
+
+
+def likeness_of(encoder: Encoder | None, catalogue: Catalogue) -> Likeness | None:
+    """Return the nearness in meaning by an encoder; `None` if its cosines are not known to follow meaning."""
+    from oodscen.metrics._detection.guard import is_calibrated
+
+    if encoder is None or not is_calibrated(encoder.name):
+        return None
+    return Likeness(encoder, catalogue)
+
+
+def doubt(
+    subject: str,
+    quotes: Sequence[str],
+    asset: Asset,
+    catalogue: Catalogue,
+    likeness: Likeness | None = None,
+) -> str:
+    """Return why an asset cannot be what a noun phrase names; empty if it can.
+
+    Args:
+        subject: The noun phrase, such as `uprooted maple`.
+        quotes: The words of the text about it.
+        asset: The asset that is said to stand for it.
+        catalogue: The asset's catalogue.
+        likeness: Nearness in meaning; without it, a noun that no asset is known by may be any of them.
+    """
+    if may_be(subject, asset):
+        return ""
+    thing = named(subject)
+    if thing is not None and _is_human(thing) and _shares(subject, quotes, asset):
+        return ""
+    called = _called(subject, thing, catalogue)
+    told = f"{asset.id!r} is {asset.description}, and {_bare(subject)!r} names something else"
+    near = likeness.of(_bare(subject)) if likeness else {}
+    nearest = sorted(near, key=lambda name: (-near[name], name))
+    if called:
+        if nearest and nearest[0] == asset.id and near[asset.id] >= _SURE:
+            return ""
+        return f"{told}: here that is {_list(called)}"
+    if not near:
+        return ""
+    if near[asset.id] >= max(_LEAST, near[nearest[0]] - _MARGIN):
+        return ""
+    return (
+        f"{told}: in meaning it is {near[asset.id]:.2f} from it, and the nearest are "
+        f"{', '.join(f'{name} ({near[name]:.2f})' for name in nearest[:3])}"
+    )
+
+
+def is_of_map(subject: str, road: RoadMap | None) -> bool:
+    """Return whether a road may show a thing by itself, by the words of its description."""
+    thing = named(subject)
+    if thing is not None:
+        return thing.is_scenery(road)
+    if road is None:
+        return True
+    words = set(re.findall(r"[a-z]+", f"{road.description} {' '.join(road.traits)}".casefold()))
+    mine = _stems(_bare(subject))
+    return bool({_stem(word) for word in words} & mine)
+
+
+def _called(subject: str, thing: Thing | None, catalogue: Catalogue) -> list[str]:
+    """Return the assets that a noun is known to mean."""
+    if thing is None or thing.vague or not is_head(subject):
+        return []
+    return [asset.id for asset in catalogue.assets if thing.fits(asset)]
+
+
+def _is_human(thing: Thing) -> bool:
+    return thing.group == "person" or any(term.startswith("cyclist") for term in thing.terms)
+
+
+def _shares(subject: str, quotes: Sequence[str], asset: Asset) -> bool:
+    """Return whether a person's asset and the words about a person have more in common than being people."""
+    if asset.category != "pedestrian":
+        return False
+    theirs = {_stem(word) for word in words_of(asset)} | _stems(asset.description)
+    return bool((_stems(" ".join((subject, *quotes))) & theirs) - _COMMON)
+
+
+def _stems(text: str) -> set[str]:
+    return {_stem(word) for word in re.findall(r"[a-z]+", text.casefold()) if word not in _COMMON}
+
+
+def _stem(word: str) -> str:
+    return {"lying": "lie", "lies": "lie", "lay": "lie"}.get(
+        word, re.sub(r"(ing|ed|es|s)$", "", word)
+    )
+
+
+def _bare(subject: str) -> str:
+    return subject.rstrip(" 0123456789") or subject
+
+
+def _list(names: Sequence[str]) -> str:
+    return ", ".join(names[:6]) + (" ..." if len(names) > 6 else "")

@@ -1,0 +1,28 @@
+"""The part of a request that an earlier request of the same kind began with, for which providers charge less."""
+
+from collections.abc import Sequence
+
+from oodscen.data._messages import Message
+from oodscen.llm._remote.usage import IMAGE_TOKENS
+from oodscen.protocols import Request
+
+LEAST_TOKENS = 1_024
+"""Shortest prefix that the large providers cache, in tokens."""
+_CHARACTERS = 4
+"""Characters per token of English text."""
+
+
+def cacheable_share(request: Request) -> float:
+    """Return the share of a request's input tokens that a provider can have cached, in [0, 1].
+
+    That is the system's turn, and in a conversation or a repair everything up to the question before the last;
+    0 if it is shorter than what providers cache. The first request of a kind in a run has to fill the cache.
+    """
+    asked = [index for index, one in enumerate(request.messages) if one.role == "user"]
+    end = asked[-2] + 1 if len(asked) > 1 else asked[0] if asked else 0
+    prefix, whole = _tokens(request.messages[:end]), _tokens(request.messages)
+    return prefix / whole if prefix >= LEAST_TOKENS else 0.0
+
+
+def _tokens(messages: Sequence[Message]) -> float:
+    return sum(len(one.text) / _CHARACTERS + IMAGE_TOKENS * len(one.images) for one in messages)

@@ -1,0 +1,246 @@
+"""Everything that a study measures of its texts, with the data behind the report's pictures of the metrics.
+
+`measurements` computes it while the texts are available, so that drawing a report needs neither an encoder
+nor the baseline.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from oodscen import _paper as paper
+from oodscen._seeding import stream
+from oodscen.data._base import Data
+from oodscen.data._scenario import Scenario
+from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise
+from oodscen.metrics._metrics import Metrics
+from oodscen.metrics._oodness import Measure
+from oodscen.metrics._report import BaselineBatch, Report
+from oodscen.metrics._vectors.axes import principal_axes
+from oodscen.metrics._vectors.similarity import Vectors
+from oodscen.statistics._auroc import Auroc, auroc_interval
+
+BEST: Final[Measure] = "events"
+"""The detector that separates the controls best; see `docs/metrics.md`."""
+
+_SHOWN = 400
+_SIZES = 9
+_REPEATS = 8
+_LARGEST = 1000
+
+
+class OodnessPicture(Data):
+    """OOD-ness of texts known to be ordinary."""
+
+    noun: ClassVar[str] = "picture of OOD-ness"
+
+    control: tuple[float, ...]
+    """The ordinary controls."""
+    held_out: tuple[float, ...]
+    """Texts of the baseline, scored without their like."""
+
+
+class DetectorScores(Data):
+    """The scores of one set by a detector."""
+
+    noun: ClassVar[str] = "detector scores"
+
+    mean: float
+    per_text: tuple[float, ...]
+    auroc: Auroc
+    """Against the ordinary controls."""
+
+
+class DetectorPicture(Data):
+    """Scores by the best detector."""
+
+    noun: ClassVar[str] = "picture of a detector"
+
+    name: str
+    control: tuple[float, ...]
+    """The ordinary controls."""
+    sets: dict[str, DetectorScores]
+
+
+class SizeCurve(Data):
+    """Both diversities of random subsets, by their size."""
+
+    noun: ClassVar[str] = "size curve"
+
+    sizes: tuple[int, ...]
+    nearest: tuple[float, ...]
+    pairwise: tuple[float, ...]
+
+
+class MapPicture(Data):
+    """Points on the first two principal axes of the baseline."""
+
+    noun: ClassVar[str] = "map"
+
+    share: tuple[float, ...]
+    """Share of the variance that each axis holds."""
+    points: dict[str, tuple[tuple[float, float], ...]]
+    """At most 400 of each set."""
+
+
+class Pictures(Data):
+    """The data for the report's pictures of the metrics."""
+
+    noun: ClassVar[str] = "pictures"
+
+    oodness: OodnessPicture
+    detector: DetectorPicture
+    curves: dict[str, SizeCurve]
+    """By set of at least two texts, `baseline` first."""
+    map: MapPicture
+
+
+class BaselineUsed(BaseModel):
+    """The baseline that a study was measured against; no `Data`, whose method `digest` its field would hide."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    N: int
+    digest: str
+
+
+class Measurements(Data):
+    """The content of a study's `metrics.json`."""
+
+    noun: ClassVar[str] = "measurements"
+
+    encoder: str
+    baseline: BaselineUsed
+    sets: dict[str, Report]
+    """By size for the diverse tree, and `simulatable` for all texts of the other."""
+    baseline_batch: BaselineBatch
+    baseline_diversity: Diversity
+    pictures: Pictures
+    made_from: str = ""
+    """Digest of the texts."""
+
+
+def measurements(metrics: Metrics, sets: Mapping[str, Sequence[Scenario]]) -> Measurements:
+    """Return everything that a study measures of its sets of texts; empty sets are left out.
+
+    Args:
+        metrics: Metrics with a baseline of texts.
+        sets: Texts by name of the set; those of one leaf are resampled together.
+    """
+    known = {name: texts for name, texts in sets.items() if texts}
+    return Measurements(
+        encoder=metrics.encoder.name,
+        baseline=BaselineUsed(
+            name=metrics.baseline.name,
+            N=len(metrics.baseline),
+            digest=metrics.baseline.digest(),
+        ),
+        sets={
+            name: metrics.report([one.text for one in texts], groups=[one.leaf for one in texts])
+            for name, texts in known.items()
+        },
+        baseline_batch=metrics.baseline_batch(min(paper.BATCH, max(1, len(metrics.baseline) // 2))),
+        baseline_diversity=metrics.baseline_diversity(),
+        pictures=picture_data(metrics, known),
+    )
+
+
+def picture_data(metrics: Metrics, sets: Mapping[str, Sequence[str | Scenario]]) -> Pictures:
+    """Return the data for the report's pictures of the metrics.
+
+    Args:
+        metrics: Metrics with a baseline of texts.
+        sets: Sets of texts by name, at least one text each.
+    """
+    vectors = {name: metrics.vectors(texts) for name, texts in sets.items()}
+    known = {"baseline": metrics.baseline_vectors, **vectors}
+    control = np.array(metrics.control_scores(BEST))
+    held_out = np.array(metrics.held_out_scores())
+    return Pictures(
+        oodness=OodnessPicture(
+            control=_rounded(np.array(metrics.control_scores())),
+            held_out=_rounded(_some(held_out, metrics.seed, "held-out")),
+        ),
+        detector=DetectorPicture(
+            name=BEST,
+            control=_rounded(control),
+            sets={name: _detected(metrics, texts, control) for name, texts in sets.items()},
+        ),
+        curves={
+            name: _curve(rows, metrics.seed, name) for name, rows in known.items() if len(rows) > 1
+        },
+        map=_map(known, metrics.seed),
+    )
+
+
+def size_curve_of(
+    rows: Vectors, seed: int, name: str, *, count: int, repeats: int, most: int
+) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:
+    """Return both diversities of random subsets of growing size.
+
+    Args:
+        rows: [n, d], at least two rows of unit length.
+        seed: Seed of the subsets.
+        name: Name of the set, for its stream of draws.
+        count: Number of sizes, at equal ratios from 2 on.
+        repeats: Subsets per size; the whole set is taken once.
+        most: The largest size.
+
+    Returns:
+        The sizes, and means and standard deviations [2, sizes], to the nearest text and over all pairs.
+    """
+    sizes = np.unique(np.geomspace(2, min(len(rows), most), count).round().astype(int)).tolist()
+    draws = stream(seed, "size-curve", name)
+    means, spreads = [], []
+    for size in sizes:
+        parts = [
+            rows[draws.permutation(len(rows))[:size]]
+            for _ in range(1 if size == len(rows) else repeats)
+        ]
+        both = [(-mean_nearest(part), -mean_pairwise(part)) for part in parts]
+        means.append(np.mean(both, axis=0))
+        spreads.append(np.std(both, axis=0))
+    return sizes, np.array(means).T, np.array(spreads).T
+
+
+def _detected(
+    metrics: Metrics, texts: Sequence[str | Scenario], control: NDArray[np.float64]
+) -> DetectorScores:
+    values = np.array(metrics.oodness(texts, BEST).per_text)
+    paths = [item.leaf for item in texts if isinstance(item, Scenario)]
+    clusters = paths if len(paths) == len(texts) else None
+    return DetectorScores(
+        mean=float(values.mean()),
+        per_text=_rounded(values),
+        auroc=auroc_interval(control, values, clusters, seed=metrics.seed),
+    )
+
+
+def _curve(rows: Vectors, seed: int, name: str) -> SizeCurve:
+    sizes, (nearest, pairwise), _ = size_curve_of(
+        rows, seed, name, count=_SIZES, repeats=_REPEATS, most=_LARGEST
+    )
+    return SizeCurve(sizes=tuple(sizes), nearest=_rounded(nearest), pairwise=_rounded(pairwise))
+
+
+def _map(known: Mapping[str, Vectors], seed: int) -> MapPicture:
+    mean, axes, share = principal_axes(known["baseline"])
+    points = {}
+    for name, rows in known.items():
+        placed = (_some(rows, seed, "map", name) - mean) @ axes.T
+        points[name] = tuple((round(float(x), 3), round(float(y), 3)) for x, y in placed)
+    return MapPicture(share=_rounded(share), points=points)
+
+
+def _some(rows: np.ndarray, seed: int, *keys: str) -> np.ndarray:
+    if len(rows) <= _SHOWN:
+        return rows
+    return rows[np.sort(stream(seed, "pictures", *keys).permutation(len(rows))[:_SHOWN])]
+
+
+def _rounded(values: np.ndarray) -> tuple[float, ...]:
+    return tuple(round(float(value), 4) for value in values)

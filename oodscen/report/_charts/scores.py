@@ -1,0 +1,137 @@
+"""Charts of answers: shares with intervals, success by scenario type, outcomes, and confusions."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+from xml.etree.ElementTree import SubElement
+
+from oodscen.report._charts.canvas import Canvas, short
+
+_RIGHT = 384.0
+_BAR, _GAP = 11.0, 3.0
+
+
+class Bar(NamedTuple):
+    """The score of one model in one group."""
+
+    hits: int
+    n: int
+    low: float
+    high: float
+
+
+class Row(NamedTuple):
+    """One scenario type with a bar per model."""
+
+    label: str
+    bars: Sequence[Bar | None]
+    chance: float | None = None
+    """Chance level, drawn as a tick across the bars."""
+
+
+def bars(rows: Sequence[Row], models: Sequence[str], what: str) -> Canvas:
+    """Draw success by scenario type, one bar per model, with intervals.
+
+    Args:
+        rows: The scenario types.
+        models: Names, in the order of the bars; the n-th has the class `series-n`.
+        what: Text alternative for screen readers.
+    """
+    label = f"{what}, by scenario type: " + "; ".join(
+        f"{row.label}: "
+        + ", ".join(
+            f"{name} {bar.hits} of {bar.n}"
+            for name, bar in zip(models, row.bars, strict=True)
+            if bar
+        )
+        for row in rows
+    )
+    height = 4.0 + sum(27 + len(row.bars) * (_BAR + _GAP) for row in rows)
+    drawn = Canvas(label, height, kind="chart bars")
+    y = 4.0
+    for row in rows:
+        drawn.text("name", 0, y + 11, short(row.label, 62))
+        top = y + 17
+        y = top
+        for index, bar in enumerate(row.bars):
+            _bar(drawn, bar, index, models[index], y)
+            y += _BAR + _GAP
+        if row.chance is not None:
+            x = _RIGHT * row.chance
+            title = f"a random action: {round(100 * row.chance)} %"
+            drawn.path("chance", [(x, top - 2), (x, y - _GAP + 2)], title)
+        y += 10
+    return drawn
+
+
+def _bar(drawn: Canvas, bar: Bar | None, index: int, model: str, y: float) -> None:
+    drawn.rect("track", 0, y, _RIGHT, _BAR)
+    if bar is None or not bar.n:
+        drawn.text("tick", _RIGHT + 8, y + 10, "–")
+        return
+    share, middle = bar.hits / bar.n, y + _BAR / 2
+    title = f"{model}: {bar.hits} of {bar.n}"
+    drawn.rect(f"series-{index % 6}", 0, y, _RIGHT * share, _BAR, title)
+    drawn.path("span", [(_RIGHT * bar.low, middle), (_RIGHT * bar.high, middle)])
+    words = drawn.text("tick", _RIGHT + 8, y + 10, f"{round(100 * share)} % ")
+    SubElement(words, "tspan", {"class": "of"}).text = f"of {bar.n}"
+
+
+def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], nothing: int) -> Canvas:
+    """Draw the confusion matrix: a row per true type, a column per chosen one.
+
+    Args:
+        labels: Labels of rows and columns; columns have an extra one for all other answers.
+        counts: Counts by row and column.
+        nothing: Column of "nothing unusual".
+    """
+    size = min(24.0, 300.0 / (nothing + 1))
+    left, top = 190.0, 22.0
+    most = max(counts.values(), default=1)
+    drawn = Canvas(
+        "Which type of scenario was taken for which; the table below lists the most frequent",
+        top + size * len(labels) + 6,
+        width=left + size * (nothing + 1) + 4,
+        kind="chart confusion",
+    )
+    for index, label in enumerate(labels):
+        middle = top + size * (index + 0.5) + 3.5
+        drawn.text("small end", left - 6, middle, f"{short(label, 27)} {index + 1}", label)
+        drawn.text("small middle", left + size * (index + 0.5), top - 6, index + 1)
+    drawn.text("small middle", left + size * (nothing + 0.5), top - 6, "–")
+    for (row, column), count in sorted(counts.items()):
+        chosen = "nothing unusual" if column == nothing else labels[column]
+        square = drawn.rect(
+            "hit" if row == column else "miss",
+            left + size * column,
+            top + size * row,
+            size - 1,
+            size - 1,
+            f"{labels[row]}: {count} taken for {chosen}",
+        )
+        square.set("fill-opacity", f"{0.15 + 0.85 * count / most:.2f}")
+    drawn.rect("frame", left, top, size * (nothing + 1), size * len(labels))
+    return drawn
+
+
+def whisker(share: float, low: float, high: float) -> Canvas:
+    """Draw a share in [0, 1] as a dot with its interval."""
+    width, middle = 120, 9
+    drawn = Canvas("", 18, width=width, kind="whisker")
+    drawn.line("grid", 1, middle, width - 1, middle)
+    for x, half in ((1, 5), (width / 2, 3), (width - 1, 5)):
+        drawn.line("grid", x, middle - half, x, middle + half)
+    drawn.line("range", 1 + (width - 2) * low, middle, 1 + (width - 2) * high, middle)
+    drawn.circle("dot", 1 + (width - 2) * share, middle, 4)
+    return drawn
+
+
+def shares(counts: Sequence[tuple[str, int]]) -> Canvas:
+    """Draw counts by kind as one stacked bar; each part has its kind as class."""
+    width, total, start = 220.0, sum(count for _, count in counts), 0.0
+    drawn = Canvas("", 16, width=width, kind="shares")
+    for kind, count in counts:
+        size = width * count / total if total else 0.0
+        if size:
+            drawn.rect(f"is-{kind}", start, 2, max(size - 1, 0.5), 12)
+        start += size
+    return drawn

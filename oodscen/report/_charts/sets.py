@@ -1,0 +1,204 @@
+"""Charts of sets of texts: distributions of scores, diversity over the size, a map of the space."""
+
+import math
+from collections.abc import Sequence
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+
+from oodscen.report._charts.canvas import WIDTH, Canvas, legend_height, linear, set_class, signed
+
+_STRIP, _GAP = 40, 10
+_BOX = 34
+_CURVE, _MAP = 210, 300
+_NAMES = 104
+"""Width of the column of names."""
+
+
+class Strip(NamedTuple):
+    """One row of a histogram: a set of values and the mean to mark."""
+
+    label: str
+    values: Sequence[float]
+    mean: float
+
+
+class Curve(NamedTuple):
+    """Both diversities of random subsets of one set, by their size."""
+
+    label: str
+    sizes: Sequence[int]
+    means: Sequence[Sequence[float]]
+    """To the nearest text, and over all pairs; one value per size each."""
+    bands: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
+    """The lower and upper rim of each of `means`, if known."""
+
+
+class Cloud(NamedTuple):
+    """The texts of one set on two axes."""
+
+    label: str
+    points: Sequence[Sequence[float]]
+    """[n, 2]."""
+
+
+def histogram(
+    strips: Sequence[Strip],
+    marker: float | None = None,
+    marked: str = "",
+    *,
+    what: str = "OOD-ness",
+) -> Canvas:
+    """Draw one histogram per set of values over a common axis, each scaled to its own highest bar.
+
+    Args:
+        strips: The sets; each has at least one value.
+        marker: A value to mark across all of them.
+        marked: Label of that value.
+        what: Name of the values.
+    """
+    right, height = WIDTH - 18, 22 + len(strips) * (_STRIP + _GAP)
+    edges = [value for strip in strips for value in strip.values]
+    edges += [] if marker is None else [marker]
+    step = _step(max(edges) - min(edges), 10, least=0.1)
+    low, high = _floor(min(edges), step), _floor(max(edges), step) + step
+    x, ticks = linear(low, high, _NAMES, right), round((high - low) / step)
+    drawn = Canvas(
+        f"{what} per text: "
+        + "; ".join(
+            f"{strip.label}, {len(strip.values)} texts, mean {signed(strip.mean)}"
+            for strip in strips
+        ),
+        height + 22,
+    )
+    for index in range(0, ticks + 1, 2 if ticks > 6 else 1):
+        drawn.column(x(low + step * index), 18, height, signed(low + step * index, _digits(step)))
+    drawn.text("tick", 0, height + 16, what)
+    for number, strip in enumerate(strips):
+        base = 22 + _STRIP + number * (_STRIP + _GAP)
+        counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[
+            0
+        ].tolist()
+        width = (right - _NAMES) / len(counts)
+        for index, count in enumerate(counts):
+            if count:
+                tall = _STRIP * count / max(counts)
+                at = _NAMES + width * index + 0.5
+                drawn.rect("bar", at, base - tall, max(width - 1, 0.5), tall)
+        drawn.line("grid", _NAMES, base, right, base)
+        _named(drawn, base - 18, strip.label, len(strip.values))
+        drawn.text("tick", 0, base + 8, f"mean {signed(strip.mean)}")
+        drawn.line("mean", x(strip.mean), base, x(strip.mean), base - _STRIP - 4)
+    if marker is not None:
+        drawn.line("reference", x(marker), 4, x(marker), height)
+        end, gap = (" end", -5) if x(marker) > (_NAMES + right) / 2 else ("", 5)
+        drawn.text(f"tick{end}", x(marker) + gap, 12, marked)
+    return drawn
+
+
+def boxes(rows: Sequence[tuple[str, Sequence[float]]]) -> Canvas:
+    """Draw a box per set: the middle half, the middle nine tenths, and the median."""
+    ends = [value for _, values in rows for value in values]
+    low, high = math.floor(min(ends)), math.ceil(max(ends))
+    high = max(high, low + 1)
+    height = 12 + _BOX * len(rows)
+    x = linear(low, high, _NAMES, WIDTH - 14)
+    drawn = Canvas("Scores of the detector by set", height + 22)
+    for value in range(low, high + 1, max(1, math.ceil((high - low) / 8))):
+        drawn.column(x(value), 6, height, signed(value, 0))
+    for place, (name, values) in enumerate(rows):
+        y = 12 + _BOX * place + _BOX / 2 - 6
+        a, b, c, d, e = map(x, np.quantile(values, (0.05, 0.25, 0.5, 0.75, 0.95)).tolist())
+        _named(drawn, y, name, len(values))
+        drawn.line("range", a, y, e, y)
+        drawn.rect("bar", b, y - 7, max(d - b, 1.0), 14)
+        drawn.line("mean", c, y - 7, c, y + 7)
+    return drawn
+
+
+def size_curves(curves: Sequence[Curve], *, colour: int = 0) -> Canvas:
+    """Draw both diversities over the number of texts: to the nearest solid, over pairs dashed.
+
+    Args:
+        curves: The sets, at least one.
+        colour: Number of the first set's colour; 0 is grey.
+    """
+    left, right, top, bottom = 40, WIDTH - 22, 10, 10 + _CURVE
+    lines = [line for curve in curves for line in (*curve.means, *chain(*curve.bands))]
+    values = list(chain(*lines))
+    low, high = math.floor(min(values) * 10) / 10, math.ceil(max(values) * 10) / 10
+    longest = max(max(curve.sizes) for curve in curves)
+    y = linear(low, max(high, low + 0.1), bottom, top)
+    along = linear(0.0, max(math.log(longest / 2), 1e-9), left, right)
+
+    def x(size: float) -> float:
+        return along(math.log(max(size, 2) / 2))
+
+    entries = [(set_class(place), curve.label) for place, curve in enumerate(curves, colour)]
+    height = bottom + 46 + legend_height(entries)
+    drawn = Canvas("Diversity by number of texts", height)
+    steps = max(round((high - low) * 10), 1)
+    for index in range(0, steps + 1, max(1, math.ceil(steps / 6))):
+        drawn.row(y(low + index / 10), left, right, signed(low + index / 10, 1))
+    for size in (10**power for power in range(1, 7) if 10**power <= longest):
+        drawn.text("tick middle", x(size), bottom + 16, size)
+    drawn.text("tick middle", x(2), bottom + 16, 2)
+    for place, curve in enumerate(curves, colour):
+        for lower, upper in curve.bands:
+            rims = ((*curve.sizes, *reversed(curve.sizes)), (*lower, *reversed(upper)))
+            around = [(x(size), y(value)) for size, value in zip(*rims, strict=True)]
+            drawn.path(f"band {set_class(place)}", around)
+        for kind, line in zip(("curve", "curve dashed"), curve.means, strict=True):
+            points = zip(map(x, curve.sizes), map(y, line), strict=True)
+            drawn.path(f"{kind} {set_class(place)}", points)
+    drawn.legend(entries, bottom + 38)
+    words = "diversity: nearest text (solid), all pairs (dashed); by number of texts"
+    drawn.text("tick", 0, height - 6, words)
+    return drawn
+
+
+def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 0) -> Canvas:
+    """Draw sets of texts on two axes of equal scale.
+
+    Args:
+        clouds: The sets, at least one point each.
+        share: Share of the variance that each axis holds.
+        colour: Number of the first set's colour; 0 is grey and faint.
+    """
+    every = np.array([point for cloud in clouds for point in cloud.points], np.float64)
+    low, spans = every.min(axis=0), np.maximum(np.ptp(every, axis=0), 1e-9)
+    scale = min((WIDTH - 20) / spans[0], (_MAP - 20) / spans[1])
+    height, left = 20 + float(spans[1] * scale), (WIDTH - float(spans[0] * scale)) / 2
+    entries = [
+        (set_class(place), f"{cloud.label} ({len(cloud.points)})")
+        for place, cloud in enumerate(clouds, colour)
+    ]
+    drawn = Canvas("Texts on two principal axes", height + 22 + legend_height(entries))
+    for place, cloud in enumerate(clouds, colour):
+        kind, radius = ("point", 2.6) if place else ("point faint", 1.8)
+        for first, second in (np.array(cloud.points) - low) * scale:
+            drawn.circle(f"{kind} {set_class(place)}", left + first, height - 10 - second, radius)
+    drawn.legend(entries, height + 14)
+    axes = ", ".join(f"{name}: {held:.0%}" for name, held in zip("xy", share, strict=False))
+    drawn.text("tick", 5, height + 14 + legend_height(entries), f"Share of the variance, {axes}")
+    return drawn
+
+
+def _named(drawn: Canvas, y: float, label: str, n: int) -> None:
+    drawn.text("name", 0, y, label)
+    drawn.text("tick", 0, y + 13, f"n = {n}")
+
+
+def _floor(value: float, step: float) -> float:
+    return round((value + 1e-9) // step * step, 6)
+
+
+def _step(span: float, ticks: int, *, least: float) -> float:
+    """Return a round step that cuts a span into at most about this many parts."""
+    sizes = (factor * least * 10**power for power in range(9) for factor in (1, 2, 5))
+    return next((size for size in sizes if span / size <= ticks), span / ticks)
+
+
+def _digits(step: float) -> int:
+    return 1 if step < 1 else 0

@@ -1,0 +1,94 @@
+"""Further parts of the page: the data of each, for the template of the same name in `templates/parts`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from oodscen.judging._drives import drive_board, remarks
+from oodscen.report._charts.rounds import saturation_chart
+from oodscen.report._load import Material
+from oodscen.stages._prune.restoration import restoration, restoration_rows
+from oodscen.stages._redteam.saturation import saturation
+from oodscen.study import Study
+from oodscen.tree._coverage import LACKS, coverage
+
+_MOST_ADDITIONS = 15
+_MOST_SCENES = 200
+
+Variables = Mapping[str, Any]
+
+
+def driving(study: Study, found: Material) -> Variables | None:
+    """Return the results of `oodscen drive`, one row per driver for scenes and one for twins."""
+    if not found.drives:
+        return None
+    seed = found.config.get("seed")
+    board = drive_board(found.drives, found.scenarios, seed=seed if isinstance(seed, int) else 0)
+    return {
+        "rows": board.rows,
+        "remarks": remarks(board),
+        "pairs": [(row.driver, row.paired) for row in board.rows if row.paired and row.paired.n],
+    }
+
+
+def undecided(study: Study, found: Material) -> Variables | None:
+    """Return the scenes in which every action, or none, is safe, with what was tried."""
+    episodes = [
+        one
+        for one in found.episodes
+        if one.status == "ok" and not one.is_twin and one.actions and not one.is_decidable
+    ]
+    if not episodes:
+        return None
+    told = {str(line.get("id")): line for line in found.restagings}
+    return {
+        "count": len(episodes),
+        "restaged": sum(bool(one.restaged) for one in found.episodes),
+        "rows": [
+            {
+                "id": one.scene_id,
+                "all_safe": bool(one.safe_set),
+                "tried": _tried(told.get(one.scene_id, {})),
+            }
+            for one in episodes[:_MOST_SCENES]
+        ],
+    }
+
+
+def _tried(line: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+    """Return the attempted fixes by the reason why they failed, the most frequent reason first."""
+    by_why: dict[str, list[str]] = {}
+    for one in line.get("tried") or ():
+        if isinstance(one, Mapping):
+            by_why.setdefault(str(one.get("why", "")), []).append(str(one.get("how", "")))
+    return sorted(by_why.items(), key=lambda item: -len(item[1]))
+
+
+def saturated(study: Study, found: Material) -> Variables | None:
+    """Return the new kinds found by the rounds of red teaming, and an estimate of those left."""
+    estimates = saturation(found.rounds)
+    chart = saturation_chart(estimates)
+    return {"chart": chart, "estimates": estimates} if chart else None
+
+
+def restored(study: Study, found: Material) -> Variables | None:
+    """Return the single additions to the catalogue, by the number of pruned paths each restores."""
+    ranking = restoration(found.decisions)
+    labels = {one.id: one.path[-1] if one.path else one.id for one in found.decisions}
+    rows = restoration_rows(ranking, labels, limit=_MOST_ADDITIONS)
+    return {"ranking": ranking, "rows": rows} if rows else None
+
+
+def covered(study: Study, found: Material) -> Variables | None:
+    """Return counts per class and family of the simulatable tree, and the holes by leaf."""
+    tree = found.trees.get("simulatable")
+    if tree is None or not found.scenarios:
+        return None
+    report = coverage(tree, texts=found.scenarios, scenes=found.scenes, episodes=found.episodes)
+    holes = [
+        (words, [row.label for row in report.holes if row.lacks == lack])
+        for lack, words in LACKS.items()
+    ]
+    return {
+        "rows": [row for row in report.rows if row.kind != "leaf"],
+        "holes": [(words, labels) for words, labels in holes if labels],
+    }

@@ -1,0 +1,97 @@
+"""Options of the stages: parameters that travel together, as frozen values."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, TypeVar
+
+from pydantic import Field
+
+from oodscen._paper import FEW_SHOTS, ITERATIONS, PER_PATH
+from oodscen.data._base import Data
+from oodscen.errors import DataError, UsageError
+from oodscen.prompts import Style
+from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
+
+Options = TypeVar("Options", bound=Data)
+_Bound = Annotated[float, Field(allow_inf_nan=True)]
+
+
+class RedTeamOptions(Data):
+    """Options of a `RedTeamer`: the stopping rules, the loop, and what a prompt shows.
+
+    The first stopping rule that holds ends the red teaming: `iterations`, `budget`, `patience` or `coverage`.
+    """
+
+    noun: ClassVar[str] = "red-team options"
+
+    iterations: int = Field(default=ITERATIONS, ge=0)
+    """Maximum number of rounds."""
+    budget: int | None = Field(default=None, ge=0)
+    """Maximum number of model calls, including repairs; a round that might exceed it is not started."""
+    patience: int | None = Field(default=None, ge=1)
+    """Stop after this many rounds in a row without a new kind."""
+    coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
+    """Stop when the Good-Turing coverage exceeds this. One extra kind counts as met once, so that a few lucky
+    rounds do not end the red teaming: 1 - (f1 + 1) / (n + 1).
+    """
+    closed_loop: bool = True
+    """`False` is the paper's procedure."""
+    shown: tuple[str, ...] = FEW_SHOTS
+    """The few-shot examples of the red-LLM."""
+    nearest: float = NEAREST_TEXT
+    """Minimum similarity to an earlier proposal at which a proposal is refused."""
+    nearest_label: float = NEAREST_LABEL
+    """Minimum similarity to a leaf's label at which a proposal is refused."""
+    broadenings: int = BROADENINGS
+    """Number of broadenings of a leaf before it is split."""
+    tokens: int = TOKENS
+    """Room for the tree in a prompt; only a part of a larger tree is shown."""
+    in_flight: int = Field(default=1, ge=1)
+    """Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago. Decisions are
+    taken in the order of the rounds.
+    """
+    threads: int | None = None
+    """Threads that ask; they change no result. As many as `in_flight` if left out."""
+
+
+class DescribeOptions(Data):
+    """Options of a `Describer`: how many texts, in which style, and how they are chosen."""
+
+    noun: ClassVar[str] = "describe options"
+
+    per_path: int = PER_PATH
+    """Texts per path."""
+    style: Style = "natural"
+    nearest: float = 0.93
+    """Largest cosine between two texts of one path."""
+    redraws: int = 3
+    """Maximum number of redraws of near duplicates and off-topic texts before they are accepted."""
+    candidates: int = Field(default=1, ge=1)
+    """Texts written for each one that is kept; of several, those that differ most from one another are kept."""
+    band: tuple[_Bound, _Bound] | None = None
+    """Lowest and highest OOD-ness of the candidates; either may be infinite."""
+    twins: bool = False
+    """Write the ordinary twin of every text; a text whose twin's answers are never valid gets none."""
+    batch: int = 10
+    """Maximum number of texts per call."""
+    sample: int = 0
+    """Keeps independent sets of texts apart."""
+    threads: int = 1
+    """Number of paths to work on at once."""
+
+    @property
+    def is_selective(self) -> bool:
+        """True if texts are chosen by metrics."""
+        return self.candidates > 1 or self.band is not None
+
+
+def chosen(kind: type[Options], options: Options | None, changes: Mapping[str, Any]) -> Options:
+    """Return options with some of their fields changed.
+
+    Raises:
+        UsageError: If a field does not exist or its value is not allowed; the error names every fault.
+    """
+    given = {} if options is None else {name: getattr(options, name) for name in kind.model_fields}
+    try:
+        return kind.parse({**given, **changes})
+    except DataError as error:
+        raise UsageError(str(error)) from None

@@ -1,0 +1,79 @@
+"""Figures of right and wrong answers: correction for chance, sensitivity index, likeness within paths."""
+
+import math
+from collections.abc import Sequence
+from statistics import NormalDist
+
+import numpy as np
+
+from oodscen.statistics._intervals import Floats
+from oodscen.statistics._resampling import members
+
+_NORMAL = NormalDist()
+
+
+def intraclass(values: Floats, clusters: Sequence[str]) -> float | None:
+    """Return the intraclass correlation of right and wrong within clusters (one-way ANOVA).
+
+    0 means that items of a path are no more alike than others, 1 that all items of a path agree.
+    Source: A. Donner, A review of inference procedures for the intraclass correlation coefficient,
+    Int. Stat. Rev. 54 (1986).
+
+    Args:
+        values: [n], none missing.
+        clusters: [n] labels.
+
+    Returns:
+        In [0, 1]; `None` if undefined: one cluster, only clusters of one item, or no variance.
+    """
+    member = members(len(values), clusters)
+    units = int(member.max(initial=-1)) + 1
+    n = len(values)
+    if units < 2 or n <= units:
+        return None
+    sizes = np.bincount(member).astype(np.float64)
+    means = np.bincount(member, weights=values) / sizes
+    between = float(sizes @ np.square(means - values.mean())) / (units - 1)
+    within = float(np.square(values - means[member]).sum()) / (n - units)
+    size = (n - float(sizes @ sizes) / n) / (units - 1)
+    total = between + (size - 1) * within
+    return None if total <= 1e-15 else min(max((between - within) / total, 0.0), 1.0)
+
+
+def two_proportions(first: float, n_first: float, second: float, n_second: float) -> float:
+    """Return the two-sided p that two shares of different items differ (pooled z test)."""
+    pooled = (first + second) / (n_first + n_second)
+    error = math.sqrt(pooled * (1 - pooled) * (1 / n_first + 1 / n_second))
+    if error == 0:
+        return 1.0
+    return 2 * (1 - _NORMAL.cdf(abs(first / n_first - second / n_second) / error))
+
+
+def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float | None:
+    """Return d', the distance between an answerer's responses to scenes and twins, in standard deviations.
+
+    Uses the log-linear correction (0.5 is added to both counts and 1 to both numbers), which keeps
+    perfect answers finite. Source: M. J. Hautus, Behav. Res. Methods 27 (1995).
+
+    Args:
+        hits: Scenes that were called out of the ordinary.
+        signals: Number of scenes.
+        alarms: Twins that were called out of the ordinary.
+        noises: Number of twins.
+
+    Returns:
+        0 if scenes and twins are called OOD equally often; `None` without scenes or without twins.
+    """
+    if not signals or not noises:
+        return None
+    return _NORMAL.inv_cdf((hits + 0.5) / (signals + 1)) - _NORMAL.inv_cdf(
+        (alarms + 0.5) / (noises + 1)
+    )
+
+
+def above_chance(value: float, chance: float) -> float | None:
+    """Return a share corrected for chance: 0 is the chance level, 1 is perfect, negative is worse than chance.
+
+    Source: the form of J. Cohen's kappa, Educ. Psychol. Meas. 20 (1960).
+    """
+    return None if chance >= 1 else (value - chance) / (1 - chance)

@@ -1,0 +1,105 @@
+"""Intervals: percentiles of bootstrap replicates, and Wilson's interval of a share."""
+
+import math
+from statistics import NormalDist
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from oodscen.data._base import Data
+
+Floats = NDArray[np.float64]
+
+FEWEST_CLUSTERS = 5
+"""The fewest clusters for a percentile bootstrap; with fewer, it is far too narrow and not computed."""
+
+_NORMAL = NormalDist()
+
+
+class Interval(Data):
+    """A 95 % interval of a figure, with the method that produced it.
+
+    It shows how much the figure would vary with another draw of similar items (texts, scenes) or paths.
+    It does not cover the choice of encoder, baseline or definition.
+    """
+
+    noun: ClassVar[str] = "interval"
+
+    level: ClassVar[float] = 0.95
+
+    low: float
+    high: float
+    method: Literal["wilson", "bootstrap", "cluster bootstrap"]
+    units: int = Field(ge=1)
+    """Number of units taken as independent: items, or paths."""
+
+    @property
+    def is_clustered(self) -> bool:
+        """True if whole clusters (the items of one path) were resampled, because they resemble one another."""
+        return self.method == "cluster bootstrap"
+
+
+def wilson(hits: float, n: float, *, level: float = Interval.level) -> tuple[float, float]:
+    """Return the Wilson score interval of a share; (0, 1) if nothing was counted.
+
+    Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference,
+    JASA 22 (1927).
+
+    Args:
+        hits: Number of hits; fractional after a correction for clustering.
+        n: Number of trials.
+        level: Confidence level.
+    """
+    if n <= 0:
+        return 0.0, 1.0
+    z = _NORMAL.inv_cdf(0.5 + level / 2)
+    share, z2 = hits / n, z * z
+    middle = (share + z2 / (2 * n)) / (1 + z2 / n)
+    half = z / (1 + z2 / n) * math.sqrt(share * (1 - share) / n + z2 / (4 * n * n))
+    low = 0.0 if hits <= 0 else max(middle - half, 0.0)
+    return low, 1.0 if hits >= n else min(middle + half, 1.0)
+
+
+def percentile_interval(found: Floats, units: int, *, is_clustered: bool) -> Interval:
+    """Return the interval that holds the middle 95 % of replicates [r], at least one of them finite."""
+    tail = (1 - Interval.level) / 2
+    low, high = np.quantile(found[np.isfinite(found)], [tail, 1 - tail])
+    return Interval(
+        low=round(float(low), 6),
+        high=round(float(high), 6),
+        method="cluster bootstrap" if is_clustered else "bootstrap",
+        units=units,
+    )
+
+
+def percentiles(found: Floats, units: int) -> Interval | None:
+    """Return the interval of clustered replicates [r]; `None` with too few clusters or without spread."""
+    known = found[np.isfinite(found)]
+    if units < FEWEST_CLUSTERS or not len(known) or np.ptp(known) < 1e-12:
+        return None
+    return percentile_interval(known, units, is_clustered=True)
+
+
+def share_bounds(hits: float, n: int, units: int, found: Floats | None = None) -> Interval | None:
+    """Return the interval of a share.
+
+    The clustered bootstrap if possible. With fewer than `FEWEST_CLUSTERS` paths it is Wilson's interval
+    over items instead. If all items agree, it is Wilson's with every path counted as one item, because
+    agreement within a path adds no evidence.
+
+    Args:
+        hits: Number of right answers.
+        n: Number of answers.
+        units: Number of clusters that they belong to.
+        found: [r] bootstrap replicates.
+    """
+    if not n:
+        return None
+    clustered = None if found is None else percentiles(found, units)
+    if clustered is not None:
+        return clustered
+    count = units if units >= FEWEST_CLUSTERS and hits in (0, n) else n
+    low, high = wilson(hits * count / n, count)
+    return Interval(low=round(low, 6), high=round(high, 6), method="wilson", units=count)

@@ -1,0 +1,88 @@
+"""The figure that ranks a task, its worst case, what is missing, and the reference to beat."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen.judging._leaderboard.board import (
+    TASKS,
+    Control,
+    Detection,
+    Figure,
+    Identification,
+    Leaderboard,
+    Rate,
+    Standing,
+    best_floor,
+    missing_share,
+    score,
+    worst_score,
+)
+
+SHARES = st.none() | st.integers(0, 8).map(lambda eighths: eighths / 8)
+FIGURES = st.builds(Figure, value=SHARES)
+RATES = st.builds(Rate, n=st.integers(0, 9), missing=st.integers(0, 9), value=SHARES, worst=SHARES)
+ROWS = st.builds(
+    Standing,
+    model=st.sampled_from(["oracle", "oracle-2", "random", "constant:stop", "mine"]),
+    kind=st.sampled_from(["model", "reference"]),
+    protocol=st.sampled_from(["ours", "paper"]),
+    detection=st.builds(
+        Detection, sensitivity=RATES, specificity=RATES, balanced_accuracy=FIGURES, worst=FIGURES
+    ),
+    identification=st.builds(Identification, open=RATES, closed=RATES, open_shown=RATES),
+    control=st.builds(Control, safe=RATES, decidable=RATES, collision_free=RATES),
+)
+
+REFERENCES = ROWS.map(lambda row: row.model_copy(update={"kind": "reference", "protocol": "ours"}))
+
+
+def counted(row: Standing) -> dict[str, list[Rate]]:
+    return {
+        "detection": [row.detection.sensitivity, row.detection.specificity],
+        "open": [row.identification.open],
+        "closed": [row.identification.closed],
+        "control": [row.control.safe],
+    }
+
+
+@settings(max_examples=40)
+@given(ROWS)
+def test_a_task_is_ranked_by_its_share_and_detection_by_its_balanced_accuracy(row):
+    assert score(row, "detection") == row.detection.balanced_accuracy.value
+    assert worst_score(row, "detection") == row.detection.worst.value
+    for task in ("open", "closed", "control"):
+        (rate,) = counted(row)[task]
+        assert (score(row, task), worst_score(row, task)) == (rate.value, rate.worst)
+
+
+@settings(max_examples=40)
+@given(ROWS, st.sampled_from(TASKS))
+def test_the_missing_share_is_of_what_was_asked(row, task):
+    found = counted(row)[task]
+    missing, answered = sum(one.missing for one in found), sum(one.n for one in found)
+    share = missing_share(row, task)
+    assert share * (missing + answered) == pytest.approx(missing)
+    assert 0 <= share <= 1
+    assert missing or share == 0
+
+
+@settings(max_examples=40)
+@given(st.lists(ROWS | REFERENCES, max_size=6), st.sampled_from(TASKS))
+def test_the_floor_is_the_best_reference_of_ours_that_does_not_know_the_truth(rows, task):
+    able = [
+        row
+        for row in rows
+        if row.kind == "reference"
+        and row.protocol == "ours"
+        and row.model not in ("oracle", "oracle-2")
+        and score(row, task) is not None
+    ]
+    floor = best_floor(rows, task)
+    assert (floor in able) if able else floor is None
+    assert all(score(floor, task) >= score(row, task) for row in able)
+    board = Leaderboard(standings=tuple(rows))
+    assert board.floor(task) == floor
+    for row in rows:
+        assert board.standing(row.model) == next(r for r in rows if r.model == row.model)
+    assert board.standing("nobody") is None

@@ -1,0 +1,44 @@
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+from oodscen.report._charts.scores import Bar, Row, bars, confusion, shares, whisker
+
+NAMES = st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=70)
+
+
+@settings(max_examples=25)
+@given(st.lists(st.tuples(NAMES, st.integers(0, 9), st.integers(1, 9)), min_size=1, max_size=5))
+def test_bars_are_well_formed_and_as_long_as_their_share(rows: list[tuple[str, int, int]]) -> None:
+    drawn = bars(
+        [Row(name, [Bar(min(hits, n), n, 0.1, 0.9), None], 0.5) for name, hits, n in rows],
+        ["<m>", "n"],
+        "Safe action",
+    )
+    root = etree.fromstring(drawn.__html__())
+    widths = [
+        float(one.get("width"))
+        for one in root.iter("{*}rect", "rect")
+        if one.get("class") == "series-0"
+    ]
+    assert widths == pytest.approx([384 * min(hits, n) / n for _, hits, n in rows], abs=0.06)
+    assert len(root.findall(".//path[@class='chance']")) == len(rows)
+
+
+def test_confusion_marks_the_diagonal() -> None:
+    root = etree.fromstring(
+        confusion(["fog & dust", "dog"], {(0, 0): 3, (0, 2): 1, (1, 0): 2}, 2).__html__()
+    )
+    assert len(root.findall(".//rect[@class='hit']")) == 1
+    assert [one.findtext("title") for one in root.findall(".//rect[@class='miss']")] == [
+        "fog & dust: 1 taken for nothing unusual",
+        "dog: 2 taken for fog & dust",
+    ]
+
+
+def test_whisker_and_shares_are_well_formed() -> None:
+    etree.fromstring(whisker(0.5, 0.4, 0.6).__html__())
+    bars = etree.fromstring(shares([("safe", 3), ("unsafe", 1), ("unavailable", 0)]).__html__())
+    assert [float(bar.get("width")) for bar in bars] == [164, 54]
+    assert len(etree.fromstring(shares([("safe", 0)]).__html__())) == 0

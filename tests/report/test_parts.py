@@ -1,0 +1,95 @@
+"""Parts of the page: undecidable scenes, driving stacks, coverage; models' words are text."""
+
+from lxml import html
+
+from oodscen.data._drive_result import DriveResult
+from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.data._scenario import Scenario
+from oodscen.report._load import Material
+from oodscen.report._parts import covered, driving, undecided
+from oodscen.report._render import rendered
+from oodscen.report._sections import Drawn
+from oodscen.study import Study
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+
+
+def page_of(template, data):
+    return html.fromstring(f"<div>{rendered(Drawn('', template, data))}</div>")
+
+
+def episode(name, *safe):
+    actions = {a: ActionOutcome(safe=a in safe) for a in ("stop", "keep_speed")}
+    return Episode(id=name, scene_id=name, status="ok", actions=actions)
+
+
+def drawn(tmp_path, *episodes, lines=()):
+    found = Material(episodes=list(episodes), restagings=list(lines))
+    return page_of("undecided", undecided(Study(tmp_path), found))
+
+
+def test_what_was_tried_is_said_for_every_undecided_scene(tmp_path):
+    tried = [
+        {"how": "decision time 2 -> 1", "why": "every action is safe"},
+        {"how": "<script>faster</script>", "why": "it cannot be run: <b>"},
+    ]
+    page = drawn(
+        tmp_path,
+        episode("a-001", "stop", "keep_speed"),
+        episode("b-001", "stop"),
+        episode("c-001"),
+        episode("c-001~twin"),
+        lines=[{"id": "a-001", "how": "", "tried": tried}],
+    )
+    rows = [" ".join(row.itertext()) for row in page.xpath(".//tbody/tr")]
+    assert len(rows) == 2
+    assert "every action is safe" in rows[0]
+    assert "decision time 2 -> 1" in rows[0]
+    assert "<script>faster</script>" in rows[0]
+    assert "no action is safe" in rows[1]
+    assert "not on record" in rows[1]
+    assert not page.xpath(".//script")
+
+
+def test_without_such_scenes_there_is_no_part(tmp_path):
+    assert undecided(Study(tmp_path), Material(episodes=[episode("b-001", "stop")])) is None
+
+
+def result(driver, name, **fields):
+    return DriveResult(
+        id=f"{name}@{driver}", scene_id=name, driver=driver, is_twin="~" in name, **fields
+    )
+
+
+def test_every_driver_has_a_row_for_scenes_and_one_for_twins(tmp_path):
+    names = [f"leaf-{i % 6}-{i:03d}" for i in range(12)]
+    drives = [
+        result(driver, name + end, passed=True, progress=progress, peak_deceleration=1.0)
+        for driver, progress in (("rule-based", 0.9), ("<b>still</b>:make", 0.05))
+        for name in names
+        for end in ("", "~twin")
+    ]
+    drives.append(result("broken", names[0], status="failed", error="no"))
+    page = page_of("driving", driving(Study(tmp_path), Material(drives=drives)))
+    rows = [" ".join(row.itertext()) for row in page.xpath(".//tbody/tr")]
+    assert len(rows) == 5
+    assert "rule-based" in rows[0]
+    assert "100 %" in rows[0]
+    assert "<b>still</b>:make" in rows[2]
+    assert "1 failed to run" in rows[4]
+    assert "by hardly driving" in " ".join(page.itertext())
+    heads, cells = len(page.xpath(".//thead//th")), [len(r) for r in page.xpath(".//tbody/tr")]
+    assert set(cells) == {heads}
+
+
+def test_without_drives_there_is_no_part(tmp_path):
+    assert driving(Study(tmp_path), Material()) is None
+
+
+def test_labels_are_escaped_in_the_coverage(tmp_path):
+    tree = ScenarioTree.planted().apply(
+        TreeEdit(op="add", node="x", parent="environmental", label="fog & dust")
+    )
+    texts = [Scenario(id="s", text="t", leaf="elsewhere")]
+    found = Material(trees={"simulatable": tree}, scenarios=texts)
+    page = page_of("coverage", covered(Study(tmp_path), found))
+    assert "fog & dust" in " ".join(page.xpath(".//li//text()"))

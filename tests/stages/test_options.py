@@ -1,0 +1,43 @@
+"""Options: one frozen value, or single names; what does not exist is refused with its name."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from oodscen.errors import UsageError
+from oodscen.stages import DescribeOptions, Describer, RedTeamer, RedTeamOptions
+from oodscen.testing import FunctionLLM
+
+LLM = FunctionLLM(lambda request: {})
+
+
+@given(st.integers(0, 9), st.booleans(), st.integers(1, 9))
+def test_names_and_one_value_say_the_same(iterations, closed_loop, in_flight):
+    named = {"iterations": iterations, "closed_loop": closed_loop, "in_flight": in_flight}
+    options = RedTeamOptions(**named)
+    assert RedTeamer(LLM, **named).options == RedTeamer(LLM, options=options).options == options
+    assert RedTeamer(LLM, options=options, patience=3).options == options.model_copy(
+        update={"patience": 3}
+    )
+
+
+def test_what_is_left_out_has_its_default():
+    assert RedTeamer(LLM).options == RedTeamOptions()
+    assert Describer(LLM).options == DescribeOptions()
+    assert DescribeOptions(band=(-math.inf, 0.5)).band == (-math.inf, 0.5)
+
+
+@pytest.mark.parametrize("maker", [RedTeamer, Describer])
+def test_an_option_that_does_not_exist_is_named(maker):
+    with pytest.raises(UsageError, match="nearst"):
+        maker(LLM, nearst=0.5)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"iterations": -1}, {"patience": 0}, {"coverage": 1.0}, {"in_flight": 0}]
+)
+def test_a_value_that_is_not_allowed_is_refused_with_its_name(changes):
+    with pytest.raises(UsageError, match=next(iter(changes))):
+        RedTeamer(LLM, **changes)

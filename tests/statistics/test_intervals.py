@@ -1,0 +1,82 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from oodscen.statistics._intervals import (
+    percentile_interval,
+    percentiles,
+    share_bounds,
+    wilson,
+)
+
+
+@given(st.integers(0, 500), st.integers(1, 500))
+def test_wilson_holds_the_share_mirrors_and_narrows(hits: int, more: int) -> None:
+    n = hits + more
+    low, high = wilson(hits, n)
+    assert 0 <= low <= hits / n <= high <= 1
+    assert (1 - high, 1 - low) == pytest.approx(wilson(n - hits, n))
+    assert wilson(4 * hits, 4 * n)[1] - wilson(4 * hits, 4 * n)[0] < high - low
+    assert wilson(hits, n, level=0.99)[0] <= low
+
+
+def test_wilson_without_anything_knows_nothing() -> None:
+    assert wilson(0, 0) == (0, 1)
+    assert wilson(110, 130) == pytest.approx((0.7746, 0.8981), abs=5e-4)
+
+
+def test_wilson_agrees_with_scipy() -> None:
+    for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
+        found = stats.binomtest(hits, n).proportion_ci(method="wilson")
+        assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)
+
+
+def test_intervals_do_not_pretend_where_all_agree_or_paths_are_few() -> None:
+    perfect = share_bounds(130, 130, 13, np.ones(10))
+    assert perfect is not None
+    assert (perfect.method, perfect.units) == ("wilson", 13)
+    assert perfect.low == pytest.approx(wilson(13, 13)[0], abs=1e-6)
+    few = share_bounds(7, 20, 2, np.linspace(0, 1, 50))
+    assert few is not None
+    assert (few.method, few.units) == ("wilson", 20)
+    assert share_bounds(0, 0, 0) is None
+
+
+def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
+    found = np.linspace(0.2, 0.8, 50)
+    assert percentiles(found, 4) is None
+    assert percentiles(found, 5) is not None
+
+
+def test_only_where_all_agree_a_path_counts_as_one_item() -> None:
+    mixed, equal = share_bounds(7, 20, 10), share_bounds(20, 20, 10)
+    assert mixed is not None
+    assert equal is not None
+    assert (mixed.method, mixed.units) == ("wilson", 20)
+    assert (mixed.low, mixed.high) == pytest.approx(wilson(7, 20), abs=1e-6)
+    assert equal.units == 10
+
+
+@given(st.integers(1, 300))
+def test_nothing_and_everything_reach_the_ends(n: int) -> None:
+    assert wilson(0, n)[0] == 0.0
+    assert wilson(n, n)[1] == 1.0
+    for hits in (0, n):
+        found = share_bounds(hits, n, min(n, 7))
+        assert found is not None
+        assert found.units == min(n, 7)
+
+
+def test_an_interval_of_replicates_is_between_their_quantiles_and_says_what_was_drawn() -> None:
+    found = np.r_[np.arange(1001.0), np.nan]
+    for is_clustered, method in ((False, "bootstrap"), (True, "cluster bootstrap")):
+        interval = percentile_interval(found, 9, is_clustered=is_clustered)
+        assert (interval.low, interval.high, interval.units) == (25.0, 975.0, 9)
+        assert (interval.method, interval.is_clustered) == (method, is_clustered)
+
+
+def test_replicates_without_spread_or_without_values_give_no_interval() -> None:
+    assert percentiles(np.ones(40), 9) is None
+    assert percentiles(np.full(40, np.nan), 9) is None
