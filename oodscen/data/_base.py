@@ -9,13 +9,13 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from oodscen._display import brief
+from oodscen._display import Brief
 from oodscen._files import read_utf8
 from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
 
-class Data(BaseModel):
+class Data(Brief, BaseModel):
     """Immutable, JSON-serialisable value without extra fields; validation reports every fault at once."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -57,13 +57,6 @@ class Data(BaseModel):
             DataError: If the file cannot be read or does not hold a valid value.
         """
         return cls.parse(read_utf8(path, cls.noun), source=str(path))
-
-    def __repr__(self) -> str:
-        shown = (name for name in type(self).model_fields if name in self.model_fields_set)
-        return brief(self, ((name, getattr(self, name)) for name in shown))
-
-    def __str__(self) -> str:
-        return repr(self)
 
     def to_json(self) -> str:
         """Return the canonical JSON text: sorted keys, no spaces, and the same bytes for equal values."""
