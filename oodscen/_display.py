@@ -17,6 +17,8 @@ WIDTH = 100
 """Maximum length of a line, in characters."""
 _ROOM = 60
 """Maximum length of one field, in characters."""
+_MOST = 30
+"""Maximum number of items of a field that are looked at."""
 
 
 class Brief:
@@ -75,13 +77,15 @@ def _abridged(value: object) -> str:
     if isinstance(value, Mapping):
         secret = set(secrets_in(value))
         items = ((key, HIDDEN if _is_in(item, secret) else item) for key, item in value.items())
-        parts = (f"{_abridged(key)}: {_abridged(item)}" for key, item in items)
+        parts = [f"{_abridged(key)}: {_abridged(item)}" for key, item in islice(items, _MOST)]
+        if parts and len(parts[0]) > _ROOM // 2:
+            parts = [f"{_abridged(key)}: …" for key in islice(value, _MOST)]
         return _joined("{", parts, "}", len(value))
     if type(value) in (tuple, list) and isinstance(value, Sequence):
         ends = "()" if isinstance(value, tuple) else "[]"
-        return _joined(ends[0], (_abridged(item) for item in value), ends[1], len(value))
+        return _joined(ends[0], map(_abridged, islice(value, _MOST)), ends[1], len(value))
     text = " ".join(redact(repr(value)).split())
-    if " object at 0x" in text or " at 0x" in text:
+    if " at 0x" in text:
         return f"<{getattr(value, '__qualname__', type(value).__name__)}>"
     if len(text) <= _ROOM:
         return text
@@ -95,7 +99,7 @@ def _is_in(item: object, secret: set[str]) -> bool:
 
 def _joined(start: str, parts: Iterable[str], end: str, count: int) -> str:
     """Join as many parts as fit, with the number of all if some do not."""
-    inside = list(islice(parts, _ROOM // 2))
+    inside = list(parts)
     text = ", ".join(inside)
     if len(text) <= _ROOM and len(inside) == count:
         return f"{start}{text}{',' if start == '(' and count == 1 else ''}{end}"
