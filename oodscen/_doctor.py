@@ -10,6 +10,7 @@ from zlib import compress, crc32
 
 from oodscen._conformance import reason, working
 from oodscen._files import temporary_folder
+from oodscen._progress import Progress
 from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.protocols import LLM
@@ -36,14 +37,14 @@ def examine() -> list[Finding]:
 
 
 def examine_simulator(
-    name: str, *, is_quick: bool = False, progress: Callable[[str, int, int], None] | None = None
+    name: str, *, is_quick: bool = False, progress: Progress | bool | None = None
 ) -> list[Finding]:
     """Run the conformance check on one simulator; one finding per fault.
 
     Args:
         name: A registered name, or `module:attr`.
         is_quick: Skip the slow parts.
-        progress: Called for every part.
+        progress: True for a progress bar, or a callable; it counts the parts.
 
     Raises:
         UsageError: If there is no such simulator.
@@ -54,15 +55,11 @@ def examine_simulator(
     with working("simulator", name):
         make_simulator(name).close()
     parts = QUICK if is_quick else PARTS
-    told = progress or (lambda stage, done, total: None)
     try:
-        check_simulator(
-            name, parts=parts, progress=lambda part: told("check", parts.index(part), len(parts))
-        )
+        check_simulator(name, parts=parts, progress=progress)
     except AssertionError as error:
         faults = str(error).split("\n  - ")[1:]
         return [Finding(f"simulator {name}", False, fault) for fault in faults]
-    told("check", len(parts), len(parts))
     return [Finding(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
 
 

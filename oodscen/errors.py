@@ -33,6 +33,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+from oodscen._display import cut
+
 __all__ = [
     "AnswerError",
     "BudgetExceeded",
@@ -77,6 +79,9 @@ class Issue(NamedTuple):
 
 class OodscenError(Exception):
     """Root of all errors of this library."""
+
+    def __repr__(self) -> str:
+        return cut(f"{type(self).__name__}({str(self)!r})")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_rebuild, (type(self), self.args, self.__dict__))

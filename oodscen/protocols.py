@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator
 
+from oodscen._display import Brief, png
 from oodscen._text import whole
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -50,8 +51,8 @@ __all__ = [
 # ------------------------------------------------------------------ language models
 
 
-@dataclass(frozen=True)
-class Request:
+@dataclass(frozen=True, repr=False)
+class Request(Brief):
     """One question to a language model."""
 
     prompt: "Prompt[Any]"
@@ -177,8 +178,8 @@ class Camera:
             raise UsageError("camera: x, y and z must be finite")
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
+@dataclass(frozen=True, eq=False, repr=False)
+class Frame(Brief):
     """One camera picture with depth and instance ids."""
 
     rgb: NDArray[np.uint8]
@@ -190,6 +191,9 @@ class Frame:
     unhidden: NDArray[np.int32] | None = None
     """[n] pixels that each body would fill if nothing occluded it, rows as in `State.ids`;
     `None` if the simulator cannot tell."""
+
+    def _repr_png_(self) -> bytes | None:
+        return png(self.rgb)
 
 
 @dataclass(frozen=True)
@@ -210,8 +214,8 @@ class Control:
             return False
 
 
-@dataclass(frozen=True, eq=False)
-class State:
+@dataclass(frozen=True, eq=False, repr=False)
+class State(Brief):
     """The world after a step. Row 0 of every array is the ego."""
 
     step: int
@@ -311,8 +315,8 @@ class Simulator(Protocol):
 # ------------------------------------------------------------------ drivers
 
 
-@dataclass(frozen=True, eq=False)
-class Observation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Observation(Brief):
     """The input of a driver. Offsets are from the centre of the lane in which the ego started."""
 
     time: float

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TypeVar
 
 import click
-from tqdm import tqdm
 
 from oodscen._cli.options import json_option, llm_options, seed_option, simulator_option
-from oodscen._cli.output import say
+from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import READABLE
 from oodscen._files import read_utf8
 from oodscen.claims._check import Faithfulness, Unjudged
@@ -56,7 +55,8 @@ def faithful(
     model = make_llm(llm, seed=seed, api_base=api_base)
     catalogue = make_simulator(simulator).catalogue()
     rows: list[Data] = [*faulty]
-    for number, scene in tqdm(list(_values(Scene, scenes)), desc="faithful", disable=None):
+    staged = list(_values(Scene, scenes))
+    for number, scene in tracked(staged, "faithful", len(staged)):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oodscen._cli.options import json_option
-from oodscen._cli.output import say
+from oodscen._cli.output import bars, say
 from oodscen._cli.paths import PathName
 
 if TYPE_CHECKING:
@@ -48,10 +48,14 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     makers = [(n, RuleBasedDriver if n == "rule-based" else driver_maker(n)) for n in names]
     before = study.drives
     found = {row.id: row for row in current(before, staged)}
+    seed = study.config.seed
     with make_simulator(study.config.simulator) as simulator:
         for name, make in makers:
-            for result in drive_scenes(scenes, make, simulator, name=name, seed=study.config.seed):
-                found[result.id] = result
+            with bars() as told:
+                for one in drive_scenes(
+                    scenes, make, simulator, name=name, seed=seed, progress=told
+                ):
+                    found[one.id] = one
     rows = current(found.values(), staged)
     board = drive_board(rows, scenarios, seed=study.config.seed)
     study.store.write_lines("drives.jsonl", rows)

@@ -2,16 +2,16 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
-from tqdm import tqdm
 
 from oodscen._cli.paths import is_written_through
 from oodscen._files import read_utf8, replace
+from oodscen._progress import Progress, counted, reporting
 from oodscen._text import plain
 from oodscen.data._base import Data
 from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from oodscen.stages._redteam.saturation import Saturation
 
 Row = TypeVar("Row", bound=Data)
+Item = TypeVar("Item")
 
 _LONGEST = 1_000
 
@@ -272,26 +273,16 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
     return rows
 
 
-@contextmanager
-def bars(ledger: object = "") -> Iterator[Callable[[str, int, int], None]]:
+def bars(note: object = "") -> AbstractContextManager[Progress]:
     """Show one progress bar per stage on standard error, if that is a terminal.
 
     Args:
-        ledger: Shown after the bar as text.
+        note: Shown after a bar as text.
     """
-    bars: dict[str, tqdm[Any]] = {}
+    return reporting(sys.stderr.isatty(), note)
 
-    def progress(stage: str, done: int, total: int) -> None:
-        if stage not in bars:
-            bars[stage] = tqdm(total=total, desc=f"{stage:13}", disable=None)
-        bar = bars[stage]
-        bar.set_postfix_str(str(ledger), refresh=False)
-        bar.update(done - bar.n)
-        if done >= total:
-            bar.close()
 
-    try:
-        yield progress
-    finally:
-        for bar in bars.values():
-            bar.close()
+def tracked(items: Iterable[Item], stage: str, total: int) -> Iterator[Item]:
+    """Yield items, counted by a progress bar on standard error, if that is a terminal."""
+    with bars() as told:
+        yield from counted(items, stage, total, told)

@@ -4,10 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from tqdm import tqdm
 
 from oodscen._cli.options import json_option, llm_options, out_option, seed_option, simulator_option
-from oodscen._cli.output import say, write, write_lines
+from oodscen._cli.output import say, tracked, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen.errors import UsageError
 
@@ -97,7 +96,4 @@ def _judged(
     from oodscen import Pruner
 
     pruner = Pruner(model, catalogue, substitutes=not exact)
-    leaves = tqdm(
-        pruner.decisions(tree), total=len(tree.leaves), desc=f"prune {pruner.name}", disable=None
-    )
-    return list(leaves)
+    return list(tracked(pruner.decisions(tree), f"prune {pruner.name}", len(tree.leaves)))

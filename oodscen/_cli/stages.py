@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from tqdm import tqdm
 
 from oodscen import _paper as paper
 from oodscen._cli.numbers import FINITE
@@ -20,7 +19,7 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import read_lines, rounds_in_words, say, write, write_lines
+from oodscen._cli.output import bars, read_lines, rounds_in_words, say, tracked, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
@@ -50,7 +49,9 @@ def grow(llm: str, api_base: str | None, seed: int, nodes: int, out: Path | None
     """Grow the initial scenario tree."""
     from oodscen import TreeGrower, make_llm
 
-    tree = TreeGrower(make_llm(llm, seed=seed, api_base=api_base), nodes=nodes).run()
+    grower = TreeGrower(make_llm(llm, seed=seed, api_base=api_base), nodes=nodes)
+    with bars() as told:
+        tree = grower.run(progress=told)
     write(out, tree.to_json())
 
 
@@ -112,8 +113,7 @@ def redteam(
         },
     )
     played = []
-    total = None if teamer.options.budget else teamer.options.iterations
-    for item in tqdm(teamer.rounds(grown), total=total, desc="redteam", disable=None):
+    for item in tracked(teamer.rounds(grown), "redteam", teamer.options.iterations):
         grown = grown.apply(*item.edits)
         played.append(item)
     if log is not None:
@@ -203,7 +203,7 @@ def describe(
     paths = ScenarioTree.load(tree).paths
     scenarios: list[Scenario] = []
     failures: list[OodscenError] = []
-    for leaf, path in tqdm(paths.items(), desc="describe", disable=None):
+    for leaf, path in tracked(paths.items(), "describe", len(paths)):
         try:
             scenarios += describer.path(leaf, path, per_path)
         except (LLMError, UsageError) as error:
@@ -252,7 +252,7 @@ def augment(
     )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []
-    for scenario in tqdm(items, desc="augment", disable=None):
+    for scenario in tracked(items, "augment", len(items)):
         try:
             scenes.append(augmenter.run(scenario))
         except LLMError as error:
@@ -310,7 +310,7 @@ def simulate(
         if taken := [name for name in study.own() if name in _SIMULATED]:
             raise FolderTaken(str(out), taken)
         results = sweep(job, items, workers=workers)
-        for result in tqdm(results, total=len(items), desc="simulate", disable=None):
+        for result in tracked(results, "simulate", len(items)):
             result.save(study.store)
             episodes[result.episode.id] = result.episode
         study.store.write_lines("episodes.jsonl", (episodes[scene.id] for scene in items))

@@ -1,20 +1,15 @@
 """The options of a run that are no part of its study's identity."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
 from oodscen._pipeline.sweep import Extras
+from oodscen._progress import Progress as Progress
+from oodscen._progress import silent
 from oodscen.llm._accounting import Ledger
 from oodscen.llm._remote.limits import Traffic
 from oodscen.protocols import LLM
-
-Progress = Callable[[str, int, int], None]
-"""Called after every finished item of a long task with the stage, the items done and their total."""
-
-
-def _silent(stage: str, done: int, total: int) -> None:
-    pass
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +20,7 @@ class RunOptions:
     """Simulation processes; 0 simulates in this process."""
     executor: Executor | None = None
     """Runs the simulation jobs instead of local processes."""
-    progress: Progress = _silent
+    progress: Progress = silent
     """Called after every finished item."""
     models: Mapping[str, LLM] = field(default_factory=dict)
     """Models to use for names in the configuration."""

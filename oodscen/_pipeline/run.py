@@ -5,9 +5,10 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from oodscen._pipeline.options import Progress, RunOptions
+from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import Extras, check_workers
+from oodscen._progress import Progress, reporting
 from oodscen.llm._accounting import Ledger
 from oodscen.llm._remote.limits import Traffic
 from oodscen.protocols import LLM
@@ -21,7 +22,7 @@ def run_study(
     *,
     workers: int = 0,
     executor: Executor | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     models: Mapping[str, LLM] | None = None,
     extras: Extras | None = None,
     traffic: Traffic | None = None,
@@ -36,7 +37,8 @@ def run_study(
         workers: Simulation processes; 0 simulates in this process. Workers never import the calling script,
             so it needs no main guard, but a custom simulator must be in a module.
         executor: Runs the simulation jobs instead of local processes.
-        progress: Called after every finished item.
+        progress: True for one progress bar per stage, which is a widget in a notebook; or a callable, called with
+            the stage, the items done and their total after every finished item.
         models: Models to use for names in the configuration; other names are looked up by `make_llm`.
         extras: Further outputs to keep for each newly simulated episode: traces, annotations, videos.
         traffic: Caps, prices and concurrency of the models.
@@ -52,12 +54,14 @@ def run_study(
     config = config or StudyConfig()
     check_workers(config.simulator, workers, executor)
     given = {
-        "progress": progress,
         "models": models,
         "extras": extras,
         "traffic": traffic,
-        "ledger": ledger,
+        "ledger": ledger or Ledger(),
     }
     options: dict[str, Any] = {name: one for name, one in given.items() if one is not None}
-    means = RunOptions(workers=workers, executor=executor, retry=retry, **options)
-    return Pipeline(out, config, means).run()
+    with reporting(progress, options["ledger"]) as told:
+        means = RunOptions(
+            workers=workers, executor=executor, retry=retry, progress=told, **options
+        )
+        return Pipeline(out, config, means).run()

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from oodscen._display import Brief
 from oodscen._seeding import stream
 from oodscen.author._feasibility import Judge
 from oodscen.author._imagining import Imagination
@@ -42,12 +43,14 @@ _ACTS = frozenset(
 )
 
 
-class BuiltinAuthor:
+class BuiltinAuthor(Brief):
     """Answers every text prompt from a knowledge base of hazards.
 
     It is not a model: it recognises hazards by their words and composes sentences and scenes from
     phrases, ranges and a seed. It sees only the fields of the prompt, and it cannot see images.
     """
+
+    _repr_fields = ("name", "seed", "knowledge")
 
     name = "builtin"
     argument = "knowledge"

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen._files import read_utf8, refuse_special, replace
 from oodscen._json import parse_object
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
@@ -29,7 +30,7 @@ EMBEDDED = (".npy", ".arrow", ".feather")
 """Extensions of the files that hold embeddings."""
 
 
-class EmbeddedBaseline:
+class EmbeddedBaseline(Brief):
     """A baseline known only by its embeddings. Rows are scaled to unit length as they are read.
 
     Attributes:
@@ -38,6 +39,8 @@ class EmbeddedBaseline:
         dimension: Length of a vector.
         texts: Always empty: only embeddings are known.
     """
+
+    _repr_fields = ("path", "encoder", "dimension")
 
     def __init__(self, path: Path, rows: Any, encoder: str, dimension: int) -> None:
         self.path = path

@@ -9,6 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
+from oodscen._display import brief
 from oodscen._files import read_utf8
 from oodscen._text import whole
 from oodscen.data._scenario import Scenario
@@ -29,6 +30,9 @@ class Record(NamedTuple):
     text: str
     group: str | None
     """The group of the text: its path in a scenario tree, if the file gives one."""
+
+    def __repr__(self) -> str:
+        return brief(self, self._asdict().items())
 
 
 def bundled(name: str, package: str = "oodscen.baselines") -> str:

@@ -9,12 +9,13 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from oodscen._display import Brief
 from oodscen._files import read_utf8
 from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
 
-class Data(BaseModel):
+class Data(Brief, BaseModel):
     """Immutable, JSON-serialisable value without extra fields; validation reports every fault at once."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
+from oodscen._display import escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._sighting import Sighting
@@ -196,3 +197,26 @@ class Episode(Data):
         """Return whether the choice matters: some action is safe, and another that can be executed is not."""
         outcomes = self.actions.values()
         return any(one.safe for one in outcomes) and any(one.is_unsafe for one in outcomes)
+
+    def _repr_html_(self) -> str:
+        """Return the outcomes of the actions as a table for notebooks."""
+        title = f"{self.scene_id} in {self.simulator}" if self.simulator else self.scene_id
+        if self.status == "failed":
+            return f"<p>{escaped(title)}: failed: {escaped(self.error or '')}</p>"
+        rows = [
+            (
+                action,
+                "unavailable" if one.unavailable else "safe" if one.safe else "unsafe",
+                _figure(one.margin_m, "m"),
+                _figure(one.min_ttc_s, "s"),
+                ", ".join([*one.contacts, *(["off the road"] if one.off_road else [])]),
+            )
+            for action, one in self.actions.items()
+        ]
+        head = ("action", "outcome", "margin", "minimum TTC", "touched")
+        when = "" if self.decision_s is None else f", decision at {self.decision_s:.2f} s"
+        return html_table(rows, head=head, caption=f"{title}{when}")
+
+
+def _figure(value: float | None, unit: str) -> str:
+    return "–" if value is None else f"{value:.2f} {unit}"

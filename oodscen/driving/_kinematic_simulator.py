@@ -4,11 +4,12 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.world import KinematicWorld, Published, WorldSnapshot
@@ -24,7 +25,7 @@ LEAST_M = 1e-4
 """Smallest measured gap, m: 0 means contact, which only the catalogue's boxes decide."""
 
 
-class MirrorSimulator(ABC):
+class MirrorSimulator(Brief, ABC):
     """Implements the `Simulator` protocol on top of `KinematicWorld`.
 
     A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`. It may
@@ -39,6 +40,8 @@ class MirrorSimulator(ABC):
     Resources are acquired late: a constructor must not start anything. `load` is called on every
     reset and must remove everything that an earlier scene left behind.
     """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("name", "dt")
 
     name: str = "mirror"
     dt: float = 0.05
@@ -105,7 +108,7 @@ class MirrorSimulator(ABC):
     def draw(self, camera: Camera) -> Frame:
         """Render the ego camera's view; `ids` as in `Frame`: row r of the poses has id r + 1."""
 
-    def release(self) -> None:  # noqa: B027  (nothing to release is a valid adapter)
+    def release(self) -> None:
         """Release all resources; a later `load` may acquire them again. May be called twice."""
 
     # ------------------------------------------------------------------ the protocol

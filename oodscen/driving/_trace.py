@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
@@ -50,8 +51,8 @@ class Encounter(Data):
     """Hardest braking of the actor, m/s^2."""
 
 
-@dataclass(frozen=True, eq=False)
-class Course:
+@dataclass(frozen=True, eq=False, repr=False)
+class Course(Brief):
     """The reference for all traces of a scene: its road and the sizes of its bodies."""
 
     corridor: Corridor
@@ -72,8 +73,8 @@ class Course:
         return cls(corridor, ego_strip(corridor, scene.ego.lane), sizes, passable)
 
 
-@dataclass(frozen=True, eq=False)
-class Trace:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trace(Brief):
     """The states of an episode and the measures derived from them.
 
     Arrays are [steps, bodies], with the ego in column 0; infinity and NaN become null in tables.

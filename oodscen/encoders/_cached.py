@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen._files import replace, temporary_folder
 from oodscen._lock import locked
 from oodscen.encoders._check import encode
@@ -47,7 +48,7 @@ def _passing_folder() -> Path:
     return Path(folder.name)
 
 
-class CachedEncoder:
+class CachedEncoder(Brief):
     """Wraps an encoder and encodes each distinct text once.
 
     Args:
@@ -57,6 +58,8 @@ class CachedEncoder:
             write at once: each waits for the others and keeps what they saved. If the folder cannot be
             written, a warning is logged and nothing else changes.
     """
+
+    _repr_fields = ("_encoder", "_folder")
 
     def __init__(self, encoder: Encoder, folder: str | Path | None = None) -> None:
         self._encoder = encoder

@@ -35,6 +35,8 @@ class MiniLM(SentenceTransformerEncoder):
         folder: Another copy of the same model; its files must have the same hashes.
     """
 
+    _repr_fields = ("_folder",)
+
     def __init__(self, folder: str | Path | None = None) -> None:
         super().__init__("all-MiniLM-L6-v2" if folder is None else folder, batch_size=ROWS)
         self._folder = None if folder is None else Path(folder)

@@ -6,18 +6,19 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen.encoders._check import check_embeddings
 from oodscen.errors import EncoderError, MissingExtra
 
 _WEIGHTS = ("*.safetensors", "pytorch_model*.bin")
 
 
-class SentenceTransformerEncoder:
+class SentenceTransformerEncoder(Brief):
     """A sentence-transformers model, from a local folder or from the Hugging Face hub.
 
     The model is loaded when the first text is encoded.
@@ -29,6 +30,8 @@ class SentenceTransformerEncoder:
         batch_size: Texts per forward pass. With 1 a text's vector does not depend on the texts
             encoded with it; larger batches are faster and change the last bits (about 2e-7).
     """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("_source", "_device")
 
     def __init__(
         self,

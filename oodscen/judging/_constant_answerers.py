@@ -8,6 +8,7 @@ import json
 from collections.abc import Sequence
 from typing import ClassVar, Literal
 
+from oodscen._display import Brief
 from oodscen._seeding import stream
 from oodscen.data._episode import ACTIONS
 from oodscen.data._verdict import NOTHING
@@ -27,7 +28,7 @@ ASPECT = "A pedestrian crossing where none is expected"
 """The aspect named whenever one of them calls a scene OOD: right by luck for that kind of scene."""
 
 
-class ConstantAnswerer:
+class ConstantAnswerer(Brief):
     """Always calls the scene OOD, names the same aspect and chooses the same action.
 
     Args:
@@ -37,6 +38,8 @@ class ConstantAnswerer:
     Raises:
         UnknownComponent: If there is no such action.
     """
+
+    _repr_fields = ("action", "seed")
 
     kind: ClassVar[Literal["reference"]] = "reference"
 
@@ -70,12 +73,14 @@ class ConstantAnswerer:
         raise _cannot(self.name, request)
 
 
-class RandomAnswerer:
+class RandomAnswerer(Brief):
     """Flips a coin for OOD and draws one of the offered actions with equal probability.
 
     The draw depends on the seed, the question, the names of its frames and the sample only, so it is the same
     in every process and independent of earlier questions.
     """
+
+    _repr_fields = ("seed",)
 
     kind: ClassVar[Literal["reference"]] = "reference"
 

@@ -13,6 +13,7 @@ from typing import ClassVar, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen.data._base import Data
 from oodscen.data._episode import ACTIONS, Episode, best_action
 from oodscen.data._twins import is_twin, scene_of
@@ -32,8 +33,8 @@ class AspectOption(Data):
     label: str
 
 
-@dataclass(frozen=True)
-class Case:
+@dataclass(frozen=True, repr=False)
+class Case(Brief):
     """One item to be judged, as a reference sees it."""
 
     episode: Episode
@@ -75,8 +76,10 @@ def is_reference(model: LLM) -> bool:
     return getattr(model, "kind", "model") == "reference"
 
 
-class _Direct:
+class _Direct(Brief):
     """A reference that answers cases only."""
+
+    _repr_fields = ("name",)
 
     kind: ClassVar[Literal["reference"]] = "reference"
     name: str

@@ -1,10 +1,11 @@
 """A second model for questions that the first does not answer."""
 
+from oodscen._display import Brief
 from oodscen.errors import EndpointDown, LLMError
 from oodscen.protocols import LLM, Completion, Request
 
 
-class FallbackLLM:
+class FallbackLLM(Brief):
     """Asks a second model when the first gives no answer, and only the second once the first is down.
 
     An invalid answer is fed back to the first model as usual.
@@ -13,6 +14,8 @@ class FallbackLLM:
         first: The preferred model.
         second: The fallback model.
     """
+
+    _repr_fields = ("_first", "_second")
 
     def __init__(self, first: LLM, second: LLM) -> None:
         self.name = f"{first.name}, else {second.name}"

@@ -17,6 +17,7 @@ from io import FileIO
 from pathlib import Path
 from typing import BinaryIO, ClassVar, NamedTuple
 
+from oodscen._display import Brief
 from oodscen._lock import locked
 from oodscen._redaction import redact_keys
 from oodscen.data._base import Data, canonical_json
@@ -82,7 +83,7 @@ class _Place(NamedTuple):
     length: int
 
 
-class Recording:
+class Recording(Brief):
     """A read-only file of exchanges, found by content and sample and loaded on demand.
 
     The file is never written. A torn last line is skipped; a complete one without its newline counts. Only
@@ -94,6 +95,8 @@ class Recording:
     Raises:
         DataError: When a line is not an exchange, with its number, or the file cannot be read.
     """
+
+    _repr_fields = ("path",)
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -347,6 +350,8 @@ class RecordingLLM(Wrapper):
         is_reading: Answer from the recording if it holds an answer of this model.
     """
 
+    _repr_fields = ("_llm", "_recorder")
+
     def __init__(
         self, llm: LLM, recorder: Recorder | str | Path, *, is_reading: bool = True
     ) -> None:
@@ -376,7 +381,7 @@ class RecordingLLM(Wrapper):
         return None if found is None else _said_again(found)
 
 
-class ReplayLLM:
+class ReplayLLM(Brief):
     """Answers from a recording without asking any model: `replay:FILE`, or `replay:FILE#MODEL`.
 
     Args:
@@ -385,6 +390,8 @@ class ReplayLLM:
     Raises:
         DataError: When the file does not exist or is not a recording.
     """
+
+    _repr_fields = ("name",)
 
     def __init__(self, source: str | Path) -> None:
         path, mark, model = str(source).rpartition("#")

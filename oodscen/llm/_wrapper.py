@@ -1,16 +1,19 @@
 """The base class of language models that wrap another one."""
 
-from typing import Any
+from typing import Any, ClassVar
 
+from oodscen._display import Brief
 from oodscen.protocols import LLM
 
 
-class Wrapper:
+class Wrapper(Brief):
     """Takes over the name and the attributes of the wrapped model.
 
     Args:
         llm: The wrapped model.
     """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("_llm",)
 
     def __init__(self, llm: LLM) -> None:
         self.name = llm.name

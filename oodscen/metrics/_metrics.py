@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._conformance import conforming
+from oodscen._display import Brief
 from oodscen._numbers import finite_number, whole_number
+from oodscen._progress import Progress, reporting
 from oodscen._seeding import MAX_SEED, stream
 from oodscen.baselines._baseline import Baseline, load_baseline
 from oodscen.baselines._duplicates import NearDuplicates, near_duplicates
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
 Texts = Sequence[str | Scenario]
 
 
-class Metrics:
+class Metrics(Brief):
     """Computes OOD-ness and diversity of texts with one encoder and against one baseline.
 
     `oodscen.metrics._oodness` and `oodscen.metrics._diversity` explain the formulas and their pitfalls. Each text is encoded
@@ -56,6 +58,8 @@ class Metrics:
         device: Device that searches for the nearest baseline texts: `cpu`; a torch device such as `cuda`;
             or `auto`, CUDA if available. Values agree to 1e-6, not to the last bit.
     """
+
+    _repr_fields = ("encoder", "baseline", "seed")
 
     def __init__(
         self,
@@ -101,6 +105,7 @@ class Metrics:
         *,
         definition: Measure = "tabulated",
         checks: bool = True,
+        progress: Progress | bool | None = None,
     ) -> Report:
         """Return all figures of a set of texts.
 
@@ -114,6 +119,8 @@ class Metrics:
                 another, so they are resampled together; each group also gets its own mean.
             definition: A definition of OOD-ness, or a detector.
             checks: Whether to make the checks; without them only the texts and the baseline are encoded.
+            progress: True for a progress bar, or a callable; it counts the figures. The first use of a baseline
+                takes longest, as it is encoded.
 
         Raises:
             DataError: If there is no text, one is blank, or `groups` has another length.
@@ -124,7 +131,8 @@ class Metrics:
         if clusters is not None and len(clusters) != len(plain):
             fault = f"has {len(clusters)} labels for {len(plain)} texts"
             raise DataError("groups", [Issue("", fault)])
-        return report(self._space, plain, clusters, definition, checks=checks)
+        with reporting(progress) as told:
+            return report(self._space, plain, clusters, definition, checks=checks, told=told)
 
     def off_topic(self, texts: Texts, threshold: float = THRESHOLD) -> OffTopicFlags:
         """Return the texts that are not about driving a car; see `oodscen.metrics._detection.guard`.

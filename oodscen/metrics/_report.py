@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from oodscen._display import html_table
+from oodscen._progress import Progress, silent
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data
@@ -112,6 +114,36 @@ class Report(Data):
             )
         return "\n".join(lines)
 
+    def _repr_html_(self) -> str:
+        """Return the figures with their intervals as a table for notebooks."""
+        oodness, diversity = self.oodness, self.diversity
+        rows = [
+            (f"OOD-ness ({oodness.definition})", oodness.mean, oodness.interval),
+            ("diversity, nearest", diversity.nearest, diversity.nearest_interval),
+            ("diversity, pairwise", diversity.pairwise, diversity.pairwise_interval),
+        ]
+        if self.control is not None:
+            auroc = self.control.auroc
+            rows.append(("OOD-ness of the ordinary controls", self.control.mean, None))
+            rows.append(("AUROC against the controls", auroc.value, auroc.interval))
+        if self.calibration is not None:
+            median = self.calibration.median_percentile
+            rows.append(("median percentile among held-out baseline texts", median, None))
+        if self.off_topic is not None:
+            rows.append(("texts that are not about driving", len(self.off_topic.flagged), None))
+        return html_table(
+            (
+                (
+                    name,
+                    "–" if value is None else f"{value:.3f}" if isinstance(value, float) else value,
+                    f"{interval.low:.3f} to {interval.high:.3f}" if interval else "",
+                )
+                for name, value, interval in rows
+            ),
+            head=("", "value", "interval"),
+            caption=f"{self.n:,} texts against {self.N:,} of {self.baseline} by {self.encoder}",
+        )
+
     def keys(self) -> Iterator[str]:
         """Return the names of the fields."""
         return iter(type(self).model_fields)
@@ -152,16 +184,28 @@ def report(
     definition: Measure,
     *,
     checks: bool,
+    told: Progress = silent,
 ) -> Report:
     """Return all figures of a set of texts; see `Metrics.report`."""
+    total = 5 if checks else 2
+    told("metrics", 0, total)
     found = oodness(space, texts, clusters, definition)
+    told("metrics", 1, total)
     encoder = space.encoder.name
-    flags = None
-    if checks and is_calibrated(encoder):
-        flags = space.guard.flags(space.vectors(texts))
+    differing = diversity(space.vectors(texts), encoder, clusters, seed=space.seed)
+    told("metrics", 2, total)
+    calibration = control = flags = None
+    if checks:
+        calibration = _calibration(space, found)
+        told("metrics", 3, total)
+        control = _control(space, found, clusters)
+        told("metrics", 4, total)
+        if is_calibrated(encoder):
+            flags = space.guard.flags(space.vectors(texts))
+        told("metrics", 5, total)
     return Report(
         oodness=found,
-        diversity=diversity(space.vectors(texts), encoder, clusters, seed=space.seed),
+        diversity=differing,
         n=len(texts),
         N=len(space.baseline),
         encoder=encoder,
@@ -169,8 +213,8 @@ def report(
         baseline_digest=space.baseline.digest(),
         seed=space.seed,
         groups=_by_group(clusters, found.per_text),
-        calibration=_calibration(space, found) if checks else None,
-        control=_control(space, found, clusters) if checks else None,
+        calibration=calibration,
+        control=control,
         off_topic=flags,
     )
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
+from oodscen._display import Brief
+from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
 from oodscen.data._base import issues_of
 from oodscen.data._catalogue import Catalogue
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from oodscen.claims._matching import Likeness
 
 
-class Augmenter:
+class Augmenter(Brief):
     """Asks the augmenter-LLM to stage texts; every scene it returns is valid and runs.
 
     Before staging, the claims of a text are extracted from the text alone. The model is told them, says which
@@ -42,6 +44,8 @@ class Augmenter:
         encoder: Compares the things of a text with the actors that are said to show them; without one whose
             cosines follow meaning, a noun by which no asset is known may be any asset.
     """
+
+    _repr_fields = ("llm", "catalogue", "claims", "attempts")
 
     def __init__(
         self,
@@ -88,19 +92,34 @@ class Augmenter:
 
         return extract_claims(self.reader, scenario.text, attempts=self.attempts)
 
-    def run(self, scenario: Scenario, claims: Sequence[Claim] | None = None) -> Scene:
+    def run(
+        self,
+        scenario: Scenario,
+        claims: Sequence[Claim] | None = None,
+        *,
+        progress: Progress | bool | None = None,
+    ) -> Scene:
         """Return the scene of one text, with the scenario's id.
 
         Args:
             scenario: The scenario with the text.
             claims: Claims of the text, if already extracted.
+            progress: True for a progress bar, or a callable; it counts reading the claims and staging.
 
         Raises:
             AnswerError: When the model gives no scene that runs and satisfies the claims, or says that there is
                 none; the error lists the faults and every contradicted claim, or the reason.
             LLMError: When the model cannot be reached.
         """
-        told = self.read(scenario) if claims is None else tuple(claims)
+        with reporting(progress) as told:
+            told("augment", 0, 2)
+            known = self.read(scenario) if claims is None else tuple(claims)
+            told("augment", 1, 2)
+            scene = self._staged(scenario, known)
+            told("augment", 2, 2)
+        return scene
+
+    def _staged(self, scenario: Scenario, told: tuple[Claim, ...]) -> Scene:
         prompt = StageScene(
             text=scenario.text,
             path=scenario.path,

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from oodscen._concurrency import as_finished
+from oodscen._display import Brief
+from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from oodscen.metrics._metrics import Metrics
 
 
-class Describer:
+class Describer(Brief):
     """Asks the tree-LLM for texts along each path; near duplicates and off-topic texts are redrawn.
 
     A model that gives fewer texts than it is asked for has run dry: the kind bears no more. It is not asked
@@ -44,6 +46,7 @@ class Describer:
 
     styles: ClassVar[tuple[str, ...]] = STYLES
     """Names of the styles that `style` accepts."""
+    _repr_fields = ("llm", "encoder", "options")
 
     def __init__(
         self,
@@ -63,21 +66,25 @@ class Describer:
         self.metrics = metrics
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
 
-    def run(self, tree: ScenarioTree) -> list[Scenario]:
+    def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> list[Scenario]:
         """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
+
+        Args:
+            tree: The simulatable tree.
+            progress: True for a progress bar, or a callable; it counts the paths.
 
         Raises:
             LLMError: When the model fails on a path.
             UsageError: When too few candidates lie inside the band.
         """
         paths = tree.paths
-        found = dict(
-            as_finished(
-                lambda leaf: self.path(leaf, paths[leaf], self.options.per_path),
-                paths,
-                threads=self.options.threads,
-            )
+        written = as_finished(
+            lambda leaf: self.path(leaf, paths[leaf], self.options.per_path),
+            paths,
+            threads=self.options.threads,
         )
+        with reporting(progress) as told:
+            found = dict(counted(written, "describe", len(paths), told))
         scenarios = [scenario for leaf in paths for scenario in found[leaf]]
         again = {scenario.id: scenario for scenario in self.reworded(scenarios)}
         return [again.get(scenario.id, scenario) for scenario in scenarios]

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen._conformance import working
+from oodscen._display import Brief
+from oodscen._progress import Progress, counted, reporting
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scene import Scene
 from oodscen.data._twins import is_twin, twin_id
@@ -29,6 +31,7 @@ def drive(
     seed: int = 0,
     twins: bool = True,
     camera: Camera | None = None,
+    progress: Progress | bool | None = None,
 ) -> list[DriveResult]:
     """Let a driver drive every scene, and its ordinary twin, from the start to the horizon.
 
@@ -45,37 +48,23 @@ def drive(
         seed: Seed of the simulator's random streams.
         twins: Drive the twins as well, right after their scenes.
         camera: Camera for drivers that want frames; by default the ego's dash camera.
+        progress: True for a progress bar, or a callable; it counts the scenes.
 
     Returns:
         The results in the order of the scenes, each followed by its twin's.
     """
-    results: list[DriveResult] = []
-    for scene in scenes:
-        label = name or getattr(driver, "__name__", type(driver).__name__)
-        try:
-            with working("simulator", simulator.name):
-                steps, decision_s, _ = _horizon(scene, simulator, seed)
-        except OodscenError as error:
-            results.append(_failed(scene.id, label, error))
-            continue
-        one = _drive(scene, driver, simulator, label, seed, steps, camera)
-        if not twins or scene.is_twin:
-            results.append(one)
-            continue
-        try:
-            twin = scene.twin(decision_s)
-            with working("simulator", simulator.name):
-                _, _, ordinary = _horizon(twin, simulator, seed, steps)
-            other = _drive(twin, driver, simulator, label, seed, steps, camera)
-        except OodscenError as error:
-            results += [one, _failed(twin_id(scene.id), label, error)]
-            continue
-        results += _paired(one, other, ordinary)
+    label = name or getattr(driver, "__name__", type(driver).__name__)
+    with reporting(progress) as told:
+        results = [
+            result
+            for scene in counted(scenes, "drive", len(scenes), told)
+            for result in _both(scene, driver, simulator, label, seed, twins, camera)
+        ]
     digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
     return [one.model_copy(update={"made_from": digests[one.scene_id]}) for one in results]
 
 
-class RuleBasedDriver:
+class RuleBasedDriver(Brief):
     """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
 
     The intelligent-driver model (Treiber, Hennecke and Helbing, "Congested traffic states in empirical
@@ -130,6 +119,34 @@ class RuleBasedDriver:
 
 
 # ------------------------------------------------------------------ one drive
+
+
+def _both(
+    scene: Scene,
+    driver: MakeDriver,
+    simulator: Simulator,
+    label: str,
+    seed: int,
+    twins: bool,
+    camera: Camera | None,
+) -> list[DriveResult]:
+    """Drive a scene and, if asked to, its twin."""
+    try:
+        with working("simulator", simulator.name):
+            steps, decision_s, _ = _horizon(scene, simulator, seed)
+    except OodscenError as error:
+        return [_failed(scene.id, label, error)]
+    one = _drive(scene, driver, simulator, label, seed, steps, camera)
+    if not twins or scene.is_twin:
+        return [one]
+    try:
+        twin = scene.twin(decision_s)
+        with working("simulator", simulator.name):
+            _, _, ordinary = _horizon(twin, simulator, seed, steps)
+        other = _drive(twin, driver, simulator, label, seed, steps, camera)
+    except OodscenError as error:
+        return [one, _failed(twin_id(scene.id), label, error)]
+    return _paired(one, other, ordinary)
 
 
 def _horizon(

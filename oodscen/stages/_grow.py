@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
+from oodscen._display import Brief
 from oodscen._paper import FEW_SHOTS, NODES, attestation
+from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
@@ -12,7 +14,7 @@ from oodscen.protocols import LLM
 from oodscen.tree._scenario_tree import CLASSES, ROOT, ScenarioTree, TreeEdit, slug
 
 
-class TreeGrower:
+class TreeGrower(Brief):
     """Asks the tree-LLM for examples, for their classes, and for a tree.
 
     Args:
@@ -21,6 +23,8 @@ class TreeGrower:
         examples: Number of examples requested in the first turn.
         shown: The few-shot examples.
     """
+
+    _repr_fields = ("llm", "nodes", "examples")
 
     def __init__(
         self,
@@ -35,30 +39,32 @@ class TreeGrower:
         self.examples = examples
         self.shown = shown
 
-    def run(self, sample: int = 0) -> ScenarioTree:
+    def run(self, sample: int = 0, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return a tree of exactly `nodes` nodes.
 
         Args:
             sample: Index of the draw, for several independent trees.
+            progress: True for a progress bar, or a callable; it counts the three questions.
 
         Raises:
             AnswerError: When the model gives no valid tree.
         """
-        give = GiveExamples(shown=self.shown, count=self.examples)
-        given = tuple(ask(self.llm, give, sample).examples)
-        classify = ClassifyExamples(asked=give, given=given)
-        sorted_ = sorted(ask(self.llm, classify, sample).examples, key=lambda item: item.number)
-        propose = ProposeTree(
-            asked=classify,
-            classes=tuple(item.scenario_class for item in sorted_),
-            nodes=self.nodes,
-        )
-        return _planted(
-            ask(self.llm, propose, sample),
-            given,
-            model=speaker(self.llm),
-            prompt=propose.citation(),
-        )
+        with reporting(progress) as told:
+            told("grow", 0, 3)
+            give = GiveExamples(shown=self.shown, count=self.examples)
+            given = tuple(ask(self.llm, give, sample).examples)
+            told("grow", 1, 3)
+            classify = ClassifyExamples(asked=give, given=given)
+            sorted_ = sorted(ask(self.llm, classify, sample).examples, key=lambda item: item.number)
+            told("grow", 2, 3)
+            propose = ProposeTree(
+                asked=classify,
+                classes=tuple(item.scenario_class for item in sorted_),
+                nodes=self.nodes,
+            )
+            proposed = ask(self.llm, propose, sample)
+            told("grow", 3, 3)
+        return _planted(proposed, given, model=speaker(self.llm), prompt=propose.citation())
 
 
 def _planted(

@@ -1,6 +1,7 @@
 """Re-staging of scenes in which all or no actions are safe: these cannot tell drivers apart."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from oodscen.data._catalogue import Catalogue
@@ -75,7 +76,7 @@ def restaged(
             tried.append(Attempt(how, "the hazard could not be named"))
             continue
         episode = again.episode.model_copy(update={"restaged": how})
-        run = Simulated(episode, again.states, again.frames, again.trace, again.rollouts)
+        run = replace(again, episode=episode)
         return Restaging(variant, run, tuple(tried))
     return Restaging(scene, simulated, tuple(tried))
 

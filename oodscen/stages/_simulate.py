@@ -2,15 +2,18 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from oodscen._conformance import conforming, working
+from oodscen._display import Brief, picture, png
 from oodscen._numbers import whole_number
 from oodscen._seeding import MAX_SEED
 from oodscen.data._bird_sketch import sketch
+from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scene import Scene
 from oodscen.driving import Cruise, action_driver, find_map, load_corridor
@@ -18,7 +21,7 @@ from oodscen.driving._motion.actions import is_available
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
-from oodscen.errors import UnknownComponent
+from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
 from oodscen.stages._visibility import sighting
 
@@ -35,8 +38,8 @@ VISIBLE_PX = 40
 """Minimum pixels of a visible actor in a 640 x 480 image; scaled for other sizes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Simulated:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulated(Brief):
     """The result of `simulate`."""
 
     episode: Episode
@@ -48,11 +51,28 @@ class Simulated:
     """The approach with all ground truth, as a table."""
     rollouts: Mapping[str, Trace] = field(default_factory=dict)
     """Traces by action id, if requested, from the decision point to the action's end."""
+    scene: Scene | None = field(default=None, repr=False)
+    """The scene that was run."""
+    catalogue: Catalogue | None = field(default=None, repr=False)
+    """The catalogue of the simulator that ran it."""
 
     def state_of(self, moment: str) -> State:
         """Return the state that a frame shows: `first`, `middle` or `last`."""
         last = len(self.states) - 1
         return self.states[{"first": 0, "middle": last // 2, "last": last}[moment]]
+
+    def _repr_html_(self) -> str:
+        """Return the last frame, the decision point from above and all actions, for notebooks."""
+        from oodscen.stages._video import birds_eye
+
+        pictures = ""
+        if "last" in self.frames:
+            pictures += picture(png(self.frames["last"].rgb), "the last frame")
+        if self.scene is not None and self.catalogue is not None:
+            with suppress(MissingExtra):
+                above = birds_eye(self.states[-1], self.scene, self.catalogue)
+                pictures += picture(png(above), "from above at the last state of the approach")
+        return f"<div>{pictures}{self.episode._repr_html_()}</div>"
 
     def to_arrow(self) -> "pa.Table":
         """Return all traces as one table; its first column, `phase`, is `approach` or an action.
@@ -173,7 +193,15 @@ def _simulated(
         sketch=sketch(course, trace, kept),
         followers=followers(trace),
     )
-    return Simulated(episode, tuple(states), frames, trace, kept if traces else {})
+    return Simulated(
+        episode,
+        tuple(states),
+        frames,
+        trace,
+        kept if traces else {},
+        scene,
+        simulator.catalogue(),
+    )
 
 
 def followers(trace: Trace) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Bird's-eye views of states, and videos of scenes."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
@@ -9,6 +9,8 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import png
+from oodscen._progress import Progress, reporting
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import Cruise, action_driver, find_map, load_corridor
@@ -82,7 +84,7 @@ def birds_eye(
     *,
     size: int = _SIZE,
     span_m: float = _SPAN_M,
-) -> Image:
+) -> "Picture":
     """Draw the road and all actors from above, with the ego heading upwards.
 
     The ego is red; the actors that make the scene OOD have an amber outline.
@@ -95,7 +97,7 @@ def birds_eye(
         span_m: Side of the shown area, in metres.
 
     Returns:
-        uint8 [size, size, 3], red first.
+        uint8 [size, size, 3], red first; a notebook shows it as a picture.
 
     Raises:
         MissingExtra: When OpenCV is not installed.
@@ -129,7 +131,17 @@ def birds_eye(
             picture, where, (10, size - 12), cv2.FONT_HERSHEY_SIMPLEX, 0.5, colour, thickness,
             cv2.LINE_AA,
         )  # fmt: skip
-    return picture
+    return picture.view(Picture)
+
+
+class Picture(np.ndarray[Any, np.dtype[np.uint8]]):
+    """An RGB picture that a notebook shows; otherwise a plain array."""
+
+    def __repr__(self) -> str:
+        return f"<picture: {self.dtype}{list(self.shape)}>"
+
+    def _repr_png_(self) -> bytes | None:
+        return png(self)
 
 
 class Video:
@@ -194,7 +206,7 @@ def record(
     seed: int = 0,
     camera: Camera | None = None,
     fps: float = FRAMES_PER_SECOND,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | bool | None = None,
 ) -> Path:
     """Run a scene and write a video of it.
 
@@ -211,7 +223,7 @@ def record(
         seed: Seed of the simulator's random streams.
         camera: By default the ego's dash camera.
         fps: Frames per second of the scene's time.
-        progress: Called with the share that is done, 0 to 1.
+        progress: True for a progress bar, or a callable; it counts the steps of the simulator.
 
     Raises:
         UnknownComponent: When the view or the action is unknown.
@@ -232,7 +244,7 @@ def record(
         raise UsageError(f"a video's name must end in .mp4, not {Path(path).name!r}")
     stride = max(1, round(1.0 / (simulator.dt * fps)))
     end, is_decided = MAX_APPROACH_S + scene.horizon_s, False
-    with Video(path, fps=1.0 / (stride * simulator.dt)) as video:
+    with reporting(progress) as told, Video(path, fps=1.0 / (stride * simulator.dt)) as video:
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
@@ -243,10 +255,10 @@ def record(
                 end = min(end, state.time + AFTERMATH_S)
             if state.step % stride == 0:
                 video.add(_picture(simulator, state, scene, catalogue, camera, view))
-            if progress:
-                progress(min(1.0, state.time / end))
             if state.time >= end - 1e-9:
+                told("record", state.step, state.step)
                 break
+            told("record", state.step, max(state.step + 1, round(end / simulator.dt)))
             state = simulator.step(now.act(simulator.observe()))
         return video.path
 

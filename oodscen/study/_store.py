@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from oodscen._display import Brief
 from oodscen._files import inside, read_regular, remove_parts, replace
 from oodscen._json import is_object, object_lines, parse_object
 from oodscen._lock import locked
@@ -17,7 +18,7 @@ from oodscen.errors import DataError, Issue, StudyError
 _NOUN = "study"
 
 
-class Store:
+class Store(Brief):
     """One folder whose files are valid at any moment.
 
     Reading changes nothing. A writer holds `writing` to exclude other writers.
@@ -25,6 +26,8 @@ class Store:
     Args:
         folder: The folder; created if it does not exist.
     """
+
+    _repr_fields = ("folder",)
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)

@@ -5,9 +5,11 @@ import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
+from urllib.parse import quote
 
 from pydantic import ConfigDict
 
+from oodscen._display import Brief, escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
@@ -19,6 +21,7 @@ from oodscen.errors import (
     FolderTaken,
     Issue,
     MissingExtra,
+    OodscenError,
     StudyError,
     StudyMissing,
     UnknownComponent,
@@ -146,8 +149,10 @@ def is_own(name: str) -> bool:
     return name in {*_OTHERS, *_FOLDERS, *_KINDS, *trees} or bool(_TEXTS.fullmatch(name))
 
 
-class Study:
+class Study(Brief):
     """The folder that `oodscen run` leaves behind."""
+
+    _repr_fields = ("folder",)
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
@@ -166,6 +171,39 @@ class Study:
             raise StudyMissing(str(folder))
         study._check_kinds(study.own())
         return study
+
+    def _repr_html_(self) -> str:
+        """Return the counts of the study and a link to its report, for notebooks."""
+        try:
+            info = self.info if self.store.has("study.json") else {}
+            has_report = self.store.has("report.html")
+        except OodscenError as error:
+            return f"<p>{escaped(self.folder)}: {escaped(error)}</p>"
+        if not info:
+            return f"<p>{escaped(self.folder)}: no study yet</p>"
+        counts = {"status": info.get("status", ""), **info.get("counts", {})}
+        told = ((name, value) for name, value in counts.items() if value not in ({}, None))
+        rows = [
+            (
+                name.replace("_", " "),
+                ", ".join(f"{key}: {one}" for key, one in value.items())
+                if isinstance(value, Mapping)
+                else value,
+            )
+            for name, value in told
+        ]
+        link = f'<p><a href="{escaped(self._link())}">report</a></p>' if has_report else ""
+        return f"<div>{html_table(rows, caption=str(self.folder))}{link}</div>"
+
+    def _link(self) -> str:
+        """Return the address of the report: relative below the working folder, else a file's."""
+        path = (self.folder / "report.html").resolve()
+        here = Path.cwd().resolve()
+        return (
+            f"./{quote(path.relative_to(here).as_posix())}"
+            if here in path.parents
+            else path.as_uri()
+        )
 
     def own(self) -> list[str]:
         """Return the sorted names of the study's own files in the folder."""

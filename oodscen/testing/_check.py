@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from oodscen._progress import Progress, reporting
 from oodscen._registry import make_simulator
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
@@ -55,7 +56,7 @@ def check_simulator(
     quick: bool = False,
     parts: Collection[str] = PARTS,
     resets: int = RESETS,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | bool | None = None,
 ) -> None:
     """Check whether a simulator keeps the promises of the protocol.
 
@@ -77,7 +78,7 @@ def check_simulator(
         quick: Skip the parts that take more than seconds: `appearance`, `process` and `leaks`.
         parts: The parts to check, of `PARTS`.
         resets: Number of resets in the `leaks` part.
-        progress: Called with the name of every part as it begins.
+        progress: True for a progress bar, or a callable; it counts the parts.
 
     Raises:
         AssertionError: Lists every finding, one per line.
@@ -89,13 +90,15 @@ def check_simulator(
     if quick:
         parts = [part for part in parts if part in QUICK]
     factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
-    check = _Check(parts, progress or (lambda part: None))
-    with check.finding("the factory works"):
-        with factory() as opened:
-            check.run(opened, factory, simulator, scenes, resets)
-        with check.finding("close may be called twice"):
-            opened.close()
-            opened.close()
+    with reporting(progress) as told:
+        check = _Check(parts, told)
+        with check.finding("the factory works"):
+            with factory() as opened:
+                check.run(opened, factory, simulator, scenes, resets)
+            with check.finding("close may be called twice"):
+                opened.close()
+                opened.close()
+        told("check", len(parts), len(parts))
     if check.findings:
         lines = "".join(f"\n  - {finding}" for finding in check.findings)
         raise AssertionError(f"the simulator breaks its protocol:{lines}")
@@ -104,10 +107,11 @@ def check_simulator(
 class _Check:
     """Collects findings, so that one run reports all of them."""
 
-    def __init__(self, parts: Collection[str], progress: Callable[[str], None]) -> None:
+    def __init__(self, parts: Collection[str], progress: Progress) -> None:
         self.findings: list[str] = []
         self.parts = parts
         self.progress = progress
+        self.begun = 0
 
     @contextmanager
     def finding(self, what: str) -> Iterator[None]:
@@ -125,7 +129,8 @@ class _Check:
     def wants(self, part: str) -> bool:
         """Return whether a part was requested, and if so report that it begins."""
         if part in self.parts:
-            self.progress(part)
+            self.progress("check", self.begun, len(self.parts))
+            self.begun += 1
         return part in self.parts
 
     def run(

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
+
 _WORD = re.compile(r"\w+")
 
 
-class HashEncoder:
+class HashEncoder(Brief):
     """Hashed bags of words: the same on every machine, in microseconds, without a model.
 
     Every word has a bucket among `dimension` and a sign. A row is the signed count of the text's words,
@@ -20,6 +22,8 @@ class HashEncoder:
     Args:
         dimension: Length of a vector, at least 1.
     """
+
+    _repr_fields = ("dimension",)
 
     def __init__(self, dimension: int = 256) -> None:
         if dimension < 1:

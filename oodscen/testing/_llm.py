@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from oodscen._display import Brief
 from oodscen.errors import LLMError
 from oodscen.protocols import Completion, Request
 
@@ -14,7 +15,7 @@ Answer = str | Mapping[str, Any] | BaseModel | BaseException
 """Text as is, a value to serialise as JSON, or an exception to raise."""
 
 
-class ScriptedLLM:
+class ScriptedLLM(Brief):
     """Gives prepared answers in order, and records its requests.
 
     Args:
@@ -25,6 +26,8 @@ class ScriptedLLM:
     Example:
         >>> llm = ScriptedLLM({"imagine-scenario": [{"text": "A piano lies on the road ahead."}]})
     """
+
+    _repr_fields = ("name",)
 
     def __init__(
         self,
@@ -66,7 +69,7 @@ class ScriptedLLM:
         return script[number]
 
 
-class FunctionLLM:
+class FunctionLLM(Brief):
     """Answers with the result of a function of the request.
 
     Args:
@@ -74,6 +77,8 @@ class FunctionLLM:
             pydantic model or a `Completion`, or raises.
         name: The model's name in reports.
     """
+
+    _repr_fields = ("name",)
 
     def __init__(
         self, function: Callable[[Request], Answer | Completion], *, name: str = "function"

@@ -12,6 +12,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any, Literal, Self
 
+from oodscen._display import Brief
 from oodscen.errors import LLMError
 from oodscen.llm._remote.litellm import LiteLLM, provider_seed
 from oodscen.protocols import LLM, Completion, Request
@@ -55,8 +56,8 @@ Faults = Callable[[int, Request | None], Fault | None]
 """Called with the index of the request, from 0, and the recognised question."""
 
 
-@dataclass(frozen=True)
-class Received:
+@dataclass(frozen=True, repr=False)
+class Received(Brief):
     """One received request."""
 
     body: dict[str, Any]
@@ -73,7 +74,7 @@ class Received:
         return messages
 
 
-class AnsweringServer:
+class AnsweringServer(Brief):
     """Serves `/v1/chat/completions` on 127.0.0.1 while the context is active.
 
     A chat request carries text and pictures but not the typed question that `llm` needs. So `client` returns
@@ -89,6 +90,8 @@ class AnsweringServer:
         >>> with AnsweringServer(ConstantAnswerer()) as server:
         ...     evaluate(episodes, server.client("gpt-4o"))
     """
+
+    _repr_fields = ("llm",)
 
     def __init__(self, llm: LLM, *, faults: Faults | None = None) -> None:
         self.llm = llm

@@ -67,7 +67,7 @@ def test_the_hazard_has_an_amber_outline(flat):
 )
 def test_a_video_has_the_views_that_are_asked_for(flat, tmp_path, view, size):
     scene = example_scene().model_copy(update={"horizon_s": 1.0})
-    shares = []
+    steps = []
     path = record(
         scene,
         flat,
@@ -76,13 +76,14 @@ def test_a_video_has_the_views_that_are_asked_for(flat, tmp_path, view, size):
         view=view,
         camera=SMALL,
         fps=5,
-        progress=shares.append,
+        progress=lambda stage, done, total: steps.append((done, total)),
     )
     pictures, fps = frames(path)
     assert pictures[0].shape[:2] == size
     assert fps == pytest.approx(5.0)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
+    assert [done for done, _ in steps] == list(range(len(steps)))
+    assert all(done < total for done, total in steps[:-1])
+    assert steps[-1][0] == steps[-1][1]
     assert len(pictures) == pytest.approx(5 * flat.state().time, abs=2)
     assert (np.abs(pictures[0].astype(int) - pictures[-1]).mean(axis=2) > 20).any()
 

@@ -183,9 +183,9 @@ class Floating(Small):
 
 
 def test_the_flat_simulator_keeps_the_protocol() -> None:
-    begun: list[str] = []
-    check_simulator("flat", resets=40, progress=begun.append)
-    assert tuple(begun) == PARTS
+    told: list[tuple[str, int, int]] = []
+    check_simulator("flat", resets=40, progress=lambda *counts: told.append(counts))
+    assert told == [("check", done, len(PARTS)) for done in range(len(PARTS) + 1)]
 
 
 def test_unknown_parts_are_refused() -> None:

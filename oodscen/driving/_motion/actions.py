@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from oodscen._display import Brief
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
@@ -14,7 +15,7 @@ _PEAK = 5.7735
 """Maximum second derivative of the smooth course from 0 to 1."""
 
 
-class LaneTracker:
+class LaneTracker(Brief):
     """Follows a course beside the starting lane's centre at a given speed.
 
     Steering is the course's own curvature plus feedback of offset and heading error, critically damped
@@ -126,6 +127,8 @@ class SlowDown(LaneTracker):
 class Brake(LaneTracker):
     """Brakes to a standstill."""
 
+    _repr_fields = ("deceleration",)
+
     def __init__(self, deceleration: float) -> None:
         super().__init__()
         self.deceleration = deceleration
@@ -154,6 +157,8 @@ class _Shift(LaneTracker):
 
 class ChangeLane(_Shift):
     """Moves to the centre of the neighbouring lane in about three seconds at constant speed."""
+
+    _repr_fields = ("side",)
 
     def __init__(self, side: int) -> None:
         super().__init__()

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief, brief
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene, Trigger
@@ -47,6 +48,9 @@ class WorldSnapshot(NamedTuple):
     step: int
     state: bytes
 
+    def __repr__(self) -> str:
+        return brief(self, self._asdict().items())
+
 
 class Motion(NamedTuple):
     """The motion of one body: position in the world and on the road, speed and acceleration."""
@@ -86,12 +90,14 @@ class Published(NamedTuple):
     """True if any part of the ego's footprint is beside the drivable road."""
 
 
-class KinematicWorld:
+class KinematicWorld(Brief):
     """Moves the ego and the actors of one scene along a corridor in steps of `dt`.
 
     All state is plain floats, rounded to 1e-6 in every step and computed with plain arithmetic. The same
     scene, seed and controls therefore give the same bits on any machine.
     """
+
+    _repr_fields = ("ids", "dt", "step_count")
 
     def __init__(
         self,

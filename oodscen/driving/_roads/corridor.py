@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import Brief
 from oodscen.driving._roads import track as look
 from oodscen.driving._roads.coverage import REACH_M, Band, Ranges, covered, extend, merged
 from oodscen.driving._roads.network import StripKind
@@ -27,8 +28,8 @@ _AROUND_M = (600.0, 2_600.0)
 """Distances behind and ahead of the start within which other roads count as drivable, m."""
 
 
-@dataclass(frozen=True, eq=False)
-class LaneStrip:
+@dataclass(frozen=True, eq=False, repr=False)
+class LaneStrip(Brief):
     """A lane, shoulder, pavement or other strip along the whole corridor."""
 
     kind: StripKind
@@ -105,8 +106,8 @@ class OtherRoad:
     """Id of the junction; empty if there is none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Corridor:
+@dataclass(frozen=True, eq=False, repr=False)
+class Corridor(Brief):
     """A road with its cross-section, in the ego's driving direction."""
 
     s: NDArray[np.float64] = field(repr=False)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+from oodscen._display import html_table
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol
 from oodscen.statistics._intervals import Interval
@@ -228,6 +229,26 @@ class Leaderboard(Data):
     level: float = 0.95
     seed: int = 0
 
+    def _repr_html_(self) -> str:
+        """Return the main score of every task with its interval, one row per answerer, for notebooks."""
+        rows = (
+            (
+                row.model,
+                row.kind,
+                row.protocol,
+                _cell(row.detection.balanced_accuracy),
+                _cell(row.identification.open),
+                _cell(row.identification.closed),
+                _cell(row.control.safe),
+            )
+            for row in self.standings
+        )
+        return html_table(
+            rows,
+            head=("", "", "protocol", "detection", "open", "closed", "safe actions"),
+            caption=f"{self.scenes:,} scenes and {self.twins:,} twins of {self.paths:,} paths",
+        )
+
     def standing(self, model: str) -> Standing | None:
         """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
@@ -247,6 +268,15 @@ class Leaderboard(Data):
     def floor(self, task: Task) -> Standing | None:
         """Return the best reference in a task that does not know the truth."""
         return best_floor(self.standings, task)
+
+
+def _cell(found: Rate | Figure) -> str:
+    if found.value is None:
+        return "–"
+    interval = found.interval
+    return f"{found.value:.2f}" + (
+        f" [{interval.low:.2f}, {interval.high:.2f}]" if interval else ""
+    )
 
 
 def best_floor(standings: Sequence[Standing], task: Task) -> Standing | None:

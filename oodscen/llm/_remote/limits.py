@@ -10,6 +10,7 @@ from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
+from oodscen._display import Brief
 from oodscen.data._base import Data
 from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
 from oodscen.llm._remote.failures import Failure
@@ -329,7 +330,7 @@ _LENIENCY: Mapping[str, float] = {
 """Failures that count against a model, each with the maximum leniency for it."""
 
 
-class Traffic:
+class Traffic(Brief):
     """The budget, prices and endpoints of one run, shared by all its models.
 
     Args:
@@ -344,6 +345,8 @@ class Traffic:
     Raises:
         UsageError: When a price or a time is invalid.
     """
+
+    _repr_fields = ("caps", "concurrency", "timeout_s")
 
     def __init__(
         self,
@@ -360,6 +363,7 @@ class Traffic:
         if patience_s is not None:
             check_seconds("patience_s", patience_s)
         self.budget = Budget(caps, clock=clock)
+        self.caps = self.budget.caps
         self.prices = {
             model: check_price(model, Price(*price)) for model, price in (prices or {}).items()
         }

@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import Any
 from urllib.parse import urlsplit
 
+from oodscen._display import Brief
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
 from oodscen.data._messages import Image, Message
@@ -46,7 +47,7 @@ LATE_RETRIES = 1
 _import_lock = threading.Lock()
 
 
-class LiteLLM:
+class LiteLLM(Brief):
     """A model by its litellm name: `gpt-4o`, `anthropic/claude-...`, `gemini/...`, `ollama/llama3`.
 
     litellm reads keys from the environment (`OPENAI_API_KEY`, `ANTHROPIC_API_KEY` ...); they are never stored
@@ -84,6 +85,8 @@ class LiteLLM:
             is not known.
     """
 
+    _repr_fields = ("name", "_api_base", "seed")
+
     def __init__(
         self,
         model: str,
@@ -101,6 +104,7 @@ class LiteLLM:
         sleep: Callable[[float], None] | None = None,
     ) -> None:
         self.name = model
+        self._api_base = api_base
         self.seed = seed
         self.retries = retries
         self.max_wait_s = max_wait_s

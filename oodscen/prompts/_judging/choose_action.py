@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.data._base import Data
 from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
@@ -18,7 +19,7 @@ class ActionOption(Data):
     description: str
 
 
-class ChosenAction(BaseModel):
+class ChosenAction(Brief, BaseModel):
     """Answer: one of the options."""
 
     reasoning: str = Field(default="", description="step by step, short")

@@ -4,12 +4,13 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 
 
-class FrameDescription(BaseModel):
+class FrameDescription(Brief, BaseModel):
     """Answer: what is seen."""
 
     description: str = Field(description="what the frame shows, for a driver")

@@ -4,10 +4,11 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.prompts._base import Prompt
 
 
-class AspectJudgement(BaseModel):
+class AspectJudgement(Brief, BaseModel):
     """Answer: whether both mean the same."""
 
     reasoning: str = Field(default="", description="short")

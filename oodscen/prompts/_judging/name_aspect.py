@@ -4,13 +4,14 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, frame_turns
 
 
-class OodAspect(BaseModel):
+class OodAspect(Brief, BaseModel):
     """Answer: whether the situation is OOD, and in which respect."""
 
     reasoning: str = Field(default="", description="step by step, short")

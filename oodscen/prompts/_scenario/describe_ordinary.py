@@ -4,12 +4,13 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._scenario.describe_path import plain
 
 
-class OrdinaryText(BaseModel):
+class OrdinaryText(Brief, BaseModel):
     """Answer: one text."""
 
     text: str = Field(description="the same situation on an ordinary day")

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal, get_args
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
@@ -19,7 +20,7 @@ CHARACTERS = 4
 """Characters per token of English text."""
 
 
-class Descriptions(BaseModel):
+class Descriptions(Brief, BaseModel):
     """Answer: distinct texts."""
 
     texts: list[str] = Field(description="one or two sentences each")

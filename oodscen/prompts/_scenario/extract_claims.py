@@ -4,6 +4,7 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from oodscen._display import Brief
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
@@ -12,7 +13,7 @@ from oodscen.prompts._scenario.describe_path import plain
 _MOST = 60
 
 
-class Claims(BaseModel):
+class Claims(Brief, BaseModel):
     """Answer: what a text says, in its order."""
 
     model_config = ConfigDict(extra="forbid")

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from oodscen._display import Brief
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Ego, Hazard, Trigger, Weather
 from oodscen.errors import Issue
@@ -16,7 +17,7 @@ _BLANK: Mapping[str, Any] = {"map": "", "ego": {"speed": 0}, "hazard": {}, "deci
 """Placeholders for the required fields of a draft whose text cannot be shown."""
 
 
-class SceneDraft(BaseModel):
+class SceneDraft(Brief, BaseModel):
     """Answer: a scene without the ids that it gets later, or the reason why there is none."""
 
     model_config = ConfigDict(extra="forbid")

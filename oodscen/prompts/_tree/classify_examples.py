@@ -4,13 +4,14 @@ from typing import ClassVar, Literal
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.data._messages import Message
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._tree.give_examples import Examples, GiveExamples
 
 
-class ClassifiedExample(BaseModel):
+class ClassifiedExample(Brief, BaseModel):
     """The class of one example."""
 
     number: int = Field(description="of the example, counted from 1")
@@ -18,7 +19,7 @@ class ClassifiedExample(BaseModel):
     scenario_class: Literal["environmental", "interactional"]
 
 
-class Classification(BaseModel):
+class Classification(Brief, BaseModel):
     """Answer: one class for every example."""
 
     examples: list[ClassifiedExample]

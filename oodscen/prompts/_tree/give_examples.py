@@ -4,11 +4,12 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 
 
-class Examples(BaseModel):
+class Examples(Brief, BaseModel):
     """Answer: short descriptions of OOD driving scenarios."""
 
     examples: list[str] = Field(description="one sentence each")

@@ -4,12 +4,13 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
 
 
-class ImaginedScenario(BaseModel):
+class ImaginedScenario(Brief, BaseModel):
     """Answer: one scenario in words."""
 
     reasoning: str = Field(default="", description="what is missing or rare, in a sentence")

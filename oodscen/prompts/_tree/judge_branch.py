@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field, model_validator
 
+from oodscen._display import Brief
 from oodscen.data._additions import Addition
 from oodscen.errors import Issue, close_matches
 from oodscen.prompts._base import Prompt, without_blanks
@@ -14,14 +15,14 @@ _MOST = 40
 """Largest number of entries of one kind."""
 
 
-class Substitute(BaseModel):
+class Substitute(Brief, BaseModel):
     """An asset that stands in for what the simulator does not have."""
 
     asset: str = Field(description="id of the asset that is shown instead")
     stands_for: str = Field(max_length=160, description="what it stands for")
 
 
-class BranchJudgement(BaseModel):
+class BranchJudgement(Brief, BaseModel):
     """Answer: whether a branch can be simulated, with what, or what is missing."""
 
     @model_validator(mode="before")

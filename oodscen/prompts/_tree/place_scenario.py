@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen._text import one_line
 from oodscen.data._base import Data
 from oodscen.errors import Issue
@@ -17,14 +18,14 @@ MOST_ALSO = 3
 """Largest number of runners-up to keep."""
 
 
-class AlsoFits(BaseModel):
+class AlsoFits(Brief, BaseModel):
     """A leaf that a text would fit as well."""
 
     node: str
     why: str = ""
 
 
-class PlacedScenario(BaseModel):
+class PlacedScenario(Brief, BaseModel):
     """Answer: the branch that covers the text, or the change that makes the tree cover it."""
 
     reasoning: str = Field(description="one or two sentences")

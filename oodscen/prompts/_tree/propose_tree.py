@@ -5,6 +5,7 @@ from typing import ClassVar
 
 from pydantic import BaseModel, Field
 
+from oodscen._display import Brief
 from oodscen._text import one_line
 from oodscen.data._messages import Message
 from oodscen.errors import Issue
@@ -22,7 +23,7 @@ MAX_DEPTH = 12
 """Largest number of edges from the root of a proposed tree to a leaf."""
 
 
-class ProposedNode(BaseModel):
+class ProposedNode(Brief, BaseModel):
     """One node of the proposed tree."""
 
     number: int = Field(description="counted from 1; the root is 1")
@@ -33,7 +34,7 @@ class ProposedNode(BaseModel):
     )
 
 
-class ProposedTree(BaseModel):
+class ProposedTree(Brief, BaseModel):
     """Answer: the tree as a flat list, parents before children."""
 
     nodes: list[ProposedNode]

@@ -4,7 +4,9 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 from oodscen._concurrency import as_finished
+from oodscen._display import Brief
 from oodscen._paper import attestation
+from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
@@ -85,7 +87,7 @@ class PruneDecision(Data):
     """The question that the model was asked: `purpose@version`."""
 
 
-class Pruner:
+class Pruner(Brief):
     """Asks for every leaf whether the catalogue can show it.
 
     Args:
@@ -96,6 +98,8 @@ class Pruner:
         substitutes: Keep branches that are shown with substitute assets.
         context: Context window of the model in tokens, if the whole catalogue is too long for it.
     """
+
+    _repr_fields = ("llm", "name", "substitutes", "threads")
 
     def __init__(
         self,
@@ -115,9 +119,16 @@ class Pruner:
         self.substitutes = substitutes
         self.context = context
 
-    def run(self, tree: ScenarioTree) -> ScenarioTree:
-        """Return the simulatable tree; its edits hold the reason for every node."""
-        return pruned(tree, self.decisions(tree))
+    def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
+        """Return the simulatable tree; its edits hold the reason for every node.
+
+        Args:
+            tree: The diverse tree.
+            progress: True for a progress bar, or a callable; it counts the leaves.
+        """
+        with reporting(progress) as told:
+            judged = counted(self.decisions(tree), "prune", len(tree.leaves), told)
+            return pruned(tree, judged)
 
     def decisions(self, tree: ScenarioTree, done: Iterable[str] = ()) -> Iterator[PruneDecision]:
         """Yield a decision for every leaf, in the order of the answers.

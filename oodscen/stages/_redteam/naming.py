@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
-from oodscen.prompts import PlacedScenario, PlaceScenario
+from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.tree._scenario_tree import ScenarioTree, slug
 
 

@@ -5,6 +5,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 from oodscen._concurrency import cancelling
+from oodscen._display import Brief
+from oodscen._progress import Progress as Told
+from oodscen._progress import reporting
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
@@ -30,7 +33,7 @@ _REFUSED = 5
 """Number of rejected proposals that the red-LLM sees."""
 
 
-class RedTeamer:
+class RedTeamer(Brief):
     """Grows a diverse tree out of an initial one (paper, section III-A, red teaming).
 
     Closed loop, the default: the red-LLM sees what the tree covers, where it is thin and which proposals were
@@ -52,6 +55,8 @@ class RedTeamer:
         UsageError: For an unknown option, or a value that is not allowed.
     """
 
+    _repr_fields = ("llm", "red_llm", "encoder", "options")
+
     def __init__(
         self,
         llm: LLM,
@@ -70,10 +75,22 @@ class RedTeamer:
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
 
-    def run(self, tree: ScenarioTree) -> ScenarioTree:
-        """Return the tree after all rounds; each edit holds its round, text and reason."""
-        for item in self.rounds(tree):
-            tree = tree.apply(*item.edits)
+    def run(self, tree: ScenarioTree, *, progress: Told | bool | None = None) -> ScenarioTree:
+        """Return the tree after all rounds; each edit holds its round, text and reason.
+
+        Args:
+            tree: The initial tree.
+            progress: True for a progress bar, or a callable; it counts the rounds.
+        """
+        with reporting(progress) as told:
+            done, total = 0, self.options.iterations
+            told("redteam", done, total)
+            for item in self.rounds(tree):
+                tree = tree.apply(*item.edits)
+                done = item.round
+                told("redteam", done, total)
+            if done < total:
+                told("redteam", done, done)
         return tree
 
     def rounds(self, tree: ScenarioTree, done: Iterable[Round] = ()) -> Iterator[Round]:

@@ -381,3 +381,16 @@ def test_a_missing_litellm_is_a_missing_extra(monkeypatch):
 def test_litellm_is_silent_and_asks_for_no_price_list():
     assert load_litellm().suppress_debug_info
     assert os.environ["LITELLM_LOCAL_MODEL_COST_MAP"] == "True"
+
+
+def test_a_model_shows_neither_its_key_nor_the_password_in_its_address() -> None:
+    shown = repr(
+        LiteLLM(
+            "gpt-4o",
+            api_base="http://me:swordfish1@127.0.0.1:9/v1",
+            options={"api_key": KEY, "extra_headers": {"Authorization": f"Bearer {KEY}"}},
+        )
+    )
+    assert shown.startswith("LiteLLM(name='gpt-4o', api_base='http://")
+    assert "swordfish" not in shown
+    assert KEY not in shown

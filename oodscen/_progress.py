@@ -1,0 +1,59 @@
+"""The `progress` argument of long calls: a bar, a callable, or silence."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+Progress = Callable[[str, int, int], None]
+"""Called after every finished item of a long task with the stage, the items done and their total."""
+
+Item = TypeVar("Item")
+
+
+def silent(stage: str, done: int, total: int) -> None:
+    """Show nothing."""
+
+
+@contextmanager
+def reporting(progress: Progress | bool | None, note: object = "") -> Iterator[Progress]:
+    """Return the callable that a `progress` argument stands for, and close its bars at the end.
+
+    Args:
+        progress: True for one bar per stage, which is a widget in a notebook; a callable; `None` or false for
+            silence.
+        note: Shown after a bar as text, as it is at the time.
+    """
+    if progress is None or progress is False:
+        yield silent
+        return
+    if progress is not True:
+        yield progress
+        return
+    from tqdm.auto import tqdm
+
+    bars: dict[str, tqdm[Any]] = {}
+
+    def show(stage: str, done: int, total: int) -> None:
+        if stage not in bars:
+            bars[stage] = tqdm(total=total, desc=f"{stage:13}")
+        bar = bars[stage]
+        bar.total = total
+        if text := str(note):
+            bar.set_postfix_str(text, refresh=False)
+        bar.update(done - bar.n)
+        if done >= total:
+            bar.close()
+
+    try:
+        yield show
+    finally:
+        for bar in bars.values():
+            bar.close()
+
+
+def counted(items: Iterable[Item], stage: str, total: int, told: Progress) -> Iterator[Item]:
+    """Yield items, and report each as done when the next one is asked for."""
+    told(stage, 0, total)
+    for done, item in enumerate(items, start=1):
+        yield item
+        told(stage, done, total)
