@@ -14,29 +14,28 @@ from pydantic import BaseModel
 
 import oodscen
 from oodscen._display import LINES, WIDTH, Brief, brief, cut, html_table
-from oodscen.author import BuiltinAuthor
-from oodscen.baselines import ordinary_driving
-from oodscen.data import Episode, Image, Message, Scenario
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.baselines._ordinary import ordinary_driving
+from oodscen.data import Episode, Scenario
+from oodscen.data._messages import Image, Message
 from oodscen.data._verdict import Verdict
 from oodscen.driving import Cruise, action_driver, load_corridor
-from oodscen.encoders import CachedEncoder, MiniLM
+from oodscen.encoders import CachedEncoder
+from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, Issue
-from oodscen.judging import ConstantAnswerer, RandomAnswerer, leaderboard
+from oodscen.judging import leaderboard
+from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.llm import LoggedLLM, RecordingLLM, Traffic
-from oodscen.metrics import Metrics
-from oodscen.prompts import GiveExamples
+from oodscen.metrics._metrics import Metrics
+from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.protocols import Camera, Frame, Request
 from oodscen.stages import RedTeamOptions, RuleBasedDriver, birds_eye
-from oodscen.study import Store, Study, StudyConfig
-from oodscen.testing import (
-    FLAT_CATALOGUE,
-    AnsweringServer,
-    FlatSimulator,
-    FunctionLLM,
-    HashEncoder,
-    ScriptedLLM,
-    example_scene,
-)
+from oodscen.study._config import StudyConfig
+from oodscen.study._store import Store
+from oodscen.study._study import Study
+from oodscen.testing import AnsweringServer, FlatSimulator, FunctionLLM, ScriptedLLM, example_scene
+from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 KEY = "sk-test-planted-0123456789abcdef"
 SCRIPT = "<script>alert(1)</script>"

@@ -8,11 +8,14 @@ from hypothesis import strategies as st
 
 import oodscen
 from oodscen._progress import counted, reporting
-from oodscen.author import BuiltinAuthor
+from oodscen.author._builtin import BuiltinAuthor
 from oodscen.data import Scenario
-from oodscen.metrics import Metrics
-from oodscen.stages import RuleBasedDriver, drive
-from oodscen.testing import FLAT_CATALOGUE, FlatSimulator, HashEncoder, example_scene
+from oodscen.metrics._metrics import Metrics
+from oodscen.stages import RuleBasedDriver
+from oodscen.stages._drive import drive
+from oodscen.testing import FlatSimulator, example_scene
+from oodscen.testing._encoder import HashEncoder
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
 
 class Told(list):

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.prompts import DescribePath
-from oodscen.prompts._scenario.describe_path import CHARACTERS, SHOWN, Descriptions
+from oodscen.prompts._scenario.describe_path import CHARACTERS, SHOWN, DescribePath, Descriptions
 
 PATH = ("OOD", "Box on the road")
 texts = st.lists(st.text("abc ", min_size=1, max_size=600), max_size=30).map(tuple)

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
-from oodscen.prompts import PlacedScenario, PlaceScenario
+from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.stages._redteam.naming import Names
 from oodscen.tree._scenario_tree import TreeEdit, slug
 
