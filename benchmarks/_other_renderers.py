@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.view import FAR, NEAR, View
+from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
 
 from oodscen.numerics import _exact as exact
 
@@ -86,7 +86,7 @@ class ModernGL:
     }
     """
 
-    def __init__(self, soup: Soup, view: View) -> None:
+    def __init__(self, soup: Soup, view: CameraView) -> None:
         import moderngl
 
         self._context = moderngl.create_context(standalone=True, backend="egl", require=330)
@@ -131,7 +131,7 @@ class MuJoCo:
 
     name = "EGL"
 
-    def __init__(self, soup: Soup, view: View) -> None:
+    def __init__(self, soup: Soup, view: CameraView) -> None:
         os.environ.setdefault("MUJOCO_GL", "egl")
         import mujoco
 
@@ -190,7 +190,7 @@ class MuJoCo:
         self._renderer.close()
 
 
-def _quaternion(mujoco: Any, view: View) -> NDArray[np.float64]:
+def _quaternion(mujoco: Any, view: CameraView) -> NDArray[np.float64]:
     """Return the rotation of a camera that looks along its negative z."""
     turn = np.array([view.right, view.up, [-part for part in view.forward]]).T
     quaternion = np.empty(4)
@@ -201,7 +201,7 @@ def _quaternion(mujoco: Any, view: View) -> NDArray[np.float64]:
 class Panda3D:
     """Panda3D, offscreen: OpenGL where it works without a display, otherwise Panda3D's software renderer."""
 
-    def __init__(self, soup: Soup, view: View) -> None:
+    def __init__(self, soup: Soup, view: CameraView) -> None:
         from panda3d import core
 
         core.load_prc_file_data("", "window-type offscreen\naudio-library-name null")

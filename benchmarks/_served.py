@@ -76,7 +76,7 @@ def study(out: Path, log: Path, faults: float, kill_after: int) -> None:
     """
     from oodscen import StudyConfig, make_llm
     from oodscen._pipeline import run_study
-    from oodscen.llm._remote.limits import Traffic
+    from oodscen.llm._remote.limits import Limits
     from oodscen.testing import AnsweringServer
 
     config = StudyConfig(
@@ -101,10 +101,10 @@ def study(out: Path, log: Path, faults: float, kill_after: int) -> None:
             return index
 
         server.record = recorded
-        traffic = Traffic(concurrency=CONCURRENCY, strikes=1_000)
+        limits = Limits(concurrency=CONCURRENCY, strikes=1_000)
         timeout = 1.0 if faults else 60.0
-        llm = server.client(seed=3, traffic=traffic, timeout_s=timeout, max_bytes=2_000_000)
-        run_study(out, config, models={"served": llm}, traffic=traffic)
+        llm = server.client(seed=3, limits=limits, timeout_s=timeout, max_bytes=2_000_000)
+        run_study(out, config, models={"served": llm}, limits=limits)
 
 
 if __name__ == "__main__":

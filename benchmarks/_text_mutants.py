@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from oodscen import Scene
-from oodscen.author._knowledge.base import Condition, Knowledge, Place
+from oodscen.author._knowledge.base import Condition, Knowledge, RoadKind
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor
 from oodscen.driving._sight.placement import staging_issues
@@ -104,7 +104,7 @@ class Case:
         return found
 
     @cached_property
-    def places(self) -> list[Place]:
+    def places(self) -> list[RoadKind]:
         """Kinds of road mentioned in the text."""
         plain = self.text.casefold()
         return [

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.judging._aspects.matching import names_aspect
 
@@ -54,7 +54,7 @@ def written() -> list[Row]:
 
 def known() -> list[Row]:
     """Measure the clauses and wider labels in the built-in author's knowledge."""
-    hazards: tuple[Hazard, ...] = load_knowledge().hazards
+    hazards: tuple[HazardKind, ...] = load_knowledge().hazards
     told = [
         (clause.replace("{where}", ""), hazard) for hazard in hazards for clause in hazard.events
     ]

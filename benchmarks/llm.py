@@ -28,7 +28,7 @@ from oodscen._concurrency import as_finished  # noqa: E402
 from oodscen.driving import check_scene  # noqa: E402
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError  # noqa: E402
 from oodscen.llm._ask import ask  # noqa: E402
-from oodscen.llm._remote.limits import Caps, Traffic  # noqa: E402
+from oodscen.llm._remote.limits import Caps, Limits  # noqa: E402
 from oodscen.llm._remote.litellm import LiteLLM, load_litellm, wire_message  # noqa: E402
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario  # noqa: E402
 from oodscen.testing import AnsweringServer, FunctionLLM  # noqa: E402
@@ -71,7 +71,7 @@ def throughput() -> list[Row]:
     sdk = load_litellm()
     messages = [wire_message(message) for message in PROMPT.messages()]
     with slow_server() as address:
-        llm = LiteLLM("m", api_base=address, traffic=Traffic(concurrency=THREADS))
+        llm = LiteLLM("m", api_base=address, limits=Limits(concurrency=THREADS))
 
         def bare(sample: int) -> None:
             sdk.completion(
@@ -112,11 +112,11 @@ def caps() -> list[Row]:
     """Count at the server how many requests a cap lets through."""
     worst = 0
     for limit in (1, 33, 100):
-        traffic = Traffic(Caps(requests=limit), concurrency=THREADS, patience_s=None)
+        limits = Limits(Caps(requests=limit), concurrency=THREADS, patience_s=None)
         author = FunctionLLM(lambda asked: {"text": f"A sofa. ({asked.sample})"})
         faults = lambda index, asked: "http500" if index % 4 == 0 else None  # noqa: E731
         with AnsweringServer(author, faults=faults) as server:
-            llm = server.client("m", traffic=traffic)
+            llm = server.client("m", limits=limits)
 
             def work(sample: int, llm=llm) -> None:
                 with suppress(BudgetExceeded, LLMError):
@@ -132,7 +132,7 @@ def dead() -> list[Row]:
     """Measure how long a run keeps asking a dead server."""
 
     def until_stopped(address: str) -> float:
-        llm = LiteLLM("m", api_base=address, traffic=Traffic(concurrency=4))
+        llm = LiteLLM("m", api_base=address, limits=Limits(concurrency=4))
         began = time.monotonic()
         for sample in range(1_000):
             try:

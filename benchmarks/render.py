@@ -22,10 +22,10 @@ from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletStage
-from oodscen_pybullet._rendering.picture import Picture, develop
-from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
 
@@ -90,7 +90,7 @@ class Set:
     def shoot(self, stage: Stage, light: Light, *, has_shadows: bool = False) -> Shot:
         """Take the raw picture."""
         return stage.photograph(
-            View.of(CAMERA, self.poses[0]),
+            CameraView.of(CAMERA, self.poses[0]),
             light,
             ground=self.poses[0][2] if has_shadows else None,
         )
@@ -101,9 +101,9 @@ class Set:
             Glow(head, STREET_LAMP, (0.0, 0.0, 0.0), 2.0, is_street=True)
             for head in self.scenery.lamps
         ]
-        picture = Picture(
+        picture = RawPicture(
             shot=self.shoot(stage, light, has_shadows=light.daylight > DARK),
-            view=View.of(CAMERA, self.poses[0]),
+            view=CameraView.of(CAMERA, self.poses[0]),
             weather=weather,
             light=light,
             glows=glows,
@@ -136,7 +136,7 @@ def speeds() -> list[Row]:
         one = Set(index, 1)
         assert one.triangles >= SMALLEST_TRIANGLES
         light = Light.of(weather, one.corridor.heading(one.corridor.start), is_snowy=False)
-        quick, fine = Canvas(detail=1), Canvas()
+        quick, fine = Rasteriser(detail=1), Rasteriser()
         bare, shaded = BulletStage(engine), BulletStage(engine, casts_shadows=True)
         for stage in (quick, fine, bare, shaded):
             one.dress(stage)
@@ -166,7 +166,7 @@ def speeds() -> list[Row]:
 
 def weathers() -> list[Row]:
     """Measure a fully developed frame in several kinds of weather, on the first map."""
-    one, stage = Set(0, 1), Canvas()
+    one, stage = Set(0, 1), Rasteriser()
     one.dress(stage)
     kinds = {
         "clear": Weather(),
@@ -200,10 +200,10 @@ def others() -> list[Row]:
         try:
             for one in sets:
                 soup = soup_of(one.scenery.meshes, one.looks, one.poses)
-                drawing = kind(soup, View.of(CAMERA, one.poses[0]))
+                drawing = kind(soup, CameraView.of(CAMERA, one.poses[0]))
                 light = Light.of(Weather(), 0.0, is_snowy=False)
                 for detail, found in ratios.items():
-                    stage = Canvas(detail=detail)
+                    stage = Rasteriser(detail=detail)
                     one.dress(stage)
                     found.append(turn_about(lambda: one.shoot(stage, light), drawing.draw))  # noqa: B023
                 drawing.close()
@@ -224,7 +224,7 @@ def agreement(scenes: int) -> list[Row]:
     depths: list[float] = []
     for index in range(len(SHIPPED_MAPS)):
         one = Set(index, 2)
-        ours, theirs = Canvas(), BulletStage(engine)
+        ours, theirs = Rasteriser(), BulletStage(engine)
         for stage in (ours, theirs):
             one.dress(stage)
         for _ in range(-(-scenes // len(SHIPPED_MAPS))):

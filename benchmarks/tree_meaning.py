@@ -21,7 +21,7 @@ from tqdm import tqdm
 
 from oodscen import make_encoder
 from oodscen._registry import DEFAULT_ENCODER
-from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.encoders import CachedEncoder
 from oodscen.protocols import Encoder
@@ -36,7 +36,7 @@ THRESHOLDS = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8)
 Row = dict[str, object]
 
 
-def planted(leaves: Sequence[tuple[Hazard, str]]) -> ScenarioTree:
+def planted(leaves: Sequence[tuple[HazardKind, str]]) -> ScenarioTree:
     """Plant texts below the class and family of their hazards, with uninformative ids."""
     tree = ScenarioTree.planted()
     families: dict[tuple[str, str], str] = {}
@@ -53,7 +53,7 @@ def planted(leaves: Sequence[tuple[Hazard, str]]) -> ScenarioTree:
     return tree
 
 
-def other_words(hazard: Hazard, kind: str, number: int) -> str:
+def other_words(hazard: HazardKind, kind: str, number: int) -> str:
     """Return another wording of a hazard, or an empty string."""
     if kind == "wider":
         found = hazard.wider
@@ -64,7 +64,7 @@ def other_words(hazard: Hazard, kind: str, number: int) -> str:
 
 
 def counted(
-    hazards: Sequence[Hazard], kind: str, encoder: Encoder, threshold: float, trees: int
+    hazards: Sequence[HazardKind], kind: str, encoder: Encoder, threshold: float, trees: int
 ) -> tuple[int, int, int]:
     """Return the numbers of correct pairs by meaning, of all pairs by meaning, and of pairs to find."""
     right = made = wanted = 0

@@ -16,7 +16,7 @@ from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.protocols import LLM
 
 
-class Finding(NamedTuple):
+class CheckResult(NamedTuple):
     """The result of one check."""
 
     what: str
@@ -25,10 +25,10 @@ class Finding(NamedTuple):
     """A version, or a fault and its fix."""
 
 
-def examine() -> list[Finding]:
+def examine() -> list[CheckResult]:
     """Check Python, the built-in author, the encoder and the simulator."""
     return [
-        Finding("python", sys.version_info >= (3, 11), platform.python_version()),
+        CheckResult("python", sys.version_info >= (3, 11), platform.python_version()),
         _tried("built-in author", _author),
         _tried("encoder", _encoder),
         _tried("simulator", _simulator),
@@ -38,7 +38,7 @@ def examine() -> list[Finding]:
 
 def examine_simulator(
     name: str, *, is_quick: bool = False, progress: Progress | bool | None = None
-) -> list[Finding]:
+) -> list[CheckResult]:
     """Run the conformance check on one simulator; one finding per fault.
 
     Args:
@@ -59,8 +59,8 @@ def examine_simulator(
         check_simulator(name, parts=parts, progress=progress)
     except AssertionError as error:
         faults = str(error).split("\n  - ")[1:]
-        return [Finding(f"simulator {name}", False, fault) for fault in faults]
-    return [Finding(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
+        return [CheckResult(f"simulator {name}", False, fault) for fault in faults]
+    return [CheckResult(f"simulator {name}", True, f"keeps the protocol ({', '.join(parts)})")]
 
 
 WANTED = {"hazards": 220, "families": 30, "staged": 90}
@@ -68,7 +68,7 @@ WANTED = {"hazards": 220, "families": 30, "staged": 90}
 _SHOWN_NOTES = 100
 
 
-def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
+def examine_knowledge(path: str | Path | None = None) -> list[CheckResult]:
     """Check the built-in author's knowledge base, or a user's own file on top of it.
 
     Args:
@@ -99,17 +99,19 @@ def examine_knowledge(path: str | Path | None = None) -> list[Finding]:
     )
     findings = []
     if found.hazards or path is None:
-        findings.append(Finding("knowledge base", is_enough, total))
+        findings.append(CheckResult("knowledge base", is_enough, total))
     elif not found.faults:
-        findings.append(Finding("knowledge base", True, "it adds no hazard"))
-    findings += [Finding(fault.path or str(path), False, fault.message) for fault in found.faults]
+        findings.append(CheckResult("knowledge base", True, "it adds no hazard"))
     findings += [
-        Finding(f"note: {note.path}", True, note.message) for note in found.notes[:_SHOWN_NOTES]
+        CheckResult(fault.path or str(path), False, fault.message) for fault in found.faults
+    ]
+    findings += [
+        CheckResult(f"note: {note.path}", True, note.message) for note in found.notes[:_SHOWN_NOTES]
     ]
     return findings
 
 
-def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
+def examine_llm(name: str, *, api_base: str | None = None) -> list[CheckResult]:
     """Ask a language model two short questions, one of them with a picture.
 
     Args:
@@ -134,8 +136,10 @@ def examine_llm(name: str, *, api_base: str | None = None) -> list[Finding]:
     if findings[0].is_ok or (calls and calls[-1].status == "ok"):
         seconds = sorted(call.seconds for call in calls)
         findings.append(_tried("image", lambda: _image(logged)))
-        findings.append(Finding("latency", True, f"{seconds[len(seconds) // 2]:.2f} s per call"))
-    return [*findings, Finding("price", True, known)]
+        findings.append(
+            CheckResult("latency", True, f"{seconds[len(seconds) // 2]:.2f} s per call")
+        )
+    return [*findings, CheckResult("price", True, known)]
 
 
 def _answer(llm: LLM, calls: list[Call]) -> str:
@@ -177,13 +181,13 @@ def _red_png(size: int = 64) -> bytes:
     )
 
 
-def _tried(what: str, check: Callable[[], str]) -> Finding:
+def _tried(what: str, check: Callable[[], str]) -> CheckResult:
     try:
-        return Finding(what, True, check())
+        return CheckResult(what, True, check())
     except OodscenError as error:
-        return Finding(what, False, str(error))
+        return CheckResult(what, False, str(error))
     except (Exception, SystemExit) as error:  # A broken installation may raise anything.
-        return Finding(what, False, reason(error))
+        return CheckResult(what, False, reason(error))
 
 
 def _author() -> str:

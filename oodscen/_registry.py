@@ -16,7 +16,7 @@ from oodscen.protocols import LLM, Driver, Encoder, Simulator
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
-    from oodscen.llm._remote.limits import Traffic
+    from oodscen.llm._remote.limits import Limits
 
 KINDS = {
     "llm": "oodscen.llms",
@@ -160,7 +160,7 @@ def driver_maker(name: str) -> Callable[[], Driver]:
 
 
 def make_llm(
-    llm: str | LLM, *, seed: int = 0, api_base: str | None = None, traffic: "Traffic | None" = None
+    llm: str | LLM, *, seed: int = 0, api_base: str | None = None, limits: "Limits | None" = None
 ) -> LLM:
     """Return the language model of this name, or the given one.
 
@@ -172,7 +172,7 @@ def make_llm(
         llm: A name, `module:attr`, or an object.
         seed: The run's seed.
         api_base: The address of a server, for models behind litellm; other models ignore it.
-        traffic: The run's caps, prices and endpoints, for models behind litellm.
+        limits: The run's caps, prices and endpoints, for models behind litellm.
 
     Raises:
         UsageError: If there is no such model (with close matches), or it cannot be created.
@@ -185,12 +185,12 @@ def make_llm(
     registered = names("llm")
     head = llm.partition(":")[0]
     if head != "litellm" and (head in registered or _is_reference(llm)):
-        shared = {} if traffic is None else {"traffic": traffic}
+        shared = {} if limits is None else {"limits": limits}
         return cast(LLM, conforming("llm", _made("llm", llm, seed=seed, **shared), llm))
     client = find("llm", "litellm")
     model = llm.removeprefix("litellm:")
     try:
-        return cast(LLM, client(model, api_base=api_base, seed=seed, traffic=traffic))
+        return cast(LLM, client(model, api_base=api_base, seed=seed, limits=limits))
     except (UnknownComponent, MissingExtra) as error:
         known = error.known if isinstance(error, UnknownComponent) else ()
         if close_matches(llm, registered):

@@ -12,9 +12,9 @@
     ├── LLMError                a model could not be reached, or its answer not understood
     │   ├── AnswerError         its answer stayed invalid after repair (keeps the raw text)
     │   ├── ResponseError       the response was not an answer: empty, a web page, too large (keeps its start)
-    │   ├── LateError           the server responds, but no answer came in time
-    │   ├── RefusedError        the provider's content filter blocked this question
-    │   ├── NotAskedError       not asked: the run had already given up on the model
+    │   ├── LLMTimeout           the server responds, but no answer came in time
+    │   ├── ContentFiltered        the provider's content filter blocked this question
+    │   ├── ModelSkipped       not asked: the run had already given up on the model
     │   └── ReplayMiss          a recording has no answer to this question (and what differs)
     ├── SceneError              the catalogue or the road refuses a scene
     ├── SimulatorError          the simulator failed
@@ -38,6 +38,7 @@ from oodscen._display import cut
 __all__ = [
     "AnswerError",
     "BudgetExceeded",
+    "ContentFiltered",
     "DataError",
     "EncoderError",
     "EndpointDown",
@@ -45,11 +46,10 @@ __all__ = [
     "InUse",
     "Issue",
     "LLMError",
-    "LateError",
+    "LLMTimeout",
     "MissingExtra",
-    "NotAskedError",
+    "ModelSkipped",
     "OodscenError",
-    "RefusedError",
     "ReplayMiss",
     "ResponseError",
     "RunStopped",
@@ -180,15 +180,15 @@ class ResponseError(LLMError):
         super().__init__(message, model=model, retryable=True, requests=requests)
 
 
-class LateError(LLMError):
+class LLMTimeout(LLMError):
     """A server responds, but did not answer in time."""
 
 
-class RefusedError(LLMError):
+class ContentFiltered(LLMError):
     """A provider's content filter blocked a question; a refusal in the model's own words is an answer."""
 
 
-class NotAskedError(LLMError):
+class ModelSkipped(LLMError):
     """A question was not sent, because the run had already given up on its model."""
 
     def __init__(self, reason: str, *, model: str) -> None:

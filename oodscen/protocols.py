@@ -3,7 +3,7 @@
 An `LLM` turns a request into text, an `Encoder` turns texts into vectors, a `Simulator` turns a
 scene into states and frames, and a `Driver` turns observations into controls. Implementations are
 plain classes with these members; no base class is required. Most simulators are shorter as
-subclasses of `oodscen.driving.MirrorSimulator`. Members that a docstring calls optional are looked
+subclasses of `oodscen.driving.KinematicSimulator`. Members that a docstring calls optional are looked
 up by name and may be missing.
 
 Units are SI: metres, seconds, radians, unless a name ends in `_deg`. Axes are those of ISO 8855: x

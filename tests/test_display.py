@@ -25,7 +25,7 @@ from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, Issue
 from oodscen.judging import leaderboard
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
-from oodscen.llm import LoggedLLM, RecordingLLM, Traffic
+from oodscen.llm import Limits, LoggedLLM, RecordingLLM
 from oodscen.metrics._metrics import Metrics
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.protocols import Camera, Frame, Request
@@ -77,7 +77,7 @@ MAKERS = {
     "Store": lambda: Store("out"),
     "Study": lambda: Study("out"),
     "StudyConfig": StudyConfig,
-    "Traffic": Traffic,
+    "Limits": Limits,
     "TreeGrower": lambda: oodscen.TreeGrower(ScriptedLLM([])),
     "Verdict": lambda: Verdict(id="a@b", scene_id="a", model="b", status="ok", outcome="answered"),
     "WorldSnapshot": lambda: _stepped().snapshot(),

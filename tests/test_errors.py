@@ -33,9 +33,9 @@ EXAMPLES = (
     errors.BudgetExceeded("requests", 10, 9),
     errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
     errors.ResponseError("message", model="m", status=200, raw="<html>", requests=6),
-    errors.LateError("message", model="m", retryable=True, requests=2),
-    errors.RefusedError("message", model="m", requests=1),
-    errors.NotAskedError("m is given up: no response for 40 s", model="m"),
+    errors.LLMTimeout("message", model="m", retryable=True, requests=2),
+    errors.ContentFiltered("message", model="m", requests=1),
+    errors.ModelSkipped("m is given up: no response for 40 s", model="m"),
     errors.ReplayMiss("replay:a.jsonl", "describe-path", [errors.Issue("sample", "3 is asked")]),
     errors.RunStopped("message"),
 )
@@ -71,9 +71,9 @@ FACTS = {
         "status": 200,
         "raw": "<html>",
     },
-    "LateError": {"model": "m", "retryable": True, "requests": 2},
-    "RefusedError": {"model": "m", "retryable": False, "requests": 1},
-    "NotAskedError": {
+    "LLMTimeout": {"model": "m", "retryable": True, "requests": 2},
+    "ContentFiltered": {"model": "m", "retryable": False, "requests": 1},
+    "ModelSkipped": {
         "model": "m",
         "retryable": True,
         "requests": 0,

@@ -21,9 +21,9 @@ from oodscen_pybullet._meshes import Mesh, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.particles import placed
-from oodscen_pybullet._rendering.picture import Picture, develop
-from oodscen_pybullet._rendering.rasteriser import Canvas
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering.rasteriser import Rasteriser
+from oodscen_pybullet._rendering.view import CameraView
 
 Image = NDArray[np.uint8]
 
@@ -78,12 +78,12 @@ def photograph(
     view = _framing(mesh, turn_deg, rise_deg)
     weather = _NIGHT if is_night else _DAY
     light = Light.of(weather, math.radians(turn_deg) + math.pi, is_snowy=False)
-    canvas = Canvas()
+    canvas = Rasteriser()
     canvas.show_scenery([_ground()], is_snowy=False)
     canvas.show_actors([MeshBuilder().box((0, 0, -9), (1, 1, 1), "grey").build(), look])
     canvas.pose_actors([(0.0, 0.0, 0.0, 0.0)] * 2)
     shot = canvas.photograph(view, light, ground=None if is_night else 0.0)
-    picture = Picture(
+    picture = RawPicture(
         shot=shot,
         view=view,
         weather=weather,
@@ -97,7 +97,7 @@ def photograph(
     return develop(picture)
 
 
-def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> View:
+def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> CameraView:
     """Return the closest view that contains a mesh and its smoke."""
     low, high = mesh.bounds
     for puff in mesh.puffs:
@@ -117,7 +117,7 @@ def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> View:
     far = 1.0
     while True:
         x, y, z = (float(m) + far * a for m, a in zip(middle, away, strict=True))
-        view = View.of(camera, (x, y, z, turn + math.pi))
+        view = CameraView.of(camera, (x, y, z, turn + math.pi))
         places = [view.pixel(corner) for corner in corners]
         if all(p and 6 < p[0] < CELL[0] - 6 and 6 < p[1] < CELL[1] - 6 for p in places):
             return view

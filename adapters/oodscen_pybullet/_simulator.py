@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import Corridor, MirrorSimulator, find_map
+from oodscen.driving import Corridor, KinematicSimulator, find_map
 from oodscen.errors import SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen_pybullet._catalogue import load_catalogue
@@ -24,9 +24,9 @@ from oodscen_pybullet._meshes.vehicles.cars import bonnet
 from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import Ball, filled, placed
-from oodscen_pybullet._rendering.picture import Picture, develop
+from oodscen_pybullet._rendering.picture import RawPicture, develop
 from oodscen_pybullet._rendering.stage import Stage
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import replaced
 
@@ -42,7 +42,7 @@ LYING_SNOW_MM_H = 1.0
 """Snowfall rate at and above which the ground is white, mm/h."""
 
 
-class PyBulletSimulator(MirrorSimulator):
+class PyBulletSimulator(KinematicSimulator):
     """Shows scenes with PyBullet; needs no display.
 
     PyBullet measures the distances between the catalogue's boxes; pictures come from a software
@@ -67,7 +67,7 @@ class PyBulletSimulator(MirrorSimulator):
         self._speeds: list[float] = []
         self._shown: object = None
 
-    # ------------------------------------------------------------------ MirrorSimulator
+    # ------------------------------------------------------------------ KinematicSimulator
 
     def catalogue(self) -> Catalogue:
         """Return the available assets, behaviours, maps and weather."""
@@ -125,7 +125,7 @@ class PyBulletSimulator(MirrorSimulator):
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
         stage, scenery = self._set(corridor, scene, seed)
-        view = View.of(camera, self._poses[0])
+        view = CameraView.of(camera, self._poses[0])
         is_inside = abs(camera.x) < 2.4 and abs(camera.y) < 1.0 and camera.z < 1.6
         looks = self._cast.looks(
             self._poses, self._speeds, self.world.accelerations().tolist(), self.world.time
@@ -150,7 +150,7 @@ class PyBulletSimulator(MirrorSimulator):
             for row, (look, pose) in enumerate(zip(looks, poses, strict=True))
             for ball in placed(mesh_of(look).puffs, pose, row)
         ]
-        picture = Picture(
+        picture = RawPicture(
             shot=shot,
             view=view,
             weather=scene.weather,
@@ -214,7 +214,7 @@ class PyBulletSimulator(MirrorSimulator):
         return [self._poses[0], *lifted]
 
 
-def _unhidden(stage: Stage, view: View, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
+def _unhidden(stage: Stage, view: CameraView, balls: Sequence[Ball]) -> NDArray[np.int32] | None:
     """Return the number of pixels that each body would fill without occlusion."""
     pixels = stage.unhidden(view)
     if pixels is not None:

@@ -43,7 +43,7 @@ _ORDER = "oodscen.order"
 """The key in a click context for the arguments after the program's name."""
 
 
-class _Group(click.Group):
+class _CommandGroup(click.Group):
     """Turns the library's errors into one friendly line and an exit code."""
 
     def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
@@ -149,7 +149,9 @@ EXIT_CODES = {
 _EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())
 
 
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG)
+@click.group(
+    cls=_CommandGroup, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG
+)
 @click.version_option(__version__, prog_name="oodscen")
 @click.option("--debug", is_flag=True, help="Show tracebacks.")
 @click.pass_context

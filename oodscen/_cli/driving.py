@@ -12,8 +12,8 @@ from oodscen._cli.output import bars, say
 from oodscen._cli.paths import PathName
 
 if TYPE_CHECKING:
-    from oodscen.judging._drives import DriveRow, Share
-    from oodscen.judging._leaderboard.board import Figure
+    from oodscen.judging._drives import DriveRate, DriveRow
+    from oodscen.judging._leaderboard.board import Estimate
 
 
 @click.command()
@@ -96,11 +96,11 @@ def _line(row: "DriveRow") -> str:
     return "\n".join(lines)
 
 
-def _range(share: "Share") -> str:
+def _range(share: "DriveRate") -> str:
     return f" [{share.interval.low:.0%}, {share.interval.high:.0%}]" if share.interval else ""
 
 
-def _mean(mean: "Figure", unit: str, *, percent: bool = False) -> str:
+def _mean(mean: "Estimate", unit: str, *, percent: bool = False) -> str:
     if mean.value is None:
         return "-"
     form = ".0%" if percent else ".1f"

@@ -15,7 +15,7 @@ from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
 
 if TYPE_CHECKING:
-    from oodscen.llm._remote.limits import Price, Traffic
+    from oodscen.llm._remote.limits import Limits, Price
 
 Command = Callable[..., Any]
 
@@ -190,13 +190,13 @@ traffic_options = _options(
 )
 
 
-def traffic_from(choices: dict[str, Any]) -> "Traffic":
-    """Remove the options of `traffic_options` from a command's arguments and return them as `Traffic`.
+def limits_from(choices: dict[str, Any]) -> "Limits":
+    """Remove the options of `traffic_options` from a command's arguments and return them as `Limits`.
 
     Raises:
         UsageError: When a price is malformed.
     """
-    from oodscen.llm._remote.limits import Caps, Traffic
+    from oodscen.llm._remote.limits import Caps, Limits
 
     caps = Caps(
         requests=choices.pop("max_requests"),
@@ -205,7 +205,7 @@ def traffic_from(choices: dict[str, Any]) -> "Traffic":
         seconds=choices.pop("max_seconds"),
     )
     prices = dict(map(_price, choices.pop("prices")))
-    return Traffic(
+    return Limits(
         caps,
         prices=prices,
         concurrency=choices.pop("concurrency"),

@@ -18,7 +18,7 @@ from oodscen.errors import DataError, FolderTaken, Issue, OodscenError
 
 if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
-    from oodscen.judging._leaderboard.board import Figure, Leaderboard, Rate
+    from oodscen.judging._leaderboard.board import Estimate, Leaderboard, Rate
     from oodscen.llm._accounting import Account
     from oodscen.stages._redteam.saturation import Saturation
 
@@ -145,7 +145,7 @@ def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
 _BESIDE = ("constant:stop", "random", "blind", "novelty", "oracle")
 
 
-def _share(found: "Rate | Figure") -> str:
+def _share(found: "Rate | Estimate") -> str:
     if found.value is None:
         return "-"
     between = found.interval

@@ -14,13 +14,13 @@ from oodscen._cli.options import (
     extras_options,
     json_option,
     judging_options,
+    limits_from,
     llm_options,
     picture_options,
     red_options,
     seed_option,
     simulator_option,
     style_option,
-    traffic_from,
     traffic_options,
 )
 from oodscen._cli.output import bars, estimated, left_out, say, standings, summary
@@ -148,7 +148,7 @@ def run(
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
-    traffic = traffic_from(choices)
+    limits = limits_from(choices)
     given = {name: value for name, value in choices.items() if value not in (None, ())}
     if "baseline" in given:
         given["baseline"] = str(given["baseline"])
@@ -161,7 +161,7 @@ def run(
     if before.store.has("study.json"):
         config = config.judging_too(before.config)
     if dry_run:
-        rows = estimate(out, config, RunOptions(workers=workers or 1, traffic=traffic))
+        rows = estimate(out, config, RunOptions(workers=workers or 1, limits=limits))
         click.echo(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     ledger = Ledger()
@@ -172,7 +172,7 @@ def run(
             workers=workers or os.cpu_count() or 1,
             progress=progress,
             extras=Extras(traces, annotations, video),
-            traffic=traffic,
+            limits=limits,
             ledger=ledger,
             retry=retry_failed,
         )
@@ -247,7 +247,7 @@ def evaluate(
         "judge": judge,
         "servers": dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {},
     }
-    traffic = traffic_from(choices)
+    limits = limits_from(choices)
     study = before
     if vlms or judge:
         with bars() as progress:
@@ -255,7 +255,7 @@ def evaluate(
                 out,
                 StudyConfig.parse(config.model_dump() | changes).judging_too(config),
                 progress=progress,
-                traffic=traffic,
+                limits=limits,
                 workers=os.cpu_count() or 1,
                 retry=retry_failed,
             )

@@ -37,7 +37,7 @@ class Context:
         self.options = options or RunOptions()
         self.progress = self.options.progress
         self.models = Models(config, self.store, self.options)
-        self.cancel = self.models.traffic.close
+        self.cancel = self.models.limits.close
         """Called when waiting for answers is interrupted, so that pending calls end soon."""
         self.seconds: dict[str, float] = {}
         """Wall-clock seconds of this run, by stage."""

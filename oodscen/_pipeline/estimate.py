@@ -67,11 +67,13 @@ def estimate(
     models = Models(config, study.store, options)
     for name in config.models:
         models.get(name)
-    prices = options.traffic.prices
+    prices = options.limits.prices
     with temporary_folder() as folder:
         _copy(study, Path(folder))
         names = {config.llm, config.red_llm or config.llm, *filter(None, [config.fallback])}
-        asked = {name: _StandIn(name, config.seed, prices) for name in names if _is_asked(name)}
+        asked = {
+            name: _PricedAuthor(name, config.seed, prices) for name in names if _is_asked(name)
+        }
         pipeline = Pipeline(folder, config, RunOptions(models=asked))
         try:
             pipeline.prepare()
@@ -82,7 +84,7 @@ def estimate(
         lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
         judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
         for name in filter(_is_asked, config.vlms):
-            model = _StandIn(name, config.seed, prices)
+            model = _PricedAuthor(name, config.seed, prices)
             lines += [
                 model.line(request)
                 for scene in scenes
@@ -121,7 +123,7 @@ def _judging() -> Iterator[Request]:
         yield Request(prompt, prompt.messages(), prompt.answer_schema())
 
 
-class _StandIn:
+class _PricedAuthor:
     """The built-in author under another model's name and price."""
 
     def __init__(self, name: str, seed: int, prices: Mapping[str, Price]) -> None:

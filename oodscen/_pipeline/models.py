@@ -30,7 +30,7 @@ class Models:
     def __init__(self, config: StudyConfig, store: Store, options: RunOptions) -> None:
         self.stage = ""
         """The study's current stage, written to every line of `calls.jsonl`."""
-        self.traffic = options.traffic
+        self.limits = options.limits
         self._config = config
         self._store = store
         self._options = options
@@ -53,7 +53,7 @@ class Models:
 
     def threads(self, name: str) -> int:
         """Return how many questions a model may be asked at once."""
-        return 1 if is_builtin(name) else self.traffic.concurrency
+        return 1 if is_builtin(name) else self.limits.concurrency
 
     def _get(self, name: str, fallback: str | None) -> LLM:
         key = f"{name}\0{fallback or ''}"
@@ -80,12 +80,12 @@ class Models:
             given or name,
             seed=self._config.seed,
             api_base=self._config.servers.get(name, self._config.api_base),
-            traffic=self.traffic,
+            limits=self.limits,
         )
         # A client of litellm counts its HTTP requests itself.
         is_free = is_builtin(name) and given is None
-        is_free = is_free or isinstance(made, ReplayLLM) or hasattr(made, "traffic")
-        return made if is_free or is_reference(made) else MeteredLLM(made, self.traffic)
+        is_free = is_free or isinstance(made, ReplayLLM) or hasattr(made, "limits")
+        return made if is_free or is_reference(made) else MeteredLLM(made, self.limits)
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})

@@ -8,7 +8,7 @@ from oodscen._pipeline.sweep import Extras
 from oodscen._progress import Progress as Progress
 from oodscen._progress import silent
 from oodscen.llm._accounting import Ledger
-from oodscen.llm._remote.limits import Traffic
+from oodscen.llm._remote.limits import Limits
 from oodscen.protocols import LLM
 
 
@@ -26,7 +26,7 @@ class RunOptions:
     """Models to use for names in the configuration."""
     extras: Extras = field(default_factory=Extras)
     """Further outputs to keep for each newly simulated episode."""
-    traffic: Traffic = field(default_factory=Traffic)
+    limits: Limits = field(default_factory=Limits)
     """Caps, prices and concurrency of the models."""
     ledger: Ledger = field(default_factory=Ledger)
     """Keeps running totals of the calls."""

@@ -76,8 +76,8 @@ class Pipeline:
             return self._run()
 
     def _run(self) -> Study:
-        traffic = self.context.models.traffic
-        traffic.reopen()
+        limits = self.context.models.limits
+        limits.reopen()
         began = time.perf_counter()
         self.prepare()
         try:
@@ -89,7 +89,7 @@ class Pipeline:
             self._report()
             raise
         except KeyboardInterrupt:
-            traffic.close()
+            limits.close()
             self._save(
                 "stopped",
                 stopped="it was interrupted; the same command continues it",

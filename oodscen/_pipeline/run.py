@@ -10,7 +10,7 @@ from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import Extras, check_workers
 from oodscen._progress import Progress, reporting
 from oodscen.llm._accounting import Ledger
-from oodscen.llm._remote.limits import Traffic
+from oodscen.llm._remote.limits import Limits
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
@@ -25,7 +25,7 @@ def run_study(
     progress: Progress | bool | None = None,
     models: Mapping[str, LLM] | None = None,
     extras: Extras | None = None,
-    traffic: Traffic | None = None,
+    limits: Limits | None = None,
     ledger: Ledger | None = None,
     retry: bool = False,
 ) -> Study:
@@ -41,7 +41,7 @@ def run_study(
             the stage, the items done and their total after every finished item.
         models: Models to use for names in the configuration; other names are looked up by `make_llm`.
         extras: Further outputs to keep for each newly simulated episode: traces, annotations, videos.
-        traffic: Caps, prices and concurrency of the models.
+        limits: Caps, prices and concurrency of the models.
         ledger: Keeps running totals of the calls.
         retry: Redo every failed item; otherwise only those that failed because no answer came.
 
@@ -56,7 +56,7 @@ def run_study(
     given = {
         "models": models,
         "extras": extras,
-        "traffic": traffic,
+        "limits": limits,
         "ledger": ledger or Ledger(),
     }
     options: dict[str, Any] = {name: one for name, one in given.items() if one is not None}

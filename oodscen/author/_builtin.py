@@ -10,9 +10,9 @@ from pydantic import BaseModel
 
 from oodscen._display import Brief
 from oodscen._seeding import stream
-from oodscen.author._feasibility import Judge
+from oodscen.author._feasibility import BranchJudge
 from oodscen.author._imagining import Imagination
-from oodscen.author._knowledge.base import Hazard
+from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.loading import load_knowledge, stamp_of
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
@@ -76,7 +76,7 @@ class BuiltinAuthor(Brief):
         self._twins = OrdinaryAuthor(self._knowledge, self._recogniser)
         self._imagination = Imagination(seed, self._knowledge, self._recogniser)
         self._trees = TreeAuthor(self._knowledge, self._recogniser)
-        self._judge = Judge(self._recogniser)
+        self._judge = BranchJudge(self._recogniser)
         self._stager = Stager(self._knowledge, self._recogniser)
         self._answers: dict[type, Callable[[Any, Request], BaseModel]] = {
             GiveExamples: self._give_examples,
@@ -196,7 +196,7 @@ class BuiltinAuthor(Brief):
         rng = self._stream(request, prompt.text)
         return OrdinaryText(text=self._twins.twin(prompt.text, label, rng))
 
-    def _told_by(self, label: str) -> tuple[Hazard, ...]:
+    def _told_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards that the texts of a leaf describe.
 
         A widened leaf also stands for the hazard's kin, except for kin that need more from a
@@ -212,7 +212,7 @@ class BuiltinAuthor(Brief):
     def _stage(self, prompt: StageScene, request: Request) -> BaseModel:
         return self._stager.stage(prompt, self.seed, request.attempt - 1)
 
-    def _hazard(self, text: str) -> Hazard | None:
+    def _hazard(self, text: str) -> HazardKind | None:
         return self._recogniser.recognise(text).hazard
 
 
@@ -223,7 +223,7 @@ def _recogniser(path: Path | None, stamp: tuple[tuple[str, int, int], ...]) -> R
     return Recogniser(load_knowledge(path))
 
 
-def _is_as_easy(kin: Hazard, head: Hazard) -> bool:
+def _is_as_easy(kin: HazardKind, head: HazardKind) -> bool:
     """Return whether every simulator that can show `head` can also show `kin`."""
     if head.stage is None:
         return True

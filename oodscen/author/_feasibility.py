@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from oodscen.author._knowledge.base import Counterpart, Hazard, Knowledge, RecipeActor
-from oodscen.author._reading.label_reading import Alternative, Part, Reading
+from oodscen.author._knowledge.base import Counterpart, HazardKind, Knowledge, RecipeActor
+from oodscen.author._reading.label_reading import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
@@ -17,7 +17,7 @@ from oodscen.prompts._tree.judge_branch import (
 )
 from oodscen.tree._scenario_tree import MAX_LABEL
 
-__all__ = ["Judge", "Realisation", "WeatherLimits", "realise"]
+__all__ = ["BranchJudge", "Realisation", "WeatherLimits", "realise"]
 
 NO_RECIPE = Addition(kind="other", name="a staging recipe for this kind of scenario")
 """A missing recipe, which no catalogue can supply: the author does not know how to stage the scenario."""
@@ -29,7 +29,7 @@ _MOST = 40
 class Realisation:
     """The means of a catalogue to show a hazard, and the ones it lacks."""
 
-    hazard: Hazard | None
+    hazard: HazardKind | None
     """`None` if the author knows no such hazard."""
     assets: list[str] = field(default_factory=list)
     states: list[str] = field(default_factory=list)
@@ -60,16 +60,16 @@ class Option:
         return _together(self.found)
 
     @property
-    def hazards(self) -> list[Hazard]:
+    def hazards(self) -> list[HazardKind]:
         """Hazards that the alternative shows."""
         return [one.hazard for one in self.found if one.hazard is not None]
 
 
-class Judge:
+class BranchJudge:
     """Answers `JudgeBranch`."""
 
     def __init__(self, recogniser: Recogniser) -> None:
-        """Judge the hazards that a recogniser finds."""
+        """BranchJudge the hazards that a recogniser finds."""
         self.recogniser = recogniser
         self.knowledge = recogniser.knowledge
 
@@ -95,12 +95,12 @@ class Judge:
             narrower, shown = self._narrowed(reading, options, shown)
         return self._kept([options[number] for number in shown], hidden, narrower, prompt.catalogue)
 
-    def _reading(self, label: str) -> Reading:
+    def _reading(self, label: str) -> LabelReading:
         """Return the alternatives of a label; a widened label stands for the hazard and its kin."""
         written = self.recogniser.written(label)
         if not written:
             return self.recogniser.reading(label)
-        return Reading(tuple(Alternative(h.label, (Part(h),)) for h in written))
+        return LabelReading(tuple(Alternative(h.label, (RequiredThing(h),)) for h in written))
 
     def _option(self, alternative: Alternative, catalogue: CatalogueDigest) -> Option:
         found = []
@@ -131,7 +131,11 @@ class Judge:
         return Option(alternative.words, found)
 
     def _dropped(
-        self, label: str, reading: Reading, options: Sequence[Option], catalogue: CatalogueDigest
+        self,
+        label: str,
+        reading: LabelReading,
+        options: Sequence[Option],
+        catalogue: CatalogueDigest,
     ) -> BranchJudgement:
         """Explain what is missing, and request the items of the alternative that lacks the fewest."""
         if not options:
@@ -152,7 +156,7 @@ class Judge:
         return BranchJudgement(reasoning=reason, simulatable=False, missing=least.missing)
 
     def _narrowed(
-        self, reading: Reading, options: Sequence[Option], shown: Sequence[int]
+        self, reading: LabelReading, options: Sequence[Option], shown: Sequence[int]
     ) -> tuple[str, list[int]]:
         """Return a label for the alternatives that can be shown, and the ones that fit into it."""
         if reading.split is not None:
@@ -199,7 +203,7 @@ class Judge:
         )
 
 
-def realise(hazard: Hazard, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
+def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
     """Look up everything that a hazard needs in a catalogue.
 
     Args:
@@ -288,7 +292,7 @@ def _use(
     found.lack(Addition(kind="asset", name=options[0], category=knowledge.category(options[0])))
 
 
-def _find_map(hazard: Hazard, found: Realisation, catalogue: CatalogueDigest) -> None:
+def _find_map(hazard: HazardKind, found: Realisation, catalogue: CatalogueDigest) -> None:
     traits, recipe = hazard.needs.traits, hazard.stage
     marks = landmarks_needed(recipe) if recipe else ()
     fitting = [road for road in catalogue.maps if set(traits) <= set(road.features)]

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen._seeding import stream
-from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 
@@ -51,7 +51,7 @@ class Imagination:
         self._first = [h for h in knowledge.hazards if h.first]
         self._known = lru_cache(maxsize=8)(self._named)
 
-    def hazard(self, prompt: ImagineScenario, rng: np.random.Generator) -> Hazard:
+    def hazard(self, prompt: ImagineScenario, rng: np.random.Generator) -> HazardKind:
         """Draw a hazard; covered, thin and refused labels count only if the question names them."""
         ranks = self._order
         listens, follows, place = rng.random(), rng.random(), rng.random()

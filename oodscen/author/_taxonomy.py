@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.errors import LLMError
 from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits, PlacedScenario, PlaceScenario
@@ -24,19 +24,19 @@ class _Draft:
 
     room: int
     """Number of nodes still available."""
-    families: dict[str, list[Hazard]] = field(default_factory=dict)
-    bare: list[Hazard] = field(default_factory=list)
+    families: dict[str, list[HazardKind]] = field(default_factory=dict)
+    bare: list[HazardKind] = field(default_factory=list)
     """Leaves directly below their class, because a family would take one node too many."""
 
-    def cost(self, hazard: Hazard) -> int:
+    def cost(self, hazard: HazardKind) -> int:
         return 1 if hazard.family in self.families else 2
 
-    def add(self, hazard: Hazard) -> None:
+    def add(self, hazard: HazardKind) -> None:
         self.room -= self.cost(hazard)
         self.families.setdefault(hazard.family, []).append(hazard)
 
     @property
-    def chosen(self) -> list[Hazard]:
+    def chosen(self) -> list[HazardKind]:
         return [*(h for leaves in self.families.values() for h in leaves), *self.bare]
 
 
@@ -50,7 +50,7 @@ class TreeAuthor:
         self.simulated = self._named(knowledge.paper.simulated)
         self.mentioned = self._named(knowledge.paper.mentioned)
 
-    def _named(self, descriptions: Sequence[str]) -> tuple[Hazard, ...]:
+    def _named(self, descriptions: Sequence[str]) -> tuple[HazardKind, ...]:
         found = [self.recogniser.recognise(text).hazard for text in descriptions]
         return tuple({hazard.id: hazard for hazard in found if hazard is not None}.values())
 
@@ -87,7 +87,7 @@ class TreeAuthor:
 
     def _found(self, draft: _Draft) -> None:
         """Place the simulated scenarios; in a tiny tree, some go without their family."""
-        members: dict[str, list[Hazard]] = {}
+        members: dict[str, list[HazardKind]] = {}
         for hazard in self.simulated:
             members.setdefault(hazard.family, []).append(hazard)
         spare = draft.room - len(self.simulated)
@@ -110,7 +110,7 @@ class TreeAuthor:
             for hazard in draft.chosen:
                 counts[hazard.class_name] += 1
 
-            def rank(hazard: Hazard, counts: dict[str, int] = counts) -> tuple[int, int]:
+            def rank(hazard: HazardKind, counts: dict[str, int] = counts) -> tuple[int, int]:
                 size = len(draft.families.get(hazard.family, ()))
                 lonely = {1: 0, 0: 1, 2: 2}.get(size, size + 1)
                 return lonely if draft.room > 2 or size else 9, counts[hazard.class_name]
@@ -170,7 +170,7 @@ class TreeAuthor:
                 reason = "The text describes driving, but nothing in it is out of the ordinary."
                 return PlacedScenario(reasoning=reason, decision="not-ood")
             return PlacedScenario(reasoning="The text is not about driving.", decision="off-topic")
-        outline = _Outline(prompt)
+        outline = _TreeOutline(prompt)
         placed = (
             self._covered(hazard, outline)
             or self._broadened(hazard, outline)
@@ -180,7 +180,7 @@ class TreeAuthor:
             return placed
         return placed.model_copy(update={"also": self._also(prompt, hazard, placed.node)})
 
-    def _covered(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
+    def _covered(self, hazard: HazardKind, outline: "_TreeOutline") -> PlacedScenario | None:
         for leaf in outline.leaves:
             if any(known.id == hazard.id for known in self.recogniser.covered_by(leaf.label)):
                 return PlacedScenario(
@@ -190,7 +190,9 @@ class TreeAuthor:
                 )
         return None
 
-    def _also(self, prompt: PlaceScenario, hazard: Hazard, chosen: str | None) -> list[AlsoFits]:
+    def _also(
+        self, prompt: PlaceScenario, hazard: HazardKind, chosen: str | None
+    ) -> list[AlsoFits]:
         """Return the leaves of the hazard's kin, and of other hazards whose words the text contains."""
         kin = [h for h in self.knowledge.hazards if h.id in hazard.kin or hazard.id in h.kin]
         whys = {h.id: "It is close kin." for h in kin}
@@ -199,14 +201,14 @@ class TreeAuthor:
         whys.pop(hazard.id, None)
         order = {name: place for place, name in enumerate(whys)}
         found: dict[str, tuple[int, str]] = {}
-        for leaf in _Outline(prompt).leaves:
+        for leaf in _TreeOutline(prompt).leaves:
             known, _ = self.recogniser.label(leaf.label)
             if known is not None and known.id in whys and leaf.id != chosen:
                 found.setdefault(leaf.id, (order[known.id], whys[known.id]))
         best = sorted(found, key=lambda node: found[node])[:MOST_ALSO]
         return [AlsoFits(node=node, why=found[node][1]) for node in best]
 
-    def _broadened(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario | None:
+    def _broadened(self, hazard: HazardKind, outline: "_TreeOutline") -> PlacedScenario | None:
         """Widen a closely related leaf that has not been widened yet, or split it if it is full."""
         for leaf in outline.leaves:
             known, widened = self.recogniser.label(leaf.label)
@@ -232,7 +234,7 @@ class TreeAuthor:
             )
         return None
 
-    def _added(self, hazard: Hazard, outline: "_Outline") -> PlacedScenario:
+    def _added(self, hazard: HazardKind, outline: "_TreeOutline") -> PlacedScenario:
         label = outline.free(hazard.label, hazard.wider)
         family = self._family_node(hazard, outline)
         if family is not None:
@@ -254,7 +256,7 @@ class TreeAuthor:
             category=outline.free(hazard.family),
         )
 
-    def _family_node(self, hazard: Hazard, outline: "_Outline") -> Node | None:
+    def _family_node(self, hazard: HazardKind, outline: "_TreeOutline") -> Node | None:
         """Return the node of the hazard's family, found by its label or else by the leaves below it."""
         for node in outline.families:
             if self.recogniser.family(node.label) == hazard.family:
@@ -269,7 +271,7 @@ class TreeAuthor:
         return inner[max(named, key=lambda name: votes[name])] if named else None
 
 
-class _Outline:
+class _TreeOutline:
     """The parts of a tree that matter for placing a scenario."""
 
     def __init__(self, prompt: PlaceScenario) -> None:

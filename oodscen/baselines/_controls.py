@@ -20,7 +20,7 @@ from oodscen.data._base import Data
 Split = Literal["tune", "frozen"]
 
 
-class Control(Data):
+class ControlText(Data):
     """One sentence of a pair."""
 
     noun: ClassVar[str] = "control"
@@ -37,7 +37,7 @@ class Control(Data):
     text: str = Field(min_length=1)
 
 
-def load_controls(split: Split) -> tuple[Control, ...]:
+def load_controls(split: Split) -> tuple[ControlText, ...]:
     """Return one half of the bundled controls.
 
     Args:
@@ -50,6 +50,6 @@ def load_controls(split: Split) -> tuple[Control, ...]:
 
 
 @cache
-def _controls() -> tuple[Control, ...]:
+def _controls() -> tuple[ControlText, ...]:
     lines = bundled("controls.jsonl").splitlines()
-    return tuple(Control.parse(line, source="controls.jsonl") for line in lines)
+    return tuple(ControlText.parse(line, source="controls.jsonl") for line in lines)

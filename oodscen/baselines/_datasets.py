@@ -34,7 +34,7 @@ _BDD_X = ("Input.Video", "Answer.1action")
 _STAGES = ("perception", "prediction", "planning", "behavior")
 
 
-class Part(NamedTuple):
+class DatasetText(NamedTuple):
     """One text of a data set."""
 
     kind: str
@@ -42,7 +42,7 @@ class Part(NamedTuple):
     text: str
 
 
-Found = Iterator[Part | Issue]
+Found = Iterator[DatasetText | Issue]
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ def _frame(frame: Mapping[str, Any], where: str) -> Found:
             continue
         for part in _texts("object", info.get("Visual_description"), f"{tag}.Visual_description"):
             yield part
-            if isinstance(part, Part):
+            if isinstance(part, DatasetText):
                 names[tag.removeprefix(f"{place}.")] = _as_name(part.text)
     stages = frame.get("QA", {})
     if not isinstance(stages, dict):
@@ -194,12 +194,16 @@ def _questions(items: Any, where: str, names: Mapping[str, str]) -> Found:
         said = []
         for kind, key in (("question", "Q"), ("answer", "A")):
             for part in _texts(kind, item[key], f"{place}.{key}"):
-                named = Part(kind, _named(part.text, names)) if isinstance(part, Part) else part
+                named = (
+                    DatasetText(kind, _named(part.text, names))
+                    if isinstance(part, DatasetText)
+                    else part
+                )
                 yield named
-                if isinstance(named, Part):
+                if isinstance(named, DatasetText):
                     said.append(named.text)
         if said:
-            yield Part("qa", " ".join(said))
+            yield DatasetText("qa", " ".join(said))
 
 
 def _named(text: str, names: Mapping[str, str]) -> str:
@@ -254,10 +258,10 @@ def _bdd_x(rows: Rows) -> Found:
             reason = (row.get(column.removesuffix("action") + "justification") or "").strip()
             if not action:
                 continue
-            yield Part("action", action)
+            yield DatasetText("action", action)
             if reason:
-                yield Part("justification", reason)
-            yield Part("sentence", _joined(action, reason))
+                yield DatasetText("justification", reason)
+            yield DatasetText("sentence", _joined(action, reason))
 
 
 def _joined(action: str, reason: str) -> str:
@@ -311,7 +315,7 @@ def _texts(kind: str, value: Any, where: str) -> Found:
     if not isinstance(value, str):
         yield Issue(where, f"is {type(value).__name__}, not a text")
     elif text := " ".join(value.split()):
-        yield Part(kind, text)
+        yield DatasetText(kind, text)
 
 
 LAYOUTS: dict[str, Layout] = {

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from oodscen.claims._checking import Finding, judge_claims
+from oodscen.claims._checking import ClaimFinding, judge_claims
 from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -21,11 +21,11 @@ class Faithfulness(Data):
 
     id: str
     """Id of the scene."""
-    findings: tuple[Finding, ...]
+    findings: tuple[ClaimFinding, ...]
     """One finding per claim of the text, in its order."""
 
     @property
-    def mismatches(self) -> tuple[Finding, ...]:
+    def mismatches(self) -> tuple[ClaimFinding, ...]:
         """Findings on the claims that the scene contradicts."""
         return tuple(one for one in self.findings if one.status == "fails")
 

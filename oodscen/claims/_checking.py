@@ -27,7 +27,7 @@ _OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
 """States that a map's own signals never show."""
 
 
-class Finding(Data):
+class ClaimFinding(Data):
     """The verdict on one claim."""
 
     noun: ClassVar[str] = "finding"
@@ -76,7 +76,7 @@ def judge_claims(
     trace: Trace | None = None,
     *,
     likeness: Likeness | None = None,
-) -> list[Finding]:
+) -> list[ClaimFinding]:
     """Compare every claim of a text with a scene, in their order.
 
     Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
@@ -101,7 +101,7 @@ def judge_claims(
     for claim in claims:
         if claim.kind in OF_THINGS:
             by_subject.setdefault(claim.subject, []).append(claim)
-    findings: dict[str, dict[Claim, Finding]] = {}
+    findings: dict[str, dict[Claim, ClaimFinding]] = {}
     taken: set[str] = set()
     roles = {
         subject: _role(subject, told, scene, seen, catalogue, likeness)
@@ -175,7 +175,7 @@ def _role(
 
 def _settle(
     subjects: Mapping[str, Sequence[Claim]], roles: Mapping[str, _Role], road: RoadMap | None
-) -> dict[str, tuple[dict[Claim, Finding], set[str]]]:
+) -> dict[str, tuple[dict[Claim, ClaimFinding], set[str]]]:
     """Assign subjects of one name to actors so that the fewest claims fail."""
     thing = named(next(iter(subjects)))
     fitting = list(dict.fromkeys(one for name in subjects for one in roles[name].fitting))
@@ -236,7 +236,7 @@ def _several(claims: Sequence[Claim]) -> bool:
     return any(claim.kind == "count" and int(claim.value) > 1 for claim in claims)
 
 
-def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, Finding]:
+def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, ClaimFinding]:
     findings = {}
     for claim in claims:
         holds, found = one.judge(claim, claims)
@@ -248,12 +248,12 @@ def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, Finding]:
 
 def _judge_group(
     claims: Sequence[Claim], role: _Role, thing: Thing | None, scenery: bool
-) -> tuple[dict[Claim, Finding], set[str]]:
+) -> tuple[dict[Claim, ClaimFinding], set[str]]:
     """Judge claims about several things: each must hold for at least one of them."""
     fitting = role.fitting
     if not fitting:
         return _unstaged(claims, scenery and _is_scenic(claims), 0, role), set()
-    findings: dict[Claim, Finding] = {}
+    findings: dict[Claim, ClaimFinding] = {}
     every = [_judge_one(claims, one) for one in fitting]
     for claim in claims:
         if claim.kind == "count":
@@ -268,7 +268,7 @@ def _judge_group(
 
 def _unstaged(
     claims: Sequence[Claim], scenery: bool, others: int, role: _Role
-) -> dict[Claim, Finding]:
+) -> dict[Claim, ClaimFinding]:
     """Return the findings about a thing that no actor represents."""
     if scenery:
         return {claim: _of_scenery(claim) for claim in claims}
@@ -289,14 +289,14 @@ def _is_scenic(claims: Sequence[Claim]) -> bool:
     )
 
 
-def _of_scenery(claim: Claim) -> Finding:
+def _of_scenery(claim: Claim) -> ClaimFinding:
     """Judge a claim about a thing that only the map shows; it is stationary and in working order."""
     if claim.kind == "state" and claim.value in _OUT_OF_ORDER:
         return _finding(claim, False, "the map's own is in order", "map")
     return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")
 
 
-def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> Finding:
+def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> ClaimFinding:
     users = [one for one in seen if one.asset.category in _USERS]
     if claim.value == "none":
         extra = [one.id for one in users if one.id not in taken and one.is_traffic]
@@ -305,12 +305,12 @@ def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> Finding:
     return _finding(claim, len(users) >= _DENSE, found, "actors")
 
 
-def _faults(findings: Mapping[Claim, Finding]) -> int:
+def _faults(findings: Mapping[Claim, ClaimFinding]) -> int:
     return sum(one.status == "fails" for one in findings.values())
 
 
-def _finding(claim: Claim, holds: bool | None, found: str, path: str) -> Finding:
+def _finding(claim: Claim, holds: bool | None, found: str, path: str) -> ClaimFinding:
     status: Literal["holds", "fails", "open"] = (
         "open" if holds is None else "holds" if holds else "fails"
     )
-    return Finding(claim=claim, status=status, found=found, path=path)
+    return ClaimFinding(claim=claim, status=status, found=found, path=path)

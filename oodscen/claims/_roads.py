@@ -7,7 +7,7 @@ from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
 
 
-class Road(Protocol):
+class RoadFacts(Protocol):
     """The known properties of a map: a `RoadMap`, or a line of a catalogue's digest."""
 
     @property
@@ -45,7 +45,7 @@ def is_so_or_has(claim: Claim, road: RoadMap) -> bool:
     return is_so(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
 
 
-def is_so(claim: Claim, road: Road) -> bool:
+def is_so(claim: Claim, road: RoadFacts) -> bool:
     """Return whether a claim of kind road, lanes or own_lanes holds on a map that has traits."""
     if claim.kind == "road":
         return _is(claim.value, road)
@@ -56,7 +56,7 @@ def is_so(claim: Claim, road: Road) -> bool:
     return both or ("divided" in road.traits and road.lanes == wanted)
 
 
-def _is(value: str, road: Road) -> bool:
+def _is(value: str, road: RoadFacts) -> bool:
     if value == "two_way":
         return road.oncoming_lanes > 0
     return bool(_ANY_OF.get(value, frozenset({value})) & set(road.traits))

@@ -19,7 +19,7 @@ AHEAD_M, BEHIND_M, ASIDE_M = 120.0, 40.0, 30.0
 _MOVED_M = 0.5
 
 
-class Lane(Data):
+class SketchLane(Data):
     """One strip of the road at the decision point."""
 
     kind: str
@@ -31,7 +31,7 @@ class Lane(Data):
     left: float
 
 
-class Body(Data):
+class SketchBody(Data):
     """The footprint of a body at the decision point."""
 
     x: float
@@ -45,9 +45,9 @@ class Body(Data):
 class Sketch(Data):
     """All nearby bodies at the decision point, and their paths under every action."""
 
-    lanes: tuple[Lane, ...] = ()
+    lanes: tuple[SketchLane, ...] = ()
     """Strips from right to left."""
-    bodies: dict[str, Body] = {}
+    bodies: dict[str, SketchBody] = {}
     """Footprints of the ego and nearby actors, by id (`ego` for the ego)."""
     paths: dict[str, tuple[float, ...]] = {}
     """By action: the ego's x, y, x, y ... once a second until it stops, and at the end.
@@ -72,7 +72,7 @@ def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"])
         if -BEHIND_M <= s[row] - s[0] <= AHEAD_M and abs(t[row] - t[0]) <= ASIDE_M
     ]
     bodies = {
-        approach.ids[row]: Body(
+        approach.ids[row]: SketchBody(
             x=_tenth(s[row] - s[0]),
             y=_tenth(t[row] - t[0]),
             heading_deg=float(angle[row]),
@@ -100,11 +100,11 @@ def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"])
     )
 
 
-def _lanes(course: "Course", s: float, t: float) -> tuple[Lane, ...]:
+def _lanes(course: "Course", s: float, t: float) -> tuple[SketchLane, ...]:
     corridor = course.corridor
     at = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
     return tuple(
-        Lane(
+        SketchLane(
             kind=strip.kind,
             direction=strip.direction,
             right=_tenth(strip.right[at] - t),

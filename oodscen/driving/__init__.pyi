@@ -1,4 +1,4 @@
-from ._kinematic_simulator import MirrorSimulator as MirrorSimulator
+from ._kinematic_simulator import KinematicSimulator as KinematicSimulator
 from ._motion.actions import Cruise as Cruise
 from ._motion.actions import action_driver as action_driver
 from ._motion.behaviours import BEHAVIOURS as BEHAVIOURS

@@ -25,7 +25,7 @@ LEAST_M = 1e-4
 """Smallest measured gap, m: 0 means contact, which only the catalogue's boxes decide."""
 
 
-class MirrorSimulator(Brief, ABC):
+class KinematicSimulator(Brief, ABC):
     """Implements the `Simulator` protocol on top of `KinematicWorld`.
 
     A subclass sets `name` and implements `catalogue`, `load`, `spawn`, `place` and `draw`. It may

@@ -103,7 +103,7 @@ class Trace(Brief):
         """Compute the ground truth of consecutive states for a known course."""
         if not states:
             raise UsageError("a trace needs at least one state")
-        bodies = _Bodies.of(states, course)
+        bodies = _BodyTracks.of(states, course)
         s, t, road_cos, road_sin = places(course.corridor, bodies.x, bodies.y)
         vx, vy, acceleration, turning = _rates(bodies)
         shape = bodies.speed.shape
@@ -243,7 +243,7 @@ def concatenated(traces: Mapping[str, Trace]) -> "pa.Table":
     return pa.concat_tables(tables)
 
 
-class _Bodies(NamedTuple):
+class _BodyTracks(NamedTuple):
     """The bodies of consecutive states: arrays [steps, bodies], but for `time`."""
 
     time: Floats
@@ -274,7 +274,7 @@ class _Bodies(NamedTuple):
         )
 
 
-def _rates(bodies: _Bodies) -> tuple[Floats, Floats, Floats, Floats]:
+def _rates(bodies: _BodyTracks) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the velocities along x and y, the accelerations and the rates of turn."""
     speed = bodies.speed
     vx, vy = speed * bodies.prints.cos, speed * bodies.prints.sin
@@ -290,7 +290,7 @@ def _rates(bodies: _Bodies) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _times_to_collision(
-    bodies: _Bodies, course: Course, vx: Floats, vy: Floats, s: Floats
+    bodies: _BodyTracks, course: Course, vx: Floats, vy: Floats, s: Floats
 ) -> Floats:
     """Return the time to collision of every body with the ego; infinite for the ego."""
     ttc = np.full(vx.shape, np.inf)
@@ -303,7 +303,7 @@ def _times_to_collision(
 
 
 def _headways(
-    bodies: _Bodies, course: Course, s: Floats, t: Floats, road_cos: Floats, road_sin: Floats
+    bodies: _BodyTracks, course: Course, s: Floats, t: Floats, road_cos: Floats, road_sin: Floats
 ) -> Floats:
     """Return the ego's time headway to every body; infinite for the ego."""
     prints = bodies.prints

@@ -12,7 +12,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
-from oodscen.judging._leaderboard.board import Figure
+from oodscen.judging._leaderboard.board import Estimate
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._tests import PairedTest, paired
@@ -35,7 +35,7 @@ def current(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[Driv
     return sorted(kept, key=lambda one: (one.driver, order[scene_of(one.scene_id)], one.is_twin))
 
 
-class Share(Data):
+class DriveRate(Data):
     """A count out of a number of drives."""
 
     noun: ClassVar[str] = "share"
@@ -59,14 +59,14 @@ class Pairing(Data):
     twin_only: int = 0
     """Passed in the twin only: failures due to the hazard."""
     neither: int = 0
-    drives_and_passes: Share = Share()
+    drives_and_passes: DriveRate = DriveRate()
     """Passed in both, with a progress of at least `HARDLY_DRIVES` in the twin. A driver that stands still passes
     many
     scenes but does not count here.
     """
-    progress_lost: Figure = Figure()
+    progress_lost: Estimate = Estimate()
     """Progress in the twin minus progress in the scene."""
-    brakes_needlessly: Share = Share()
+    brakes_needlessly: DriveRate = DriveRate()
     """Braked harder than 4 m/s^2 in a twin in which keeping the speed is safe."""
     against_rule_based: PairedTest | None = None
     """`drives_and_passes` compared with the rule-based driver's on the same scenes."""
@@ -87,11 +87,11 @@ class DriveRow(Data):
     collisions: int
     """Drives that ended in a collision."""
     off_road: int
-    shares: dict[str, Share] = {}
+    shares: dict[str, DriveRate] = {}
     """Shares of the drives that ran: `passed`, `collisions`, `off_road` and `critical` (a collision, or a time to
     collision below `CRITICAL_TTC_S`).
     """
-    means: dict[str, Figure] = {}
+    means: dict[str, Estimate] = {}
     """Means of `min_ttc_s`, `min_headway_s`, `median_headway_s`, `progress` (1 is keeping the initial speed
     throughout), `peak_deceleration` (m/s^2) and `peak_jerk` (m/s^3).
     """
@@ -274,13 +274,15 @@ class _Sums:
             seed=self._seed,
         )
 
-    def share(self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], bool]) -> Share:
+    def share(
+        self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], bool]
+    ) -> DriveRate:
         values = np.array([tell(one) for one in drives], np.float64)
         if not len(values):
-            return Share()
+            return DriveRate()
         replicates, units = self._resampled(drives, values)
         hits = int(values.sum())
-        return Share(
+        return DriveRate(
             hits=hits,
             n=len(values),
             value=round(hits / len(values), 6),
@@ -289,14 +291,14 @@ class _Sums:
 
     def mean(
         self, drives: Sequence[DriveResult], tell: Callable[[DriveResult], float | None]
-    ) -> Figure:
+    ) -> Estimate:
         known = [(one, value) for one in drives if (value := tell(one)) is not None]
         if not known:
-            return Figure()
+            return Estimate()
         values = np.array([value for _, value in known], np.float64)
         replicates, units = self._resampled([one for one, _ in known], values)
         interval = None if replicates is None else percentiles(replicates, units)
-        return Figure(value=round(float(values.mean()), 6), n=len(values), interval=interval)
+        return Estimate(value=round(float(values.mean()), 6), n=len(values), interval=interval)
 
     def _resampled(
         self, drives: Sequence[DriveResult], values: NDArray[np.float64]

@@ -110,7 +110,7 @@ class Items:
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class AnswerColumns:
     """The answers of one answerer as [n] columns; NaN marks a missing answer."""
 
     was_asked: Mask
@@ -177,7 +177,7 @@ class Sheet:
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class Ratio:
     """A ratio of two sums over some items: the values, divided by the count or by a maximum."""
 
     values: Floats

@@ -144,10 +144,10 @@ class Blind(_Direct):
         return Answers(True, self._labels.get(leaf, ""), 0.5, leaf or None, action)
 
 
-class Novelty(_Direct):
+class NoveltyReference(_Direct):
     """Measures the novelty of the last frame with classical vision, without any model.
 
-    The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the
+    The features are means, spreads and edge strengths of a grid of cells in Lab colours. NoveltyReference is the
     distance to the nearest ordinary frames. It is fitted to twins on *other maps* only, so that the
     scene, its twin and its street are all unseen. A frame is called OOD if its novelty exceeds the median
     novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the

@@ -1,7 +1,7 @@
 """Caps for models that are not called through litellm."""
 
 from oodscen.errors import UsageError
-from oodscen.llm._remote.limits import Spent, Traffic
+from oodscen.llm._remote.limits import Limits, Spent
 from oodscen.llm._remote.usage import believed, estimate_tokens
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import LLM, Completion, Request
@@ -12,22 +12,22 @@ class MeteredLLM(Wrapper):
 
     Args:
         llm: The wrapped model; its other attributes are reachable through this object.
-        traffic: The caps, and the limit on concurrent calls.
+        limits: The caps, and the limit on concurrent calls.
 
     Raises:
         UsageError: When the cost is capped and no price is given for the model.
     """
 
-    def __init__(self, llm: LLM, traffic: Traffic) -> None:
+    def __init__(self, llm: LLM, limits: Limits) -> None:
         super().__init__(llm)
-        self.traffic = traffic
-        self._price = traffic.prices.get(llm.name)
-        if traffic.budget.caps.cost_usd is not None and self._price is None:
+        self.limits = limits
+        self._price = limits.prices.get(llm.name)
+        if limits.budget.caps.cost_usd is not None and self._price is None:
             raise UsageError(
                 f"the cost of the run is capped and the price of {llm.name!r} is not known; give it in "
                 f"USD per million tokens of input and output, e.g. --price {llm.name}=0,0"
             )
-        self._endpoint = traffic.endpoint(f"model {llm.name}")
+        self._endpoint = limits.endpoint(f"model {llm.name}")
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on if the caps allow it.
@@ -35,10 +35,10 @@ class MeteredLLM(Wrapper):
         Raises:
             BudgetExceeded: When they do not.
         """
-        budget = self.traffic.budget
+        budget = self.limits.budget
         asked = estimate_tokens(request)
         most = Spent(1, asked + budget.answer_tokens, self._cost(asked, budget.answer_tokens))
-        self.traffic.check()
+        self.limits.check()
         with self._endpoint.slot():
             budget.reserve(most)
             used, answered = most, 0

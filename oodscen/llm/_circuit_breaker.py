@@ -1,6 +1,6 @@
 """The circuit breaker: a model that is given up fails its own items and does not end the run."""
 
-from oodscen.errors import EndpointDown, NotAskedError
+from oodscen.errors import EndpointDown, ModelSkipped
 from oodscen.llm._wrapper import Wrapper
 from oodscen.protocols import Completion, Request
 
@@ -16,13 +16,13 @@ class ContainedLLM(Wrapper):
         """Pass the request on.
 
         Raises:
-            NotAskedError: When the model is given up.
+            ModelSkipped: When the model is given up.
             LLMError: When the model gives no answer.
             BudgetExceeded: When a cap is reached.
         """
         try:
             return self._llm.complete(request)
         except EndpointDown as error:
-            raise NotAskedError(
+            raise ModelSkipped(
                 f"{error.endpoint} is given up: {error.reason}", model=self.name
             ) from error

@@ -76,7 +76,7 @@ class Exchange(Data):
         return _key(self.purpose, self.sample, self.attempt, self.messages)
 
 
-class _Place(NamedTuple):
+class _RecordPlace(NamedTuple):
     model: str
     line: int
     start: int
@@ -100,7 +100,7 @@ class Recording(Brief):
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self._places: dict[str, list[_Place]] = {}
+        self._places: dict[str, list[_RecordPlace]] = {}
         self._line = 0
         """Number of the last line read."""
         self._end = 0
@@ -191,7 +191,7 @@ class Recording(Brief):
 
     def _remember(self, exchange: Exchange, length: int) -> None:
         self._line += 1
-        place = _Place(exchange.model, self._line, self._end, length)
+        place = _RecordPlace(exchange.model, self._line, self._end, length)
         self._places.setdefault(exchange.key(), []).append(place)
         self._end += length
 

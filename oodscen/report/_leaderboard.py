@@ -10,8 +10,8 @@ from oodscen.judging._leaderboard.board import PRIVILEGED
 from oodscen.judging._leaderboard.findings import MOST_MISSING, Finding, answer, findings
 from oodscen.judging._leaderboard.leaderboard import (
     Leaderboard,
+    LeaderboardRow,
     Rate,
-    Standing,
     leaderboard,
     paper_example,
 )
@@ -28,10 +28,10 @@ _CONSTANT = "constant:"
 
 
 @dataclass(frozen=True)
-class Line:
+class PrintedRow:
     """One row of the leaderboard."""
 
-    standing: Standing
+    standing: LeaderboardRow
     role: str
     """`ceiling`, `floor` or empty."""
 
@@ -78,10 +78,10 @@ def _by_model(said: Sequence[Finding]) -> dict[str, list[Finding]]:
     return grouped
 
 
-def _without_repeats(board: Leaderboard) -> list[Standing]:
+def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows of task 1, with one row for all constants, which differ in their action only."""
-    rows: list[Standing] = []
-    alike: list[Standing] = []
+    rows: list[LeaderboardRow] = []
+    alike: list[LeaderboardRow] = []
     for row in board.standings:
         if row.model.startswith(_CONSTANT) and row.protocol == "ours":
             alike.append(row)
@@ -98,19 +98,19 @@ def _without_repeats(board: Leaderboard) -> list[Standing]:
     return rows
 
 
-def _line(row: Standing, floor: Standing | None) -> Line:
+def _line(row: LeaderboardRow, floor: LeaderboardRow | None) -> PrintedRow:
     is_floor = floor is not None and (row.control, row.detection, row.identification) == (
         floor.control,
         floor.detection,
         floor.identification,
     )
-    return Line(
+    return PrintedRow(
         standing=row,
         role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
     )
 
 
-def _series(board: Leaderboard) -> list[Standing]:
+def _series(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows that the charts show: the models, or without any the most different references."""
     models = [row for row in board.standings if row.kind == "model"]
     if models:
@@ -129,7 +129,7 @@ def _level(board: Leaderboard) -> str:
     return "family" if paths > _MOST_TYPES and families else "path"
 
 
-def _chart(shown: Sequence[Standing], level: str, field: str, what: str) -> Canvas | None:
+def _chart(shown: Sequence[LeaderboardRow], level: str, field: str, what: str) -> Canvas | None:
     if not shown:
         return None
     found = [{group.name: group for group in row.groups if group.level == level} for row in shown]

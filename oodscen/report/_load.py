@@ -28,7 +28,7 @@ _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\u
 _CREDENTIALS = re.compile(r"(://)[^/@\s]+@")
 
 
-class Failure(NamedTuple):
+class FailedItem(NamedTuple):
     """One item that failed, in any stage."""
 
     stage: str
@@ -59,7 +59,7 @@ class Material:
     texts: dict[str, list[Scenario]] = field(default_factory=dict)
     """The text sets of the diverse tree, by size."""
     metrics: Measurements | None = None
-    failures: list[Failure] = field(default_factory=list)
+    failures: list[FailedItem] = field(default_factory=list)
     gaps: dict[str, str] = field(default_factory=dict)
     """By file name: the reason why it is missing, wholly or in part."""
 
@@ -174,7 +174,7 @@ def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Ro
         if status == "failed":
             name = getattr(line, "id", None) if isinstance(line, Data) else line.get("id")
             label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
-            found.failures.append(Failure(table, label, str(error or "no reason was recorded")))
+            found.failures.append(FailedItem(table, label, str(error or "no reason was recorded")))
     return rows
 
 

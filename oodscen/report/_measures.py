@@ -16,7 +16,7 @@ from oodscen.study._study import Study
 
 
 @dataclass(frozen=True)
-class Figure:
+class PrintedFigure:
     """One number and its uncertainty, formatted for print."""
 
     value: str = ""
@@ -30,10 +30,10 @@ class MeasureRow:
 
     label: str
     n: int
-    oodness: Figure
+    oodness: PrintedFigure
     paper_oodness: str
-    nearest: Figure
-    pairwise: Figure
+    nearest: PrintedFigure
+    pairwise: PrintedFigure
     paper_diversity: str
 
 
@@ -47,7 +47,7 @@ class Example:
 
 
 @dataclass(frozen=True)
-class Examples:
+class ExtremeTexts:
     """The most ordinary and the most unusual texts of one set."""
 
     label: str
@@ -87,7 +87,7 @@ def rows(metrics: Measurements) -> list[MeasureRow]:
     first = MeasureRow(
         label="Ordinary driving (the baseline itself)",
         n=batch.N,
-        oodness=Figure(signed(batch.mean), f"± {batch.spread:.3f}"),
+        oodness=PrintedFigure(signed(batch.mean), f"± {batch.spread:.3f}"),
         paper_oodness=_papers(paper.OODNESS, "baseline batch"),
         nearest=_figure(spread.nearest, spread.nearest_interval),
         pairwise=_figure(spread.pairwise, spread.pairwise_interval),
@@ -130,7 +130,7 @@ def chart(metrics: Measurements) -> Canvas | None:
 
 def examples(
     metrics: Measurements, sets: Mapping[str, Sequence[Scenario]], count: int = 4
-) -> list[Examples]:
+) -> list[ExtremeTexts]:
     """Return the most ordinary and most unusual texts of every set whose scores match its texts."""
     found = []
     for name in set_names(metrics):
@@ -143,7 +143,7 @@ def examples(
             Example(texts[index].text, signed(values[index]), oodness.nearest[index].text)
             for index in order
         ]
-        found.append(Examples(label_of(name), tuple(shown[:count]), tuple(shown[-count:])))
+        found.append(ExtremeTexts(label_of(name), tuple(shown[:count]), tuple(shown[-count:])))
     return found
 
 
@@ -191,7 +191,9 @@ def _detected(metrics: Measurements) -> tuple[Canvas, str]:
 def _curves(metrics: Measurements) -> tuple[Canvas, str]:
     known = metrics.pictures.curves
     curves = [
-        charts.Curve(_short(name), known[name].sizes, (known[name].nearest, known[name].pairwise))
+        charts.SizeCurve(
+            _short(name), known[name].sizes, (known[name].nearest, known[name].pairwise)
+        )
         for name in ("baseline", *set_names(metrics))
         if name in known
     ]
@@ -217,9 +219,9 @@ def _strips(metrics: Measurements) -> list[charts.Strip]:
     return [charts.Strip(_short(name), one.per_text, one.mean) for name, one in reports]
 
 
-def _figure(value: float | None, interval: Interval | None) -> Figure:
+def _figure(value: float | None, interval: Interval | None) -> PrintedFigure:
     bounds = f"{signed(interval.low)} to {signed(interval.high)}" if interval else ""
-    return Figure("" if value is None else signed(value), bounds)
+    return PrintedFigure("" if value is None else signed(value), bounds)
 
 
 def _papers(figures: Mapping[str, float], name: str) -> str:

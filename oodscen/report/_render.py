@@ -13,13 +13,13 @@ import jinja2
 from markupsafe import Markup, escape
 
 from oodscen.errors import FolderTaken
-from oodscen.judging._leaderboard.board import Figure, Rate
+from oodscen.judging._leaderboard.board import Estimate, Rate
 from oodscen.report import _load as reading
 from oodscen.report import _page as page
 from oodscen.report import _phrasing as words
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas, signed
-from oodscen.report._sections import Drawn
+from oodscen.report._sections import RenderedPart
 from oodscen.study._study import Study
 
 FILE = "report.html"
@@ -97,13 +97,13 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def rendered(part: Drawn) -> Markup:
+def rendered(part: RenderedPart) -> Markup:
     """Return a part of the page; its template sees its own data alone."""
     template = _environment().get_template(f"parts/{part.template}.html.j2")
     return Markup(template.render(part.data))
 
 
-def _whisker(figure: Rate | Figure) -> Canvas:
+def _whisker(figure: Rate | Estimate) -> Canvas:
     """Draw a known figure with its interval; without one, the figure alone."""
     value = figure.value or 0.0
     low, high = (figure.interval.low, figure.interval.high) if figure.interval else (value, value)

@@ -13,7 +13,7 @@ from oodscen.study._study import Study
 Place = Literal["drives", "undecided", "metrics", "growth", "pruning", "coverage"]
 
 
-class Part(NamedTuple):
+class PagePart(NamedTuple):
     """A part of the page with its own template."""
 
     place: Place
@@ -27,19 +27,19 @@ class Part(NamedTuple):
     """
 
 
-PARTS: tuple[Part, ...] = (
-    Part("drives", "Driving stacks", "driving", parts.driving),
-    Part("undecided", "Scenes that tell no actions apart", "undecided", parts.undecided),
-    Part("metrics", "Pictures of the measures", "pictures", pictures),
-    Part("growth", "How much is left to be found", "saturation", parts.saturated),
-    Part("pruning", "What would bring paths back", "restoration", parts.restored),
-    Part("pruning", "What another simulator would show", "simulators", simulators),
-    Part("coverage", "What the texts and scenes cover", "coverage", parts.covered),
+PARTS: tuple[PagePart, ...] = (
+    PagePart("drives", "Driving stacks", "driving", parts.driving),
+    PagePart("undecided", "Scenes that tell no actions apart", "undecided", parts.undecided),
+    PagePart("metrics", "Pictures of the measures", "pictures", pictures),
+    PagePart("growth", "How much is left to be found", "saturation", parts.saturated),
+    PagePart("pruning", "What would bring paths back", "restoration", parts.restored),
+    PagePart("pruning", "What another simulator would show", "simulators", simulators),
+    PagePart("coverage", "What the texts and scenes cover", "coverage", parts.covered),
 )
 """Every part, in display order."""
 
 
-class Drawn(NamedTuple):
+class RenderedPart(NamedTuple):
     """One part as the page shows it."""
 
     title: str
@@ -48,15 +48,15 @@ class Drawn(NamedTuple):
     error: str = ""
 
 
-def drawn(study: Study, found: Material) -> dict[str, list[Drawn]]:
+def drawn(study: Study, found: Material) -> dict[str, list[RenderedPart]]:
     """Collect the data of every part by place; a broken file of the study becomes a note there."""
-    places: dict[str, list[Drawn]] = {part.place: [] for part in PARTS}
+    places: dict[str, list[RenderedPart]] = {part.place: [] for part in PARTS}
     for part in PARTS:
         try:
             data = part.data(study, found)
         except OodscenError as error:
-            places[part.place].append(Drawn(part.title, part.template, {}, str(error)))
+            places[part.place].append(RenderedPart(part.title, part.template, {}, str(error)))
             continue
         if data is not None:
-            places[part.place].append(Drawn(part.title, part.template, data))
+            places[part.place].append(RenderedPart(part.title, part.template, data))
     return places

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen.report._load import Material, printable
-from oodscen.stages._prune.side_by_side import Comparison, Side, Tally
+from oodscen.stages._prune.side_by_side import CatalogueComparison, CatalogueTally, Side
 from oodscen.study._study import CATALOGUES, Study
 
 _KINDS = {
@@ -31,7 +31,7 @@ def simulators(study: Study, found: Material) -> Mapping[str, Any] | None:
         DataError: If the file holds something else.
     """
     if study.store.has(CATALOGUES):
-        return _compared(Comparison.load(study.folder / CATALOGUES))
+        return _compared(CatalogueComparison.load(study.folder / CATALOGUES))
     if not {"diverse", "simulatable"} <= set(found.trees):
         return None
     return {
@@ -42,7 +42,7 @@ def simulators(study: Study, found: Material) -> Mapping[str, Any] | None:
     }
 
 
-def _compared(compared: Comparison) -> dict[str, Any]:
+def _compared(compared: CatalogueComparison) -> dict[str, Any]:
     return {
         "compared": True,
         "tallies": compared.tallies,
@@ -56,13 +56,13 @@ def _compared(compared: Comparison) -> dict[str, Any]:
     }
 
 
-def _absent(tally: Tally) -> str:
+def _absent(tally: CatalogueTally) -> str:
     """Name the kinds that a simulator lacks entirely, each with the number of dropped paths that need it."""
     kinds = [_kind(name, tally) for name in tally.absent]
     return " and ".join(filter(None, (", ".join(kinds[:-1]), *kinds[-1:])))
 
 
-def _kind(name: str, tally: Tally) -> str:
+def _kind(name: str, tally: CatalogueTally) -> str:
     ranking = tally.restoration
     needed = sum(one.helps for one in ranking.categories if one.category == name)
     for one in ranking.single:
@@ -71,7 +71,7 @@ def _kind(name: str, tally: Tally) -> str:
     return f"{text} (needed by {needed} of the dropped)" if needed else text
 
 
-def _dropped(compared: Comparison, number: int) -> list[dict[str, str]]:
+def _dropped(compared: CatalogueComparison, number: int) -> list[dict[str, str]]:
     """Return the paths that one simulator drops, with the reasons and the study's own decisions."""
     return [
         {

@@ -12,17 +12,17 @@ from oodscen.data._messages import Image
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import (
     AnswerError,
+    ContentFiltered,
     Issue,
-    LateError,
     LLMError,
-    NotAskedError,
+    LLMTimeout,
+    ModelSkipped,
     OodscenError,
-    RefusedError,
 )
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._aspects.opinions import is_open, opinion, rescored
 from oodscen.judging._parsing import (
-    Reading,
+    ParsedAnswer,
     contradiction,
     is_refusal,
     names_nothing,
@@ -199,7 +199,7 @@ class _Asked:
     def put(
         self,
         prompt: Prompt[Answer],
-        read: Callable[[str], Reading[Value]],
+        read: Callable[[str], ParsedAnswer[Value]],
         make: Callable[[str, Value], Answer],
         form: str,
     ) -> Answer | None:
@@ -226,7 +226,7 @@ class _Asked:
 
         try:
             return ask(self.llm, prompt, attempts=ATTEMPTS, read=answered)
-        except (AnswerError, RefusedError) as error:
+        except (AnswerError, ContentFiltered) as error:
             self.failures.append(error)
             return None
 
@@ -353,12 +353,12 @@ def _outcome(error: OodscenError | None) -> Outcome:
         return "answered"
     if isinstance(error, AnswerError):
         return "refused" if is_refusal(error.raw) else "unparsed"
-    if isinstance(error, RefusedError):
+    if isinstance(error, ContentFiltered):
         return "refused"
-    if isinstance(error, NotAskedError):
+    if isinstance(error, ModelSkipped):
         return "unasked"
     words = str(error).casefold()
-    is_late = isinstance(error, LateError) or any(
+    is_late = isinstance(error, LLMTimeout) or any(
         word in words for word in ("timeout", "timed out", "time is up", "in time", "deadline")
     )
     return "timeout" if is_late else "error"

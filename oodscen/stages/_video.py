@@ -16,7 +16,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving import Cruise, action_driver, find_map, load_corridor
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.scene_checks import Body, bodies
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State
 from oodscen.stages._simulate import MAX_APPROACH_S
@@ -62,7 +62,7 @@ _BODIES: dict[str, Colour] = {
 class _Map:
     """A map section in image coordinates, with the ego heading upwards."""
 
-    def __init__(self, ego: Body, size: int, span: float) -> None:
+    def __init__(self, ego: PlacedBody, size: int, span: float) -> None:
         self.size, self.scale = size, size / span
         self.x, self.y = ego.solid.x, ego.solid.y
         self.cos, self.sin = math.cos(ego.solid.yaw), math.sin(ego.solid.yaw)
@@ -318,7 +318,7 @@ def _runs(holds: NDArray[np.bool_]) -> Sequence[slice]:
 
 
 def _body(
-    cv2: Any, picture: Image, ground: _Map, body: Body, colour: Colour, outline: Colour
+    cv2: Any, picture: Image, ground: _Map, body: PlacedBody, colour: Colour, outline: Colour
 ) -> None:
     """Draw a footprint with an arrow-head at its front; small bodies are enlarged."""
     one = body.solid

@@ -10,7 +10,7 @@ from oodscen.data._scene import Scene
 from oodscen.data._sighting import Sighting, apparent_size
 from oodscen.driving import find_map, load_corridor
 from oodscen.driving._sight.decision_view import SCALE_PX, best, drawn, groups
-from oodscen.driving._sight.scene_checks import Body, bodies
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
 from oodscen.protocols import Camera, Frame, State
 
@@ -48,7 +48,7 @@ def sighting(
 
 
 def _measured(
-    scene: Scene, rows: Sequence[int], cast: Sequence[Body], eye: Eye, frame: Frame
+    scene: Scene, rows: Sequence[int], cast: Sequence[PlacedBody], eye: Eye, frame: Frame
 ) -> Sighting:
     """Measure actors of one asset, given by their rows in the state."""
     heights = {row: _extent(frame.ids == row + 1) for row in rows}

@@ -66,7 +66,8 @@ def auroc_interval(
     interval = None
     if drawn.units > 1 and len(ordinary) > 1:
         found = _replicates(
-            _Drawn(ordinary, others, others.member), _Drawn(ood, drawn, drawn.member)
+            _ResampledScores(ordinary, others, others.member),
+            _ResampledScores(ood, drawn, drawn.member),
         )
         interval = percentile_interval(found, drawn.units, is_clustered=drawn.is_clustered)
     return Auroc(
@@ -93,7 +94,7 @@ def auroc_of_items(
     """
     known = np.isfinite(scores)
     noise, signal = (
-        _Drawn(scores[mask], resampler, resampler.member[mask])
+        _ResampledScores(scores[mask], resampler, resampler.member[mask])
         for mask in (known & ~is_signal, known & is_signal)
     )
     if not len(noise.scores) or not len(signal.scores):
@@ -102,7 +103,7 @@ def auroc_of_items(
     return auroc(noise.scores, signal.scores), found
 
 
-class _Drawn(NamedTuple):
+class _ResampledScores(NamedTuple):
     """Scores, and the clusters by which they are resampled."""
 
     scores: Floats
@@ -110,7 +111,7 @@ class _Drawn(NamedTuple):
     member: NDArray[np.int64]
 
 
-def _replicates(noise: _Drawn, signal: _Drawn) -> Floats:
+def _replicates(noise: _ResampledScores, signal: _ResampledScores) -> Floats:
     """Return the areas of the resampled sets; NaN if a replicate lacks one of both.
 
     Pairs are summed by cluster first, so that a replicate costs only a small quadratic form.

@@ -32,7 +32,7 @@ from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.llm._call_log import Call
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
-from oodscen.stages._prune.side_by_side import Comparison
+from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._config import StudyConfig
 from oodscen.study._record import Info
@@ -282,9 +282,9 @@ class Study(Brief):
         return Restoration.load(self.folder / "restore.json")
 
     @property
-    def comparison(self) -> Comparison:
+    def comparison(self) -> CatalogueComparison:
         """The comparison of other simulators' catalogues on the diverse tree."""
-        return Comparison.load(self.folder / "catalogues.json")
+        return CatalogueComparison.load(self.folder / "catalogues.json")
 
     @property
     def scenarios(self) -> list[Scenario]:

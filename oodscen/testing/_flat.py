@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene, Weather
-from oodscen.driving._kinematic_simulator import MirrorSimulator
+from oodscen.driving._kinematic_simulator import KinematicSimulator
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.protocols import Camera, Frame
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
@@ -47,7 +47,7 @@ _ROAD_VIEW_M = 400.0
 """Distance up to which lanes are painted, m."""
 
 
-class FlatSimulator(MirrorSimulator):
+class FlatSimulator(KinematicSimulator):
     """Renders the kinematic world as shaded boxes on a plane."""
 
     name = "flat"
@@ -88,7 +88,7 @@ class FlatSimulator(MirrorSimulator):
     def draw(self, camera: Camera) -> Frame:
         """Cast one ray through the centre of every pixel."""
         assert self._road is not None
-        view = _View(camera, self._poses[0])
+        view = _FlatView(camera, self._poses[0])
         depth = np.full((camera.height, camera.width), np.inf)
         ids = np.zeros((camera.height, camera.width), dtype=np.int32)
         colour = np.empty((camera.height, camera.width, 3))
@@ -103,7 +103,7 @@ class FlatSimulator(MirrorSimulator):
         return Frame(rgb=rgb, depth=depth.astype(np.float32), ids=ids)
 
 
-class _View:
+class _FlatView:
     """The camera in the world: its origin, its axes, and a ray for every pixel."""
 
     def __init__(self, camera: Camera, ego: Sequence[float]) -> None:
@@ -157,7 +157,9 @@ class _View:
         return slice(top, bottom), slice(left, right)
 
 
-def _paint_ground(view: _View, road: Corridor, ego_s: float, colour: Floats, depth: Floats) -> None:
+def _paint_ground(
+    view: _FlatView, road: Corridor, ego_s: float, colour: Floats, depth: Floats
+) -> None:
     """Paint the ground plane: grass, road strips and lane marks."""
     below = view.forward[2] + view.v * view.down[2] < -1e-6
     if not below.any():
@@ -220,7 +222,7 @@ def _surface(
 
 
 def _paint_box(
-    view: _View,
+    view: _FlatView,
     asset: Asset,
     pose: Sequence[float],
     identity: int,
@@ -275,7 +277,7 @@ def _sky(weather: Weather) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _lit(colour: Floats, depth: Floats, view: _View, weather: Weather) -> NDArray[np.uint8]:
+def _lit(colour: Floats, depth: Floats, view: _FlatView, weather: Weather) -> NDArray[np.uint8]:
     """Return the picture as bytes after daylight, headlights and fog."""
     day = min(max((weather.sun_elevation_deg + 6.0) / 16.0, 0.05), 1.0)
     is_sky = np.isinf(depth)

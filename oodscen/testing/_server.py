@@ -175,7 +175,7 @@ class _Announcing:
     def __init__(self, server: AnsweringServer, client: LiteLLM) -> None:
         self.name = client.name
         self.client = client
-        self.traffic = client.traffic
+        self.limits = client.limits
         self._server = server
 
     def complete(self, request: Request) -> Completion:

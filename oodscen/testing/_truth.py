@@ -10,7 +10,7 @@ from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import Scene, Weather
 from oodscen.driving import Corridor, find_map, load_corridor
 from oodscen.driving._motion.world import ego_strip, neighbour_strip
-from oodscen.driving._sight.scene_checks import Body, bodies, floating, overlapping
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies, floating, overlapping
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera, Frame, Simulator
@@ -129,7 +129,7 @@ def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float |
     return -math.log(20.0) / slope if slope < 0.0 else math.inf
 
 
-def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[Body, ...]) -> list[Issue]:
+def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[PlacedBody, ...]) -> list[Issue]:
     """Return issues for actors that do not start where the scene says."""
     lane = ego_strip(corridor, scene.ego.lane)
     issues = []
@@ -148,7 +148,7 @@ def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[Body, ...]) -> list
 
 
 def _unlike(
-    frames: Mapping[str, Frame], moments: Mapping[str, tuple[Body, ...]], camera: Camera
+    frames: Mapping[str, Frame], moments: Mapping[str, tuple[PlacedBody, ...]], camera: Camera
 ) -> list[Issue]:
     """Return issues for actors whose pixels are not where their boxes are."""
     issues: dict[str, Issue] = {}

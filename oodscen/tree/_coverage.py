@@ -19,7 +19,7 @@ Kind = Literal["root", "class", "family", "leaf"]
 Lack = Literal["", "text", "scene", "episode", "choice"]
 
 
-class Tally(Data):
+class NodeTally(Data):
     """The counts at and below one node. Twins are counted separately."""
 
     id: str
@@ -56,17 +56,17 @@ class Coverage(Data):
     noun: ClassVar[str] = "coverage report"
 
     schema_version: Literal[1] = 1
-    rows: tuple[Tally, ...] = ()
+    rows: tuple[NodeTally, ...] = ()
     """One row per node, in tree order; each includes the nodes below it."""
     elsewhere: int = 0
     """Number of texts, scenes and episodes that belong to no leaf of the tree."""
 
     @property
-    def holes(self) -> tuple[Tally, ...]:
+    def holes(self) -> tuple[NodeTally, ...]:
         """Leaves that lack something, in tree order."""
         return tuple(row for row in self.rows if row.lacks)
 
-    def of(self, kind: Kind) -> tuple[Tally, ...]:
+    def of(self, kind: Kind) -> tuple[NodeTally, ...]:
         """Return the rows of one kind."""
         return tuple(row for row in self.rows if row.kind == kind)
 
@@ -93,14 +93,14 @@ LACKS: Mapping[Lack, str] = {
     "episode": "with a scene but no episode that ran",
     "choice": "with episodes in which every action, or none, is safe",
 }
-"""Descriptions of the items that a leaf can lack, by their names in `Tally.lacks`."""
+"""Descriptions of the items that a leaf can lack, by their names in `NodeTally.lacks`."""
 
 
 COUNTS = (
     *("leaves", "texts", "scenes", "episodes", "failed"),
     *("safe", "unsafe", "mixed", "twins", "holes"),
 )
-"""The counts of a `Tally`, in the order of a report's columns."""
+"""The counts of a `NodeTally`, in the order of a report's columns."""
 
 
 def coverage(
@@ -190,7 +190,7 @@ def _count_episode(count: Counter[str], episode: Episode) -> None:
         count["mixed"] += episode.is_decidable
 
 
-def _rows(tree: ScenarioTree, counts: Mapping[str, Counter[str]]) -> tuple[Tally, ...]:
+def _rows(tree: ScenarioTree, counts: Mapping[str, Counter[str]]) -> tuple[NodeTally, ...]:
     order = list(tree.walk())
     lacks: dict[str, Lack] = {}
     for node, depth in reversed(order):
@@ -201,7 +201,7 @@ def _rows(tree: ScenarioTree, counts: Mapping[str, Counter[str]]) -> tuple[Tally
         if node.parent is not None:
             counts[node.parent].update(count)
     return tuple(
-        Tally(
+        NodeTally(
             id=node.id,
             label=node.label,
             kind=_kind(depth, is_leaf=not tree.children[node.id]),

@@ -81,7 +81,7 @@ def slug(label: str) -> str:
 _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
 
 
-class Growth:
+class EditLog:
     """The index that all trees of one line of edits share.
 
     The newest tree is the index as it stands; an older tree is a number of edits. Appending an edit
@@ -105,7 +105,7 @@ class Growth:
 
     def extend(
         self, version: int, edits: Iterable[TreeEdit], *, where: str = "edits"
-    ) -> tuple["Growth", list[Issue]]:
+    ) -> tuple["EditLog", list[Issue]]:
         """Apply edits on top of the first `version` edits.
 
         Returns:
@@ -128,7 +128,7 @@ class Growth:
                 growth._cut(version)
             return growth, issues
 
-    def at(self, version: int) -> "Growth":
+    def at(self, version: int) -> "EditLog":
         """Return the index of the first `version` edits: this one, or a copy."""
         with self._lock:
             return self if version == len(self.log) else self._fork(version)
@@ -162,8 +162,8 @@ class Growth:
                 self._numbers[base] = number
             return candidate
 
-    def _fork(self, version: int) -> "Growth":
-        copy = Growth()
+    def _fork(self, version: int) -> "EditLog":
+        copy = EditLog()
         copy.log, copy.before = self.log.copy(), self.before.copy()
         copy.nodes, copy.born = self.nodes.copy(), self.born.copy()
         copy._children = {key: below.copy() for key, below in self._children.items()}

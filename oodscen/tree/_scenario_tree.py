@@ -11,7 +11,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import DataError, Issue, UnknownComponent, UsageError
-from oodscen.tree._edit_log import Growth, Node, TreeEdit, adding, slug
+from oodscen.tree._edit_log import EditLog, Node, TreeEdit, adding, slug
 from oodscen.tree._labels import MAX_LABEL, label_fault
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class ScenarioTree:
 
     noun: ClassVar[str] = TreeFile.noun
 
-    _index: Growth
+    _index: EditLog
     """The index that this tree shares with the trees before and after it."""
     _version: int
     """The number of edits in the index that belong to this tree."""
@@ -78,13 +78,13 @@ class ScenarioTree:
             DataError: With one issue per edit that does not fit.
         """
         log = tuple(edits)
-        index, issues = Growth().extend(0, log)
+        index, issues = EditLog().extend(0, log)
         if issues:
             raise DataError(self.noun, issues)
         self.__dict__.update(_index=index, _version=len(log))
 
     @classmethod
-    def _at(cls, index: Growth, version: int) -> Self:
+    def _at(cls, index: EditLog, version: int) -> Self:
         """Return the tree of the first `version` edits of an index."""
         tree = cls.__new__(cls)
         tree.__dict__.update(_index=index, _version=version)
@@ -113,7 +113,7 @@ class ScenarioTree:
         file = TreeFile.parse(value, source=source)
         is_bare = bool(file.nodes) and not file.edits
         edits = tuple(adding(node, stage="file") for node in file.nodes) if is_bare else file.edits
-        index, issues = Growth().extend(0, edits, where="nodes" if is_bare else "edits")
+        index, issues = EditLog().extend(0, edits, where="nodes" if is_bare else "edits")
         if not issues and file.nodes and index.ordered() != file.nodes:
             issues.append(Issue("nodes", "do not follow from the edits"))
         if issues:

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen._seeding import stream
 from oodscen.author._imagining import Habits, Imagination
-from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 
@@ -77,5 +77,5 @@ def test_what_is_marked_as_first_comes_in_every_second_round_until_it_is_covered
     assert drawn(covered=("Harp on the road",)).count("own") <= 3
 
 
-def _with(knowledge: Knowledge, hazard: Hazard) -> Knowledge:
+def _with(knowledge: Knowledge, hazard: HazardKind) -> Knowledge:
     return knowledge.model_copy(update={"hazards": (*knowledge.hazards, hazard)})

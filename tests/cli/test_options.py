@@ -46,7 +46,7 @@ CHEAP = {
 
 
 TRAFFIC = {"max_cost", "max_seconds", "timeout", "patience", "prices", "concurrency"}
-"""What the traffic of models is held to is tested with it."""
+"""What the limits of models is held to is tested with it."""
 
 
 def commands(group: click.Group, path: str = "") -> Iterator[tuple[str, click.Command]]:

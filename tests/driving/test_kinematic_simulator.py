@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Trigger
-from oodscen.driving import Cruise, MirrorSimulator
+from oodscen.driving import Cruise, KinematicSimulator
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Camera, Control, Frame, Simulator
@@ -16,7 +16,7 @@ from tests.driving.staging import CATALOGUE, actor, scene
 BOX = scene(actor("box", "cardboard_box", ahead=60.0), actor("far", ahead=250.0), speed=12.0)
 
 
-class Recorder(MirrorSimulator):
+class Recorder(KinematicSimulator):
     """Shows nothing and remembers what it was asked."""
 
     name = "recorder"

@@ -10,7 +10,7 @@ from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._capped import MeteredLLM
 from oodscen.llm._fallback import FallbackLLM
-from oodscen.llm._remote.limits import Caps, Price, Traffic
+from oodscen.llm._remote.limits import Caps, Limits, Price
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Usage
 from oodscen.testing import FunctionLLM, ScriptedLLM
@@ -93,12 +93,12 @@ def test_models_of_ones_own_are_held_to_the_caps():
         lambda asked: Completion(text='{"text": "A sofa lies on the road there."}', usage=usage)
     )
     with pytest.raises(UsageError, match="--price function="):
-        MeteredLLM(author, Traffic(Caps(cost_usd=1)))
-    traffic = Traffic(Caps(requests=3, cost_usd=1), prices={"function": Price(1, 1)})
-    llm = MeteredLLM(author, traffic)
+        MeteredLLM(author, Limits(Caps(cost_usd=1)))
+    limits = Limits(Caps(requests=3, cost_usd=1), prices={"function": Price(1, 1)})
+    llm = MeteredLLM(author, limits)
     for sample in range(3):
         ask(llm, QUESTION, sample)
     with pytest.raises(BudgetExceeded):
         ask(llm, QUESTION, 3)
-    assert traffic.budget.spent.tokens == 330
-    assert traffic.budget.spent.cost_usd == pytest.approx(330e-6)
+    assert limits.budget.spent.tokens == 330
+    assert limits.budget.spent.cost_usd == pytest.approx(330e-6)

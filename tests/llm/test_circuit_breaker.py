@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, NotAskedError
+from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, ModelSkipped
 from oodscen.llm._circuit_breaker import ContainedLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
@@ -20,7 +20,7 @@ def raising(error):
 
 
 def test_a_model_that_is_given_up_fails_the_question_for_now():
-    with pytest.raises(NotAskedError) as caught:
+    with pytest.raises(ModelSkipped) as caught:
         raising(EndpointDown("m at e", "no response for 40 s")).complete(REQUEST)
     assert caught.value.retryable
     assert caught.value.reason == "m at e is given up: no response for 40 s"

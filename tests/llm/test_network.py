@@ -12,10 +12,10 @@ import httpcore
 import httpx
 import pytest
 
-from oodscen.errors import LateError, LLMError
+from oodscen.errors import LLMError, LLMTimeout
 from oodscen.llm._ask import ask
-from oodscen.llm._remote.call_bounds import HEAD, Bounds, bounded
-from oodscen.llm._remote.limits import Traffic
+from oodscen.llm._remote.call_bounds import HEAD, CallBounds, bounded
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.offline import OutsideError, enforce, is_offline
 from oodscen.llm._remote.transport import guard, responds
@@ -72,7 +72,7 @@ DRIPS = {
 @pytest.mark.parametrize("what", DRIPS)
 def test_whatever_drips_ends_in_time(what):
     with talking(dripping(*DRIPS[what])) as rogue:
-        assert isinstance(refusal(client(rogue, timeout_s=0.1)), LateError)
+        assert isinstance(refusal(client(rogue, timeout_s=0.1)), LLMTimeout)
 
 
 @pytest.mark.parametrize("what", ["responses that announce another", "headers"])
@@ -89,7 +89,7 @@ def test_a_front_page_is_not_read():
 
 def test_a_call_with_too_little_time_for_a_look_takes_none():
     looked = []
-    endpoint = Traffic(patience_s=40.0).endpoint("e")
+    endpoint = Limits(patience_s=40.0).endpoint("e")
     assert endpoint.is_alive("http://x", lambda url, seconds: looked.append(seconds), 9.0)
     assert not looked
     assert not endpoint.is_alive("http://x", lambda url, seconds: looked.append(seconds), 11.0)
@@ -99,7 +99,7 @@ def test_a_call_with_too_little_time_for_a_look_takes_none():
 def test_what_comes_before_a_body_has_an_end():
     with talking(dripping(b"", PROCESSING * 4_000, 0.0)) as rogue:
         assert "bytes" in str(refusal(client(rogue)))
-    bounds = Bounds(1.0, 10)
+    bounds = CallBounds(1.0, 10)
     bounds.sending("http://x")
     with pytest.raises(Exception, match="no response"):
         bounds.heard(HEAD + 1)
@@ -117,7 +117,7 @@ def test_a_tunnel_ends_in_time(monkeypatch):
     with talking(dripping(b"HTTP/1.1 200 OK\r\n", b"x: y\r\n")) as proxy:
         monkeypatch.setenv("https_proxy", f"http://127.0.0.1:{proxy.port}")
         llm = LiteLLM("m", api_base="https://model.invalid/v1", retries=0, timeout_s=0.1)
-        assert isinstance(refusal(llm), LateError)
+        assert isinstance(refusal(llm), LLMTimeout)
     assert proxy.heard.startswith(b"CONNECT model.invalid:443")
 
 
@@ -145,7 +145,7 @@ def test_the_addresses_of_a_name_share_the_time(monkeypatch):
     monkeypatch.setattr(socket, "getaddrinfo", lines)
     plain = httpx.Client(trust_env=False)
     plain._transport._pool._network_backend = Backend()
-    with bounded(Bounds(8.0, 100)), guard(plain) as asked, pytest.raises(httpx.ConnectTimeout):
+    with bounded(CallBounds(8.0, 100)), guard(plain) as asked, pytest.raises(httpx.ConnectTimeout):
         asked.get("http://model.invalid")
     assert [host for host, _ in tried] == [f"192.0.2.{number}" for number in range(4)]
     assert tried[0][1] <= 2.0

@@ -13,7 +13,7 @@ from oodscen import Study, make_llm
 from oodscen._cli import main
 from oodscen._pipeline import RunOptions, estimate, run_study
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError
-from oodscen.llm._remote.limits import Caps, Price, Traffic
+from oodscen.llm._remote.limits import Caps, Limits, Price
 from oodscen.llm._wrapper import Wrapper
 from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
 from tests.llm.rogue import dripping, talking
@@ -47,10 +47,10 @@ def quiet(tmp_path_factory, author):
     return out
 
 
-def run(out, server, traffic=None, **settings):
-    traffic = traffic or Traffic(concurrency=4)
-    llm = server.client(seed=3, traffic=traffic, **settings)
-    return run_study(out, CONFIG, models={"served": llm}, traffic=traffic)
+def run(out, server, limits=None, **settings):
+    limits = limits or Limits(concurrency=4)
+    llm = server.client(seed=3, limits=limits, **settings)
+    return run_study(out, CONFIG, models={"served": llm}, limits=limits)
 
 
 def results(out):
@@ -110,7 +110,7 @@ def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
         AnsweringServer(FunctionLLM(repeat), faults=faults) as server,
     ):
         monkeypatch.setenv("http_proxy", f"http://127.0.0.1:{proxy.port}")
-        study = run(tmp_path, server, Traffic(concurrency=4, patience_s=None), retries=0)
+        study = run(tmp_path, server, Limits(concurrency=4, patience_s=None), retries=0)
     assert b"[redacted]" in (tmp_path / "answers.jsonl").read_bytes()
     assert any("redirects to" in (call.get("error") or "") for call in study.table("calls"))
     hosts = {received.headers["host"].partition(":")[0] for received in server.received}
@@ -123,7 +123,7 @@ def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
 
 @pytest.mark.parametrize("purpose", ["imagine-scenario", "judge-branch", "describe-path"])
 def test_an_interruption_leaves_no_question_to_be_waited_for(tmp_path, author, purpose):
-    traffic = Traffic(concurrency=2)
+    limits = Limits(concurrency=2)
     together = threading.Barrier(2)
 
     class Interrupted(Wrapper):
@@ -132,13 +132,13 @@ def test_an_interruption_leaves_no_question_to_be_waited_for(tmp_path, author, p
                 return self._llm.complete(request)
             if together.wait(PATIENCE_S) == 0:
                 raise KeyboardInterrupt
-            traffic.sleep(PATIENCE_S)
-            traffic.check()
+            limits.sleep(PATIENCE_S)
+            limits.check()
             raise AssertionError("nobody was told of the interruption")
 
     config = CONFIG.model_copy(update={"in_flight": 2})
     with pytest.raises(KeyboardInterrupt):
-        run_study(tmp_path, config, models={"served": Interrupted(author)}, traffic=traffic)
+        run_study(tmp_path, config, models={"served": Interrupted(author)}, limits=limits)
     assert Study.open(tmp_path).info["status"] == "stopped"
     assert not together.broken
 
@@ -159,7 +159,7 @@ def test_a_cap_ends_the_run_and_the_same_command_continues_it(tmp_path, author, 
     asked = []
     for _ in range(20):
         with AnsweringServer(author) as server, suppress(BudgetExceeded):
-            run(tmp_path, server, Traffic(Caps(requests=15), concurrency=4))
+            run(tmp_path, server, Limits(Caps(requests=15), concurrency=4))
         asked += [json.dumps([r.messages, r.body["seed"]]) for r in server.received]
         if (status := Study.open(tmp_path).info["status"]) == "success":
             break
@@ -241,8 +241,8 @@ def test_calls_name_their_stage(quiet):
 
 
 def test_an_estimate_counts_the_calls_that_are_left(tmp_path, quiet):
-    prices = Traffic(prices={"served": Price(1, 1)})
-    options = RunOptions(models={"served": ScriptedLLM({})}, traffic=prices)
+    prices = Limits(prices={"served": Price(1, 1)})
+    options = RunOptions(models={"served": ScriptedLLM({})}, limits=prices)
     rows = estimate(tmp_path / "none", CONFIG, options)
     made = Study.open(quiet).info["usage"]
     assert [(row.group[0], row.calls) for row in rows] == [

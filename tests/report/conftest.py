@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from oodscen import Study, StudyConfig
-from oodscen.data._bird_sketch import Body, Lane, Sketch
+from oodscen.data._bird_sketch import Sketch, SketchBody, SketchLane
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
@@ -150,13 +150,13 @@ def outcomes(index: int) -> dict[str, ActionOutcome]:
 def sketched() -> Sketch:
     return Sketch(
         lanes=(
-            Lane(kind="shoulder", direction=0, right=-3.2, left=-1.8),
-            Lane(kind="driving", direction=1, right=-1.8, left=1.8),
-            Lane(kind="driving", direction=-1, right=1.8, left=5.4),
+            SketchLane(kind="shoulder", direction=0, right=-3.2, left=-1.8),
+            SketchLane(kind="driving", direction=1, right=-1.8, left=1.8),
+            SketchLane(kind="driving", direction=-1, right=1.8, left=5.4),
         ),
         bodies={
-            "ego": Body(x=0.0, y=0.0, heading_deg=0.0, length=4.5, width=1.9),
-            "hazard": Body(x=24.0, y=0.1, heading_deg=180.0, length=5.3, width=2.2),
+            "ego": SketchBody(x=0.0, y=0.0, heading_deg=0.0, length=4.5, width=1.9),
+            "hazard": SketchBody(x=24.0, y=0.1, heading_deg=180.0, length=5.3, width=2.2),
         },
         paths={
             name: (0.0, 0.0, 10.0, 0.5, 18.0, 1.0)

@@ -11,7 +11,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.report import _sections as sections
 from oodscen.report._load import Material, read
 from oodscen.report._render import rendered
-from oodscen.report._sections import PARTS, Drawn, Part, Place, drawn
+from oodscen.report._sections import PARTS, PagePart, Place, RenderedPart, drawn
 
 
 def hello(study: Study, found: Material) -> Mapping[str, Any]:
@@ -30,8 +30,8 @@ def test_a_broken_file_is_a_note_in_its_place(
     study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     here = (
-        Part("metrics", "Good", "pictures", hello),
-        Part("metrics", "Bad", "pictures", unreadable),
+        PagePart("metrics", "Good", "pictures", hello),
+        PagePart("metrics", "Bad", "pictures", unreadable),
     )
     monkeypatch.setattr(sections, "PARTS", here)
     good, bad = drawn(study, read(study))["metrics"]
@@ -43,15 +43,15 @@ def test_a_broken_file_is_a_note_in_its_place(
 def test_a_misspelt_attribute_ends_the_report(
     study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sections, "PARTS", (Part("metrics", "Bad", "pictures", mistaken),))
+    monkeypatch.setattr(sections, "PARTS", (PagePart("metrics", "Bad", "pictures", mistaken),))
     with pytest.raises(AttributeError):
         drawn(study, read(study))
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.template)
-def test_a_template_sees_its_own_data_alone_and_nothing_else(part: Part) -> None:
+def test_a_template_sees_its_own_data_alone_and_nothing_else(part: PagePart) -> None:
     with pytest.raises(jinja2.UndefinedError):
-        rendered(Drawn(part.title, part.template, {"metrics": 1, "study": 2}))
+        rendered(RenderedPart(part.title, part.template, {"metrics": 1, "study": 2}))
 
 
 def test_every_place_has_a_part() -> None:

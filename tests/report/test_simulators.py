@@ -6,7 +6,7 @@ from oodscen._registry import make_catalogue
 from oodscen.data._additions import Addition
 from oodscen.report._load import Material, read
 from oodscen.report._render import rendered
-from oodscen.report._sections import Drawn, drawn
+from oodscen.report._sections import RenderedPart, drawn
 from oodscen.report._simulators import simulators
 from oodscen.stages._prune.pruner import PruneDecision
 from oodscen.stages._prune.side_by_side import compare
@@ -45,7 +45,7 @@ def compared():
 def markup_of(study: Study) -> str:
     data = simulators(study, read(study))
     assert data is not None
-    return rendered(Drawn("", "simulators", data))
+    return rendered(RenderedPart("", "simulators", data))
 
 
 def test_figures_absent_kinds_and_reasons_are_shown(study: Study) -> None:

@@ -10,7 +10,7 @@ from oodscen import evaluate
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._messages import Image
 from oodscen.data._verdict import Verdict
-from oodscen.errors import LateError, LLMError, NotAskedError, RefusedError
+from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.stages._evaluate import aspect_options, names_aspect
 from oodscen.testing import FunctionLLM, ScriptedLLM
@@ -162,9 +162,9 @@ def test_a_model_that_does_not_answer_in_time_is_told_from_one_that_fails(frames
 @pytest.mark.parametrize(
     ("error", "outcome", "retryable"),
     [
-        (RefusedError("declined by a filter"), "refused", False),
-        (NotAskedError("m is given up", model="m"), "unasked", True),
-        (LateError("the answer did not end", retryable=True), "timeout", True),
+        (ContentFiltered("declined by a filter"), "refused", False),
+        (ModelSkipped("m is given up", model="m"), "unasked", True),
+        (LLMTimeout("the answer did not end", retryable=True), "timeout", True),
         (LLMError("boom", retryable=True), "error", True),
     ],
 )
@@ -185,7 +185,7 @@ def test_a_filter_that_declines_one_question_costs_that_question(frames):
 
 def by_purpose(request):
     if request.prompt.purpose == "name-aspect":
-        raise RefusedError("declined by a filter")
+        raise ContentFiltered("declined by a filter")
     said = answers()[request.prompt.purpose]
     return said[0] if isinstance(said, list) else said
 

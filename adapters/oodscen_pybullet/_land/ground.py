@@ -36,7 +36,7 @@ _BLOCK = 400_000
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class RoadCourse:
     """A corridor's line, resampled for drawing and extended straight beyond its ends."""
 
     s: Array
@@ -48,7 +48,7 @@ class Course:
     sin: Array
 
     @classmethod
-    def of(cls, corridor: Corridor) -> "Course":
+    def of(cls, corridor: Corridor) -> "RoadCourse":
         """Resample the ego's road from behind its start to the limit of sight."""
         first = max(0.0, corridor.start - BEHIND)
         return cls.between(
@@ -56,7 +56,7 @@ class Course:
         )
 
     @classmethod
-    def between(cls, corridor: Corridor, first: float, last: float) -> "Course":
+    def between(cls, corridor: Corridor, first: float, last: float) -> "RoadCourse":
         """Resample a corridor from one s to another, extending it straight beyond its ends."""
         piece = FAST_STEP if corridor.speed_limit > FAST else STEP
         count = max(1, int((last - first) / piece + 0.5))
@@ -99,7 +99,7 @@ class Way:
     """A road as drawn: its course and its width along it."""
 
     corridor: Corridor
-    course: Course
+    course: RoadCourse
     asphalt: tuple[Array, Array]
     """[n] t of the outermost drivable edges, right and left."""
     paved: tuple[Array, Array]
@@ -112,7 +112,7 @@ class Way:
 
     @classmethod
     def of(
-        cls, corridor: Corridor, course: Course, *, is_ego: bool, is_connecting: bool, name: str
+        cls, corridor: Corridor, course: RoadCourse, *, is_ego: bool, is_connecting: bool, name: str
     ) -> "Way":
         """Measure a road along its course."""
         asphalt = _outline(corridor, course, DRIVABLE)
@@ -159,7 +159,7 @@ class Ground:
             corridor: The ego's corridor with the others.
         """
         self.corridor = corridor
-        course = Course.of(corridor)
+        course = RoadCourse.of(corridor)
         ego = Way.of(corridor, course, is_ego=True, is_connecting=False, name="ego")
         ends = [(other.corridor, _ends(other.corridor)) for other in corridor.others]
         ways = [ego]
@@ -170,7 +170,7 @@ class Ground:
                 rest = [c for c, _ in ends if c is not other.corridor]
                 first -= 0.0 if _meets(head, corridor, rest) else ONWARD_M
                 last += 0.0 if _meets(tail, corridor, rest) else ONWARD_M
-            course = Course.between(other.corridor, first, last)
+            course = RoadCourse.between(other.corridor, first, last)
             ways.append(
                 Way.of(
                     other.corridor,
@@ -309,7 +309,7 @@ def _bounds(way: Way) -> tuple[float, float, float, float]:
     )  # fmt: skip
 
 
-def _outline(corridor: Corridor, course: Course, kinds: frozenset[str]) -> tuple[Array, Array]:
+def _outline(corridor: Corridor, course: RoadCourse, kinds: frozenset[str]) -> tuple[Array, Array]:
     """Return t of the outermost edges of strips of some kinds; without such strips the edges coincide."""
     right, left = np.full(len(course.s), np.inf), np.full(len(course.s), -np.inf)
     for strip in corridor.strips:
@@ -338,7 +338,7 @@ def _meets(end: tuple[float, float], ego: Corridor, others: Sequence[Corridor]) 
     return any(bool(((a - x) ** 2 + (b - y) ** 2).min() < reach * reach) for a, b in lines)
 
 
-def _nearest(line: Course, x: Array, y: Array) -> NDArray[np.int64]:
+def _nearest(line: RoadCourse, x: Array, y: Array) -> NDArray[np.int64]:
     """Return the row of the course nearest to each point."""
     found = np.zeros(len(x), np.int64)
     block = max(1, _BLOCK // len(line.x))

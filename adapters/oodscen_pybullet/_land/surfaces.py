@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import Corridor
-from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip, Outline
-from oodscen_pybullet._land.ground import Course, Ground, Way
+from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip, PaintedArea
+from oodscen_pybullet._land.ground import Ground, RoadCourse, Way
 from oodscen_pybullet._land.terrain import KERB, Theme
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.builder import Mesh
@@ -28,7 +28,7 @@ _WIDER = 0.25
 class Ribbons:
     """Collects bands along a course and flat patches."""
 
-    def __init__(self, course: Course) -> None:
+    def __init__(self, course: RoadCourse) -> None:
         self.course = course
         self._vertices: list[Array] = []
         self._normals: list[Array] = []
@@ -96,7 +96,7 @@ class Ribbons:
         )
 
 
-def strip_edges(corridor: Corridor, course: Course, strip: LaneStrip) -> tuple[Array, Array]:
+def strip_edges(corridor: Corridor, course: RoadCourse, strip: LaneStrip) -> tuple[Array, Array]:
     """Return t of the right and left edges of a strip along a course."""
     return (
         np.interp(course.s, corridor.s, strip.right),
@@ -266,7 +266,7 @@ def _surface(strip: LaneStrip, theme: Theme) -> tuple[str, bool]:
 # ------------------------------------------------------------------ marks
 
 
-def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Outline]) -> None:
+def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[PaintedArea]) -> None:
     """Paint the marks on lane edges, and the bays of parking strips."""
     course, strips, road = way.course, way.corridor.strips, way.corridor
     outside = np.interp(course.s, road.s, road.in_junction.astype(np.float64)) < 0.5
@@ -292,7 +292,7 @@ def _mark_lanes(way: Way, ribbons: Ribbons, layer: float, outlines: Sequence[Out
             _bays(way, ribbons, strip, height, outside)
 
 
-def _crossed(way: Way, outlines: Sequence[Outline]) -> Mask:
+def _crossed(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
     """Return which pieces lie below a crosswalk or stop line, or between it and the junction."""
     line, road = way.course, way.corridor
     found = np.zeros(len(line.s) - 1, bool)
@@ -314,7 +314,7 @@ def _crossed(way: Way, outlines: Sequence[Outline]) -> Mask:
     return found
 
 
-def _dashes(course: Course) -> Mask:
+def _dashes(course: RoadCourse) -> Mask:
     """Return the painted pieces of a broken mark: one in three."""
     period = 3.0 * float(np.diff(course.s).max())
     return np.asarray((0.5 * (course.s[1:] + course.s[:-1])) % period < period / 3)

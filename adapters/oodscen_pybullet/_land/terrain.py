@@ -44,7 +44,7 @@ _X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _IN = range(9)
 
 
 @dataclass(frozen=True)
-class _Band:
+class _GroundBand:
     """The material of the ground up to a distance from pavements."""
 
     reach: float
@@ -52,15 +52,19 @@ class _Band:
     is_region: bool = False
 
 
-_BANDS: dict[Theme, tuple[_Band, ...]] = {
+_BANDS: dict[Theme, tuple[_GroundBand, ...]] = {
     "residential": (
-        _Band(13.0, "turf", True),
-        _Band(60.0, "grass"),
-        _Band(1e9, "hill"),
+        _GroundBand(13.0, "turf", True),
+        _GroundBand(60.0, "grass"),
+        _GroundBand(1e9, "hill"),
     ),
-    "urban": (_Band(3.5, "paving", True), _Band(70.0, "concrete_dark"), _Band(1e9, "hill")),
-    "highway": (_Band(12.0, "turf", True), _Band(90.0, ""), _Band(1e9, "hill")),
-    "rural": (_Band(9.0, "turf", True), _Band(110.0, ""), _Band(1e9, "hill")),
+    "urban": (
+        _GroundBand(3.5, "paving", True),
+        _GroundBand(70.0, "concrete_dark"),
+        _GroundBand(1e9, "hill"),
+    ),
+    "highway": (_GroundBand(12.0, "turf", True), _GroundBand(90.0, ""), _GroundBand(1e9, "hill")),
+    "rural": (_GroundBand(9.0, "turf", True), _GroundBand(110.0, ""), _GroundBand(1e9, "hill")),
 }
 _CROPS = ("field", "grass", "grass_dark", "field", "earth", "grass")
 _RELIEF: dict[Theme, tuple[float, float]] = {

@@ -10,7 +10,7 @@ from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._rendering.postprocess import GRID_AHEAD, GRID_ASIDE, GRID_CELL
-from oodscen_pybullet._rendering.view import Point, View
+from oodscen_pybullet._rendering.view import CameraView, Point
 
 Float = NDArray[np.float32]
 U8 = NDArray[np.uint8]
@@ -20,7 +20,7 @@ HEADLAMP = 3.5
 _FAR = GRID_AHEAD * GRID_CELL
 
 
-def ground_light(view: View, glows: Sequence[Glow], light: Light) -> Float | None:
+def ground_light(view: CameraView, glows: Sequence[Glow], light: Light) -> Float | None:
     """Return the lamps' light on surfaces in front of the camera.
 
     Args:
@@ -88,7 +88,12 @@ def _cells(low: float, high: float, zero: float, count: int) -> tuple[int, int]:
 
 
 def add_glows(
-    image: U8, view: View, depth: Float, glows: Sequence[Glow], light: Light, extinction: float
+    image: U8,
+    view: CameraView,
+    depth: Float,
+    glows: Sequence[Glow],
+    light: Light,
+    extinction: float,
 ) -> None:
     """Add the halos of visible lamps, in place.
 
@@ -123,7 +128,7 @@ def add_glows(
         _add(image, column, row, min(wide, view.width * 0.16), 95.0 * strength, glow.colour)
 
 
-def add_glare(image: U8, view: View, light: Light, depth: Float) -> None:
+def add_glare(image: U8, view: CameraView, light: Light, depth: Float) -> None:
     """Add the glare of a low sun ahead, in place."""
     far = tuple(view.eye[i] + 1000.0 * light.sun[i] for i in range(3))
     spot = view.pixel((far[0], far[1], far[2]))
@@ -138,7 +143,7 @@ def add_glare(image: U8, view: View, light: Light, depth: Float) -> None:
     _add(image, column, row, view.width * 0.04, 255.0 * disc, (1.0, 0.98, 0.9))
 
 
-def _facing(view: View, glow: Glow) -> float:
+def _facing(view: CameraView, glow: Glow) -> float:
     fx, fy, fz = glow.facing
     if fx == fy == fz == 0.0:
         return 1.0

@@ -13,7 +13,7 @@ import numpy as np
 from oodscen.numerics._kernels import Kernel, part
 from oodscen_pybullet._rendering.depth_kernel import F32, F64
 from oodscen_pybullet._rendering.triangles import SHELTERED, Triangles
-from oodscen_pybullet._rendering.view import Point, View
+from oodscen_pybullet._rendering.view import CameraView, Point
 
 CELLS = 1024
 """Cells along a side of the map."""
@@ -213,7 +213,7 @@ class ShadowMap:
 
     def draw(
         self,
-        view: View,
+        view: CameraView,
         sun: Point,
         level: float,
         scenery: Triangles,
@@ -281,7 +281,7 @@ class ShadowMap:
         )
 
 
-def _corner(view: View, ahead: float, snap: float, side: float) -> tuple[float, float]:
+def _corner(view: CameraView, ahead: float, snap: float, side: float) -> tuple[float, float]:
     """Return x and y of the lowest corner of a map centred some distance ahead of the camera."""
     x, y = (
         math.floor((view.eye[i] + ahead * view.forward[i]) / snap + 0.5) * snap - side / 2

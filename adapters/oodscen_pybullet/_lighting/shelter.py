@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import Corridor
-from oodscen_pybullet._rendering.view import Point, View
+from oodscen_pybullet._rendering.view import CameraView, Point
 from oodscen_pybullet._scenery.structures import CEILING_M
 
 _WALL_M = 0.6
@@ -68,7 +68,7 @@ class Shelter:
             found[some] |= within & (s > one.start) & (s < one.end)
         return found
 
-    def portal(self, view: View) -> Portal | None:
+    def portal(self, view: CameraView) -> Portal | None:
         """Return the end of a tunnel that a camera looks at; `None` if there is none ahead."""
         tunnels = [one for one in self.corridor.structures if one.kind == "tunnel"]
         if not tunnels:

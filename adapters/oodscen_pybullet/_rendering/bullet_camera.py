@@ -16,7 +16,7 @@ from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._meshes.wavefront import wavefront
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.stage import Pose, Shot
-from oodscen_pybullet._rendering.view import View, metres
+from oodscen_pybullet._rendering.view import CameraView, metres
 
 _MOST_TRIANGLES = 20_000
 """Triangles per shape; PyBullet accepts no more than about 130,000 corners."""
@@ -102,12 +102,17 @@ class BulletStage:
                 body, (x, y, z), turn, physicsClientId=self._client
             )
 
-    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+    def unhidden(self, view: CameraView) -> NDArray[np.int32] | None:
         """Return `None`: an answer would need one picture per actor."""
         return None
 
     def photograph(
-        self, view: View, light: Light, *, ground: float | None = None, is_inside: bool = False
+        self,
+        view: CameraView,
+        light: Light,
+        *,
+        ground: float | None = None,
+        is_inside: bool = False,
     ) -> Shot:
         """Take a picture; all shadows are those of the sun."""
         engine = self._engine

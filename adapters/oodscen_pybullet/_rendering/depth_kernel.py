@@ -41,7 +41,7 @@ class Samples(NamedTuple):
     """[height * detail * width + BLOCK] record, initially -1."""
 
 
-class Drawn(NamedTuple):
+class DrawnTriangles(NamedTuple):
     """The triangles that were drawn."""
 
     records: F32
@@ -107,7 +107,7 @@ def scatter(
     width: int,
     height: int,
     samples: Samples,
-    drawn: Drawn,
+    drawn: DrawnTriangles,
     count: int,
 ) -> int:
     """Draw objects into the buffer of samples.
@@ -406,7 +406,7 @@ def _note(
     sun: F64,
     plane: Plane,
     depth: tuple[float, float, float],
-    drawn: Drawn,
+    drawn: DrawnTriangles,
     count: int,
 ) -> None:
     """Write the record of a drawn triangle."""

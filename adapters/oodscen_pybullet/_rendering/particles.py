@@ -11,7 +11,7 @@ from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.builder import Puff
-from oodscen_pybullet._rendering.view import NEAR, Point, View
+from oodscen_pybullet._rendering.view import NEAR, CameraView, Point
 
 F32 = NDArray[np.float32]
 I32 = NDArray[np.int32]
@@ -49,7 +49,7 @@ def add_puffs(
     image: U8,
     depth: F32,
     rows: I32,
-    view: View,
+    view: CameraView,
     balls: Sequence[Ball],
     light: Light,
     rate: float,
@@ -111,7 +111,7 @@ def add_puffs(
         depth[filled_up] = np.minimum(depth[filled_up], np.float32(way[len(way) // 2]))
 
 
-def filled(view: View, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
+def filled(view: CameraView, balls: Sequence[Ball], row: int) -> NDArray[np.bool_]:
     """Return the pixels that a body's balls would fill without occlusion."""
     shape = (view.height, view.width)
     image, rows = np.zeros((*shape, 3), np.uint8), np.full(shape, -1, np.int32)

@@ -20,7 +20,7 @@ from oodscen_pybullet._rendering.particles import Ball, add_puffs
 from oodscen_pybullet._rendering.postprocess_arrays import develop_arrays
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._rendering.weather import (
     SKY_M,
     add_rain,
@@ -45,12 +45,12 @@ _TUNNEL = (1.03, 1.0, 0.93)
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class RawPicture:
     """A raw picture and everything that determines its development."""
 
     shot: Shot
     """The raw picture; pixels filled by smoke become those of the body it belongs to."""
-    view: View
+    view: CameraView
     weather: Weather
     light: Light
     glows: Sequence[Glow]
@@ -65,7 +65,7 @@ class Picture:
     """Smoke, fire and dust."""
 
 
-def develop(picture: Picture) -> NDArray[np.uint8]:
+def develop(picture: RawPicture) -> NDArray[np.uint8]:
     """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
@@ -98,7 +98,7 @@ def develop(picture: Picture) -> NDArray[np.uint8]:
     return image
 
 
-def _plate(picture: Picture, rate: float, air: Sequence[float]) -> d.Plate:
+def _plate(picture: RawPicture, rate: float, air: Sequence[float]) -> d.Plate:
     """Return the inputs of the kernel: extinction in 1/m and the air's colour are given."""
     view, light, shot = picture.view, picture.light, picture.shot
     across, upwards = view.slopes()
@@ -129,7 +129,7 @@ def _plate(picture: Picture, rate: float, air: Sequence[float]) -> d.Plate:
     )
 
 
-def _kinds(picture: Picture) -> NDArray[np.uint8]:
+def _kinds(picture: RawPicture) -> NDArray[np.uint8]:
     """Return the surface flags; where unknown, low surfaces count as ground."""
     shot, view = picture.shot, picture.view
     if shot.kinds is not None:
@@ -142,7 +142,7 @@ def _kinds(picture: Picture) -> NDArray[np.uint8]:
     return np.where((shot.rows < 0) & is_low, np.uint8(GROUND), np.uint8(0))
 
 
-def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
+def _settings(picture: RawPicture, rate: float, air: Sequence[float]) -> F32:
     """Return the numbers that `develop_pixels` needs."""
     view, light, weather, shade = (
         picture.view, picture.light, picture.weather, picture.shot.shade,
@@ -189,7 +189,7 @@ def _settings(picture: Picture, rate: float, air: Sequence[float]) -> F32:
     return values
 
 
-def _set_portal(values: F32, picture: Picture) -> None:
+def _set_portal(values: F32, picture: RawPicture) -> None:
     """Add the numbers that `develop_pixels` needs for a tunnel ahead."""
     portal, weather, daylight = picture.portal, picture.weather, picture.light.daylight
     if portal is None:

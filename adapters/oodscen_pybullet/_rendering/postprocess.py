@@ -137,7 +137,7 @@ class Plate(NamedTuple):
     """Heights of the coarse shadow map."""
 
 
-class Line(NamedTuple):
+class RowBuffers(NamedTuple):
     """Work space for one row of pixels."""
 
     clear: F32
@@ -162,7 +162,7 @@ def develop_pixels(plate: Plate, image: U8) -> None:
     """Develop a picture into `image`, [height, width, 3]."""
     settings = plate.settings
     height, width = plate.depth.shape
-    line = Line(
+    line = RowBuffers(
         np.empty(width, np.float32),
         np.ones(width, np.float32),
         np.zeros(width, np.float32),
@@ -201,7 +201,7 @@ def develop_pixels(plate: Plate, image: U8) -> None:
 
 
 @part
-def _find_shadows(plate: Plate, line: Line, y: int) -> None:
+def _find_shadows(plate: Plate, line: RowBuffers, y: int) -> None:
     """Look up which pixels of a row are in the sun, and how bright those in shadow are."""
     settings, axes, across, dark = plate.settings, plate.axes, plate.across, plate.dark
     depth, lit, kinds = plate.depth, plate.lit, plate.kinds
@@ -260,7 +260,7 @@ def _find_shadows(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _find_tunnel(plate: Plate, line: Line, y: int) -> None:
+def _find_tunnel(plate: Plate, line: RowBuffers, y: int) -> None:
     """Find the distance of the portal in each pixel, and how far daylight enters."""
     settings, across, kinds, reach = plate.settings, plate.across, plate.kinds, plate.reach
     clear, sunny, indoors, gate = line.clear, line.sunny, line.indoors, line.gate
@@ -283,7 +283,7 @@ def _find_tunnel(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _add_daylight(plate: Plate, line: Line) -> None:
+def _add_daylight(plate: Plate, line: RowBuffers) -> None:
     """Start a row with the light of the sun and the sky."""
     settings, clear, sunny = plate.settings, line.clear, line.sunny
     red, green, blue = line.red, line.green, line.blue
@@ -296,7 +296,7 @@ def _add_daylight(plate: Plate, line: Line) -> None:
 
 
 @part
-def _add_beams(plate: Plate, line: Line, y: int) -> None:
+def _add_beams(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the ego's low beams."""
     settings, axes, spread = plate.settings, plate.axes, plate.spread
     kinds, reach = plate.kinds, plate.reach
@@ -313,7 +313,7 @@ def _add_beams(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _add_lamps(plate: Plate, line: Line, y: int) -> None:
+def _add_lamps(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the light of other lamps."""
     settings, axes, across, grid = plate.settings, plate.axes, plate.across, plate.grid
     kinds, reach = plate.kinds, plate.reach
@@ -352,7 +352,7 @@ def _add_lamps(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _add_tunnel_lamps(plate: Plate, line: Line) -> None:
+def _add_tunnel_lamps(plate: Plate, line: RowBuffers) -> None:
     """Light a tunnel's interior."""
     settings, indoors = plate.settings, line.indoors
     red, green, blue = line.red, line.green, line.blue
@@ -363,7 +363,7 @@ def _add_tunnel_lamps(plate: Plate, line: Line) -> None:
 
 
 @part
-def _colour(plate: Plate, line: Line, y: int) -> None:
+def _colour(plate: Plate, line: RowBuffers, y: int) -> None:
     """Multiply the light by the surfaces' colours."""
     rgb, kinds = plate.rgb, plate.kinds
     red, green, blue = line.red, line.green, line.blue
@@ -376,7 +376,7 @@ def _colour(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _wet(plate: Plate, line: Line, y: int) -> None:
+def _wet(plate: Plate, line: RowBuffers, y: int) -> None:
     """Darken wet ground."""
     settings, kinds = plate.settings, plate.kinds
     red, green, blue = line.red, line.green, line.blue
@@ -388,7 +388,7 @@ def _wet(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _find_veil(plate: Plate, line: Line, y: int) -> None:
+def _find_veil(plate: Plate, line: RowBuffers, y: int) -> None:
     """Find the fraction of the light that the air lets through."""
     settings, across, kinds, reach = plate.settings, plate.across, plate.kinds, plate.reach
     gate, veil = line.gate, line.veil
@@ -414,7 +414,7 @@ def _find_veil(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _add_air(plate: Plate, line: Line, y: int) -> None:
+def _add_air(plate: Plate, line: RowBuffers, y: int) -> None:
     """Fade everything into the air, which the ego's beams light."""
     settings, kinds, spread = plate.settings, plate.kinds, plate.spread
     red, green, blue, veil = line.red, line.green, line.blue, line.veil
@@ -433,7 +433,7 @@ def _add_air(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _add_sky(plate: Plate, line: Line, y: int) -> None:
+def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     """Paint the sky and its clouds, in part behind silhouettes."""
     settings, spread, sky = plate.settings, plate.spread, plate.sky
     heaven, sheet, clouds = plate.heaven, plate.sheet, line.clouds
@@ -477,7 +477,7 @@ def _add_sky(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _add_grain(plate: Plate, line: Line, y: int) -> None:
+def _add_grain(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the noise of a camera in the dark."""
     red, green, blue = line.red, line.green, line.blue
     width = red.shape[0]
@@ -490,7 +490,7 @@ def _add_grain(plate: Plate, line: Line, y: int) -> None:
 
 
 @part
-def _store(line: Line, image: U8, y: int) -> None:
+def _store(line: RowBuffers, image: U8, y: int) -> None:
     """Round a row into the picture."""
     red, green, blue, top = line.red, line.green, line.blue, np.float32(255.0)
     for x in range(red.shape[0]):

@@ -18,7 +18,7 @@ from oodscen_pybullet._rendering import shading
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.stage import Pose, Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
-from oodscen_pybullet._rendering.view import FAR, NEAR, View
+from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
 
 _LAMPS = (0.06, 0.08, 0.995)
 """Direction towards the light that casts shadows in tunnels."""
@@ -26,7 +26,7 @@ _LOOKS = 256
 """Number of actors' looks kept as triangles."""
 
 
-class Canvas:
+class Rasteriser:
     """The bodies to draw: scenery, which stays as long as the road does, and actors.
 
     The first picture of a process may take some seconds while the kernels are compiled; they are then
@@ -45,7 +45,7 @@ class Canvas:
         self._actors: Triangles | None = None
         self._known: OrderedDict[Look, Triangles] = OrderedDict()
         self._samples: raster.Samples | None = None
-        self._drawn = raster.Drawn(
+        self._drawn = raster.DrawnTriangles(
             np.empty((0, raster.RECORD), np.float32), np.empty((0, raster.LABELS), np.int32)
         )
         self._shadows = ShadowMap()
@@ -89,7 +89,12 @@ class Canvas:
             self._actors.shelter(np.repeat(self._shelter.covers(middles), lengths))
 
     def photograph(
-        self, view: View, light: Light, *, ground: float | None = None, is_inside: bool = False
+        self,
+        view: CameraView,
+        light: Light,
+        *,
+        ground: float | None = None,
+        is_inside: bool = False,
     ) -> Shot:
         """Take a picture."""
         shade = None
@@ -102,7 +107,7 @@ class Canvas:
             )  # fmt: skip
         return self._photograph(view, light, shade)
 
-    def _photograph(self, view: View, light: Light, shade: Shade | None) -> Shot:
+    def _photograph(self, view: CameraView, light: Light, shade: Shade | None) -> Shot:
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)
@@ -131,7 +136,7 @@ class Canvas:
         fields = planes._asdict() | {"rgb": np.moveaxis(planes.rgb, 0, 2)}
         return Shot(**fields, shade=shade)
 
-    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+    def unhidden(self, view: CameraView) -> NDArray[np.int32] | None:
         """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
@@ -172,10 +177,10 @@ class Canvas:
         self._samples.shown.fill(-1)
         return self._samples
 
-    def _reserve(self, count: int) -> raster.Drawn:
+    def _reserve(self, count: int) -> raster.DrawnTriangles:
         """Return room for the records of some triangles."""
         if len(self._drawn.records) < count:
-            self._drawn = raster.Drawn(
+            self._drawn = raster.DrawnTriangles(
                 np.empty((count, raster.RECORD), np.float32),
                 np.empty((count, raster.LABELS), np.int32),
             )
@@ -184,12 +189,12 @@ class Canvas:
 
 def _scatter(
     some: Triangles,
-    view: View,
+    view: CameraView,
     window: tuple[int, int, int, int],
     sun: NDArray[np.float64],
     detail: int,
     samples: raster.Samples,
-    drawn: raster.Drawn,
+    drawn: raster.DrawnTriangles,
     count: int,
 ) -> int:
     """Draw objects into a window of the picture; return the number of records so far."""
@@ -202,7 +207,7 @@ def _scatter(
 
 
 def _window(
-    view: View, place: NDArray[np.float64], sphere: NDArray[np.float32]
+    view: CameraView, place: NDArray[np.float64], sphere: NDArray[np.float32]
 ) -> tuple[int, int, int, int]:
     """Return the left column, top row, width and height of the pixels that a sphere may fill."""
     x, y, z, c, s = place.tolist()

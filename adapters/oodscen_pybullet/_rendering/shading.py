@@ -15,7 +15,7 @@ from oodscen_pybullet._rendering.depth_kernel import (
     TUNNEL_AMBIENT,
     TUNNEL_DIFFUSE,
     U8,
-    Drawn,
+    DrawnTriangles,
     Samples,
 )
 from oodscen_pybullet._rendering.triangles import Textures
@@ -51,7 +51,7 @@ def _paint(
     column: np.float32,
     row: int,
     count: int,
-    drawn: Drawn,
+    drawn: DrawnTriangles,
     sheet: Textures,
     light: F32,
     detail: int,
@@ -183,7 +183,7 @@ def _smooth(
     end: int,
     mixed: U8,
     samples: Samples,
-    drawn: Drawn,
+    drawn: DrawnTriangles,
     sheet: Textures,
     light: F32,
     planes: Planes,
@@ -321,7 +321,7 @@ def _find_edges(shown: I32, labels: I32, y: int, mixed: I32, spots: I32, count: 
 
 @part
 def _shade(
-    marks: I32, drawn: Drawn, sheet: Textures, light: F32, detail: int, scratch: I32,
+    marks: I32, drawn: DrawnTriangles, sheet: Textures, light: F32, detail: int, scratch: I32,
     planes: Planes, line: int,
 ) -> None:  # fmt: skip
     """Colour the centres of a row of pixels, one run of equal records after another."""
@@ -370,7 +370,7 @@ def _shade(
 @Kernel
 def gather(
     samples: Samples,
-    drawn: Drawn,
+    drawn: DrawnTriangles,
     sheet: Textures,
     light: F32,
     detail: int,

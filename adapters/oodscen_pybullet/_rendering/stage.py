@@ -12,7 +12,7 @@ from oodscen_pybullet._lighting.shadows import Shade
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._rendering.appearance import Look
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 Pose = tuple[float, float, float, float]
 
@@ -57,7 +57,12 @@ class Stage(Protocol):
         """Move every actor to its x, y, z, yaw."""
 
     def photograph(
-        self, view: View, light: Light, *, ground: float | None = None, is_inside: bool = False
+        self,
+        view: CameraView,
+        light: Light,
+        *,
+        ground: float | None = None,
+        is_inside: bool = False,
     ) -> Shot:
         """Take a picture.
 
@@ -69,7 +74,7 @@ class Stage(Protocol):
         """
         ...
 
-    def unhidden(self, view: View) -> NDArray[np.int32] | None:
+    def unhidden(self, view: CameraView) -> NDArray[np.int32] | None:
         """Return the number of pixels that each actor would fill without occlusion, [actors].
 
         `None` if the renderer cannot tell.

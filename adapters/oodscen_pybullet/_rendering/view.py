@@ -18,7 +18,7 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class View:
+class CameraView:
     """A camera at its place in the world; pixel centres are at half-integers."""
 
     width: int
@@ -31,7 +31,7 @@ class View:
     forward: Point
 
     @classmethod
-    def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "View":
+    def of(cls, camera: Camera, pose: tuple[float, float, float, float]) -> "CameraView":
         """Mount a camera on a vehicle, given the centre of its footprint and its yaw."""
         x, y, z, yaw = pose
         s, c = exact.sincos(yaw)

@@ -17,7 +17,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.postprocess import beam, fade
 from oodscen_pybullet._rendering.triangles import SHELTERED
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 Float = NDArray[np.float32]
 U8 = NDArray[np.uint8]
@@ -47,7 +47,7 @@ def air_colour(weather: Weather, light: Light) -> Colour:
     )
 
 
-def heaven(view: View, weather: Weather, light: Light) -> Float:
+def heaven(view: CameraView, weather: Weather, light: Light) -> Float:
     """Return the sky by rows of pixels: [height, 5] float32.
 
     The columns are red, green and blue of the clear sky, 0 to 255; row of the cloud sheet; weight of the
@@ -74,7 +74,7 @@ def heaven(view: View, weather: Weather, light: Light) -> Float:
     return rows
 
 
-def cloud_columns(view: View) -> Float:
+def cloud_columns(view: CameraView) -> Float:
     """Return the column of the cloud sheet for each column of pixels: [width] float32."""
     across, _ = view.slopes()
     turn = exact.atan2(view.forward[1], view.forward[0]) / _TAU
@@ -119,7 +119,7 @@ def _stretched(noise: Float, height: int, width: int) -> Float:
 
 def add_rain(
     image: U8,
-    view: View,
+    view: CameraView,
     weather: Weather,
     light: Light,
     depth: Float,
@@ -234,7 +234,7 @@ def draw_streaks(image: U8, depth: Float, kinds: U8, streaks: Float) -> None:
 
 def add_snow(
     image: U8,
-    view: View,
+    view: CameraView,
     weather: Weather,
     light: Light,
     depth: Float,

@@ -26,7 +26,7 @@ _CELL = 24.0
 
 
 @dataclass(frozen=True)
-class Spot:
+class RoadsidePlace:
     """A place beside a road."""
 
     x: float
@@ -74,7 +74,12 @@ class Site:
         self._uvs.append(mesh.uvs[order])
 
     def stand(
-        self, mesh: Mesh, spot: Spot, along: float, out: float, heading: Heading | None = None
+        self,
+        mesh: Mesh,
+        spot: RoadsidePlace,
+        along: float,
+        out: float,
+        heading: Heading | None = None,
     ) -> Point:
         """Add a small object on the ground beside a spot, and return its position."""
         x, y = spot.beside(along, out)
@@ -83,7 +88,14 @@ class Site:
         return at
 
     def try_to_stand(
-        self, mesh: Mesh, spot: Spot, along: float, out: float, *, margin: float, radius: float
+        self,
+        mesh: Mesh,
+        spot: RoadsidePlace,
+        along: float,
+        out: float,
+        *,
+        margin: float,
+        radius: float,
     ) -> bool:
         """Add a small object if it is clear of asphalt and of claimed areas.
 
@@ -141,7 +153,7 @@ class Site:
 
     def spots(
         self, way: Way, side: int, spacing: float, *, jitter: float = 0.0, first: float = 0.0
-    ) -> list[Spot]:
+    ) -> list[RoadsidePlace]:
         """Return places on the edge of a road's pavement at roughly equal distances."""
         line = way.course
         start = float(line.s[0]) + first
@@ -153,7 +165,7 @@ class Site:
             for i in range(count)
         ]
 
-    def spot(self, way: Way, s: float, side: int) -> Spot:
+    def spot(self, way: Way, s: float, side: int) -> RoadsidePlace:
         """Return the place on the edge of a road's pavement at `s`."""
         line = way.course
         t = float(np.interp(s, line.s, way.paved[1] if side > 0 else way.paved[0]))
@@ -162,9 +174,9 @@ class Site:
         norm = math.sqrt(c * c + n * n)
         c, n = c / norm, n / norm
         heading = (c, n) if side > 0 else (-c, -n)
-        return Spot(x - t * n, y + t * c, heading, s, side)
+        return RoadsidePlace(x - t * n, y + t * c, heading, s, side)
 
-    def is_spanned(self, spot: Spot, margin: float = 6.0) -> bool:
+    def is_spanned(self, spot: RoadsidePlace, margin: float = 6.0) -> bool:
         """Return whether a spot is on a bridge or in a tunnel, or close to the end of one."""
         if not self.ground.corridor.structures:
             return False
@@ -173,7 +185,7 @@ class Site:
             one.start - margin < s < one.end + margin for one in self.ground.corridor.structures
         )
 
-    def is_far(self, spot: Spot) -> bool:
+    def is_far(self, spot: RoadsidePlace) -> bool:
         """Return whether a spot is too far away for small objects to be visible."""
         s, away = self.ground.along(spot.x, spot.y)
         ahead = s - self.ground.corridor.start

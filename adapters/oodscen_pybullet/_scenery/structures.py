@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Structure
-from oodscen_pybullet._land.ground import Course, Ground
+from oodscen_pybullet._land.ground import Ground, RoadCourse
 from oodscen_pybullet._land.surfaces import Ribbons, joined
 from oodscen_pybullet._land.terrain import BANK_M, KERB, PORTAL_M, VALLEY_M, WATER_M, WIDE_M
 from oodscen_pybullet._meshes.atlas import swatch_uv
@@ -24,7 +24,7 @@ def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
     lamps: list[Point] = []
     for one in ground.corridor.structures:
         reach = 0.45 if one.kind == "tunnel" else 0.0
-        line = Course.between(ground.corridor, one.start - reach, one.end + reach)
+        line = RoadCourse.between(ground.corridor, one.start - reach, one.end + reach)
         edges = [np.interp(line.s, ground.ego.course.s, edge) for edge in ground.ego.paved]
         if one.kind == "tunnel":
             meshes.append(_tunnel(ground, one, line, edges[0], edges[1], lamps))
@@ -34,7 +34,7 @@ def build_structures(ground: Ground) -> tuple[list[Mesh], list[Point]]:
 
 
 def _tunnel(
-    ground: Ground, one: Structure, line: Course, right: Array, left: Array, lamps: list[Point]
+    ground: Ground, one: Structure, line: RoadCourse, right: Array, left: Array, lamps: list[Point]
 ) -> Mesh:
     """Return walls, ceiling, lamps and the portals at both ends."""
     ribbons = Ribbons(line)
@@ -138,7 +138,7 @@ def _portal(mesh: MeshBuilder, ground: Ground, s: float, *, forward: bool) -> No
     mesh.polygon(other, "concrete").polygon(other[::-1], "concrete")
 
 
-def _arches(mesh: MeshBuilder, ground: Ground, line: Course, right: Array, left: Array) -> None:
+def _arches(mesh: MeshBuilder, ground: Ground, line: RoadCourse, right: Array, left: Array) -> None:
     """Add a steel arch above each edge of a bridge, with hangers, and braces between the arches."""
     first, last = float(line.s[0]) + 8.0, float(line.s[-1]) - 8.0
     count = max(8, 2 * int((last - first) / 18.0))
@@ -166,7 +166,7 @@ def _arches(mesh: MeshBuilder, ground: Ground, line: Course, right: Array, left:
             mesh.beam(one, at(index, left, 0.75, heights[index]), 0.3, "steel")
 
 
-def _bridge(ground: Ground, line: Course, right: Array, left: Array) -> list[Mesh]:
+def _bridge(ground: Ground, line: RoadCourse, right: Array, left: Array) -> list[Mesh]:
     """Return deck edges, railings, piers and the water below."""
     ribbons = Ribbons(line)
     deck = 0.45

@@ -19,7 +19,7 @@ from oodscen_pybullet._scenery.buildings import (
     house,
     tower,
 )
-from oodscen_pybullet._scenery.placing import Site, Spot
+from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 
 BUS_STOP_M = 17.0
 """Distance of a bus stop ahead of the ego's start, m, clear of where scenes place people."""
@@ -49,7 +49,7 @@ def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
 
 def _plant_island(site: Site, x: float, y: float, radius: float) -> None:
     """Plant trees and bushes on the centre of a roundabout."""
-    spot = Spot(x, y, (1.0, 0.0), 0.0, 1)
+    spot = RoadsidePlace(x, y, (1.0, 0.0), 0.0, 1)
     site.claim(x, y, spot.heading, radius, radius, margin=0.0)
     site.stand(greenery.broad_tree(int(site.rng.integers(0, 10)), is_tall=True), spot, 0.0, 0.0)
     for share, count in ((0.35, 5), (0.62, 9)):
@@ -111,7 +111,9 @@ def _speed_signs(site: Site, way: Way, out: float, first: float) -> None:
             site.stand(mesh, spot, 0.0, out, (-spot.heading[0], -spot.heading[1]))
 
 
-def _tree(site: Site, spot: Spot, along: float, out: float, margin: float, kind: str = "") -> None:
+def _tree(
+    site: Site, spot: RoadsidePlace, along: float, out: float, margin: float, kind: str = ""
+) -> None:
     """Add a tree if there is room for it."""
     key = int(site.rng.integers(0, 10))
     is_far = out > 14.0 or site.is_far(spot)
@@ -157,7 +159,7 @@ def _any_house(site: Site, is_night: bool) -> Mesh:
     return house(kind, roof, look, is_night=is_night)
 
 
-def _home(site: Site, spot: Spot, is_night: bool) -> None:
+def _home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     """Add a house with its garden."""
     rng = site.rng
     setback = 5.0 + float(rng.uniform(0, 1.6)) + HOUSE[1] / 2
@@ -258,7 +260,7 @@ def _frontage(site: Site, way: Way, side: int, is_night: bool) -> None:
         s += width + gap if is_placed else 3.0
 
 
-def _street_thing(site: Site, spot: Spot, index: int) -> None:
+def _street_thing(site: Site, spot: RoadsidePlace, index: int) -> None:
     """Add a tree at the kerb, or a bench, a bin or a hydrant."""
     choice = float(site.rng.uniform())
     wide = site.ground.near(np.array([spot.x]), np.array([spot.y])).asphalt[0]
@@ -410,7 +412,7 @@ def _power_line(site: Site, way: Way) -> None:
         site.add(wires.build(), (0.0, 0.0, 0.0), (1.0, 0.0))
 
 
-def _farm(site: Site, spot: Spot, is_night: bool) -> None:
+def _farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     """Add a farmhouse and its barn."""
     x, y = spot.beside(0.0, 24.0)
     if site.is_spanned(spot, 30.0):

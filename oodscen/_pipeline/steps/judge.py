@@ -26,7 +26,7 @@ from oodscen.judging._aspects.opinions import (
     rescored,
 )
 from oodscen.judging._leaderboard.leaderboard import leaderboard
-from oodscen.judging._references import Blind, Novelty, Oracle, is_reference
+from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference
 from oodscen.llm._circuit_breaker import ContainedLLM
 from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
@@ -89,7 +89,7 @@ def evaluate(
         return truths[protocol, "" if is_reference(models[model][0]) else episode.scene_id]
 
     earlier = run.fitting("verdicts.jsonl", items, made_from)
-    traffic = run.models.traffic
+    limits = run.models.limits
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
         def judge(item: Item) -> Verdict:
@@ -97,7 +97,7 @@ def evaluate(
 
         for turn in ("new", "unasked", "failed"):
             due = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
-            with traffic.lenient(math.inf if turn == "failed" else JUDGING):
+            with limits.lenient(math.inf if turn == "failed" else JUDGING):
                 for name, (_, threads) in models.items():
                     batch = [item for item in due if item.model == name]
                     found = as_finished(judge, batch, threads=threads, cancel=run.cancel)
@@ -183,14 +183,14 @@ def _models(
     models: dict[str, tuple[LLM, int]] = {}
     for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
         models[name] = (run.models.get(name), 1)
-    for reference in (Blind(episodes, leaves), Novelty(pictures, maps), Oracle()):
+    for reference in (Blind(episodes, leaves), NoveltyReference(pictures, maps), Oracle()):
         models[reference.name] = (reference, 1)
     for name in run.config.vlms:
         model = run.models.get(name)
         if is_reference(model):
             models[name] = (model, 1)
         else:
-            models[name] = (ContainedLLM(model), run.models.traffic.concurrency)
+            models[name] = (ContainedLLM(model), run.models.limits.concurrency)
     return models
 
 
@@ -254,8 +254,8 @@ def _judged(
 
         def work(todo: Mapping[str, tuple[str, tuple[str, ...]]]) -> Iterator[Opinion]:
             threads = run.models.threads(run.config.judge or "")
-            traffic = run.models.traffic
-            with traffic.lenient(JUDGING):
+            limits = run.models.limits
+            with limits.lenient(JUDGING):
                 for _, found in as_finished(
                     lambda item: opinion(judge, *item),
                     todo.values(),

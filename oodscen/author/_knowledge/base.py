@@ -168,7 +168,7 @@ class Recipe(Data):
         return tuple(dict.fromkeys(named))
 
 
-class Hazard(Data):
+class HazardKind(Data):
     """One kind of out-of-distribution scenario."""
 
     model_config = ConfigDict(populate_by_name=True)
@@ -203,7 +203,7 @@ class Hazard(Data):
     stage: Recipe | None = None
 
 
-class Place(Data):
+class RoadKind(Data):
     """A kind of road."""
 
     key: str
@@ -240,7 +240,7 @@ class TrafficActor(Data):
     """`ego` stands for the ego's speed."""
 
 
-class Traffic(Data):
+class BackgroundTraffic(Data):
     """Other traffic on the road."""
 
     key: str
@@ -306,7 +306,7 @@ class Things(Data):
     """Members of the category that no hazard needs, in plain words."""
 
 
-class Substitute(Data):
+class Replacement(Data):
     """Acceptable replacements for an unavailable thing, which viewers still recognise as intended."""
 
     wanted: str
@@ -337,25 +337,25 @@ class Knowledge(Data):
 
     noun: ClassVar[str] = "knowledge base"
 
-    hazards: tuple[Hazard, ...]
-    places: tuple[Place, ...]
+    hazards: tuple[HazardKind, ...]
+    places: tuple[RoadKind, ...]
     conditions: tuple[Condition, ...]
-    traffic: tuple[Traffic, ...] = ()
+    traffic: tuple[BackgroundTraffic, ...] = ()
     clash: tuple[Clash, ...] = ()
     driving: tuple[Driving, ...] = ()
     company: tuple[Company, ...] = ()
     things: tuple[Things, ...] = ()
-    substitute: tuple[Substitute, ...] = ()
+    substitute: tuple[Replacement, ...] = ()
     wording: Wording
     paper: Paper = Paper()
 
     @cached_property
-    def by_id(self) -> dict[str, Hazard]:
+    def by_id(self) -> dict[str, HazardKind]:
         """Hazards by id."""
         return {hazard.id: hazard for hazard in self.hazards}
 
     @cached_property
-    def place_keys(self) -> dict[str, tuple[Place, ...]]:
+    def place_keys(self) -> dict[str, tuple[RoadKind, ...]]:
         """Places by key; one key may stand for several kinds of road."""
         keys = dict.fromkeys(place.key for place in self.places)
         return {key: tuple(p for p in self.places if p.key == key) for key in keys}
@@ -366,7 +366,7 @@ class Knowledge(Data):
         return {condition.key: condition for condition in self.conditions}
 
     @cached_property
-    def families(self) -> dict[str, tuple[Hazard, ...]]:
+    def families(self) -> dict[str, tuple[HazardKind, ...]]:
         """Hazards by the label of their family."""
         labels = dict.fromkeys(hazard.family for hazard in self.hazards)
         return {label: tuple(h for h in self.hazards if h.family == label) for label in labels}
@@ -389,10 +389,10 @@ class Knowledge(Data):
         """Acceptable replacements for a thing, by its name."""
         return {one.wanted: one.by for one in self.substitute}
 
-    def of_class(self, class_name: str) -> tuple[Hazard, ...]:
+    def of_class(self, class_name: str) -> tuple[HazardKind, ...]:
         """Return the hazards of one class."""
         return tuple(h for h in self.hazards if h.class_name == class_name)
 
-    def kin(self, hazard: Hazard) -> tuple[Hazard, ...]:
+    def kin(self, hazard: HazardKind) -> tuple[HazardKind, ...]:
         """Return the other hazards that the wider label of a hazard covers."""
         return tuple(self.by_id[name] for name in hazard.kin if name in self.by_id)

@@ -11,7 +11,7 @@ from itertools import combinations
 from pathlib import Path
 
 from oodscen.author._feasibility import NO_RECIPE, realise
-from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._knowledge.loading import gather, own_files
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.author._reading.recognition import Recogniser, stems
@@ -74,7 +74,7 @@ def inspect_knowledge(
     if path is not None:
         faults = [issue for issue in faults if issue.path.split(":", 1)[0] in (names or ())]
 
-    def at(hazard: Hazard, issues: Iterable[Issue]) -> list[Issue]:
+    def at(hazard: HazardKind, issues: Iterable[Issue]) -> list[Issue]:
         where = chosen[hazard.id]
         found = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
         return [issue for issue in found if not shelf.is_broken(issue)]
@@ -148,7 +148,7 @@ def _is_unreadable(faults: Iterable[Issue]) -> bool:
     return any(not issue.path for issue in faults)
 
 
-def _wording(hazard: Hazard, recogniser: Recogniser) -> Iterator[Issue]:
+def _wording(hazard: HazardKind, recogniser: Recogniser) -> Iterator[Issue]:
     """Yield phrasings that duplicate each other or are recognised as another hazard."""
     bare = [frozenset(stems(event.replace("{where}", ""))) for event in hazard.events]
     for (i, one), (j, other) in combinations(enumerate(bare), 2):
@@ -180,7 +180,7 @@ def _shared_words(knowledge: Knowledge) -> dict[str, set[str]]:
     return owners
 
 
-def _blurred(hazard: Hazard, owners: Mapping[str, set[str]]) -> Iterator[Issue]:
+def _blurred(hazard: HazardKind, owners: Mapping[str, set[str]]) -> Iterator[Issue]:
     """Yield a note if a hazard shares all of its distinctive words with others."""
     sharing = [owners[" ".join(stems(word))] - {hazard.id} for word in hazard.words]
     if sharing and all(sharing):
@@ -189,7 +189,7 @@ def _blurred(hazard: Hazard, owners: Mapping[str, set[str]]) -> Iterator[Issue]:
 
 
 def _misspelt(
-    hazard: Hazard,
+    hazard: HazardKind,
     offered: Mapping[str, CatalogueDigest],
     knowledge: Knowledge,
     unmet: dict[str, list[str]],
@@ -215,7 +215,7 @@ def _misspelt(
             unmet.setdefault(addition.words, []).append(hazard.id)
 
 
-def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]:
+def _uncategorised(hazards: Iterable[HazardKind], knowledge: Knowledge) -> list[str]:
     """Return the things that hazards need but that have no category."""
     named = {name for hazard in hazards for name in hazard.needs.assets}
     for hazard in hazards:
@@ -225,7 +225,7 @@ def _uncategorised(hazards: Iterable[Hazard], knowledge: Knowledge) -> list[str]
     return sorted(name for name in named if knowledge.category(name) is None)
 
 
-def _unfit(hazard: Hazard, catalogue: Catalogue) -> Iterator[Issue]:
+def _unfit(hazard: HazardKind, catalogue: Catalogue) -> Iterator[Issue]:
     """Yield states, parameters and behaviours of a recipe that its assets do not have.
 
     Staging ignores such entries silently, so this check is the only one to report them.
@@ -256,7 +256,7 @@ def _unfit(hazard: Hazard, catalogue: Catalogue) -> Iterator[Issue]:
                 yield Issue(f"{where}.parameters.{name}", message)
 
 
-def _unstaged(hazard: Hazard, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
+def _unstaged(hazard: HazardKind, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
     """Stage the hazard from its first phrasing and report any failures."""
     text = hazard.events[0].replace("{where}", "").replace("  ", " ").strip() + "."
     scenario = Scenario(id="check", text=text, path=("x", "y", hazard.family, hazard.label))

@@ -11,17 +11,17 @@ from typing import Any
 
 from oodscen._files import read_utf8
 from oodscen.author._knowledge.base import (
+    BackgroundTraffic,
     Clash,
     Company,
     Condition,
     Driving,
-    Hazard,
+    HazardKind,
     Knowledge,
     Paper,
-    Place,
-    Substitute,
+    Replacement,
+    RoadKind,
     Things,
-    Traffic,
     Wording,
 )
 from oodscen.data._base import Data
@@ -30,15 +30,15 @@ from oodscen.errors import DataError, Issue
 _MAX_BYTES = 16 * 1024 * 1024
 
 _TABLES: dict[str, type[Data]] = {
-    "hazard": Hazard,
-    "place": Place,
+    "hazard": HazardKind,
+    "place": RoadKind,
     "condition": Condition,
-    "traffic": Traffic,
+    "traffic": BackgroundTraffic,
     "clash": Clash,
     "driving": Driving,
     "company": Company,
     "things": Things,
-    "substitute": Substitute,
+    "substitute": Replacement,
 }
 _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
@@ -87,7 +87,7 @@ class Shelf:
             self.issues += [
                 Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues
             ]
-            if kind is Hazard and isinstance(item, Mapping):
+            if kind is HazardKind and isinstance(item, Mapping):
                 self._salvage(where, item, error.issues)
             return
         if key in _TABLES:
@@ -102,17 +102,17 @@ class Shelf:
         for path in broken:
             _set_aside(found, path)
         try:
-            hazard = Hazard.parse({**_STAND_IN, **found})
+            hazard = HazardKind.parse({**_STAND_IN, **found})
         except DataError as error:
             fields = {_field(path) for path in (*broken, *(i.path for i in error.issues))}
             broken |= fields
             left = {name: value for name, value in found.items() if name not in fields}
-            hazard = Hazard.parse({**_STAND_IN, **left})
+            hazard = HazardKind.parse({**_STAND_IN, **left})
         self.salvaged[where] = hazard
         self.broken[where] = broken
 
     @property
-    def hazards(self) -> list[tuple[str, Hazard]]:
+    def hazards(self) -> list[tuple[str, HazardKind]]:
         """All hazards with their locations, including salvaged ones."""
         return [*self.entries["hazard"], *self.salvaged.items()]
 

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from oodscen.author._knowledge.base import Clash, Driving, Hazard, Knowledge, Recipe
+from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
 from oodscen.author._knowledge.loading import gather
 from oodscen.author._staging.anchors import LANDMARKS
 from oodscen.author._writing.agreement import Agreement, Setting
@@ -43,7 +43,7 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
     return [*issues, *(issue for issue in found if not shelf.is_broken(issue))]
 
 
-def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:
+def _repetitions(entries: Sequence[tuple[str, HazardKind]]) -> list[Issue]:
     issues = []
     latest = {hazard.id: hazard for _, hazard in entries}
     labels = Counter(
@@ -63,7 +63,7 @@ def _repetitions(entries: Sequence[tuple[str, Hazard]]) -> list[Issue]:
     return issues
 
 
-def _faults(hazard: Hazard, knowledge: Knowledge) -> Iterable[Issue]:
+def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
     """Yield the faults of one readable hazard."""
     for index, key in enumerate(hazard.places):
         if key not in knowledge.place_keys:
@@ -103,7 +103,7 @@ def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]
                 yield Issue(f"{field}[{index}]", f"there is no {key!r}")
 
 
-def _misplaced(hazard: Hazard, agreement: Agreement) -> Iterable[Issue]:
+def _misplaced(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
     """Yield clauses that do not suit the places and conditions of their hazard."""
     settings = [
         Setting(place=place, conditions=(key,) if key else ())

@@ -17,7 +17,7 @@ _ACT = re.compile(r"(?:ing|ed)$")
 
 
 @dataclass(frozen=True)
-class Share:
+class NamedThing:
     """One of several things that a label names."""
 
     own: str
@@ -32,7 +32,7 @@ class Share:
 class Split:
     """A label split into its parts."""
 
-    shares: tuple[Share, ...]
+    shares: tuple[NamedThing, ...]
     tail: str = ""
     """The words that the parts share: `on the road`."""
 
@@ -70,13 +70,13 @@ def subject(text: str) -> list[str]:
 def _split(text: str, separator: re.Pattern[str], joint: str) -> Split:
     pieces = separator.split(text.strip())
     if len(pieces) == 1:
-        return Split((Share(text.strip(), (text.strip(),)),))
+        return Split((NamedThing(text.strip(), (text.strip(),)),))
     chunks = [
         part for piece in pieces[:-1] for part in re.split(r"\s*,\s+", piece) if part.strip()
     ] + [pieces[-1]]
     chunks = _merged([chunk.strip(" ,") for chunk in chunks], joint)
     if len(chunks) < 2:
-        return Split((Share(text.strip(), (text.strip(),)),))
+        return Split((NamedThing(text.strip(), (text.strip(),)),))
     last = chunks[-1].split()
     cut = _tail_at(last)
     tail = " ".join(last[cut:])
@@ -84,7 +84,7 @@ def _split(text: str, separator: re.Pattern[str], joint: str) -> Split:
     is_act = [_is_act(name.split()) for name in names]
     return Split(
         tuple(
-            Share(name, _readings(number, names, tail, is_act[number]), is_act[number])
+            NamedThing(name, _readings(number, names, tail, is_act[number]), is_act[number])
             for number, name in enumerate(names)
         ),
         tail,

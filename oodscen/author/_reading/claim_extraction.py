@@ -49,10 +49,10 @@ _APPOSED = 24
 
 def read_claims(text: str) -> tuple[Claim, ...]:
     """Return the claims of a text: settings first, then thing by thing."""
-    return _Reading(" ".join(text.replace("\u2019", "'").split())).claims()
+    return _ClaimReading(" ".join(text.replace("\u2019", "'").split())).claims()
 
 
-class _Reading:
+class _ClaimReading:
     def __init__(self, text: str) -> None:
         self.text = text
         self.found: dict[tuple[Kind, str, str], Claim] = {}

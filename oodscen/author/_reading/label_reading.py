@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from oodscen._text import stem
-from oodscen.author._knowledge.base import Hazard, Knowledge
-from oodscen.author._reading.alternatives import Share, Split, alternatives, conjuncts, subject
+from oodscen.author._knowledge.base import HazardKind, Knowledge
+from oodscen.author._reading.alternatives import NamedThing, Split, alternatives, conjuncts, subject
 from oodscen.author._reading.stemming import stems
 from oodscen.data._catalogue import Category
 
@@ -48,10 +48,10 @@ _EMPTY_HEADS = frozenset(map(stem, "incident event situation scenario encounter 
 
 
 @dataclass(frozen=True)
-class Part:
+class RequiredThing:
     """One thing that a scene must show."""
 
-    hazard: Hazard | None = None
+    hazard: HazardKind | None = None
     things: tuple[str, ...] = ()
     """Names of further things that it needs."""
     weather: tuple[str, ...] = ()
@@ -69,17 +69,17 @@ class Alternative:
     """One of the alternatives of a label."""
 
     words: str
-    parts: tuple[Part, ...]
+    parts: tuple[RequiredThing, ...]
     """Parts, all of which are needed."""
 
     @property
-    def hazards(self) -> tuple[Hazard, ...]:
+    def hazards(self) -> tuple[HazardKind, ...]:
         """Hazards of the parts, as far as the author knows them."""
         return tuple(part.hazard for part in self.parts if part.hazard is not None)
 
 
 @dataclass(frozen=True)
-class Reading:
+class LabelReading:
     """All alternatives of a label."""
 
     alternatives: tuple[Alternative, ...]
@@ -89,7 +89,7 @@ class Reading:
     """True if the label names a category, so that any member will do."""
 
     @property
-    def hazards(self) -> tuple[Hazard, ...]:
+    def hazards(self) -> tuple[HazardKind, ...]:
         """All hazards, without duplicates."""
         found = (hazard for one in self.alternatives for hazard in one.hazards)
         return tuple({hazard.id: hazard for hazard in found}.values())
@@ -107,8 +107,8 @@ class LabelReader:
     def __init__(
         self,
         knowledge: Knowledge,
-        recognise: Callable[[str], Hazard | None],
-        known: Callable[[str], Hazard | None],
+        recognise: Callable[[str], HazardKind | None],
+        known: Callable[[str], HazardKind | None],
     ) -> None:
         self.knowledge = knowledge
         self._recognise = recognise
@@ -121,7 +121,7 @@ class LabelReader:
             for kind in group.kinds:
                 self._named[tuple(stems(kind))] = (group.category, "")
         self._named.pop((), None)
-        self._compounds: dict[frozenset[str], list[Hazard]] = {}
+        self._compounds: dict[frozenset[str], list[HazardKind]] = {}
         """Hazards by the words of the first thing that they need, if it has several words."""
         for hazard in knowledge.hazards:
             thing = frozenset(stems(" ".join(hazard.needs.assets[:1]).replace("_", " ")))
@@ -131,7 +131,7 @@ class LabelReader:
         self.hazard = lru_cache(maxsize=8192)(self._hazard)
         self._words: dict[str, tuple[frozenset[str], frozenset[str]]] = {}
 
-    def _read(self, label: str) -> Reading:
+    def _read(self, label: str) -> LabelReading:
         text = " ".join(re.sub(r"<[^<>]*>", " ", label).split())
         split = alternatives(text)
         if len(split.shares) == 1:
@@ -140,16 +140,16 @@ class LabelReader:
         found = tuple(self._share(share, whole) for share in split.shares)
         if all(one.parts[0].why for one in found):
             return self._single(text)
-        return Reading(found, split)
+        return LabelReading(found, split)
 
-    def _single(self, text: str) -> Reading:
+    def _single(self, text: str) -> LabelReading:
         options = self._options(text)
         if len(options) > 1:
             named = (Alternative(p.hazard.label, (p,)) for p in options if p.hazard is not None)
-            return Reading(tuple(named), is_any=True)
-        return Reading((Alternative(text, self._together(text)),))
+            return LabelReading(tuple(named), is_any=True)
+        return LabelReading((Alternative(text, self._together(text)),))
 
-    def _share(self, share: Share, whole: Hazard | None) -> Alternative:
+    def _share(self, share: NamedThing, whole: HazardKind | None) -> Alternative:
         first: Alternative | None = None
         for reading in share.readings:
             found = Alternative(reading, self._together(reading, share))
@@ -157,11 +157,11 @@ class LabelReader:
                 return found
             first = first or found
         if whole is not None and self._has_all(whole, share.own):
-            return Alternative(share.readings[0], (Part(whole),))
+            return Alternative(share.readings[0], (RequiredThing(whole),))
         assert first is not None
         return first
 
-    def _together(self, text: str, share: Share | None = None) -> tuple[Part, ...]:
+    def _together(self, text: str, share: NamedThing | None = None) -> tuple[RequiredThing, ...]:
         """Return all parts that a text without alternatives needs."""
         split = conjuncts(text)
         if len(split.shares) > 1 and self._known(text) is None:
@@ -174,15 +174,15 @@ class LabelReader:
         if share is not None and part.hazard is not None and not share.is_act:
             own = set(stems(share.own)) - _NEUTRAL
             if own and not own & self._vocabulary(part.hazard)[0] and not self._is_of(part, own):
-                return (Part(why=f"the author has no knowledge of {text!r}"),)
+                return (RequiredThing(why=f"the author has no knowledge of {text!r}"),)
         return (part,)
 
-    def _first(self, share: Share) -> Part:
+    def _first(self, share: NamedThing) -> RequiredThing:
         """Return the meaning of one conjunct: its most likely reading with a known meaning."""
         found = [self._options(reading)[0] for reading in share.readings]
         return next((part for part in found if not part.why), found[0])
 
-    def _is_of(self, part: Part, own: set[str]) -> bool:
+    def _is_of(self, part: RequiredThing, own: set[str]) -> bool:
         """Return whether a hazard was found through the weather or the thing that its words name."""
         named = [name for words, (_, name) in self._named.items() if own & set(words)]
         weather = [kind for kind, words in _WEATHER.items() if own & set(map(stem, words))]
@@ -190,22 +190,22 @@ class LabelReader:
         needs = part.hazard.needs
         return bool(set(named) & set(needs.assets) or set(weather) & set(needs.weather))
 
-    def _options(self, text: str) -> tuple[Part, ...]:
+    def _options(self, text: str) -> tuple[RequiredThing, ...]:
         """Return the parts, any of which a text may mean; usually a single one."""
         known = self._known(text)
         if known is not None:
-            return (Part(known),)
+            return (RequiredThing(known),)
         said = self._affirmed(text)
         if said != text:
             found = self._recognise(text)
             if found is not None and _is_about_absence(found):
-                return (Part(found),)
+                return (RequiredThing(found),)
             if not set(stems(said)) - _NEUTRAL:
-                return (Part(why=f"{text!r} says what is not there, and nothing that is"),)
+                return (RequiredThing(why=f"{text!r} says what is not there, and nothing that is"),)
             return self._options(said)
         weather = self._weather(text)
         if weather is not None:
-            return (Part(weather),)
+            return (RequiredThing(weather),)
         when = tuple(dict.fromkeys(map(_kind_of_weather, _CIRCUMSTANCE.findall(text))))
         hazard = self._by_thing(text) or self.hazard(text)
         if hazard is not None:
@@ -214,7 +214,7 @@ class LabelReader:
         plainer = _CIRCUMSTANCE.sub("", text) if when else text
         return tuple(replace(part, weather=when) for part in self._by_category(plainer))
 
-    def _by_thing(self, text: str) -> Hazard | None:
+    def _by_thing(self, text: str) -> HazardKind | None:
         """Return the hazard that needs a thing whose several words all occur in the text, in any order."""
         words = set(stems(text))
         for name in self._compounds:
@@ -224,7 +224,7 @@ class LabelReader:
                         return hazard
         return None
 
-    def _hazard(self, text: str) -> Hazard | None:
+    def _hazard(self, text: str) -> HazardKind | None:
         """Return the hazard that a text resembles most, if it concerns the same thing."""
         known = self._known(text)
         if known is not None:
@@ -244,7 +244,7 @@ class LabelReader:
         is_kind = category is not None and not name
         return found if is_kind and category in self._categories(found) else None
 
-    def _with_things(self, text: str, hazard: Hazard) -> Part:
+    def _with_things(self, text: str, hazard: HazardKind) -> RequiredThing:
         """Add the other things that a text names, and the words that the hazard only approximates."""
         tokens = stems(text)
         every, _ = self._vocabulary(hazard)
@@ -266,16 +266,16 @@ class LabelReader:
                 else:
                     needed.append(name)
                 taken.update(range(start, start + size))
-        return Part(
+        return RequiredThing(
             hazard, things=tuple(dict.fromkeys(needed)), approximate=tuple(dict.fromkeys(near))
         )
 
-    def _by_category(self, text: str) -> tuple[Part, ...]:
+    def _by_category(self, text: str) -> tuple[RequiredThing, ...]:
         words = stems(" ".join(subject(text)))
         while words and words[-1] in _EMPTY_HEADS:
             words.pop()
         category, name = self._thing_at_end(words)
-        unknown = Part(why=f"the author has no knowledge of {text!r}")
+        unknown = RequiredThing(why=f"the author has no knowledge of {text!r}")
         if category is None:
             return (unknown,)
         rest = set(stems(text)) - _NEUTRAL - {w for key in self._named for w in key if w in words}
@@ -284,11 +284,11 @@ class LabelReader:
             users.sort(key=lambda hazard: (hazard.needs.assets.index(name), hazard.stage is None))
             for hazard in users if rest or category in _PRESENT else ():
                 if rest <= self._vocabulary(hazard)[0]:
-                    return (Part(hazard),)
+                    return (RequiredThing(hazard),)
             why = f"the author knows no scenario with {name.replace('_', ' ')} for {text!r}"
-            return (Part(things=(name,), category=category, why=why),)
+            return (RequiredThing(things=(name,), category=category, why=why),)
         members = [
-            Part(hazard)
+            RequiredThing(hazard)
             for hazard in self.knowledge.hazards
             if category in _PRESENT
             and not rest
@@ -301,7 +301,7 @@ class LabelReader:
         if members:
             return tuple(members[:_MOST])
         why = f"the author knows no scenario for {text!r}"
-        return (Part(category=category, why=why),)
+        return (RequiredThing(category=category, why=why),)
 
     def _thing_at_end(self, words: list[str]) -> tuple[Category | None, str]:
         """Return the category and name of the thing at the end of some words; no name for a category word."""
@@ -311,7 +311,7 @@ class LabelReader:
                 return found
         return None, ""
 
-    def _weather(self, text: str) -> Hazard | None:
+    def _weather(self, text: str) -> HazardKind | None:
         """Return the hazard that consists of weather alone, if the text names nothing else."""
         left = set(stems(text)) - _STRENGTHS - _NEUTRAL
         for kind, words in _WEATHER.items():
@@ -338,29 +338,29 @@ class LabelReader:
 
         return " ".join(_NEGATED.sub(without, text).split())
 
-    def _categories(self, hazard: Hazard) -> set[Category | None]:
+    def _categories(self, hazard: HazardKind) -> set[Category | None]:
         return {self.knowledge.category(name) for name in hazard.needs.assets}
 
-    def _vocabulary(self, hazard: Hazard) -> tuple[frozenset[str], frozenset[str]]:
+    def _vocabulary(self, hazard: HazardKind) -> tuple[frozenset[str], frozenset[str]]:
         """Return the stems of all words about a hazard, and of the words that name it."""
         if hazard.id not in self._words:
             self._words[hazard.id] = _vocabulary(hazard)
         return self._words[hazard.id]
 
-    def _has_all(self, hazard: Hazard, words: str) -> bool:
+    def _has_all(self, hazard: HazardKind, words: str) -> bool:
         return set(stems(words)) <= self._vocabulary(hazard)[0] | _NEUTRAL
 
 
-def _vocabulary(hazard: Hazard) -> tuple[frozenset[str], frozenset[str]]:
+def _vocabulary(hazard: HazardKind) -> tuple[frozenset[str], frozenset[str]]:
     own = (hazard.label, *hazard.words, *(name.replace("_", " ") for name in hazard.needs.assets))
     said = (*own, hazard.wider, *hazard.events, *hazard.details)
     every, naming = (frozenset(stems(" ".join(texts))) for texts in (said, own))
     return every, naming
 
 
-def _unequal(parts: Iterable[Part]) -> tuple[Part, ...]:
+def _unequal(parts: Iterable[RequiredThing]) -> tuple[RequiredThing, ...]:
     """Remove duplicate parts."""
-    found: list[Part] = []
+    found: list[RequiredThing] = []
     for part in parts:
         if part not in found:
             found.append(part)
@@ -373,7 +373,7 @@ def _kind_of_weather(word: str) -> str:
     return next(found, "night")
 
 
-def _is_about_absence(hazard: Hazard) -> bool:
+def _is_about_absence(hazard: HazardKind) -> bool:
     return bool(_NEGATION.search(" ".join((hazard.label, hazard.wider, *hazard.words))))
 
 

@@ -10,8 +10,19 @@ from itertools import pairwise
 from typing import TypeVar
 
 from oodscen._text import stem
-from oodscen.author._knowledge.base import Condition, Hazard, Knowledge, Place, Traffic
-from oodscen.author._reading.label_reading import Alternative, LabelReader, Part, Reading
+from oodscen.author._knowledge.base import (
+    BackgroundTraffic,
+    Condition,
+    HazardKind,
+    Knowledge,
+    RoadKind,
+)
+from oodscen.author._reading.label_reading import (
+    Alternative,
+    LabelReader,
+    LabelReading,
+    RequiredThing,
+)
 from oodscen.author._reading.stemming import stems
 from oodscen.prompts._scenario.describe_path import plain
 
@@ -41,7 +52,7 @@ def _features(tokens: Sequence[str]) -> list[str]:
 class Recognition:
     """The recognised hazard of a text, with the strength of the evidence."""
 
-    hazard: Hazard | None
+    hazard: HazardKind | None
     weight: float
     """Information that text and hazard share, in nats."""
     share: float
@@ -134,7 +145,7 @@ class Recogniser:
         hazard = self.knowledge.hazards[best] if accepted else None
         return Recognition(hazard, weight, share, is_driving)
 
-    def candidates(self, text: str, share: float = 0.2) -> tuple[tuple[Hazard, float], ...]:
+    def candidates(self, text: str, share: float = 0.2) -> tuple[tuple[HazardKind, float], ...]:
         """Return the hazards that a text may be about, best first.
 
         Args:
@@ -151,38 +162,38 @@ class Recogniser:
         found.sort(key=lambda owner: (-scores[owner], owner))
         return tuple((self.knowledge.hazards[owner], scores[owner]) for owner in found)
 
-    def _label(self, label: str) -> tuple[Hazard | None, bool]:
+    def _label(self, label: str) -> tuple[HazardKind | None, bool]:
         exact = self._labels.get(plain(label))
         if exact is not None:
             return exact
         return next(iter(self.reading(label).hazards), None), False
 
-    def reading(self, label: str) -> Reading:
+    def reading(self, label: str) -> LabelReading:
         """Return the alternatives that a label of any author names.
 
         A family's label names nothing itself; its leaves do.
         """
         if plain(label) in self._families:
-            return Reading(())
+            return LabelReading(())
         parts = label.split(", or ")
         if len(parts) > 1 and all(plain(part) in self._labels for part in parts):
             hazards = (self._labels[plain(part)][0] for part in parts)
-            return Reading(tuple(Alternative(h.label, (Part(h),)) for h in hazards))
+            return LabelReading(tuple(Alternative(h.label, (RequiredThing(h),)) for h in hazards))
         return self._reader.read(_NUMBER.sub("", label))
 
-    def _resembles(self, text: str) -> Hazard | None:
+    def _resembles(self, text: str) -> HazardKind | None:
         return self._recognise(text, _LABEL_WEIGHT).hazard
 
-    def _written(self, text: str) -> Hazard | None:
+    def _written(self, text: str) -> HazardKind | None:
         """Return the hazard of a label that the author wrote."""
         found = self._labels.get(plain(text))
         return found[0] if found else None
 
-    def covered_by(self, label: str) -> tuple[Hazard, ...]:
+    def covered_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a leaf's label: one, with its kin if widened, or several."""
         return self.written(label) or self.reading(label).hazards
 
-    def written(self, label: str) -> tuple[Hazard, ...]:
+    def written(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a label that the author wrote; empty for any other label."""
         found = self._labels.get(plain(label))
         if found is None:
@@ -194,15 +205,15 @@ class Recogniser:
         """Return the family that a label names."""
         return self._families.get(plain(label))
 
-    def place(self, text: str, allowed: Sequence[str] = ()) -> Place | None:
+    def place(self, text: str, allowed: Sequence[str] = ()) -> RoadKind | None:
         """Return the kind of road that a text names; `allowed` keys are preferred."""
         return self._contexts.place(text, allowed)
 
-    def conditions(self, text: str, hazard: Hazard | None = None) -> tuple[Condition, ...]:
+    def conditions(self, text: str, hazard: HazardKind | None = None) -> tuple[Condition, ...]:
         """Return the weather and time of day that a text names, ignoring the hazard's own words."""
         return self._contexts.conditions(text, hazard)
 
-    def traffic(self, text: str) -> Traffic | None:
+    def traffic(self, text: str) -> BackgroundTraffic | None:
         """Return the ordinary traffic that a text names."""
         return self._contexts.traffic(text)
 
@@ -210,7 +221,7 @@ class Recogniser:
 _DRIVING_STEMS = frozenset(stem(word) for word in _DRIVING)
 
 
-def _phrases(hazard: Hazard) -> Iterable[list[str]]:
+def _phrases(hazard: HazardKind) -> Iterable[list[str]]:
     for event in (*hazard.events, *hazard.details):
         features: list[str] = []
         for part in event.split("{where}"):
@@ -242,12 +253,12 @@ class _Contexts:
         )
         self._traffic = _by_length((phrase, t) for t in knowledge.traffic for phrase in t.phrases)
 
-    def place(self, text: str, allowed: Sequence[str]) -> Place | None:
+    def place(self, text: str, allowed: Sequence[str]) -> RoadKind | None:
         words = f" {plain(text)} "
         for phrase, place in self._places:
             if phrase in words:
                 return place
-        best: tuple[float, Place] | None = None
+        best: tuple[float, RoadKind] | None = None
         for place in self._knowledge.places:
             hits = sum(f" {plain(word)} " in words for word in place.words)
             hits += sum(f" {plain(trait.replace('_', ' '))} " in words for trait in place.traits)
@@ -256,7 +267,7 @@ class _Contexts:
                 best = score, place
         return best[1] if best else None
 
-    def conditions(self, text: str, hazard: Hazard | None) -> tuple[Condition, ...]:
+    def conditions(self, text: str, hazard: HazardKind | None) -> tuple[Condition, ...]:
         words = f" {plain(text)} "
         for phrase, condition in self._conditions:
             if phrase in words:
@@ -271,7 +282,7 @@ class _Contexts:
             if any(f" {word} " in words and not own[word] for word in condition.words)
         )
 
-    def traffic(self, text: str) -> Traffic | None:
+    def traffic(self, text: str) -> BackgroundTraffic | None:
         words = f" {plain(text)} "
         return next((traffic for phrase, traffic in self._traffic if phrase in words), None)
 

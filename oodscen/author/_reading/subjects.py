@@ -17,7 +17,7 @@ _POSSESSIVE = frozenset({"its", "their", "his", "her"})
 
 
 @dataclass(frozen=True)
-class Naming:
+class NounInContext:
     """A noun in a text, with the words around it."""
 
     text: str
@@ -73,12 +73,12 @@ class Naming:
         return self.mention.thing.group
 
 
-def _is_absent(at: Naming) -> bool:
+def _is_absent(at: NounInContext) -> bool:
     is_all = at.name == "traffic light" and phrases.ALL_OF_THEM.search(at.before)
     return bool(phrases.NOT_THERE.search(at.sentence) and not is_all)
 
 
-def _is_carried(at: Naming) -> bool:
+def _is_carried(at: NounInContext) -> bool:
     """Return whether a thing is merely a part or the load of the thing named right before it."""
     if not at.earlier:
         return False
@@ -86,12 +86,12 @@ def _is_carried(at: Naming) -> bool:
     return phrases.CARRIED.fullmatch(between.lstrip()) is not None
 
 
-def _is_of_someone(at: Naming) -> bool:
+def _is_of_someone(at: NounInContext) -> bool:
     is_left = phrases.LEFT_ITS.search(at.lead) is not None
     return at.determiner == "its" and not is_left and at.group in ("vehicle", "object")
 
 
-_NOTHING: tuple[Callable[[Naming], object], ...] = (
+_NOTHING: tuple[Callable[[NounInContext], object], ...] = (
     _is_absent,
     lambda at: phrases.NOT_ITSELF.match(at.after),
     lambda at: at.name == "traffic light" and phrases.LIGHTS_UP.match(at.after),
@@ -109,7 +109,7 @@ _NOTHING: tuple[Callable[[Naming], object], ...] = (
 )
 """Tests of a noun that names nothing that is there; any of them suffices."""
 
-_NOTHING_NEW: tuple[Callable[[Naming], object], ...] = (
+_NOTHING_NEW: tuple[Callable[[NounInContext], object], ...] = (
     lambda at: (
         at.determiner == "the"
         and at.mention.word == "cab"
@@ -123,7 +123,7 @@ _NOTHING_NEW: tuple[Callable[[Naming], object], ...] = (
 """Tests of a noun that names nothing of its own, unless it names a thing that was named before."""
 
 
-def subject_of(at: Naming) -> Subject | None:
+def subject_of(at: NounInContext) -> Subject | None:
     """Return the thing that a noun names: an earlier one, or a new one; `None` if it names none."""
     if any(test(at) for test in _NOTHING):
         return None
@@ -144,7 +144,7 @@ def subject_of(at: Naming) -> Subject | None:
     return Subject(label, at.mention, at.count, is_agent)
 
 
-def _is_generic(at: Naming) -> bool:
+def _is_generic(at: NounInContext) -> bool:
     return (
         at.name in phrases.GENERIC
         and at.mention.word in phrases.GENERIC_WORDS
@@ -152,7 +152,7 @@ def _is_generic(at: Naming) -> bool:
     )
 
 
-def _is_alike(one: Subject, at: Naming) -> bool:
+def _is_alike(one: Subject, at: NounInContext) -> bool:
     thing = one.mention.thing
     return thing.group == at.group and thing.name not in phrases.CYCLES
 
@@ -163,7 +163,7 @@ def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
     subjects: list[Subject] = []
     named = list(mentions(text))
     for mention, after in zip(named, [*named, None][1:], strict=True):
-        at = Naming(text, mention, tuple(subjects))
+        at = NounInContext(text, mention, tuple(subjects))
         is_modifier = after is not None and text[mention.end : after.start] == " "
         is_driver = mention.thing.name == "driver" and phrases.OF_ITS_VEHICLE.match(at.after)
         if is_modifier or is_driver:
@@ -182,7 +182,7 @@ def nouns_of(text: str) -> tuple[list[Noun], list[Subject]]:
     return sorted(nouns, key=lambda noun: noun.start), subjects
 
 
-def _is_oblique(at: Naming) -> bool:
+def _is_oblique(at: NounInContext) -> bool:
     """Return whether a noun phrase follows a preposition and therefore is no subject."""
     lead = at.before[-_NEAR:]
     if (
@@ -197,7 +197,7 @@ def _is_oblique(at: Naming) -> bool:
     return True
 
 
-def _is_part(at: Naming) -> bool:
+def _is_part(at: NounInContext) -> bool:
     lead = at.before[-40:]
     tests = (phrases.ITS.search(at.before), phrases.CARRIED.search(lead))
     return any((*tests, phrases.LACKED.search(lead), re.match("'s ", at.after)))

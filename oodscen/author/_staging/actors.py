@@ -37,7 +37,7 @@ _FARTHEST = 150.0
 
 
 @dataclass
-class Stage:
+class StagedActors:
     """The state of a scene while its actors are placed."""
 
     digest: CatalogueDigest
@@ -133,7 +133,7 @@ def _meant(
     return common or [option for option in options if any(option in found for found in exact)]
 
 
-class _Spot(NamedTuple):
+class _AnchorSpot(NamedTuple):
     """The anchor from which an actor is measured."""
 
     ahead: float
@@ -142,7 +142,7 @@ class _Spot(NamedTuple):
     offset: float
 
 
-def cast(part: RecipeActor, scene: Stage, shift: float) -> list[tuple[Actor, Actor | None]]:
+def cast(part: RecipeActor, scene: StagedActors, shift: float) -> list[tuple[Actor, Actor | None]]:
     """Draw an actor, or a row of them, each with its ordinary counterpart.
 
     Args:
@@ -193,7 +193,7 @@ def _names(part: RecipeActor, count: int) -> tuple[str, ...]:
     return tuple(f"{part.id}-{number}" for number in range(1, count + 1))
 
 
-def _ahead(part: RecipeActor, scene: Stage, shift: float) -> float:
+def _ahead(part: RecipeActor, scene: StagedActors, shift: float) -> float:
     """Draw the distance of an actor ahead of its anchor; a shift narrows the range."""
     low, high = part.ahead
     if part.at != "start" or not shift:
@@ -204,20 +204,20 @@ def _ahead(part: RecipeActor, scene: Stage, shift: float) -> float:
     return scene.draw((middle - reach, middle + reach)) + shift
 
 
-def _spots(part: RecipeActor, scene: Stage) -> Iterator[_Spot]:
+def _spots(part: RecipeActor, scene: StagedActors) -> Iterator[_AnchorSpot]:
     if part.at in LANDMARKS:
         for mark in marks(scene.road, part):
             is_light = part.at == "traffic_light"
-            yield _Spot(mark.ahead_m, -scene.ego_lane if is_light else 0, mark.left_m)
+            yield _AnchorSpot(mark.ahead_m, -scene.ego_lane if is_light else 0, mark.left_m)
     elif part.at in scene.placed:
         place = scene.placed[part.at].placement
-        yield _Spot(place.ahead_m, place.lane, place.offset_m)
+        yield _AnchorSpot(place.ahead_m, place.lane, place.offset_m)
     else:
-        yield _Spot(0.0, 0, 0.0)
+        yield _AnchorSpot(0.0, 0, 0.0)
 
 
 def _away(
-    scene: Stage, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
+    scene: StagedActors, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
 ) -> float:
     """Return the lateral starting position of crossing traffic, m to the left.
 
@@ -233,18 +233,18 @@ def _away(
     return -away if heading_deg > 0.0 else away
 
 
-def _lane(options: tuple[int, ...], scene: Stage) -> int:
+def _lane(options: tuple[int, ...], scene: StagedActors) -> int:
     """Choose one of the lanes that the road has."""
     lanes = scene.road.lanes + scene.road.oncoming_lanes
     fitting = [lane for lane in options if 0 <= scene.ego_lane + lane < lanes] or list(options)
     return fitting[int(scene.rng.integers(len(fitting)))]
 
 
-def _trigger(trigger: RecipeTrigger, scene: Stage) -> Trigger:
+def _trigger(trigger: RecipeTrigger, scene: StagedActors) -> Trigger:
     return Trigger(kind=trigger.kind, value=scene.draw(trigger.value), actor=trigger.actor)
 
 
-def _ordinary(actor: Actor, change: Counterpart, scene: Stage, part: RecipeActor) -> Actor:
+def _ordinary(actor: Actor, change: Counterpart, scene: StagedActors, part: RecipeActor) -> Actor:
     """Return the counterpart of an actor in the ordinary twin."""
     old, behaviour = actor.placement, actor.behaviour
     name = change.behaviour or behaviour.name
@@ -281,7 +281,7 @@ def _ordinary(actor: Actor, change: Counterpart, scene: Stage, part: RecipeActor
     )
 
 
-def _there(lane: int, scene: Stage) -> int:
+def _there(lane: int, scene: StagedActors) -> int:
     """Return a lane that the road has; if there is none on this side of the ego, one on the other."""
     lanes = scene.road.lanes + scene.road.oncoming_lanes
     return lane if 0 <= scene.ego_lane + lane < lanes else -lane
@@ -290,7 +290,7 @@ def _there(lane: int, scene: Stage) -> int:
 def _parameters(
     name: str,
     limits: Mapping[str, Range | Literal["ego"]],
-    scene: Stage,
+    scene: StagedActors,
     asset: str | None = None,
 ) -> dict[str, float]:
     """Draw the parameters that a behaviour has, within the limits of the catalogue.
@@ -325,7 +325,7 @@ def _state(asset: str, state: str, digest: CatalogueDigest) -> str:
     return state if state in known else ""
 
 
-def told_traffic(part: TrafficActor, scene: Stage, named: tuple[Thing, ...]) -> list[Actor]:
+def told_traffic(part: TrafficActor, scene: StagedActors, named: tuple[Thing, ...]) -> list[Actor]:
     """Return the ordinary road user that the text mentions, if the road has a lane for it.
 
     Args:

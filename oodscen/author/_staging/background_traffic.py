@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oodscen.author._knowledge.base import Company, Recipe, Traffic
-from oodscen.author._staging.actors import Stage
+from oodscen.author._knowledge.base import BackgroundTraffic, Company, Recipe
+from oodscen.author._staging.actors import StagedActors
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.prompts._digest import MapLine
 
@@ -89,7 +89,7 @@ def company(
 def is_followed(
     kinds: Sequence[Company],
     recipe: Recipe,
-    told: Traffic | None,
+    told: BackgroundTraffic | None,
     rng: np.random.Generator,
     *,
     is_dense: bool = False,
@@ -99,7 +99,7 @@ def is_followed(
     Args:
         kinds: Kinds of background traffic.
         recipe: The recipe, which may forbid or require a follower.
-        told: Traffic that the text mentions; if there is any, no other is added.
+        told: BackgroundTraffic that the text mentions; if there is any, no other is added.
         rng: Random generator; exactly one number is drawn in every case.
         is_dense: Whether every kind that has room appears.
     """
@@ -112,7 +112,7 @@ def is_followed(
     return behind if told is None and (is_dense or draw < behind.share) else None
 
 
-def follower(kind: Company, scene: Stage, actors: Sequence[Actor]) -> list[Actor]:
+def follower(kind: Company, scene: StagedActors, actors: Sequence[Actor]) -> list[Actor]:
     """Draw the vehicle close behind the ego, unless another actor is there.
 
     It wants to drive faster than the ego, keeps less than the usual distance and brakes less hard

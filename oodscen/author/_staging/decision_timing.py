@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from oodscen.author._knowledge.base import Hazard, Place, Recipe, RecipeActor
+from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor, RoadKind
 from oodscen.author._staging.anchors import ahead_of_start
 
 _COMFORTABLE = 3.5
@@ -80,7 +80,7 @@ def decisive(recipe: Recipe) -> RecipeActor | None:
     return next(iter(unusual or recipe.actors), None)
 
 
-def approach(hazard: Hazard, place: Place) -> Approach:
+def approach(hazard: HazardKind, place: RoadKind) -> Approach:
     """Return speeds and distances that suit a hazard on a kind of road."""
     recipe = hazard.stage
     if recipe is not None:

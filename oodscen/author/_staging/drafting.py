@@ -7,11 +7,18 @@ import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.author._feasibility import WeatherLimits
-from oodscen.author._knowledge.base import Hazard, Knowledge, Place, Recipe, RecipeActor, Traffic
+from oodscen.author._knowledge.base import (
+    BackgroundTraffic,
+    HazardKind,
+    Knowledge,
+    Recipe,
+    RecipeActor,
+    RoadKind,
+)
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._staging import decision_timing as approach
-from oodscen.author._staging.actors import Stage, cast, told_traffic
+from oodscen.author._staging.actors import StagedActors, cast, told_traffic
 from oodscen.author._staging.anchors import LANDMARKS, has_landmarks, root
 from oodscen.author._staging.background_traffic import company, follower, is_followed
 from oodscen.author._staging.lanes import settled, varied
@@ -19,8 +26,7 @@ from oodscen.author._staging.weather import draw_weather
 from oodscen.claims._roads import is_so
 from oodscen.claims._things import Thing, may_be, mentions
 from oodscen.data._claim import Claim
-from oodscen.data._scene import Actor, Ego, Trigger
-from oodscen.data._scene import Hazard as Unusual
+from oodscen.data._scene import Actor, Ego, Hazard, Trigger
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.describe_path import plain
@@ -51,12 +57,12 @@ class Stager:
     """Answers `StageScene`."""
 
     def __init__(self, knowledge: Knowledge, recogniser: Recogniser) -> None:
-        """Stage with the recipes of a knowledge base."""
+        """StagedActors with the recipes of a knowledge base."""
         self.knowledge = knowledge
         self.recogniser = recogniser
 
     def stage(self, prompt: StageScene, seed: int, attempt: int) -> SceneDraft:
-        """Stage a scene for a text.
+        """StagedActors a scene for a text.
 
         Args:
             prompt: The text and the simulator's catalogue.
@@ -122,14 +128,14 @@ class Stager:
             weather=weather,
             actors=actors,
             stands_for=_shown(prompt.things, actors, unusual, prompt.catalogue),
-            hazard=Unusual(actors=unusual, weather=ordinary),
+            hazard=Hazard(actors=unusual, weather=ordinary),
             decision=decision
             if decision.kind == "time"
             else decision.model_copy(update={"actor": decisive}),
             horizon_s=recipe.horizon,
         )
 
-    def _hazard(self, prompt: StageScene) -> Hazard:
+    def _hazard(self, prompt: StageScene) -> HazardKind:
         """Return the hazard that the text describes, or else the one that its leaf names."""
         hazard = self.recogniser.recognise(prompt.text).hazard
         if hazard is None and prompt.path:
@@ -142,7 +148,7 @@ class Stager:
             )
         return hazard
 
-    def _place(self, text: str, hazard: Hazard, rng: np.random.Generator) -> Place:
+    def _place(self, text: str, hazard: HazardKind, rng: np.random.Generator) -> RoadKind:
         told = self.recogniser.place(text, hazard.places)
         if told is not None and told.key in hazard.places:
             return told
@@ -176,7 +182,7 @@ def _distance(text: str) -> float | None:
 
 
 def _named(
-    text: str, said: Sequence[Claim], traffic: Traffic | None
+    text: str, said: Sequence[Claim], traffic: BackgroundTraffic | None
 ) -> tuple[tuple[Thing, ...], tuple[Thing, ...]]:
     """Return the things that a text names, and separately those of its ordinary traffic."""
     words = plain(text)
@@ -200,7 +206,7 @@ def _is_busy(claim: Claim) -> bool:
 
 
 def _map_for(
-    place: Place, hazard: Hazard, digest: CatalogueDigest, said: Sequence[Claim] = ()
+    place: RoadKind, hazard: HazardKind, digest: CatalogueDigest, said: Sequence[Claim] = ()
 ) -> MapLine:
     """Return the map for which most claims of the text hold; among equals, the one most like the place."""
     needed = set(hazard.needs.traits)
@@ -225,15 +231,15 @@ def _set(
     digest: CatalogueDigest,
     road: MapLine,
     recipe: Recipe,
-    place: Place,
+    place: RoadKind,
     lane: int,
     rng: np.random.Generator,
-) -> Stage:
+) -> StagedActors:
     """Choose the ego's speed and set up the scene."""
     limits = place.speed if approach.scales(recipe) else recipe.speed
     wanted = round(float(rng.uniform(*limits)), 2)
     speed = round(min(wanted, road.speed_limit), 2)
-    return Stage(
+    return StagedActors(
         digest=digest,
         road=road,
         recipe=recipe,
@@ -244,7 +250,7 @@ def _set(
     )
 
 
-def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[float, Trigger]:
+def _timing(scene: StagedActors, friction: float, distance: float | None) -> tuple[float, Trigger]:
     """Return the displacement of all actors along the road, m, and the decision's trigger.
 
     A distance in the text applies at the start of the scene; the decision comes later.
@@ -276,7 +282,7 @@ def _timing(scene: Stage, friction: float, distance: float | None) -> tuple[floa
     return round(shift, 2), Trigger(kind=decision.kind, value=round(value, 2), actor=decision.actor)
 
 
-def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) -> float:
+def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: float) -> float:
     """Return the TTC of the decision, reduced until the actor is large enough to recognise, s.
 
     In some scenes it is so short that only hard braking suffices.
@@ -300,7 +306,7 @@ def _hurried(scene: Stage, actor: RecipeActor, friction: float, seconds: float) 
     return min(seconds, away / closing)
 
 
-def _room(scene: Stage, actor: RecipeActor, friction: float) -> Callable[[float], float]:
+def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[[float], float]:
     """Choose the distance that the decision leaves, as a function of the speed, m.
 
     It allows a comfortable stop or a lane change; or only hard braking; or, at speeds at which

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from oodscen.author._knowledge.base import Hazard, Knowledge, Place, Traffic
+from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, named
 from oodscen.author._staging.decision_timing import approach
 from oodscen.author._writing.agreement import Agreement, Setting
@@ -74,13 +74,13 @@ class Composer:
         self.knowledge = knowledge
         self._agreement = Agreement(knowledge)
 
-    def text(self, hazard: Hazard, rng: np.random.Generator, style: Style = "natural") -> str:
+    def text(self, hazard: HazardKind, rng: np.random.Generator, style: Style = "natural") -> str:
         """Return one text."""
         return next(self.texts(hazard, rng, set(), style))
 
     def texts(
         self,
-        hazard: Hazard,
+        hazard: HazardKind,
         rng: np.random.Generator,
         taken: set[str],
         style: Style = "natural",
@@ -114,7 +114,7 @@ class Composer:
             yield text
 
     def _plot(
-        self, hazard: Hazard, rng: np.random.Generator, turns: "_Turns", style: Style
+        self, hazard: HazardKind, rng: np.random.Generator, turns: "_Turns", style: Style
     ) -> Plot:
         places = [p for key in hazard.places for p in self.knowledge.place_keys.get(key, ())]
         place = turns.next("place", places or list(self.knowledge.places))
@@ -155,7 +155,7 @@ class Composer:
             has_pronoun=style != "first-person",
         )
 
-    def _short(self, hazard: Hazard, setting: Setting) -> list[str]:
+    def _short(self, hazard: HazardKind, setting: Setting) -> list[str]:
         """Return the short events for a terse text, or the shortest few if there are not enough."""
         suiting = self._agreement.suiting(hazard.events, setting) or list(hazard.events)
         suiting.sort(key=lambda event: len(headline(event).split()))
@@ -163,7 +163,12 @@ class Composer:
         return short if len(short) >= _TERSE_EVENTS else suiting[:_TERSE_EVENTS]
 
     def _traffic(
-        self, hazard: Hazard, event: str, place: Place, rng: np.random.Generator, share: float
+        self,
+        hazard: HazardKind,
+        event: str,
+        place: RoadKind,
+        rng: np.random.Generator,
+        share: float,
     ) -> str:
         if not hazard.traffic or rng.random() > share:
             return ""
@@ -175,7 +180,7 @@ class Composer:
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 
     def _located(
-        self, plot: Plot, hazard: Hazard, construction: Construction, rng: np.random.Generator
+        self, plot: Plot, hazard: HazardKind, construction: Construction, rng: np.random.Generator
     ) -> str:
         """Fill in the location; the ego is named there if nothing else in the text names it."""
         event = _NAMED_TWICE.sub(r"\1", plot.event)
@@ -240,7 +245,7 @@ def _shortest(phrases: Sequence[str], more: int = 1) -> list[str]:
     return [phrase for phrase in phrases if len(phrase.split()) <= least + more]
 
 
-def _met_on(traffic: Traffic, place: Place) -> bool:
+def _met_on(traffic: BackgroundTraffic, place: RoadKind) -> bool:
     return set(traffic.traits) <= set(place.traits)
 
 

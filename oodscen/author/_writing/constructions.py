@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from oodscen.author._knowledge.base import Condition, Place
+from oodscen.author._knowledge.base import Condition, RoadKind
 from oodscen.author._writing.headline import headline
 from oodscen.prompts._scenario.describe_path import Style
 
@@ -21,7 +21,7 @@ class Plot:
 
     event: str
     """The event, with its placeholder until the construction is chosen."""
-    place: Place
+    place: RoadKind
     where: str
     """Phrase for the place."""
     condition: Condition | None = None

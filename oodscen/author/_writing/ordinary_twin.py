@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.ego_naming import Name, told_by
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
@@ -66,7 +66,7 @@ _LITTLE = frozenset(
 
 
 @dataclass(frozen=True)
-class _Part:
+class _SentenceParts:
     """One sentence, split into its parts."""
 
     lead: str
@@ -116,7 +116,7 @@ class OrdinaryAuthor:
         place = next((n for n, part in enumerate(parts) if self._is_event(part)), None)
         if place is None:
             place = len(parts) - 1
-            parts[place] = _Part("", _whole(parts[place]), "")
+            parts[place] = _SentenceParts("", _whole(parts[place]), "")
         length = len(plain(text).split())
         event = parts[place]
         kept = [part for n, part in enumerate(parts) if n == place or not part.event]
@@ -139,10 +139,10 @@ class OrdinaryAuthor:
             )
         return " ".join(last if part is event else _whole(part) for part in kept)
 
-    def _is_event(self, part: _Part) -> bool:
+    def _is_event(self, part: _SentenceParts) -> bool:
         return bool(part.event) and plain(part.event) not in self._details
 
-    def _told_apart(self, text: str) -> Iterator[_Part]:
+    def _told_apart(self, text: str) -> Iterator[_SentenceParts]:
         """Split the text into sentences and their parts; the ego's location is recognised only once."""
         is_placed = False
         for sentence in _SENTENCES.split(text.strip()):
@@ -151,13 +151,13 @@ class OrdinaryAuthor:
             is_placed = is_placed or _ROAD.search(lead) is not None
             yield part
 
-    def _apart(self, sentence: str, is_placed: bool) -> _Part:
+    def _apart(self, sentence: str, is_placed: bool) -> _SentenceParts:
         found = self._lead.match(sentence)
         if is_placed and (found is None or plain(sentence[found.end() :])):
-            return _Part("", sentence.rstrip("."), "")
+            return _SentenceParts("", sentence.rstrip("."), "")
         cut = found.end() if found is not None else 0
         if cut and not plain(sentence[cut:]):
-            return _Part(sentence, "", "")
+            return _SentenceParts(sentence, "", "")
         if cut and re.match(_DRIVES, sentence, re.IGNORECASE):
             more = _MORE_OF_PLACE.match(sentence, cut)
             if more is not None:
@@ -169,12 +169,12 @@ class OrdinaryAuthor:
             if more is not None and is_ended and _ROAD.search(more[0]):
                 cut = more.end() + 2
         if cut and not plain(sentence[cut:]):
-            return _Part(sentence, "", "")
+            return _SentenceParts(sentence, "", "")
         trail = self._trail.search(sentence, cut)
         end = trail.start() if trail is not None else len(sentence.rstrip("."))
-        return _Part(sentence[:cut], sentence[cut:end], sentence[end:].rstrip("."))
+        return _SentenceParts(sentence[:cut], sentence[cut:end], sentence[end:].rstrip("."))
 
-    def _setting(self, frame: str, text: str, hazard: Hazard | None) -> Setting:
+    def _setting(self, frame: str, text: str, hazard: HazardKind | None) -> Setting:
         """Return the place and time of the kept part of a text, as far as it states them."""
         known = self._recogniser
         place = known.place(frame) or known.place(text, hazard.places if hazard else ())
@@ -185,7 +185,7 @@ class OrdinaryAuthor:
             traffic=traffic.key if traffic else "",
         )
 
-    def _counterpart(self, hazard: Hazard | None, setting: Setting) -> str:
+    def _counterpart(self, hazard: HazardKind | None, setting: Setting) -> str:
         """Return the first suitable ordinary counterpart; it mentions no other road users if there are none."""
         options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
         suiting = self._agreement.suiting(options, setting)
@@ -237,13 +237,15 @@ def _misfit(phrase: str, missing: int, said: set[str]) -> float:
     return abs(len(words) - missing) + _REPEATED * len(said & set(words))
 
 
-def _placed_first(event: "_Part", kept: "list[_Part]") -> "tuple[_Part, list[_Part]]":
+def _placed_first(
+    event: "_SentenceParts", kept: "list[_SentenceParts]"
+) -> "tuple[_SentenceParts, list[_SentenceParts]]":
     """Move the event after the part that says where the ego is."""
     rest = [part for part in kept if part is not event]
     where = rest[-1].lead
     if where.startswith(_HAPPENS):
         bare = where.removeprefix(_HAPPENS).rstrip(".")
-        event = _Part(f"{bare[0].upper()}{bare[1:]}, ", event.event, "")
+        event = _SentenceParts(f"{bare[0].upper()}{bare[1:]}, ", event.event, "")
         rest = rest[:-1]
     return event, [*rest, event]
 
@@ -265,7 +267,7 @@ def _lengthened(text: str, more: str, *, is_joined: bool) -> str:
     return f"{text.rstrip('.')}, and {more}."
 
 
-def _worded(part: _Part, clause: str) -> str:
+def _worded(part: _SentenceParts, clause: str) -> str:
     lead = re.sub(r"\bwhen $", "while ", part.lead)
     lead = _NOWHERE.sub("", lead)
     if " and " in clause:
@@ -276,7 +278,7 @@ def _worded(part: _Part, clause: str) -> str:
     return f"{lead}{first}{clause[1:]}{part.trail}."
 
 
-def _whole(part: _Part) -> str:
+def _whole(part: _SentenceParts) -> str:
     return f"{part.lead}{part.event}{part.trail}".rstrip(".") + "."
 
 

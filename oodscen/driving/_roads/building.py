@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from oodscen._files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
-from oodscen.driving._roads.corridor import Corridor, OtherRoad, Outline, RoadSignal, Structure
+from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal, Structure
 from oodscen.driving._roads.crosssection import Places, build_strips, frozen
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Network, Road, Signal
@@ -243,7 +243,7 @@ def build_route(
     """
     corridor = _sampled(network, legs, index, start_m)
     taken = {leg.road.id for leg in legs}
-    near = _Nearness(corridor)
+    near = _NearbyRoads(corridor)
     others: list[OtherRoad] = []
     room = _MAX_OTHERS_M
     for road in near.sorted(road for road in network.roads.values() if road.id not in taken):
@@ -254,7 +254,7 @@ def build_route(
     order = {identity: place for place, identity in enumerate(network.roads)}
     others.sort(key=lambda other: order[other.road_id])
     signals: list[RoadSignal] = []
-    outlines: list[Outline] = []
+    outlines: list[PaintedArea] = []
     for road in near.sorted(network.roads.values()):
         if len(signals) + len(outlines) < _MAX_FURNITURE:
             signals += [_signal(road, signal, corridor) for signal in road.signals]
@@ -308,7 +308,7 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
     )
 
 
-class _Track:
+class _LegTrack:
     """One leg's share of a corridor's line: parallel to the road's own line, `shift` m to its left.
 
     The corridor's line continues without a jump where a road's own line begins beside the end of the previous
@@ -381,8 +381,8 @@ def _interpolated(value: float, known: Sequence[float], wanted: Sequence[float])
     return wanted[index] + part * (wanted[index + 1] - wanted[index])
 
 
-def _tracks(legs: Sequence[Leg]) -> list[_Track]:
-    tracks: list[_Track] = []
+def _tracks(legs: Sequence[Leg]) -> list[_LegTrack]:
+    tracks: list[_LegTrack] = []
     for leg in legs:
         shift = 0.0
         if tracks:
@@ -391,12 +391,12 @@ def _tracks(legs: Sequence[Leg]) -> list[_Track]:
             shift = before.shift - across
             if abs(shift) < _SNAP:
                 shift = 0.0
-        tracks.append(_Track(leg, shift))
+        tracks.append(_LegTrack(leg, shift))
     return tracks
 
 
 def _structures(
-    legs: Sequence[Leg], tracks: Sequence[_Track], begins: Sequence[float]
+    legs: Sequence[Leg], tracks: Sequence[_LegTrack], begins: Sequence[float]
 ) -> tuple[Structure, ...]:
     """Return tunnels and bridges of the route; those that meet at a joint stay separate."""
     found = []
@@ -411,7 +411,7 @@ def _structures(
     return tuple(sorted(found, key=lambda one: one.start))
 
 
-class _Nearness:
+class _NearbyRoads:
     """Selects the roads close to a corridor."""
 
     def __init__(self, corridor: Corridor) -> None:
@@ -466,7 +466,7 @@ def _signal(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:
     )
 
 
-def _outlines(road: Road) -> list[Outline]:
+def _outlines(road: Road) -> list[PaintedArea]:
     """Return a road's crosswalks and stop lines in world coordinates."""
     outlines = []
     for patch in road.patches:
@@ -481,5 +481,7 @@ def _outlines(road: Road) -> list[Outline]:
             ax * by - bx * ay
             for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True)
         )
-        outlines.append(Outline(patch.kind, frozen(np.array(points if area > 0 else points[::-1]))))
+        outlines.append(
+            PaintedArea(patch.kind, frozen(np.array(points if area > 0 else points[::-1])))
+        )
     return outlines

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from oodscen._display import Brief
 from oodscen.driving._roads import track as look
-from oodscen.driving._roads.coverage import REACH_M, Band, Ranges, covered, extend, merged
+from oodscen.driving._roads.coverage import REACH_M, OverlapStrip, Ranges, covered, extend, merged
 from oodscen.driving._roads.network import StripKind
 from oodscen.driving._roads.track import Track, for_kernels, packed, viewed
 from oodscen.numerics import _exact as exact
@@ -75,7 +75,7 @@ class RoadSignal:
 
 
 @dataclass(frozen=True, eq=False)
-class Outline:
+class PaintedArea:
     """A painted area on the road, from the map's objects."""
 
     kind: Literal["crosswalk", "stop_line"]
@@ -134,7 +134,7 @@ class Corridor(Brief):
     """All other roads of the map."""
     signals: tuple[RoadSignal, ...] = field(default=(), repr=False)
     """Signals on all roads of the map."""
-    crosswalks: tuple[Outline, ...] = field(default=(), repr=False)
+    crosswalks: tuple[PaintedArea, ...] = field(default=(), repr=False)
     """Crosswalks and stop lines on all roads of the map."""
     structures: tuple[Structure, ...] = ()
     driving: tuple[int, ...] = field(init=False)
@@ -315,7 +315,7 @@ class Corridor(Brief):
         found = look.neighbour(self._plain, strip, s, side)
         return None if found < 0 else found
 
-    def _bands(self, road: "Corridor") -> list[tuple[bool, Band]]:
+    def _bands(self, road: "Corridor") -> list[tuple[bool, OverlapStrip]]:
         """Return the strips of a nearby road, each with whether it is drivable."""
         first, last = (self._index(self.start + m) for m in (-_AROUND_M[0], _AROUND_M[1]))
         among = np.arange(first, last + 1, max(1, round(4.0 / self.step)))
@@ -338,7 +338,7 @@ class Corridor(Brief):
                     x, y = lx - edge * sin, ly + edge * cos
                     s[near], t[near] = self._locate_among(x, y, among)
                     sides.append((s, t))
-                bands.append((strip.kind in DRIVABLE, Band(sides[0], sides[1])))
+                bands.append((strip.kind in DRIVABLE, OverlapStrip(sides[0], sides[1])))
         return bands
 
     def _index(self, s: float) -> int:

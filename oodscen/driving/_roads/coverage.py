@@ -17,7 +17,7 @@ _TOUCH = 0.05
 _MAX_SPAN_M = 40.0
 
 
-class Band(NamedTuple):
+class OverlapStrip(NamedTuple):
     """A strip of another road, sample by sample, in the corridor's coordinates."""
 
     right: tuple[FloatArray, FloatArray]
@@ -25,7 +25,9 @@ class Band(NamedTuple):
     left: tuple[FloatArray, FloatArray]
 
 
-def covered(bands: Iterable[Band], step: float, count: int) -> dict[int, list[tuple[float, float]]]:
+def covered(
+    bands: Iterable[OverlapStrip], step: float, count: int
+) -> dict[int, list[tuple[float, float]]]:
     """Return the ranges of t that the bands cover, by sample of the corridor.
 
     Args:

@@ -31,7 +31,7 @@ class Places(NamedTuple):
     """For each leg, t of the corridor's line relative to the leg's own line, m."""
 
 
-class _Stage(NamedTuple):
+class _SectionStage(NamedTuple):
     """One lane section of one leg."""
 
     leg: int
@@ -68,7 +68,7 @@ def build_strips(
     Raises:
         ValueError: If there are too many lanes.
     """
-    stages = [_Stage(k, j) for k, leg in enumerate(legs) for j in range(len(leg.sections))]
+    stages = [_SectionStage(k, j) for k, leg in enumerate(legs) for j in range(len(leg.sections))]
     sides = {sign: _chains(network, legs, stages, sign) for sign in (-1, 1)}
     owner = _owners(legs, places)
     count = len(owner)
@@ -119,8 +119,8 @@ def _marks(
     legs: Sequence[Leg],
     chains: Sequence[_Chain],
     sign: int,
-    owner: Sequence[_Stage],
-    numbers: dict[_Stage, int],
+    owner: Sequence[_SectionStage],
+    numbers: dict[_SectionStage, int],
 ) -> list[list[tuple[int, str, str]]]:
     """Return the changes of marks of every chain on one side: sample index, left and right mark."""
     rows: list[list[tuple[int, str, str]]] = [[] for _ in chains]
@@ -151,7 +151,7 @@ def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _chains(
-    network: Network, legs: Sequence[Leg], stages: Sequence[_Stage], sign: int
+    network: Network, legs: Sequence[Leg], stages: Sequence[_SectionStage], sign: int
 ) -> list[_Chain]:
     """Return the chains on one side of the route, from the inside out."""
     chains: list[_Chain] = []
@@ -201,7 +201,7 @@ def _chains(
     return chains
 
 
-def _owners(legs: Sequence[Leg], places: Places) -> list[_Stage]:
+def _owners(legs: Sequence[Leg], places: Places) -> list[_SectionStage]:
     """Return the stage under each sample."""
     owners = []
     section, last = 0, -1
@@ -216,13 +216,13 @@ def _owners(legs: Sequence[Leg], places: Places) -> list[_Stage]:
         else:
             while section + 1 < len(sections) and own < sections[section].s:
                 section += 1
-        owners.append(_Stage(number, section))
+        owners.append(_SectionStage(number, section))
     return owners
 
 
-def _runs(owner: Sequence[_Stage]) -> list[tuple[_Stage, tuple[int, int]]]:
+def _runs(owner: Sequence[_SectionStage]) -> list[tuple[_SectionStage, tuple[int, int]]]:
     """Return every stage that has samples, with their range."""
-    runs: list[tuple[_Stage, tuple[int, int]]] = []
+    runs: list[tuple[_SectionStage, tuple[int, int]]] = []
     first = 0
     for index in range(1, len(owner) + 1):
         if index == len(owner) or owner[index] != owner[first]:
@@ -233,7 +233,7 @@ def _runs(owner: Sequence[_Stage]) -> list[tuple[_Stage, tuple[int, int]]]:
 
 def _measure(
     legs: Sequence[Leg],
-    stage: _Stage,
+    stage: _SectionStage,
     number: int,
     places: Places,
     samples: range,

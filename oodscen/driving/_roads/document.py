@@ -26,7 +26,7 @@ class Document:
         self.source = source
         self.issues: list[Issue] = []
 
-    def parse(self, data: bytes) -> "Node":
+    def parse(self, data: bytes) -> "XmlNode":
         """Return the root element.
 
         Raises:
@@ -56,7 +56,7 @@ class Document:
         count = sum(1 for _ in root.iter())
         if count > MAX_ELEMENTS:
             self.fail("", f"the file has {count} elements; at most {MAX_ELEMENTS} are read")
-        return Node(self, root, "")
+        return XmlNode(self, root, "")
 
     def error(self) -> DataError:
         """Return all recorded faults as one error."""
@@ -73,7 +73,7 @@ class Document:
             self.issues.append(Issue(path, message))
 
 
-class Node:
+class XmlNode:
     """One element of a file, which records faults at its place."""
 
     __slots__ = ("document", "element", "path")
@@ -130,11 +130,11 @@ class Node:
             self.fault(f"{text!r} is not a lane id", f"@{name}")
             return None
 
-    def at(self, path: str) -> "Node":
+    def at(self, path: str) -> "XmlNode":
         """Return the same element with another path below its parent's."""
-        return Node(self.document, self.element, path)
+        return XmlNode(self.document, self.element, path)
 
-    def all(self, *names: str, by: Literal["index", "id", "name"] = "index") -> list["Node"]:
+    def all(self, *names: str, by: Literal["index", "id", "name"] = "index") -> list["XmlNode"]:
         """Return the elements at the end of a path of names, in order.
 
         Args:
@@ -147,17 +147,19 @@ class Node:
         path = f"{self.path}/{'/'.join(names)}" if self.path else "/".join(names)
         nodes = []
         for index, element in enumerate(found):
-            node = Node(self.document, element, path)
+            node = XmlNode(self.document, element, path)
             if by != "name":
                 node.path = f"{path}[{index if by == 'index' else node.label}]"
             nodes.append(node)
         return nodes
 
-    def first(self, *names: str) -> "Node | None":
+    def first(self, *names: str) -> "XmlNode | None":
         """Return the first element at the end of a path of names, or `None`."""
         return next(iter(self.all(*names, by="name")), None)
 
-    def limited(self, nodes: list["Node"], limit: int, what: str, at: str = "") -> list["Node"]:
+    def limited(
+        self, nodes: list["XmlNode"], limit: int, what: str, at: str = ""
+    ) -> list["XmlNode"]:
         """Return the nodes up to the limit; record a fault if there are more."""
         if len(nodes) > limit:
             self.fault(f"{len(nodes)} {what}; at most {limit} are read", at)

@@ -1,6 +1,6 @@
 """Signals, crosswalks, stop lines, tunnels and bridges along a road."""
 
-from oodscen.driving._roads.document import Node
+from oodscen.driving._roads.document import XmlNode
 from oodscen.driving._roads.network import Patch, Signal, Stretch
 from oodscen.numerics._exact import cos, sin
 
@@ -9,7 +9,7 @@ _MAX_THINGS = 5_000
 _MAX_CORNERS = 200
 
 
-def read_signals(road: Node) -> tuple[Signal, ...]:
+def read_signals(road: XmlNode) -> tuple[Signal, ...]:
     """Read a road's traffic lights and signs."""
     nodes = road.all("signals", "signal", by="id")
     return tuple(
@@ -31,7 +31,7 @@ def read_signals(road: Node) -> tuple[Signal, ...]:
     )
 
 
-def read_patches(road: Node) -> tuple[Patch, ...]:
+def read_patches(road: XmlNode) -> tuple[Patch, ...]:
     """Read a road's crosswalks and stop lines."""
     nodes = road.all("objects", "object", by="id")
     patches = []
@@ -46,7 +46,7 @@ def read_patches(road: Node) -> tuple[Patch, ...]:
     return tuple(patches)
 
 
-def _corners(node: Node) -> tuple[tuple[float, float], ...]:
+def _corners(node: XmlNode) -> tuple[tuple[float, float], ...]:
     """Return an object's outline, or its bounding box, in the road's coordinates."""
     outlines = [*node.all("outline"), *node.all("outlines", "outline")][:1]
     road, local = (
@@ -70,7 +70,7 @@ def _corners(node: Node) -> tuple[tuple[float, float], ...]:
     return tuple((s + u * along - v * across, t + u * across + v * along) for u, v in places)
 
 
-def read_stretches(road: Node) -> tuple[Stretch, ...]:
+def read_stretches(road: XmlNode) -> tuple[Stretch, ...]:
     """Read a road's tunnels and bridges."""
     stretches = []
     for kind in ("tunnel", "bridge"):

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from oodscen.driving._roads.document import MAX_BYTES, Document, Node, name_of
+from oodscen.driving._roads.document import MAX_BYTES, Document, XmlNode, name_of
 from oodscen.driving._roads.furniture import read_patches, read_signals, read_stretches
 from oodscen.driving._roads.geometry import Arc, Cubic, Curve, Line, ParamPoly3, Poly3, Spiral
 from oodscen.driving._roads.network import (
@@ -91,7 +91,7 @@ class _Reader:
         self.length = 0.0
         self.turn = 0.0
 
-    def road(self, node: Node) -> Road | None:
+    def road(self, node: XmlNode) -> Road | None:
         before = len(self.document.issues)
         length = node.number("length")
         if not 0.0 < length <= MAX_ROAD_LENGTH:
@@ -128,7 +128,7 @@ class _Reader:
         )
         return road if len(self.document.issues) == before else None
 
-    def _plan_view(self, road: Node, length: float) -> list[Curve]:
+    def _plan_view(self, road: XmlNode, length: float) -> list[Curve]:
         nodes = road.all("planView", "geometry")
         if not nodes:
             road.fault("has no geometry", "/planView")
@@ -154,7 +154,7 @@ class _Reader:
             road.fault(f"{length:g} m, but the geometries add up to {total:g} m", "@length")
         return curves
 
-    def _curve(self, node: Node) -> Curve | None:
+    def _curve(self, node: XmlNode) -> Curve | None:
         s, x, y, heading, length = map(node.number, ("s", "x", "y", "hdg", "length"))
         if not 1e-6 < length <= MAX_ROAD_LENGTH:
             node.fault("must be above 0", "@length")
@@ -187,7 +187,7 @@ class _Reader:
         return curve
 
 
-def _check_joint(node: Node, before: Curve, after: Curve) -> None:
+def _check_joint(node: XmlNode, before: Curve, after: Curve) -> None:
     last = before.s + before.length
     if abs(last - after.s) > _GAP:
         node.fault(f"{after.s:g}, but the last one ends at {last:g}", "@s")
@@ -200,7 +200,7 @@ def _check_joint(node: Node, before: Curve, after: Curve) -> None:
         node.fault(f"turns by {kink:.3g} rad at the end of the last geometry", "@hdg")
 
 
-def _pieces(nodes: Sequence[Node], key: str) -> tuple[Cubic, ...]:
+def _pieces(nodes: Sequence[XmlNode], key: str) -> tuple[Cubic, ...]:
     pieces: list[Cubic] = []
     for node in nodes:
         start, a, b, c, d = map(node.number, (key, *"abcd"))
@@ -211,7 +211,7 @@ def _pieces(nodes: Sequence[Node], key: str) -> tuple[Cubic, ...]:
 
 
 def _check_range(
-    node: Node, pieces: Sequence[Cubic], end: float, limits: tuple[float, float], at: str
+    node: XmlNode, pieces: Sequence[Cubic], end: float, limits: tuple[float, float], at: str
 ) -> None:
     """Record a fault for polynomials that leave the allowed range where they apply."""
     low, high = limits
@@ -226,7 +226,7 @@ def _check_range(
                 break
 
 
-def _speed(road: Node) -> float | None:
+def _speed(road: XmlNode) -> float | None:
     factors = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
     for kind in road.all("type", by="name"):
         speed = kind.first("speed")
@@ -236,7 +236,7 @@ def _speed(road: Node) -> float | None:
     return None
 
 
-def _link(road: Node, end: str) -> RoadLink | None:
+def _link(road: XmlNode, end: str) -> RoadLink | None:
     link = road.first("link")
     node = None if link is None else link.first(end)
     if node is None:
@@ -253,7 +253,7 @@ def _link(road: Node, end: str) -> RoadLink | None:
     return RoadLink("road", identity, _contact(node))
 
 
-def _contact(node: Node) -> Contact:
+def _contact(node: XmlNode) -> Contact:
     contact = node.get("contactPoint", "start")
     if contact == "start":
         return "start"
@@ -265,7 +265,7 @@ def _contact(node: Node) -> Contact:
 # ---------------------------------------------------------------------- lanes
 
 
-def _sections(lanes: Node, length: float) -> list[LaneSection]:
+def _sections(lanes: XmlNode, length: float) -> list[LaneSection]:
     sections: list[LaneSection] = []
     nodes = lanes.all("laneSection")
     if not nodes:
@@ -284,7 +284,7 @@ def _sections(lanes: Node, length: float) -> list[LaneSection]:
     return sections
 
 
-def _lanes(section: Node, length: float) -> tuple[Lane, ...]:
+def _lanes(section: XmlNode, length: float) -> tuple[Lane, ...]:
     lanes: list[Lane] = []
     for side, sign in (("left", 1), ("center", 0), ("right", -1)):
         nodes = section.all(side, "lane", by="name")
@@ -302,7 +302,7 @@ def _lanes(section: Node, length: float) -> tuple[Lane, ...]:
     return tuple(sorted(lanes, key=lambda lane: -lane.id))
 
 
-def _lane(node: Node, sign: int, length: float) -> Lane | None:
+def _lane(node: XmlNode, sign: int, length: float) -> Lane | None:
     number = node.lane_id()
     if number is None:
         return None
@@ -336,7 +336,7 @@ _SHAPES = ("line", "arc", "spiral", "poly3", "paramPoly3")
 # ---------------------------------------------------------------------- junctions
 
 
-def _junction(node: Node) -> Junction:
+def _junction(node: XmlNode) -> Junction:
     connections = []
     for one in node.all("connection"):
         incoming = one.element.get("incomingRoad")

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import Sighting, apparent_size
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.scene_checks import Body
+from oodscen.driving._sight.scene_checks import PlacedBody
 from oodscen.driving._sight.visibility import Eye, area, clipped, visual_range
 from oodscen.protocols import Camera
 
@@ -13,7 +13,7 @@ SCALE_PX = 480.0
 """Rows of the picture in which sizes are stated."""
 
 
-def groups(scene: Scene, cast: Sequence[Body]) -> list[list[int]]:
+def groups(scene: Scene, cast: Sequence[PlacedBody]) -> list[list[int]]:
     """Return the rows of the unusual actors, those of the same asset together."""
     found: dict[str, list[int]] = {}
     for row, body in enumerate(cast):
@@ -28,7 +28,7 @@ def best(found: Iterable[Sighting]) -> Sighting | None:
 
 
 def drawn(
-    scene: Scene, cast: Sequence[Body], corridor: Corridor, camera: Camera
+    scene: Scene, cast: Sequence[PlacedBody], corridor: Corridor, camera: Camera
 ) -> Sighting | None:
     """Return the look of the hazard by the outlines of boxes.
 

@@ -11,7 +11,7 @@ from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._sight.decision_view import drawn
 from oodscen.driving._sight.placement import APPROACH_S, check_scene
-from oodscen.driving._sight.scene_checks import CAMERA, Body, bodies
+from oodscen.driving._sight.scene_checks import CAMERA, PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import Issue
 from oodscen.protocols import Camera, State
@@ -70,7 +70,7 @@ def visibility_issues(
     return [Issue(f"actors[{row}]", fault)]
 
 
-def _fault(now: Sighting, cast: Sequence[Body], row: int, camera: Camera) -> str:
+def _fault(now: Sighting, cast: Sequence[PlacedBody], row: int, camera: Camera) -> str:
     """Return what is wrong with the look of a body at the decision."""
     who = f"{now.actor!r} ({cast[row].asset})"
     if "outside" in now.faults:

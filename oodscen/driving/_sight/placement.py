@@ -8,7 +8,7 @@ from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.world import KinematicWorld, ego_strip, neighbour_strip
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
-from oodscen.driving._sight.scene_checks import Body, bodies, overlapping, touch, truth_issues
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies, overlapping, touch, truth_issues
 from oodscen.errors import DataError, Issue, UnknownComponent
 
 DT = 0.05
@@ -142,11 +142,11 @@ def _place_issues(
 
 def _roll(
     scene: Scene, catalogue: Catalogue, corridor: Corridor, *, within: float
-) -> tuple[list[tuple[Body, ...]], list[Issue]]:
+) -> tuple[list[tuple[PlacedBody, ...]], list[Issue]]:
     """Drive blindly until the decision; return all bodies at every step, and the issues found."""
     world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
     driver = Cruise()
-    path: list[tuple[Body, ...]] = []
+    path: list[tuple[PlacedBody, ...]] = []
     while True:
         cast = bodies(scene, catalogue, world.poses())
         path.append(cast)
@@ -164,7 +164,7 @@ def _roll(
     return path, [_late(scene, path[-1], corridor, within)]
 
 
-def _late(scene: Scene, cast: tuple[Body, ...], corridor: Corridor, within: float) -> Issue:
+def _late(scene: Scene, cast: tuple[PlacedBody, ...], corridor: Corridor, within: float) -> Issue:
     decision = scene.decision
     what = f"{decision.kind} {decision.value:g}"
     where = ""

@@ -32,7 +32,7 @@ _AIRBORNE = frozenset({"fall", "blown"})
 """Behaviours that leave the ground."""
 
 
-class Body(NamedTuple):
+class PlacedBody(NamedTuple):
     """One body of a scene at one moment."""
 
     id: str
@@ -59,11 +59,13 @@ class Body(NamedTuple):
         return Box(one.x, one.y, one.yaw, one.length, one.width)
 
 
-Moments = Mapping[str, Sequence[Body]]
+Moments = Mapping[str, Sequence[PlacedBody]]
 """All bodies at `first`, `middle` and `last`, the ego first."""
 
 
-def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tuple[Body, ...]:
+def bodies(
+    scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]
+) -> tuple[PlacedBody, ...]:
     """Return all bodies at the given poses, the ego first.
 
     Args:
@@ -72,7 +74,7 @@ def bodies(scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]) -> tu
         poses: [n, 4], x, y, z and yaw.
     """
     return tuple(
-        Body(name, asset.id, Solid(x, y, z, yaw, asset.length, asset.width, asset.height))
+        PlacedBody(name, asset.id, Solid(x, y, z, yaw, asset.length, asset.width, asset.height))
         for (name, asset, _), (x, y, z, yaw) in zip(
             catalogue.bodies(scene), poses.tolist(), strict=True
         )
@@ -161,7 +163,7 @@ def overlapping(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issu
     return list(issues.values())
 
 
-def touch(a: Body, b: Body, *, is_tall: bool = True) -> bool:
+def touch(a: PlacedBody, b: PlacedBody, *, is_tall: bool = True) -> bool:
     """Return whether two bodies touch.
 
     Args:
@@ -207,13 +209,13 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
     return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {told}{hint}")
 
 
-def _others(scene: Scene, cast: Sequence[Body], row: int) -> list[Solid]:
+def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[Solid]:
     """Return what may hide a body; what carries it is hollow, and its box does not count."""
     carrier = scene.actors[row - 1].behaviour.other
     return [one.solid for i, one in enumerate(cast) if i not in (0, row) and one.id != carrier]
 
 
-def _hider(cast: Sequence[Body], row: int, camera: Camera, corridor: Corridor) -> str:
+def _hider(cast: Sequence[PlacedBody], row: int, camera: Camera, corridor: Corridor) -> str:
     """Return in words what hides most of a body."""
     eye, body = Eye(camera, cast[0].solid), cast[row].solid
     shares = [
@@ -226,7 +228,7 @@ def _hider(cast: Sequence[Body], row: int, camera: Camera, corridor: Corridor) -
 
 
 def _nearer(
-    scene: Scene, corridor: Corridor, cast: Sequence[Body], row: int, camera: Camera
+    scene: Scene, corridor: Corridor, cast: Sequence[PlacedBody], row: int, camera: Camera
 ) -> str:
     """Return in words the nearest place at which a body would be seen at the decision."""
     ego, body = cast[0].solid, cast[row].solid

@@ -39,7 +39,7 @@ class Rate(Data):
     """Number of paths that the items cover."""
 
 
-class Figure(Data):
+class Estimate(Data):
     """A figure other than a plain count."""
 
     noun: ClassVar[str] = "figure"
@@ -58,13 +58,13 @@ class Detection(Data):
     """Scenes that were called out of the ordinary."""
     specificity: Rate = Rate()
     """Twins that were not called out of the ordinary."""
-    balanced_accuracy: Figure = Figure()
+    balanced_accuracy: Estimate = Estimate()
     """Mean of sensitivity and specificity; 0.5 for an answerer that always says the same."""
-    worst: Figure = Figure()
+    worst: Estimate = Estimate()
     """Balanced accuracy with every missing answer counted as wrong."""
-    auroc: Figure = Figure()
+    auroc: Estimate = Estimate()
     """Probability that a scene is rated above a twin by the stated confidence; 0.5 is chance."""
-    d_prime: Figure = Figure()
+    d_prime: Estimate = Estimate()
     """Sensitivity index d'; 0 if scenes and twins are called OOD equally often."""
     stated: int = 0
     """Answers with a stated confidence; answers without one count as certain."""
@@ -87,7 +87,7 @@ class Identification(Data):
     """Open aspects on which the judge gave no usable answer, so that the matcher scored them."""
 
 
-class Control(Data):
+class ActionScore(Data):
     """Task 2, control: choose an action, which the simulator executed."""
 
     noun: ClassVar[str] = "control"
@@ -100,7 +100,7 @@ class Control(Data):
     """Over the scenes in which one action is safe and another is not: a safe one was chosen."""
     chance: float | None = None
     """The score of a random action on those decidable scenes."""
-    above_chance: Figure = Figure()
+    above_chance: Estimate = Estimate()
     """`decidable` corrected for chance: 0 is a random choice, 1 is always safe."""
     twin_safe: Rate = Rate()
     """Over the ordinary twins: a safe action was chosen."""
@@ -110,7 +110,7 @@ class Control(Data):
     """
 
 
-class Group(Data):
+class SceneGroup(Data):
     """The scenes of one class, family or path."""
 
     noun: ClassVar[str] = "group"
@@ -139,7 +139,7 @@ class Confusion(Data):
     count: int
 
 
-class Standing(Data):
+class LeaderboardRow(Data):
     """One row of the leaderboard."""
 
     noun: ClassVar[str] = "standing"
@@ -156,15 +156,15 @@ class Standing(Data):
     """Answers to other versions of the questions than those of the last run."""
     detection: Detection = Detection()
     identification: Identification = Identification()
-    control: Control = Control()
+    control: ActionScore = ActionScore()
     actions: dict[str, int] = {}
     """Number of times each action was chosen in scenes."""
-    groups: tuple[Group, ...] = ()
+    groups: tuple[SceneGroup, ...] = ()
     confusions: tuple[Confusion, ...] = ()
     """Wrong closed choices, most frequent first."""
 
 
-class Comparison(Data):
+class ModelComparison(Data):
     """The comparison of two answerers on the same items."""
 
     noun: ClassVar[str] = "comparison"
@@ -223,9 +223,9 @@ class Leaderboard(Data):
     whole_shown: int = 0
     """Scenes among `whole` whose hazard is visible in one of the three frames."""
     actions: tuple[ActionTally, ...] = ()
-    standings: tuple[Standing, ...] = ()
+    standings: tuple[LeaderboardRow, ...] = ()
     """Models first, then references, each sorted by safe actions."""
-    comparisons: tuple[Comparison, ...] = ()
+    comparisons: tuple[ModelComparison, ...] = ()
     level: float = 0.95
     seed: int = 0
 
@@ -249,7 +249,7 @@ class Leaderboard(Data):
             caption=f"{self.scenes:,} scenes and {self.twins:,} twins of {self.paths:,} paths",
         )
 
-    def standing(self, model: str) -> Standing | None:
+    def standing(self, model: str) -> LeaderboardRow | None:
         """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
 
@@ -265,12 +265,12 @@ class Leaderboard(Data):
 
         return answer(self)
 
-    def floor(self, task: Task) -> Standing | None:
+    def floor(self, task: Task) -> LeaderboardRow | None:
         """Return the best reference in a task that does not know the truth."""
         return best_floor(self.standings, task)
 
 
-def _cell(found: Rate | Figure) -> str:
+def _cell(found: Rate | Estimate) -> str:
     if found.value is None:
         return "–"
     interval = found.interval
@@ -279,7 +279,7 @@ def _cell(found: Rate | Figure) -> str:
     )
 
 
-def best_floor(standings: Sequence[Standing], task: Task) -> Standing | None:
+def best_floor(standings: Sequence[LeaderboardRow], task: Task) -> LeaderboardRow | None:
     """Return the best reference in a task that does not know the truth."""
     seen = [
         (value, row)
@@ -292,7 +292,7 @@ def best_floor(standings: Sequence[Standing], task: Task) -> Standing | None:
     return max(seen, key=lambda item: item[0], default=(0.0, None))[1]
 
 
-def rates(row: Standing, task: Task) -> tuple[Rate, ...]:
+def rates(row: LeaderboardRow, task: Task) -> tuple[Rate, ...]:
     """Return the rates that count a task's answers: over scenes and twins in detection, over scenes elsewhere."""
     return {
         "detection": (row.detection.sensitivity, row.detection.specificity),
@@ -302,19 +302,19 @@ def rates(row: Standing, task: Task) -> tuple[Rate, ...]:
     }[task]
 
 
-def score(row: Standing, task: Task) -> float | None:
+def score(row: LeaderboardRow, task: Task) -> float | None:
     """Return the figure that ranks a task."""
     if task == "detection":
         return row.detection.balanced_accuracy.value
     return rates(row, task)[0].value
 
 
-def worst_score(row: Standing, task: Task) -> float | None:
+def worst_score(row: LeaderboardRow, task: Task) -> float | None:
     """Return the figure that ranks a task, with every missing answer counted as wrong."""
     return row.detection.worst.value if task == "detection" else rates(row, task)[0].worst
 
 
-def missing_share(row: Standing, task: Task) -> float:
+def missing_share(row: LeaderboardRow, task: Task) -> float:
     """Return the share of a task's items that were asked about and not answered."""
     found = rates(row, task)
     asked = sum(rate.n + rate.missing for rate in found)

@@ -6,11 +6,11 @@ from typing import ClassVar, Literal
 from oodscen.data._base import Data
 from oodscen.judging._leaderboard.board import missing_share, worst_score
 from oodscen.judging._leaderboard.leaderboard import (
-    Comparison,
-    Figure,
+    Estimate,
     Leaderboard,
+    LeaderboardRow,
+    ModelComparison,
     Rate,
-    Standing,
     Task,
     score,
 )
@@ -77,7 +77,7 @@ def called(reference: str) -> str:
     }.get(reference, reference)
 
 
-def is_shown(comparison: Comparison) -> bool:
+def is_shown(comparison: ModelComparison) -> bool:
     """Return whether a difference is significant after all corrections, with whole paths as the units."""
     return comparison.p_clustered_holm < ALPHA
 
@@ -87,7 +87,7 @@ def percent(value: float | None) -> str:
     return "–" if value is None else f"{100 * value:.0f}{_GAP}%"
 
 
-def spread(value: Rate | Figure) -> str:
+def spread(value: Rate | Estimate) -> str:
     """Return the interval of a share as text."""
     if value.interval is None:
         return ""
@@ -103,7 +103,7 @@ _AIMS: dict[Task, str] = {
 }
 
 
-def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
+def _best(board: Leaderboard, models: Sequence[LeaderboardRow], task: Task) -> str:
     """Return sentences on whether the best model in a task can be trusted with it, and whether it leads."""
     scored = [row for row in models if score(row, task) is not None]
     silent = [row for row in scored if missing_share(row, task) > MOST_MISSING]
@@ -140,7 +140,7 @@ def _best(board: Leaderboard, models: Sequence[Standing], task: Task) -> str:
     return f"{text}{_lead(board, ranked, task)}{left}"
 
 
-def _is_ahead_of_floor(board: Leaderboard, row: Standing, task: Task) -> bool:
+def _is_ahead_of_floor(board: Leaderboard, row: LeaderboardRow, task: Task) -> bool:
     """Return whether a model is shown to beat not looking, with missing answers left out."""
     if task == "detection" and row.detection.balanced_accuracy.interval is not None:
         return _against(row.detection.balanced_accuracy, 0.5) == "yes"
@@ -148,7 +148,7 @@ def _is_ahead_of_floor(board: Leaderboard, row: Standing, task: Task) -> bool:
     return found is not None and is_shown(found) and found.test.difference > 0
 
 
-def _at_worst(row: Standing, task: Task) -> str:
+def _at_worst(row: LeaderboardRow, task: Task) -> str:
     """Return the sentence on the score with every missing answer counted as wrong."""
     worst = worst_score(row, task)
     if not missing_share(row, task) or worst is None:
@@ -156,7 +156,7 @@ def _at_worst(row: Standing, task: Task) -> str:
     return f" It would be {percent(worst)} if its unanswered ones were wrong."
 
 
-def _score(board: Leaderboard, row: Standing, task: Task) -> str:
+def _score(board: Leaderboard, row: LeaderboardRow, task: Task) -> str:
     """Return the sentence on a model's score and the best score without looking."""
     if task == "detection":
         balanced = row.detection.balanced_accuracy
@@ -180,7 +180,7 @@ def _score(board: Leaderboard, row: Standing, task: Task) -> str:
     return text
 
 
-def _lead(board: Leaderboard, ranked: Sequence[Standing], task: Task) -> str:
+def _lead(board: Leaderboard, ranked: Sequence[LeaderboardRow], task: Task) -> str:
     """Return the sentence on whether the first of the ranked models is shown to beat the others."""
     best, others = ranked[0].model, {row.model for row in ranked[1:]}
     open_, behind, ahead = list[str](), list[str](), list[str]()
@@ -201,7 +201,7 @@ def _lead(board: Leaderboard, ranked: Sequence[Standing], task: Task) -> str:
     return text
 
 
-def _unfinished(board: Leaderboard, row: Standing) -> str:
+def _unfinished(board: Leaderboard, row: LeaderboardRow) -> str:
     """Return the sentence on the items that stayed unanswered."""
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
@@ -217,7 +217,7 @@ def _unfinished(board: Leaderboard, row: Standing) -> str:
     return f"{row.model} {' and '.join(parts)}." if parts else ""
 
 
-def _notices(board: Leaderboard, row: Standing) -> Finding:
+def _notices(board: Leaderboard, row: LeaderboardRow) -> Finding:
     seen, quiet, balanced = (
         row.detection.sensitivity,
         row.detection.specificity,
@@ -243,7 +243,7 @@ def _notices(board: Leaderboard, row: Standing) -> Finding:
     )
 
 
-def _names(board: Leaderboard, row: Standing) -> Finding:
+def _names(board: Leaderboard, row: LeaderboardRow) -> Finding:
     named, chosen = row.identification.open, row.identification.closed
     if not named.n and not chosen.n:
         asked = named if named.missing else chosen
@@ -268,7 +268,7 @@ def _names(board: Leaderboard, row: Standing) -> Finding:
     )
 
 
-def _acts(board: Leaderboard, row: Standing) -> Finding:
+def _acts(board: Leaderboard, row: LeaderboardRow) -> Finding:
     safe, needless = row.control.safe, row.control.needless
     if not safe.n:
         return Finding(model=row.model, task="act", grade="unknown", text=_unanswered(safe))
@@ -290,7 +290,7 @@ def _acts(board: Leaderboard, row: Standing) -> Finding:
     )
 
 
-def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
+def _floor_grade(board: Leaderboard, row: LeaderboardRow, task: Task) -> Grade:
     """Return the grade of a model against the best reference, also with its missing answers counted as wrong."""
     if missing_share(row, task) > MOST_MISSING:
         return "incomplete"
@@ -306,7 +306,9 @@ def _floor_grade(board: Leaderboard, row: Standing, task: Task) -> Grade:
     return "yes" if is_ahead and is_shown_at_worst else "unclear"
 
 
-def _floor_comparison(board: Leaderboard, row: Standing, task: Task) -> Comparison | None:
+def _floor_comparison(
+    board: Leaderboard, row: LeaderboardRow, task: Task
+) -> ModelComparison | None:
     return next(
         (
             c
@@ -317,7 +319,7 @@ def _floor_comparison(board: Leaderboard, row: Standing, task: Task) -> Comparis
     )
 
 
-def _detection_grade(board: Leaderboard, row: Standing) -> Grade:
+def _detection_grade(board: Leaderboard, row: LeaderboardRow) -> Grade:
     """Return the grade of a model's balanced accuracy against one half, the score of a guess.
 
     Without an interval (few paths, or equal scores everywhere), the comparison with the best reference decides.
@@ -332,7 +334,7 @@ def _detection_grade(board: Leaderboard, row: Standing) -> Grade:
     return grade
 
 
-def _against(value: Figure, chance: float) -> Grade:
+def _against(value: Estimate, chance: float) -> Grade:
     if value.interval is None:
         return "unclear"
     if value.interval.low > chance:
@@ -354,7 +356,7 @@ def _silent(rate: Rate) -> str:
     )
 
 
-def _silent_in_detection(row: Standing) -> str:
+def _silent_in_detection(row: LeaderboardRow) -> str:
     missing = row.detection.sensitivity.missing + row.detection.specificity.missing
     if not missing:
         return ""

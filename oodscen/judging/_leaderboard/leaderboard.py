@@ -12,20 +12,20 @@ from oodscen.data._episode import Episode, as_offered
 from oodscen.data._scenario import Scenario
 from oodscen.data._twins import is_twin
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
-from oodscen.judging._items import Column, Items, Mask, Sheet
+from oodscen.judging._items import AnswerColumns, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import (
     TASKS,
+    ActionScore,
     ActionTally,
-    Comparison,
     Confusion,
-    Control,
     Detection,
-    Figure,
-    Group,
+    Estimate,
     Identification,
     Leaderboard,
+    LeaderboardRow,
+    ModelComparison,
     Rate,
-    Standing,
+    SceneGroup,
     Task,
     best_floor,
     score,
@@ -38,8 +38,20 @@ from oodscen.statistics._resampling import Resampler
 from oodscen.statistics._tests import holm, paired
 
 __all__ = [
-    "ActionTally", "Comparison", "Confusion", "Control", "Detection", "Figure", "Group",
-    "Identification", "Leaderboard", "Rate", "Standing", "Task", "leaderboard", "paper_example",
+    "ActionScore",
+    "ActionTally",
+    "Confusion",
+    "Detection",
+    "Estimate",
+    "Identification",
+    "Leaderboard",
+    "LeaderboardRow",
+    "ModelComparison",
+    "Rate",
+    "SceneGroup",
+    "Task",
+    "leaderboard",
+    "paper_example",
     "score",
 ]  # fmt: skip
 
@@ -48,12 +60,12 @@ Key = tuple[str, Protocol]
 
 
 @dataclass(frozen=True, eq=False)
-class _Study:
+class _SharedValues:
     """The values that all rows of a leaderboard share."""
 
     items: Items
     resampler: Resampler
-    groups: Sequence[tuple[Group, Mask]]
+    groups: Sequence[tuple[SceneGroup, Mask]]
     shown: Mask
     """[n] the items whose hazard is visible under the paper's protocol."""
     seed: int
@@ -88,7 +100,7 @@ def leaderboard(
     grouped: dict[Key, list[Verdict]] = {}
     for verdict in verdicts:
         grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
-    sheets = {key: Sheet.of(items, found) for key, found in grouped.items()}
+    sheets = {key: AnswerColumns.of(items, found) for key, found in grouped.items()}
     rows = [_standing(study, sheets[key], found) for key, found in grouped.items()]
     standings = sorted(
         rows,
@@ -120,10 +132,10 @@ def leaderboard(
     )
 
 
-def _study(items: Items, seen: Collection[str], seed: int) -> _Study:
+def _study(items: Items, seen: Collection[str], seed: int) -> _SharedValues:
     """Return the shared values of a leaderboard; `seen` holds the scenes whose hazard is visible."""
     shown = np.array([episode.scene_id in seen for episode in items.episodes], np.bool_)
-    return _Study(items, Resampler(items.clusters, seed=seed), _groups(items), shown, seed)
+    return _SharedValues(items, Resampler(items.clusters, seed=seed), _groups(items), shown, seed)
 
 
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
@@ -132,21 +144,23 @@ def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
     return count.most_common(1)[0][0] if count else ""
 
 
-def _standing(study: _Study, sheet: Sheet, verdicts: Sequence[Verdict]) -> Standing:
+def _standing(
+    study: _SharedValues, sheet: AnswerColumns, verdicts: Sequence[Verdict]
+) -> LeaderboardRow:
     items, protocol = study.items, verdicts[0].protocol
     scene, twin = items.is_scene, ~items.is_scene
     columns = {
-        "sensitivity": Column(sheet.called, scene),
-        "specificity": Column(1.0 - sheet.called, twin),
-        "open": Column(sheet.open, scene),
-        "open_shown": Column(sheet.open, scene & study.shown & (protocol == "paper")),
-        "closed": Column(sheet.closed, scene),
-        "safe": Column(sheet.safe, scene),
-        "collision_free": Column(sheet.success, scene),
-        "decidable": Column(sheet.safe, items.is_decidable),
-        "twin_safe": Column(sheet.safe, twin),
-        "needless": Column(sheet.cautious, twin & items.keeping_is_safe),
-        "above_chance": Column(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
+        "sensitivity": Ratio(sheet.called, scene),
+        "specificity": Ratio(1.0 - sheet.called, twin),
+        "open": Ratio(sheet.open, scene),
+        "open_shown": Ratio(sheet.open, scene & study.shown & (protocol == "paper")),
+        "closed": Ratio(sheet.closed, scene),
+        "safe": Ratio(sheet.safe, scene),
+        "collision_free": Ratio(sheet.success, scene),
+        "decidable": Ratio(sheet.safe, items.is_decidable),
+        "twin_safe": Ratio(sheet.safe, twin),
+        "needless": Ratio(sheet.cautious, twin & items.keeping_is_safe),
+        "above_chance": Ratio(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
     }
     found = _resampled(study.resampler, list(columns.values()))
     replicates = dict(zip(columns, found.T, strict=True))
@@ -155,7 +169,7 @@ def _standing(study: _Study, sheet: Sheet, verdicts: Sequence[Verdict]) -> Stand
         for name, column in columns.items()
         if name != "above_chance"
     }
-    return Standing(
+    return LeaderboardRow(
         model=verdicts[0].model,
         kind="reference" if any(v.kind == "reference" for v in verdicts) else "model",
         protocol=protocol,
@@ -182,7 +196,7 @@ def _standing(study: _Study, sheet: Sheet, verdicts: Sequence[Verdict]) -> Stand
     )
 
 
-def _group(study: _Study, sheet: Sheet, group: Group, mask: Mask) -> Group:
+def _group(study: _SharedValues, sheet: AnswerColumns, group: SceneGroup, mask: Mask) -> SceneGroup:
     """Return a group with the scores of one answerer in its scenes."""
     columns = {
         "detected": sheet.called,
@@ -190,7 +204,7 @@ def _group(study: _Study, sheet: Sheet, group: Group, mask: Mask) -> Group:
         "closed": sheet.closed,
         "safe": sheet.safe,
     }
-    rates = {name: _rate(study, Column(values, mask), sheet) for name, values in columns.items()}
+    rates = {name: _rate(study, Ratio(values, mask), sheet) for name, values in columns.items()}
     return group.model_copy(update=rates)
 
 
@@ -201,16 +215,16 @@ def _outcome(verdict: Verdict) -> str:
     return verdict.outcome
 
 
-def _resampled(resampler: Resampler, columns: Sequence[Column]) -> NDArray[np.float64]:
+def _resampled(resampler: Resampler, columns: Sequence[Ratio]) -> NDArray[np.float64]:
     above = np.stack([column.above for column in columns], axis=1)
     below = np.stack([column.below for column in columns], axis=1)
     return resampler.ratios(above, below)
 
 
 def _rate(
-    study: _Study,
-    column: Column,
-    sheet: Sheet,
+    study: _SharedValues,
+    column: Ratio,
+    sheet: AnswerColumns,
     replicates: NDArray[np.float64] | None = None,
     *,
     is_fault: bool = False,
@@ -235,8 +249,11 @@ def _rate(
 
 
 def _control(
-    study: _Study, sheet: Sheet, rates: Mapping[str, Rate], replicates: NDArray[np.float64]
-) -> Control:
+    study: _SharedValues,
+    sheet: AnswerColumns,
+    rates: Mapping[str, Rate],
+    replicates: NDArray[np.float64],
+) -> ActionScore:
     """Return the figures of task 2; `replicates` are the [r] ones of `above_chance`."""
     items = study.items
     reach = items.is_decidable & np.isfinite(sheet.safe)
@@ -244,12 +261,12 @@ def _control(
     corrected = None
     if chance is not None and decidable.value is not None:
         corrected = above_chance(decidable.value, chance)
-    return Control(
+    return ActionScore(
         safe=rates["safe"],
         collision_free=rates["collision_free"],
         decidable=decidable,
         chance=chance,
-        above_chance=Figure(
+        above_chance=Estimate(
             value=corrected,
             n=decidable.n,
             interval=percentiles(replicates, study.resampler.count(reach)),
@@ -260,8 +277,8 @@ def _control(
 
 
 def _detection(
-    study: _Study,
-    sheet: Sheet,
+    study: _SharedValues,
+    sheet: AnswerColumns,
     rates: Mapping[str, Rate],
     replicates: Mapping[str, NDArray[np.float64]],
 ) -> Detection:
@@ -285,18 +302,18 @@ def _detection(
     return Detection(
         sensitivity=sensitivity,
         specificity=specificity,
-        balanced_accuracy=Figure(
+        balanced_accuracy=Estimate(
             value=((sensitivity.value or 0) + (specificity.value or 0)) / 2 if both else None,
             n=n if both else 0,
             interval=percentiles(balanced, units) if both else None,
         ),
         worst=_worst_balanced(study, sheet, sensitivity, specificity),
-        auroc=Figure(
+        auroc=Estimate(
             value=area[0] if area else None,
             n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
             interval=area[1] if area else None,
         ),
-        d_prime=Figure(
+        d_prime=Estimate(
             value=d_prime(
                 sensitivity.hits, sensitivity.n, specificity.n - specificity.hits, specificity.n
             ),
@@ -307,25 +324,27 @@ def _detection(
     )
 
 
-def _worst_balanced(study: _Study, sheet: Sheet, sensitivity: Rate, specificity: Rate) -> Figure:
+def _worst_balanced(
+    study: _SharedValues, sheet: AnswerColumns, sensitivity: Rate, specificity: Rate
+) -> Estimate:
     """Return the balanced accuracy with every missing answer counted as wrong."""
     if sensitivity.worst is None or specificity.worst is None:
-        return Figure()
+        return Estimate()
     items, resampler = study.items, study.resampler
     right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
     columns = [
-        Column(right, sheet.was_asked & items.is_scene),
-        Column(right, sheet.was_asked & ~items.is_scene),
+        Ratio(right, sheet.was_asked & items.is_scene),
+        Ratio(right, sheet.was_asked & ~items.is_scene),
     ]
     replicates = _resampled(resampler, columns).mean(axis=1)
-    return Figure(
+    return Estimate(
         value=(sensitivity.worst + specificity.worst) / 2,
         n=int(sheet.was_asked.sum()),
         interval=percentiles(replicates, resampler.count(sheet.was_asked)),
     )
 
 
-def _groups(items: Items) -> list[tuple[Group, Mask]]:
+def _groups(items: Items) -> list[tuple[SceneGroup, Mask]]:
     """Return every class, family and path with its scenes, in order of appearance."""
     found = []
     for level, labels in items.levels.items():
@@ -333,7 +352,7 @@ def _groups(items: Items) -> list[tuple[Group, Mask]]:
             mask = np.array([label == name for label in labels]) & items.is_scene
             if mask.any():
                 at = int(np.flatnonzero(mask)[0])
-                group = Group(
+                group = SceneGroup(
                     level=level,
                     name=name,
                     parent=items.parent(level, at),
@@ -365,18 +384,18 @@ def _tallies(items: Items) -> tuple[ActionTally, ...]:
     return tuple(ActionTally(action=action, **dict(rows[action])) for action in as_offered(rows))
 
 
-def _likeness(items: Items, sheet: Sheet) -> float | None:
+def _likeness(items: Items, sheet: AnswerColumns) -> float | None:
     there = items.is_scene & np.isfinite(sheet.safe)
     labels = [label for label, keep in zip(items.clusters, there, strict=True) if keep]
     return intraclass(sheet.safe[there], labels)
 
 
 def _comparisons(
-    study: _Study, standings: Sequence[Standing], sheets: Mapping[Key, Sheet]
-) -> list[Comparison]:
+    study: _SharedValues, standings: Sequence[LeaderboardRow], sheets: Mapping[Key, AnswerColumns]
+) -> list[ModelComparison]:
     ours = [row for row in standings if row.protocol == "ours"]
     models = [row for row in ours if row.kind == "model"]
-    found: list[Comparison] = []
+    found: list[ModelComparison] = []
     for task in TASKS:
         floor = best_floor(ours, task)
         pairs = [(a, b) for i, a in enumerate(models) for b in models[i + 1 :]]
@@ -387,12 +406,12 @@ def _comparisons(
 
 
 def _family(
-    study: _Study,
+    study: _SharedValues,
     task: Task,
     against: Literal["model", "floor"],
-    pairs: Sequence[tuple[Standing, Standing]],
-    sheets: Mapping[Key, Sheet],
-) -> list[Comparison]:
+    pairs: Sequence[tuple[LeaderboardRow, LeaderboardRow]],
+    sheets: Mapping[Key, AnswerColumns],
+) -> list[ModelComparison]:
     """Return the comparisons of pairs in one task, with p-values corrected for all of them together."""
     items = study.items
     tests, worst = [], []
@@ -413,7 +432,7 @@ def _family(
     at_worst = holm([test.p_clustered for test in worst])
     is_floor = against == "floor"
     return [
-        Comparison(
+        ModelComparison(
             task=task,
             against=against,
             first=first,

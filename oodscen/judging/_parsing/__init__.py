@@ -7,11 +7,11 @@ once more.
 from oodscen.judging._parsing.aspects import Detected, names_nothing, read_aspect, read_named_aspect
 from oodscen.judging._parsing.choices import contradiction, read_action, read_choice
 from oodscen.judging._parsing.descriptions import read_description
-from oodscen.judging._parsing.reading import Reading, is_refusal, reasoning_in
+from oodscen.judging._parsing.reading import ParsedAnswer, is_refusal, reasoning_in
 
 __all__ = [
     "Detected",
-    "Reading",
+    "ParsedAnswer",
     "contradiction",
     "is_refusal",
     "names_nothing",

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
+    ParsedAnswer,
     Question,
-    Reading,
     is_placeholder,
     is_refusal,
     members,
@@ -31,12 +31,12 @@ class Detected:
     """Confidence in `is_ood`, 0 to 1."""
 
 
-def read_aspect(text: str) -> Reading[Detected]:
+def read_aspect(text: str) -> ParsedAnswer[Detected]:
     """Return whether something was called out of the ordinary, the aspect and the confidence."""
     return read(text, Question(_detected, _detected_in_prose, _DETECTION))
 
 
-def read_named_aspect(text: str) -> Reading[str]:
+def read_named_aspect(text: str) -> ParsedAnswer[str]:
     """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
     return read(text, Question(_named, _named_in_prose, _NAMED))
 

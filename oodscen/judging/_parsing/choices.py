@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
+    ParsedAnswer,
     Question,
-    Reading,
     is_placeholder,
     is_refusal,
     members,
@@ -20,7 +20,7 @@ Marking = Callable[[str], str]
 """Replaces every option that folded prose names with a character of `stating.OPTION`."""
 
 
-def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
+def read_action(text: str, offered: Sequence[str]) -> ParsedAnswer[str]:
     """Return which of the offered actions was chosen.
 
     Args:
@@ -31,7 +31,7 @@ def read_action(text: str, offered: Sequence[str]) -> Reading[str]:
     return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)
 
 
-def read_choice(text: str, labels: Mapping[str, str]) -> Reading[str]:
+def read_choice(text: str, labels: Mapping[str, str]) -> ParsedAnswer[str]:
     """Return the chosen option of the closed question, given by its number or its label.
 
     Args:
@@ -59,7 +59,7 @@ _INSIDE = re.compile(r"(?:id|name|value|number|label|option|action|choice|answer
 
 def _read(
     text: str, names: list[str], mark: Marking, keys: re.Pattern[str], *, is_numbered: bool
-) -> Reading[str]:
+) -> ParsedAnswer[str]:
     def resolved(value: Any, depth: int = 4) -> int | None:
         if isinstance(value, list) and len(value) == 1 and depth:
             return resolved(value[0], depth - 1)
@@ -102,8 +102,8 @@ def _read(
         Question(picked, in_prose, re.compile(f"{keys.pattern}|{_INSIDE.pattern}"), named, denies),
     )
     if reading.value is None:
-        return Reading(None, reading.outcome, reading.note)
-    return Reading(names[reading.value], "answered", reading.note)
+        return ParsedAnswer(None, reading.outcome, reading.note)
+    return ParsedAnswer(names[reading.value], "answered", reading.note)
 
 
 # ------------------------------------------------------------------ options in prose

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen.judging._parsing.reading import (
+    ParsedAnswer,
     Question,
-    Reading,
     is_placeholder,
     is_refusal,
     members,
@@ -22,7 +22,7 @@ _LONGEST_REFUSAL = 300
 """The longest prose that counts as a refusal, in characters; longer prose is a description."""
 
 
-def read_description(text: str) -> Reading[str]:
+def read_description(text: str) -> ParsedAnswer[str]:
     """Return a description of a frame; any prose is accepted except a refusal or nothing."""
     return read(text, Question(_in_object, _in_prose, _ANY))
 

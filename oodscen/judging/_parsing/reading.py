@@ -29,7 +29,7 @@ Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class Reading(Generic[Value]):
+class ParsedAnswer(Generic[Value]):
     """A parsed answer."""
 
     value: Value | None
@@ -72,24 +72,26 @@ class Question(Generic[Value]):
         return None if fault else value, fault
 
 
-def read(text: str, question: Question[Value]) -> Reading[Value]:
+def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
     """Parse an answer from its JSON, else from its prose."""
     if len(text) > LONGEST:
-        return Reading(None, "unparsed", f"it has {len(text):,} characters; {LONGEST:,} at most")
+        return ParsedAnswer(
+            None, "unparsed", f"it has {len(text):,} characters; {LONGEST:,} at most"
+        )
     note = "no answer is named plainly"
     try:
         said = spoken_json(text)
         value = _in_objects(said, question)
         if value is not None:
-            return Reading(value, "answered", "JSON")
+            return ParsedAnswer(value, "answered", "JSON")
         value = question.prose(tidied("\n".join(_between(said, scan(said)[0]))))
         if value is not None:
-            return Reading(value, "answered", "prose")
+            return ParsedAnswer(value, "answered", "prose")
     except UnusableError as error:
         note = str(error)
     if is_refusal(text):
-        return Reading(None, "refused", "a refusal")
-    return Reading(None, "unparsed", note)
+        return ParsedAnswer(None, "refused", "a refusal")
+    return ParsedAnswer(None, "unparsed", note)
 
 
 # ------------------------------------------------------------------ objects

@@ -1,4 +1,4 @@
-"""Bounds on one call: wall-clock time and bytes.
+"""CallBounds on one call: wall-clock time and bytes.
 
 A read timeout restarts with every byte, so it never ends a call whose server sends a byte now and then; and
 an endless body fills the memory. The bounds stop both below the HTTP client.
@@ -30,10 +30,10 @@ waiting, or the request would have gone to a forbidden address.
 
 
 class BoundReached(Exception):
-    """Raised when a response exceeds its bound; callers never see it, as the client reports `Bounds.broken`."""
+    """Raised when a response exceeds its bound; callers never see it, as the client reports `CallBounds.broken`."""
 
 
-class Bounds:
+class CallBounds:
     """The time and size limits of one call, and a record of what arrived.
 
     Args:
@@ -148,11 +148,11 @@ class Bounds:
             raise BoundReached(f"the response has more than {self.size:,} bytes")
 
 
-_bounds: ContextVar[Bounds | None] = ContextVar("bounds", default=None)
+_bounds: ContextVar[CallBounds | None] = ContextVar("bounds", default=None)
 
 
 @contextmanager
-def bounded(bounds: Bounds) -> Iterator[Bounds]:
+def bounded(bounds: CallBounds) -> Iterator[CallBounds]:
     """Apply these bounds to every request of this thread while the context lasts."""
     token = _bounds.set(bounds)
     try:
@@ -161,6 +161,6 @@ def bounded(bounds: Bounds) -> Iterator[Bounds]:
         _bounds.reset(token)
 
 
-def active() -> Bounds | None:
+def active() -> CallBounds | None:
     """Return the bounds of this thread's call, or `None`."""
     return _bounds.get()

@@ -7,7 +7,7 @@ from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
 from oodscen._redaction import redact
-from oodscen.llm._remote.call_bounds import Bounds
+from oodscen.llm._remote.call_bounds import CallBounds
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
 """The meaning of a failure.
@@ -58,7 +58,7 @@ class NoAnswer(Exception):
 
 
 @dataclass(frozen=True)
-class Failure:
+class FailedAttempt:
     """One attempt without an answer."""
 
     message: str
@@ -85,7 +85,7 @@ class Failure:
         return self.status is not None and self.status >= 400
 
 
-def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
+def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
     """Classify an exception of litellm, without any credentials in the texts.
 
     Args:
@@ -117,7 +117,7 @@ def diagnose(model: str, error: Exception, bounds: Bounds) -> Failure:
     is_unreadable = kind == "erring" and (status is None or status < 400)
     if is_unreadable and bounds.broken is None and not bounds.head.strip() and bounds.is_sent:
         reason = "the response is empty"
-    return Failure(
+    return FailedAttempt(
         message=f"{model} gave no answer: {reason}",
         kind=kind,
         retryable=kind in ("limit", "late", "unreachable", "erring")

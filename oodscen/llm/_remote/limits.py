@@ -13,7 +13,7 @@ from pydantic import Field
 from oodscen._display import Brief
 from oodscen.data._base import Data
 from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
-from oodscen.llm._remote.failures import Failure
+from oodscen.llm._remote.failures import FailedAttempt
 
 CONCURRENCY = 8
 """Default number of concurrent requests to one endpoint."""
@@ -264,7 +264,7 @@ class Endpoint:
             self.window = min(float(self.concurrency), self.window + 1.0 / self.window)
             self._free.notify_all()
 
-    def failed(self, failure: Failure, begun: float, model: str = "") -> None:
+    def failed(self, failure: FailedAttempt, begun: float, model: str = "") -> None:
         """Record a failed attempt.
 
         Args:
@@ -293,7 +293,7 @@ class Endpoint:
                     silence = self._clock() - since
                     self._give_up(None, f"no response for {silence:.0f} s; {failure.message}")
 
-    def given_up(self, failure: Failure, model: str = "") -> None:
+    def given_up(self, failure: FailedAttempt, model: str = "") -> None:
         """Record a call that will not be retried."""
         with self._free:
             if failure.kind in _LENIENCY:
@@ -330,7 +330,7 @@ _LENIENCY: Mapping[str, float] = {
 """Failures that count against a model, each with the maximum leniency for it."""
 
 
-class Traffic(Brief):
+class Limits(Brief):
     """The budget, prices and endpoints of one run, shared by all its models.
 
     Args:

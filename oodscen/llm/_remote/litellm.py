@@ -17,17 +17,17 @@ from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
-    LateError,
+    ContentFiltered,
     LLMError,
+    LLMTimeout,
     MissingExtra,
-    RefusedError,
     ResponseError,
     UnknownComponent,
     UsageError,
 )
-from oodscen.llm._remote.call_bounds import Bounds, bounded
-from oodscen.llm._remote.failures import Failure, Filtered, NoAnswer, diagnose
-from oodscen.llm._remote.limits import Price, Spent, Traffic, check_seconds
+from oodscen.llm._remote.call_bounds import CallBounds, bounded
+from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
+from oodscen.llm._remote.limits import Limits, Price, Spent, check_seconds
 from oodscen.llm._remote.offline import SWITCH, enforce, is_loopback, is_offline
 from oodscen.llm._remote.usage import believed, count, estimate_tokens
 from oodscen.protocols import Completion, Request, Usage
@@ -67,13 +67,13 @@ class LiteLLM(Brief):
             assumed to be on an OpenAI-compatible server.
         api_base: Address of the server, e.g. `http://localhost:8000/v1`.
         seed: Seed of the run.
-        timeout_s: Longest time for one attempt, from its start to the last byte; the traffic's if left out.
+        timeout_s: Longest time for one attempt, from its start to the last byte; the limits's if left out.
         temperature: Sampling temperature; `None` leaves it to the provider.
         max_tokens: Longest answer; `None` leaves it to the provider.
         retries: Maximum number of retries.
         max_wait_s: Longest wait before a retry; a call is given up at once if the server asks for more.
         max_bytes: Largest response.
-        traffic: Caps, prices and endpoints, shared by the models of a run. Without it nothing is capped and
+        limits: Caps, prices and endpoints, shared by the models of a run. Without it nothing is capped and
             no endpoint is given up.
         options: Further arguments of `litellm.completion`, e.g. `{"reasoning_effort": "low"}`.
         sleep: Waits the given seconds; by default it returns early if the run is interrupted.
@@ -99,7 +99,7 @@ class LiteLLM(Brief):
         retries: int = 5,
         max_wait_s: float = 60.0,
         max_bytes: int = 10_000_000,
-        traffic: Traffic | None = None,
+        limits: Limits | None = None,
         options: Mapping[str, Any] | None = None,
         sleep: Callable[[float], None] | None = None,
     ) -> None:
@@ -109,24 +109,24 @@ class LiteLLM(Brief):
         self.retries = retries
         self.max_wait_s = max_wait_s
         self.max_bytes = max_bytes
-        self.traffic = traffic or Traffic(concurrency=ALONE, patience_s=None)
+        self.limits = limits or Limits(concurrency=ALONE, patience_s=None)
         self.timeout_s = (
-            self.traffic.timeout_s if timeout_s is None else check_seconds("timeout_s", timeout_s)
+            self.limits.timeout_s if timeout_s is None else check_seconds("timeout_s", timeout_s)
         )
-        self._sleep = sleep or self.traffic.sleep
+        self._sleep = sleep or self.limits.sleep
         self._sdk = sdk = load_litellm()
         settings = {name: value for name, value in vars(sdk).items() if name.islower()}
         if api_base is not None:
             _check_address(api_base)
         hide([*secrets_in({**settings, **(options or {})}), *secrets_of(api_base or "")])
         # litellm asks some models' servers what they can do.
-        with bounded(Bounds(LOOKUP_S, max_bytes)):
+        with bounded(CallBounds(LOOKUP_S, max_bytes)):
             self._model, provider, address = _resolve(sdk, model, api_base)
             _permit(model, api_base, address)
-            self.price = self.traffic.prices.get(model) or known_price(sdk, self._model)
+            self.price = self.limits.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
-        _afford(model, self.price, self.traffic)
-        self._endpoint = self.traffic.endpoint(redact(api_base) if api_base else provider)
+        _afford(model, self.price, self.limits)
+        self._endpoint = self.limits.endpoint(redact(api_base) if api_base else provider)
         self._refused: set[str] = set()
         self._arguments: dict[str, Any] = {
             "model": self._model,
@@ -184,18 +184,18 @@ class LiteLLM(Brief):
 
     def _try(
         self, arguments: dict[str, Any], request: Request, most: Spent
-    ) -> Completion | Failure:
-        self.traffic.check()
+    ) -> Completion | FailedAttempt:
+        self.limits.check()
         with self._endpoint.slot(self.name) as begun:
-            self.traffic.check()
-            self.traffic.budget.reserve(most)
+            self.limits.check()
+            self.limits.budget.reserve(most)
             used, answered = most, 0
-            bounds = Bounds(
+            bounds = CallBounds(
                 self.timeout_s,
                 self.max_bytes,
                 silence_s=self._endpoint.silence_s,
                 is_alive=lambda url, seconds: self._endpoint.is_alive(url, _responds, seconds),
-                is_closed=self.traffic.is_over,
+                is_closed=self.limits.is_over,
             )
             try:
                 with bounded(bounds):
@@ -211,21 +211,21 @@ class LiteLLM(Brief):
                 self._endpoint.succeeded(self.name)
                 return completion
             finally:
-                self.traffic.budget.settle(most, used, answered)
-        self.traffic.check()
+                self.limits.budget.settle(most, used, answered)
+        self.limits.check()
         if failure.kind == "late" and not self._is_there(bounds):
             failure = replace(failure, kind="unreachable")
         self._endpoint.failed(failure, begun, self.name)
         self._endpoint.check(self.name)
         return failure
 
-    def _is_there(self, bounds: Bounds) -> bool:
+    def _is_there(self, bounds: CallBounds) -> bool:
         """Return whether a server whose answer is late responds to anything."""
         if not bounds.is_sent or bounds.status is not None:
             return True
         return self._endpoint.is_alive(bounds.url, _responds)
 
-    def _explained(self, failure: Failure) -> Failure:
+    def _explained(self, failure: FailedAttempt) -> FailedAttempt:
         """Add to a failure that the server asked for too long a wait."""
         asked = failure.retry_after
         if not failure.retryable or asked is None or asked <= self.max_wait_s:
@@ -233,11 +233,11 @@ class LiteLLM(Brief):
         said = f"; the server asked to wait {asked:.0f} s, more than max_wait_s {self.max_wait_s:g}"
         return replace(failure, message=f"{failure.message}{said}")
 
-    def _error(self, failure: Failure, requests: int) -> LLMError:
+    def _error(self, failure: FailedAttempt, requests: int) -> LLMError:
         if failure.kind == "filtered":
-            return RefusedError(failure.message, model=self.name, requests=requests)
+            return ContentFiltered(failure.message, model=self.name, requests=requests)
         if failure.kind == "late":
-            return LateError(failure.message, model=self.name, retryable=True, requests=requests)
+            return LLMTimeout(failure.message, model=self.name, retryable=True, requests=requests)
         if failure.is_no_response:
             return ResponseError(
                 failure.message,
@@ -253,7 +253,7 @@ class LiteLLM(Brief):
     def _most(self, request: Request) -> Spent:
         """Return the maximum cost of one attempt."""
         asked = estimate_tokens(request)
-        answered = self._arguments.get("max_tokens") or self.traffic.budget.answer_tokens
+        answered = self._arguments.get("max_tokens") or self.limits.budget.answer_tokens
         cost = self.price.of(asked, answered) if self.price else 0.0
         return Spent(1, asked + answered, cost)
 
@@ -287,7 +287,7 @@ class LiteLLM(Brief):
         )
 
     def _cost(self, response: Any, asked: int, answered: int) -> float | None:
-        if (given := self.traffic.prices.get(self.name)) is not None:
+        if (given := self.limits.prices.get(self.name)) is not None:
             return given.of(asked, answered)
         try:
             return float(self._sdk.completion_cost(completion_response=response, model=self._model))
@@ -304,10 +304,10 @@ class LiteLLM(Brief):
     @cached_property
     def _ability(self) -> str:
         """The answer formats that litellm says the model has; it asks some models' servers."""
-        with bounded(Bounds(LOOKUP_S, self.max_bytes)):
+        with bounded(CallBounds(LOOKUP_S, self.max_bytes)):
             return _json_ability(self._sdk, self._model)
 
-    def _wait(self, failure: Failure, tries: int, request: Request) -> float | None:
+    def _wait(self, failure: FailedAttempt, tries: int, request: Request) -> float | None:
         """Return the seconds to wait before the next attempt, or `None` to give up."""
         most = min(self.retries, LATE_RETRIES) if failure.kind == "late" else self.retries
         most = 0 if self._endpoint.is_doubted(self.name) else most
@@ -377,9 +377,9 @@ def known_price(sdk: ModuleType, model: str) -> Price | None:
     return Price(float(asked), float(answered))
 
 
-def _afford(model: str, price: Price | None, traffic: Traffic) -> None:
+def _afford(model: str, price: Price | None, limits: Limits) -> None:
     """Refuse a model without a price if the cost is capped."""
-    if traffic.budget.caps.cost_usd is not None and price is None:
+    if limits.budget.caps.cost_usd is not None and price is None:
         raise UsageError(
             f"the cost of the run is capped and the price of {model!r} is not known; give it in USD per "
             f"million tokens of input and output, e.g. --price {model}=0.5,1.5 (0,0 for a model of "

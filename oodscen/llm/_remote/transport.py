@@ -19,7 +19,7 @@ import httpcore
 import httpx
 
 from oodscen._redaction import redact
-from oodscen.llm._remote.call_bounds import HEAD, KEPT, BoundReached, Bounds, active, bounded
+from oodscen.llm._remote.call_bounds import HEAD, KEPT, BoundReached, CallBounds, active, bounded
 from oodscen.llm._remote.offline import is_loopback, is_offline
 
 CONNECT_S = 10.0
@@ -44,7 +44,7 @@ def responds(url: str, timeout_s: float) -> bool:
     """
     asked = httpx.URL(url)
     page = httpx.URL(scheme=asked.scheme, host=asked.host, port=asked.port, path="/")
-    with bounded(Bounds(timeout_s, HEAD)) as bounds:
+    with bounded(CallBounds(timeout_s, HEAD)) as bounds:
         try:
             with guard(httpx.Client(verify=False, timeout=timeout_s)) as client:
                 client.send(client.build_request("GET", page), stream=True).close()
@@ -125,7 +125,7 @@ def _watch(response: httpx.Response) -> None:
         bounds.head = _beginning(response)
     bounds.refuse(size)
     if isinstance(response.stream, httpx.SyncByteStream):
-        response.stream = _Counted(response.stream, bounds)
+        response.stream = _CountedStream(response.stream, bounds)
 
 
 def _target(response: httpx.Response) -> str:
@@ -139,7 +139,7 @@ def _target(response: httpx.Response) -> str:
 
 def _beginning(response: httpx.Response) -> bytes:
     """Return the beginning of a body that is about to be refused; a slow server does not delay the refusal."""
-    beginning = Bounds(BEGINNING_S, KEPT)
+    beginning = CallBounds(BEGINNING_S, KEPT)
     with bounded(beginning), suppress(httpx.HTTPError, BoundReached):
         for chunk in response.iter_raw():
             beginning.count(chunk)
@@ -181,8 +181,8 @@ class _Tunnel(httpx.BaseTransport):
         self._proxy.close()
 
 
-class _Counted(httpx.SyncByteStream):
-    def __init__(self, inner: httpx.SyncByteStream, bounds: Bounds) -> None:
+class _CountedStream(httpx.SyncByteStream):
+    def __init__(self, inner: httpx.SyncByteStream, bounds: CallBounds) -> None:
         self._inner = inner
         self._bounds = bounds
 

@@ -8,7 +8,7 @@ from oodscen._files import inside
 
 
 @dataclass(frozen=True)
-class Picture:
+class FramePicture:
     """One frame as the page links to it."""
 
     href: str = ""
@@ -17,7 +17,7 @@ class Picture:
     """The reason why there is no picture."""
 
 
-def picture(folder: Path, name: str | None) -> Picture:
+def picture(folder: Path, name: str | None) -> FramePicture:
     """Return the address of a frame.
 
     Args:
@@ -25,14 +25,18 @@ def picture(folder: Path, name: str | None) -> Picture:
         name: File relative to the study; a path outside the study is rejected.
     """
     if not name:
-        return Picture(problem="no frame")
+        return FramePicture(problem="no frame")
     if not _looks_like_one(name):
-        return Picture(problem="not a picture of this study")
+        return FramePicture(problem="not a picture of this study")
     try:
         is_there = inside(folder, name).is_file()
     except (OSError, ValueError):
-        return Picture(problem="not a picture of this study")
-    return Picture(href=quote(name)) if is_there else Picture(problem="frame file is missing")
+        return FramePicture(problem="not a picture of this study")
+    return (
+        FramePicture(href=quote(name))
+        if is_there
+        else FramePicture(problem="frame file is missing")
+    )
 
 
 def _looks_like_one(name: str) -> bool:

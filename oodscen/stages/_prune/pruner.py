@@ -21,7 +21,7 @@ from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
 
 if TYPE_CHECKING:
     from oodscen.stages._prune.restoration import Restoration
-    from oodscen.stages._prune.side_by_side import Comparison
+    from oodscen.stages._prune.side_by_side import CatalogueComparison
 
 _LONGEST_REASON = 1_000
 """Maximum length of a model's reason that is stored, in characters."""
@@ -177,7 +177,7 @@ class Pruner(Brief):
         tree: ScenarioTree,
         catalogues: Mapping[str, Catalogue],
         judged: Mapping[str, Sequence[PruneDecision]],
-    ) -> "Comparison":
+    ) -> "CatalogueComparison":
         """Compare the decisions of several catalogues about one tree.
 
         Args:

@@ -21,16 +21,16 @@ class Side(Data):
     """The narrower label, if only a part of the branch can be shown."""
 
 
-class Line(Data):
+class LeafDecisions(Data):
     """One leaf with the decisions of all simulators."""
 
     id: str
     path: tuple[str, ...]
     sides: tuple[Side, ...]
-    """The decisions, in the order of `Comparison.catalogues`."""
+    """The decisions, in the order of `CatalogueComparison.catalogues`."""
 
 
-class Tally(Data):
+class CatalogueTally(Data):
     """Summary figures of one simulator."""
 
     catalogue: str
@@ -64,15 +64,15 @@ class Tally(Data):
         return text
 
 
-class Comparison(Data):
+class CatalogueComparison(Data):
     """One tree pruned for several simulators."""
 
     noun: ClassVar[str] = "comparison"
 
     schema_version: Literal[1] = 1
     catalogues: tuple[str, ...]
-    tallies: tuple[Tally, ...]
-    lines: tuple[Line, ...]
+    tallies: tuple[CatalogueTally, ...]
+    lines: tuple[LeafDecisions, ...]
     """One line for every leaf, in tree order."""
 
     def rows(self) -> list[dict[str, str]]:
@@ -112,7 +112,7 @@ def compare(
     tree: ScenarioTree,
     catalogues: Mapping[str, Catalogue],
     judged: Mapping[str, Sequence[PruneDecision]],
-) -> Comparison:
+) -> CatalogueComparison:
     """Compare the decisions of several catalogues about one tree.
 
     Args:
@@ -131,7 +131,7 @@ def compare(
     leaves = [leaf.id for leaf in tree.leaves]
     paths = tree.paths
     lines = tuple(
-        Line(
+        LeafDecisions(
             id=leaf,
             path=paths[leaf],
             sides=tuple(_side(decided[name][leaf]) for name in catalogues),
@@ -144,7 +144,7 @@ def compare(
         own = [decided[name][leaf] for leaf in leaves]
         others = set().union(*(shown[other] for other in catalogues if other != name))
         tallies.append(
-            Tally(
+            CatalogueTally(
                 catalogue=name,
                 kept=len(shown[name]),
                 full=sum(one.match == "full" for one in own),
@@ -157,7 +157,7 @@ def compare(
                 restoration=restoration(own),
             )
         )
-    return Comparison(catalogues=tuple(catalogues), tallies=tuple(tallies), lines=lines)
+    return CatalogueComparison(catalogues=tuple(catalogues), tallies=tuple(tallies), lines=lines)
 
 
 def absent(catalogue: Catalogue) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from oodscen.stages._redteam.thresholds import NEAREST_LABEL, NEAREST_TEXT
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree
 
 
-class Nearness(NamedTuple):
+class ClosestText(NamedTuple):
     """The leaf or earlier proposal that is most similar to a proposal."""
 
     similarity: float | None
@@ -28,7 +28,7 @@ class Nearness(NamedTuple):
     is_too_near: bool
 
 
-class Novelty:
+class NoveltyFilter:
     """Remembers leaves and proposals, and compares a new proposal with them.
 
     Sentences about driving share a frame ("The ego vehicle is driving on ...") that makes all of them
@@ -74,14 +74,14 @@ class Novelty:
         self._text_count = len(frames)
         self._texts = np.empty((16, encoder.dimension))
 
-    def nearness(self, text: str) -> Nearness:
+    def nearness(self, text: str) -> ClosestText:
         """Compare a proposal with all leaves and all earlier proposals."""
         if (kind := self._literal.get(plain(text))) is not None:
-            return Nearness(1.0, kind, "text", text, True)
+            return ClosestText(1.0, kind, "text", text, True)
         if self._encoder is None:
-            return Nearness(None, None, None, "", False)
+            return ClosestText(None, None, None, "", False)
         vector = self._vector(text)
-        found: list[Nearness] = []
+        found: list[ClosestText] = []
         if self._leaves:
             ids = list(self._leaves)
             cosines = _cosines(self._label_rows(), vector)
@@ -94,7 +94,7 @@ class Novelty:
             kind, words = self._kinds[best], self._proposed[best]
             found.append(self._judged(float(cosines[best]), kind, "text", words))
         if not found:
-            return Nearness(None, None, None, "", False)
+            return ClosestText(None, None, None, "", False)
         return max(found, key=lambda one: (one.is_too_near, self._excess(one)))
 
     def ranked(self, text: str, tree: ScenarioTree) -> list[str]:
@@ -148,11 +148,11 @@ class Novelty:
 
     def _judged(
         self, cosine: float, node: str, by: Literal["label", "text"], words: str
-    ) -> Nearness:
+    ) -> ClosestText:
         similarity = round(cosine, 4)
-        return Nearness(similarity, node, by, words, similarity >= self._limits[by])
+        return ClosestText(similarity, node, by, words, similarity >= self._limits[by])
 
-    def _excess(self, one: Nearness) -> float:
+    def _excess(self, one: ClosestText) -> float:
         return (one.similarity or 0.0) - self._limits[one.by or "text"]
 
     @property

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 from oodscen._concurrency import cancelling
 from oodscen._display import Brief
-from oodscen._progress import Progress as Told
-from oodscen._progress import reporting
+from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
@@ -20,11 +19,11 @@ from oodscen.stages._options import RedTeamOptions, chosen
 from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
 from oodscen.stages._redteam.excerpt import corner, excerpt, listed, thin
 from oodscen.stages._redteam.naming import Names
-from oodscen.stages._redteam.novelty import Nearness, Novelty
+from oodscen.stages._redteam.novelty import ClosestText, NoveltyFilter
 from oodscen.stages._redteam.rarity import Rarity
 from oodscen.stages._redteam.rounds import Round, RunnerUp
 from oodscen.stages._redteam.saturation import Saturation, saturation
-from oodscen.stages._redteam.stopping import Progress, Stop
+from oodscen.stages._redteam.stopping import Stop, Stopping
 from oodscen.tree._scenario_tree import ScenarioTree
 
 __all__ = ["RedTeamer", "Round", "RunnerUp"]
@@ -75,7 +74,7 @@ class RedTeamer(Brief):
         self.catalogue = CatalogueDigest.of(catalogue) if catalogue else None
         self.cancel = cancel
 
-    def run(self, tree: ScenarioTree, *, progress: Told | bool | None = None) -> ScenarioTree:
+    def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the tree after all rounds; each edit holds its round, text and reason.
 
         Args:
@@ -103,7 +102,7 @@ class RedTeamer(Brief):
             tree: The tree before the first round.
             done: Earlier rounds to continue from.
         """
-        game = _Game(self, tree)
+        game = _Session(self, tree)
         for item in done:
             game.add(item)
         in_flight = self.options.in_flight
@@ -130,7 +129,7 @@ class RedTeamer(Brief):
 
     def stopped_by(self, rounds: Iterable[Round]) -> Stop | None:
         """Return the rule that ends the red teaming after these rounds, or `None` if it goes on."""
-        progress = Progress(self.options)
+        progress = Stopping(self.options)
         for item in rounds:
             progress.add(item)
         return progress.stop
@@ -146,7 +145,7 @@ class RedTeamer(Brief):
         return saturation(rounds, patience=patience)
 
     def _imagine(self, question: ImagineScenario, number: int, attempts: int) -> "_Proposal":
-        counted = _Counted(self.red_llm)
+        counted = _CountingLLM(self.red_llm)
         try:
             said = ask(counted, question, sample=number, attempts=attempts)
         except (LLMError, DataError) as error:
@@ -163,7 +162,7 @@ class _Proposal(NamedTuple):
     error: LLMError | DataError | None
 
 
-class _Counted:
+class _CountingLLM:
     """Counts the model calls of one question."""
 
     def __init__(self, llm: LLM) -> None:
@@ -176,16 +175,16 @@ class _Counted:
         return self._llm.complete(request)
 
 
-class _Game:
+class _Session:
     """The rounds so far, as a function of the initial tree and the log."""
 
     def __init__(self, teamer: RedTeamer, tree: ScenarioTree) -> None:
         self.teamer = teamer
         self.options = teamer.options
         self.tree = tree
-        self.progress = Progress(self.options)
+        self.progress = Stopping(self.options)
         self.rarity = Rarity(self.options.rarity)
-        self.novelty = Novelty(
+        self.novelty = NoveltyFilter(
             tree,
             teamer.encoder,
             text=self.options.nearest,
@@ -270,7 +269,7 @@ class _Game:
 
     def _placed(self, known: Round) -> Round:
         teamer, tree = self.teamer, self.tree
-        counted = _Counted(teamer.llm)
+        counted = _CountingLLM(teamer.llm)
         attempts = self.progress.attempts(known.calls)
         try:
             question, names = self._where(known.text)
@@ -349,7 +348,7 @@ def _spent(known: Round, calls: int) -> Round:
     return known.model_copy(update={"calls": known.calls + calls})
 
 
-def _refused(known: Round, found: Nearness) -> Round:
+def _refused(known: Round, found: ClosestText) -> Round:
     what = "the leaf" if found.by == "label" else "the earlier proposal"
     return known.model_copy(
         update={

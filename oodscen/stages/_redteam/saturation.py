@@ -92,7 +92,7 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         patience: Number of rounds without a new kind that count as dry, and number of recent rounds.
     """
     played = tuple(rounds)
-    tally = Tally()
+    tally = KindTally()
     curve, calls, dry_from, last_new = [], 0, None, 0
     for item in played:
         tally.add(item)
@@ -141,7 +141,7 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
     )
 
 
-class Tally:
+class KindTally:
     """Counts of the encounters with each new kind, updated round by round."""
 
     def __init__(self) -> None:

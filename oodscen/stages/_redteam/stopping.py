@@ -5,7 +5,7 @@ from typing import Literal
 from oodscen.llm._ask import ATTEMPTS
 from oodscen.stages._options import RedTeamOptions
 from oodscen.stages._redteam.rounds import NEW, Round
-from oodscen.stages._redteam.saturation import Tally
+from oodscen.stages._redteam.saturation import KindTally
 
 Stop = Literal["rounds", "budget", "patience", "coverage"]
 """The rule that ended the red teaming."""
@@ -15,7 +15,7 @@ LEAST = 2
 _MOST = 2 * ATTEMPTS
 
 
-class Progress:
+class Stopping:
     """The state that the stopping rules examine, updated round by round."""
 
     def __init__(self, options: RedTeamOptions) -> None:
@@ -25,7 +25,7 @@ class Progress:
         self.calls = 0
         self.idle = 0
         """Number of rounds in a row without a new kind."""
-        self._tally = Tally()
+        self._tally = KindTally()
 
     def add(self, item: Round) -> None:
         """Count a finished round; a round without an answer does not affect `patience`."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author._knowledge.base import Clash, Knowledge, Place, Wording
+from oodscen.author._knowledge.base import Clash, Knowledge, RoadKind, Wording
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
@@ -156,5 +156,5 @@ def test_words_clash_with_settings_only_where_they_do_not_belong() -> None:
     assert agreement.suiting(["a dry road", "a road"], Setting(conditions=("rain",))) == ["a road"]
 
 
-def _told(place: Place | None) -> tuple[str, ...]:
+def _told(place: RoadKind | None) -> tuple[str, ...]:
     return place.phrases if place is not None else ()

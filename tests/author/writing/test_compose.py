@@ -3,12 +3,12 @@ import re
 import pytest
 
 from oodscen._seeding import stream
-from oodscen.author._knowledge.base import Hazard, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._writing.compose import Composer
 from oodscen.prompts._scenario.describe_path import plain
 
 
-def written(knowledge: Knowledge, hazard: Hazard, count: int, seed: int = 0) -> list[str]:
+def written(knowledge: Knowledge, hazard: HazardKind, count: int, seed: int = 0) -> list[str]:
     texts = Composer(knowledge).texts(hazard, stream(seed, hazard.label), set())
     return [text for text, _ in zip(texts, range(count), strict=False)]
 
@@ -20,22 +20,22 @@ def shared(event: str, text: str) -> float:
 
 
 @pytest.fixture(scope="module")
-def many(knowledge: Knowledge) -> list[tuple[Hazard, str]]:
+def many(knowledge: Knowledge) -> list[tuple[HazardKind, str]]:
     return [(h, text) for h in knowledge.hazards for text in written(knowledge, h, 30, seed=3)]
 
 
-def test_every_hazard_yields_many_distinct_texts(many: list[tuple[Hazard, str]]) -> None:
+def test_every_hazard_yields_many_distinct_texts(many: list[tuple[HazardKind, str]]) -> None:
     by_hazard: dict[str, set[str]] = {}
     for hazard, text in many:
         by_hazard.setdefault(hazard.id, set()).add(plain(text))
     assert {len(texts) for texts in by_hazard.values()} == {30}
 
 
-def test_no_two_texts_of_a_thousand_are_equal(many: list[tuple[Hazard, str]]) -> None:
+def test_no_two_texts_of_a_thousand_are_equal(many: list[tuple[HazardKind, str]]) -> None:
     assert len({plain(text) for _, text in many}) == len(many)
 
 
-def test_texts_are_well_formed(many: list[tuple[Hazard, str]]) -> None:
+def test_texts_are_well_formed(many: list[tuple[HazardKind, str]]) -> None:
     for _, text in many:
         assert 20 <= len(text) <= 600
         assert text[0].isupper()
@@ -46,14 +46,14 @@ def test_texts_are_well_formed(many: list[tuple[Hazard, str]]) -> None:
         assert re.search(r"\bego\b", text, re.IGNORECASE), text
 
 
-def test_texts_name_the_place(knowledge: Knowledge, many: list[tuple[Hazard, str]]) -> None:
+def test_texts_name_the_place(knowledge: Knowledge, many: list[tuple[HazardKind, str]]) -> None:
     for hazard, text in many:
         phrases = [p for key in hazard.places for q in knowledge.place_keys[key] for p in q.phrases]
         nouns = [re.sub(r"^(on|along|in) (?=an? )", "", phrase) for phrase in phrases]
         assert any(noun.casefold() in text.casefold() for noun in nouns), text
 
 
-def test_no_text_contradicts_itself(many: list[tuple[Hazard, str]]) -> None:
+def test_no_text_contradicts_itself(many: list[tuple[HazardKind, str]]) -> None:
     dark = r"\b(at night|after dark|it is night|a clear night)\b"
     for _, text in many:
         low = text.casefold()

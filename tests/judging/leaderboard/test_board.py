@@ -6,13 +6,13 @@ from hypothesis import strategies as st
 
 from oodscen.judging._leaderboard.board import (
     TASKS,
-    Control,
+    ActionScore,
     Detection,
-    Figure,
+    Estimate,
     Identification,
     Leaderboard,
+    LeaderboardRow,
     Rate,
-    Standing,
     best_floor,
     missing_share,
     score,
@@ -20,10 +20,10 @@ from oodscen.judging._leaderboard.board import (
 )
 
 SHARES = st.none() | st.integers(0, 8).map(lambda eighths: eighths / 8)
-FIGURES = st.builds(Figure, value=SHARES)
+FIGURES = st.builds(Estimate, value=SHARES)
 RATES = st.builds(Rate, n=st.integers(0, 9), missing=st.integers(0, 9), value=SHARES, worst=SHARES)
 ROWS = st.builds(
-    Standing,
+    LeaderboardRow,
     model=st.sampled_from(["oracle", "oracle-2", "random", "constant:stop", "mine"]),
     kind=st.sampled_from(["model", "reference"]),
     protocol=st.sampled_from(["ours", "paper"]),
@@ -31,13 +31,13 @@ ROWS = st.builds(
         Detection, sensitivity=RATES, specificity=RATES, balanced_accuracy=FIGURES, worst=FIGURES
     ),
     identification=st.builds(Identification, open=RATES, closed=RATES, open_shown=RATES),
-    control=st.builds(Control, safe=RATES, decidable=RATES, collision_free=RATES),
+    control=st.builds(ActionScore, safe=RATES, decidable=RATES, collision_free=RATES),
 )
 
 REFERENCES = ROWS.map(lambda row: row.model_copy(update={"kind": "reference", "protocol": "ours"}))
 
 
-def counted(row: Standing) -> dict[str, list[Rate]]:
+def counted(row: LeaderboardRow) -> dict[str, list[Rate]]:
     return {
         "detection": [row.detection.sensitivity, row.detection.specificity],
         "open": [row.identification.open],

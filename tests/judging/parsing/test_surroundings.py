@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from oodscen.data._episode import ACTIONS
 from oodscen.judging._parsing import (
     Detected,
-    Reading,
+    ParsedAnswer,
     read_action,
     read_aspect,
     read_choice,
@@ -68,7 +68,7 @@ def held(shape: str, **answer: object) -> str:
     return json.dumps(reasoned, indent=2 if shape == "wide" else None)
 
 
-def readings(wrapper: str, shape: str, action: str, leaf: int) -> dict[str, Reading[Any]]:
+def readings(wrapper: str, shape: str, action: str, leaf: int) -> dict[str, ParsedAnswer[Any]]:
     return {
         "action": read_action(wrapper.replace("@", held(shape, action=action)), ACTIONS),
         "choice": read_choice(wrapper.replace("@", held(shape, choice=leaf)), LEAVES),
@@ -77,7 +77,7 @@ def readings(wrapper: str, shape: str, action: str, leaf: int) -> dict[str, Read
     }
 
 
-def are_right(found: dict[str, Reading[Any]], action: str, leaf: int) -> bool:
+def are_right(found: dict[str, ParsedAnswer[Any]], action: str, leaf: int) -> bool:
     return [one.value for one in found.values()] == [
         action,
         list(LEAVES)[leaf - 1],

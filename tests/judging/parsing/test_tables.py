@@ -13,7 +13,7 @@ import pytest
 
 from oodscen.data._episode import ACTIONS
 from oodscen.judging._parsing import (
-    Reading,
+    ParsedAnswer,
     read_action,
     read_aspect,
     read_choice,
@@ -68,7 +68,7 @@ def rows() -> Iterator[tuple[str, str, list[Any]]]:
 ROWS = list(dict.fromkeys((q, said, json.dumps(meant)) for q, said, meant in rows()))
 
 
-def outcome(reading: Reading[Any], question: str, expected: list[Any]) -> str:
+def outcome(reading: ParsedAnswer[Any], question: str, expected: list[Any]) -> str:
     """Return `right`, `not read` or `wrong`."""
     if reading.outcome == "refused":
         return "right" if REFUSED in expected else "not read"

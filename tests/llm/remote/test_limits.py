@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from oodscen._concurrency import as_finished
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
-from oodscen.llm._remote.failures import Failure
+from oodscen.llm._remote.failures import FailedAttempt
 from oodscen.llm._remote.limits import (
     ANSWER_TOKENS,
     GRACE_S,
@@ -20,9 +20,9 @@ from oodscen.llm._remote.limits import (
     Budget,
     Caps,
     Endpoint,
+    Limits,
     Price,
     Spent,
-    Traffic,
 )
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import estimate_tokens
@@ -52,7 +52,7 @@ class Clock:
 
 
 def of_kind(kind, **more):
-    return Failure("no answer", kind, retryable=True, **more)
+    return FailedAttempt("no answer", kind, retryable=True, **more)
 
 
 # ------------------------------------------------------------------ caps
@@ -88,7 +88,7 @@ def test_a_time_is_a_cap_too():
 
 @pytest.mark.parametrize("fault", [None, "http500"])
 def test_a_cap_of_requests_is_never_exceeded_by_one(fault):
-    traffic = Traffic(Caps(requests=50), concurrency=32, patience_s=None)
+    limits = Limits(Caps(requests=50), concurrency=32, patience_s=None)
 
     def ask(sample):
         try:
@@ -101,21 +101,21 @@ def test_a_cap_of_requests_is_never_exceeded_by_one(fault):
 
     faults = lambda index, asked: fault if index % 3 == 0 else None  # noqa: E731
     with AnsweringServer(AUTHOR, faults=faults) as server:
-        llm = server.client("m", traffic=traffic)
+        llm = server.client("m", limits=limits)
         outcomes = [outcome for _, outcome in as_finished(ask, range(120), threads=32)]
-    assert len(server.received) == traffic.budget.spent.requests == 50
+    assert len(server.received) == limits.budget.spent.requests == 50
     assert "stopped" in outcomes
 
 
 def test_a_cap_of_tokens_is_kept():
     each = estimate_tokens(request()) + 100
-    traffic = Traffic(Caps(tokens=5 * each), patience_s=None)
+    limits = Limits(Caps(tokens=5 * each), patience_s=None)
     with AnsweringServer(AUTHOR) as server:
-        llm = server.client("m", traffic=traffic, max_tokens=100)
+        llm = server.client("m", limits=limits, max_tokens=100)
         with pytest.raises(BudgetExceeded) as caught:
             ask_often(llm)
     assert caught.value.cap == "tokens"
-    assert 4 * each < traffic.budget.spent.tokens <= 5 * each
+    assert 4 * each < limits.budget.spent.tokens <= 5 * each
 
 
 def test_a_cap_of_cost_needs_a_price_and_says_how_to_give_one():
@@ -123,25 +123,25 @@ def test_a_cap_of_cost_needs_a_price_and_says_how_to_give_one():
         LiteLLM(
             "nobody-knows-it",
             api_base="http://127.0.0.1:1/v1",
-            traffic=Traffic(Caps(cost_usd=1)),
+            limits=Limits(Caps(cost_usd=1)),
         )
-    traffic = Traffic(
+    limits = Limits(
         Caps(cost_usd=0.05), prices={"nobody-knows-it": Price(10.0, 0.0)}, patience_s=None
     )
     with AnsweringServer(AUTHOR) as server:
-        llm = server.client("nobody-knows-it", traffic=traffic)
+        llm = server.client("nobody-knows-it", limits=limits)
         usage = llm.complete(request()).usage
         assert usage.cost_usd == pytest.approx(usage.input_tokens * 1e-5)
         with pytest.raises(BudgetExceeded) as caught:
             ask_often(llm)
     assert caught.value.cap == "cost_usd"
-    assert 0.03 < traffic.budget.spent.cost_usd <= 0.05
+    assert 0.03 < limits.budget.spent.cost_usd <= 0.05
 
 
 def test_a_known_price_is_enough():
     with AnsweringServer(AUTHOR) as server:
-        traffic = Traffic(Caps(cost_usd=0.001), patience_s=None)
-        llm = server.client("gpt-4o", traffic=traffic)
+        limits = Limits(Caps(cost_usd=0.001), patience_s=None)
+        llm = server.client("gpt-4o", limits=limits)
         assert llm.client.price == Price(2.5, 10.0)
         with pytest.raises(BudgetExceeded):
             llm.complete(request())
@@ -186,7 +186,7 @@ def test_it_never_closes():
 
 
 def test_no_more_than_the_window_are_under_way():
-    traffic = Traffic(concurrency=3)
+    limits = Limits(concurrency=3)
     lock = threading.Lock()
     running, most = 0, 0
 
@@ -201,7 +201,7 @@ def test_no_more_than_the_window_are_under_way():
         return {"text": "A sofa."}
 
     with AnsweringServer(FunctionLLM(count)) as server:
-        llm = server.client("m", traffic=traffic)
+        llm = server.client("m", limits=limits)
         list(as_finished(lambda n: llm.complete(request(n)), range(30), threads=12))
     assert most == 3
 
@@ -217,9 +217,9 @@ def test_an_endpoint_that_does_not_respond_is_given_up_within_a_minute():
         waits.append(seconds)
         clock.now += seconds
 
-    traffic = Traffic(clock=clock)
+    limits = Limits(clock=clock)
     with AnsweringServer(AUTHOR) as server:
-        llm = server.client("m", traffic=traffic, sleep=sleep)
+        llm = server.client("m", limits=limits, sleep=sleep)
     stopped = None
     failed = 0
     for sample in range(20):
@@ -254,7 +254,7 @@ def test_an_item_that_always_fails_does_not_stop_the_others():
         return "http500" if asked.sample % 7 == 3 else None
 
     with AnsweringServer(AUTHOR, faults=faults) as server:
-        llm = server.client("m", traffic=Traffic(), retries=1)
+        llm = server.client("m", limits=Limits(), retries=1)
         for sample in range(30):
             if sample % 7 == 3:
                 with pytest.raises(LLMError):
@@ -266,7 +266,7 @@ def test_an_item_that_always_fails_does_not_stop_the_others():
 @pytest.mark.parametrize(("fault", "calls"), [("http401", 1), ("http500", 5), ("html", 5)])
 def test_an_endpoint_that_fails_everybody_is_given_up(fault, calls):
     with AnsweringServer(AUTHOR, faults=lambda index, asked: fault) as server:
-        llm = server.client("m", traffic=Traffic(), retries=0)
+        llm = server.client("m", limits=Limits(), retries=0)
         for sample in range(calls - 1):
             with pytest.raises(LLMError):
                 llm.complete(request(sample))
@@ -331,24 +331,24 @@ def test_a_model_that_is_given_up_blocks_no_other_at_its_address():
     def faults(index, asked):
         return "http500" if asked.sample else None
 
-    traffic = Traffic()
+    limits = Limits()
     with AnsweringServer(AUTHOR, faults=faults) as server:
-        bad = server.client("bad", traffic=traffic, retries=0)
+        bad = server.client("bad", limits=limits, retries=0)
         for sample in range(1, STRIKES):
             with pytest.raises(LLMError):
                 bad.complete(request(sample))
         with pytest.raises(EndpointDown, match="bad at "):
             bad.complete(request(STRIKES))
-        assert server.client("good", traffic=traffic).complete(request()).text
+        assert server.client("good", limits=limits).complete(request()).text
 
 
 def test_a_doubted_model_gets_one_try_until_it_answers():
     def faults(index, asked):
         return "http500" if asked.sample else None
 
-    traffic = Traffic()
-    with AnsweringServer(AUTHOR, faults=faults) as server, traffic.lenient(math.inf):
-        llm = server.client("m", traffic=traffic, retries=2)
+    limits = Limits()
+    with AnsweringServer(AUTHOR, faults=faults) as server, limits.lenient(math.inf):
+        llm = server.client("m", limits=limits, retries=2)
         tries = []
         for sample in (*range(1, STRIKES + 3), 0, 9):
             before = len(server.received)
@@ -384,9 +384,9 @@ def test_what_hangs_while_others_are_answered_stops_nobody():
     def faults(index, asked):
         return "slow" if asked.sample % 3 == 0 else None
 
-    traffic = Traffic()
-    with AnsweringServer(AUTHOR, faults=faults) as server, traffic.lenient(JUDGING):
-        llm = server.client("m", traffic=traffic, timeout_s=0.05, retries=0)
+    limits = Limits()
+    with AnsweringServer(AUTHOR, faults=faults) as server, limits.lenient(JUDGING):
+        llm = server.client("m", limits=limits, timeout_s=0.05, retries=0)
 
         def ask(sample):
             try:
@@ -395,31 +395,31 @@ def test_what_hangs_while_others_are_answered_stops_nobody():
                 return type(error).__name__
 
         found = dict(as_finished(ask, range(15), threads=4))
-    late = {sample for sample, said in found.items() if said == "LateError"}
+    late = {sample for sample, said in found.items() if said == "LLMTimeout"}
     assert late >= set(range(0, 15, 3))
     assert "EndpointDown" not in found.values()
 
 
 def test_an_interrupted_run_begins_nothing_waits_for_nothing_and_can_go_on():
     clock = Clock()
-    traffic = Traffic(clock=clock)
+    limits = Limits(clock=clock)
     with AnsweringServer(AUTHOR) as server:
-        llm = server.client("m", traffic=traffic)
-        traffic.close()
+        llm = server.client("m", limits=limits)
+        limits.close()
         with pytest.raises(RunStopped):
             llm.complete(request())
         assert not server.received
-        traffic.sleep(1e6)
-        assert not traffic.is_over()
+        limits.sleep(1e6)
+        assert not limits.is_over()
         clock.now += GRACE_S
-        traffic.close()
-        assert traffic.is_over()
-        traffic.reopen()
-        assert not traffic.is_over()
+        limits.close()
+        assert limits.is_over()
+        limits.reopen()
+        assert not limits.is_over()
         assert llm.complete(request()).text
 
 
 def test_models_of_one_address_share_their_endpoint():
-    traffic = Traffic()
-    assert traffic.endpoint("a") is traffic.endpoint("a")
-    assert traffic.endpoint("a") is not traffic.endpoint("b")
+    limits = Limits()
+    assert limits.endpoint("a") is limits.endpoint("a")
+    assert limits.endpoint("a") is not limits.endpoint("b")

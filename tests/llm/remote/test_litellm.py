@@ -15,18 +15,18 @@ import pytest
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
     AnswerError,
-    LateError,
+    ContentFiltered,
     LLMError,
+    LLMTimeout,
     MissingExtra,
-    RefusedError,
     UnknownComponent,
     UsageError,
 )
 from oodscen.llm._ask import ask
-from oodscen.llm._remote.call_bounds import Bounds
+from oodscen.llm._remote.call_bounds import CallBounds
 from oodscen.llm._remote.failures import diagnose
 from oodscen.llm._remote.failures import retry_after as seconds_to_wait
-from oodscen.llm._remote.limits import Traffic
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM, load_litellm, provider_seed, wire_message
 from oodscen.llm._remote.offline import is_loopback
 from oodscen.prompts._judging.describe_frame import DescribeFrame
@@ -213,7 +213,7 @@ def test_nobody_listening_is_a_retryable_error():
 
 @pytest.mark.parametrize("fault", ["filtered", "withheld", "flagged"])
 def test_a_content_filter_is_a_refusal_and_not_asked_twice(fault):
-    with serving(*[fault] * 9) as server, pytest.raises(RefusedError) as caught:
+    with serving(*[fault] * 9) as server, pytest.raises(ContentFiltered) as caught:
         server.client("m").complete(request())
     assert not caught.value.retryable
     assert len(server.received) == 1
@@ -226,22 +226,22 @@ def test_a_filter_is_known_by_its_words(words):
     error = Answered()
     error.status_code = 400
     error.args = (f"Error: {words}",)
-    failure = diagnose("m", error, Bounds(1, 1))
+    failure = diagnose("m", error, CallBounds(1, 1))
     assert (failure.kind, failure.retryable, failure.may_refuse_form) == ("filtered", False, False)
 
 
 def test_what_hangs_is_tried_once_more_and_no_oftener():
-    with serving(*["slow"] * 9) as server, pytest.raises(LateError) as caught:
+    with serving(*["slow"] * 9) as server, pytest.raises(LLMTimeout) as caught:
         server.client("m", timeout_s=0.04).complete(request())
     assert (caught.value.retryable, caught.value.requests) == (True, 2)
     assert len(server.received) == 2
 
 
 def test_the_time_for_an_answer_is_that_of_the_run_unless_the_model_has_its_own():
-    traffic = Traffic(timeout_s=7.0)
+    limits = Limits(timeout_s=7.0)
     with serving() as server:
-        assert server.client("m", traffic=traffic).client.timeout_s == 7.0
-        assert server.client("m", traffic=traffic, timeout_s=3.0).client.timeout_s == 3.0
+        assert server.client("m", limits=limits).client.timeout_s == 7.0
+        assert server.client("m", limits=limits, timeout_s=3.0).client.timeout_s == 3.0
 
 
 class Answered(Exception):

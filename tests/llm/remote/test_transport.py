@@ -10,9 +10,9 @@ from contextlib import contextmanager
 
 import pytest
 
-from oodscen.errors import EndpointDown, LateError, LLMError, ResponseError, RunStopped
-from oodscen.llm._remote.call_bounds import Bounds
-from oodscen.llm._remote.limits import Traffic
+from oodscen.errors import EndpointDown, LLMError, LLMTimeout, ResponseError, RunStopped
+from oodscen.llm._remote.call_bounds import CallBounds
+from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
@@ -130,23 +130,23 @@ def silent():
 
 
 def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout():
-    traffic = Traffic(patience_s=0.2)
+    limits = Limits(patience_s=0.2)
     with silent() as address:
-        llm = LiteLLM("m", api_base=address, timeout_s=600, traffic=traffic, sleep=lambda s: None)
+        llm = LiteLLM("m", api_base=address, timeout_s=600, limits=limits, sleep=lambda s: None)
         with pytest.raises(EndpointDown, match="says nothing"):
             llm.complete(REQUEST)
 
 
 def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
-    traffic = Traffic(patience_s=20.0)
+    limits = Limits(patience_s=20.0)
     author = FunctionLLM(lambda asked: {"text": "A sofa."})
     with AnsweringServer(author, faults=lambda index, asked: "slow_head") as server:
-        llm = server.client("m", traffic=traffic, timeout_s=0.05, retries=0)
-        with pytest.raises(LateError):
+        llm = server.client("m", limits=limits, timeout_s=0.05, retries=0)
+        with pytest.raises(LLMTimeout):
             llm.complete(REQUEST)
     with silent() as address:
         llm = LiteLLM(
-            "m", api_base=address, timeout_s=0.05, retries=0, traffic=Traffic(patience_s=2.0)
+            "m", api_base=address, timeout_s=0.05, retries=0, limits=Limits(patience_s=2.0)
         )
         with pytest.raises(LLMError) as caught:
             llm.complete(REQUEST)
@@ -156,16 +156,16 @@ def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
 def test_an_interruption_ends_what_is_under_way(monkeypatch):
     monkeypatch.setattr("oodscen.llm._remote.call_bounds.LOOK_S", 0.01)
     now = [0.0]
-    traffic = Traffic(clock=lambda: now[0])
+    limits = Limits(clock=lambda: now[0])
 
     def faults(index, asked):
-        traffic.close()
+        limits.close()
         now[0] += 60.0
         return "slow"
 
     author = FunctionLLM(lambda asked: {"text": "A sofa."})
     with AnsweringServer(author, faults=faults) as server, pytest.raises(RunStopped):
-        server.client("m", traffic=traffic, timeout_s=600).complete(REQUEST)
+        server.client("m", limits=limits, timeout_s=600).complete(REQUEST)
     assert len(server.received) == 1
 
 
@@ -174,10 +174,10 @@ def test_a_slow_server_that_responds_to_others_is_waited_for():
         time.sleep(0.3)
         return {"text": "A sofa."}
 
-    traffic = Traffic(patience_s=20.0)
+    limits = Limits(patience_s=20.0)
     with AnsweringServer(FunctionLLM(answer)) as server:
-        traffic.endpoint(server.api_base).silence_s = 0.1
-        llm = server.client("m", traffic=traffic)
+        limits.endpoint(server.api_base).silence_s = 0.1
+        llm = server.client("m", limits=limits)
         assert "A sofa." in llm.complete(REQUEST).text
     assert len(server.received) == 1
 
@@ -188,7 +188,7 @@ def test_what_is_kept_is_bounded():
 
 def test_time_is_counted_from_the_beginning_and_not_from_the_last_byte():
     now = 0.0
-    bounds = Bounds(10.0, 100, clock=lambda: now)
+    bounds = CallBounds(10.0, 100, clock=lambda: now)
     assert bounds.left(3.0) == 3.0
     now = 8.0
     assert bounds.left(3.0) == 2.0

@@ -11,7 +11,7 @@ from oodscen.errors import BudgetExceeded, UsageError
 from oodscen.llm._accounting import Ledger, accounts
 from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._capped import MeteredLLM
-from oodscen.llm._remote.limits import ANSWER_TOKENS, Caps, Price, Traffic
+from oodscen.llm._remote.limits import ANSWER_TOKENS, Caps, Limits, Price
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import MOST_ANSWERED, MOST_USD, believed, count, estimate_tokens
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
@@ -56,9 +56,9 @@ def serving(usage):
 @pytest.mark.parametrize("usage", LIES, ids=str)
 def test_impossible_usage_is_charged_at_the_estimate(usage):
     most = estimate_tokens(REQUEST) + ANSWER_TOKENS
-    traffic = Traffic(Caps(tokens=2 * most), prices={"m": Price(1.0, 1.0)}, patience_s=None)
+    limits = Limits(Caps(tokens=2 * most), prices={"m": Price(1.0, 1.0)}, patience_s=None)
     with serving(usage) as server:
-        llm = LiteLLM("m", api_base=server.address, retries=0, traffic=traffic)
+        llm = LiteLLM("m", api_base=server.address, retries=0, limits=limits)
         for _ in range(2):
             try:
                 completion = llm.complete(REQUEST)
@@ -69,9 +69,9 @@ def test_impossible_usage_is_charged_at_the_estimate(usage):
             assert completion.usage.input_tokens == completion.usage.output_tokens == 0
         with pytest.raises(BudgetExceeded):
             llm.complete(REQUEST)
-    assert traffic.budget.spent.tokens == 2 * most
-    assert traffic.budget.spent.cost_usd == pytest.approx(2 * most / 1e6)
-    assert traffic.budget.answer_tokens == ANSWER_TOKENS
+    assert limits.budget.spent.tokens == 2 * most
+    assert limits.budget.spent.cost_usd == pytest.approx(2 * most / 1e6)
+    assert limits.budget.answer_tokens == ANSWER_TOKENS
 
 
 def test_a_discount_that_cannot_be_makes_no_cost_negative():
@@ -80,13 +80,13 @@ def test_a_discount_that_cannot_be_makes_no_cost_negative():
         "completion_tokens": 3,
         "prompt_tokens_details": {"cached_tokens": 10**9},
     }
-    traffic = Traffic(Caps(cost_usd=1.0), patience_s=None)
+    limits = Limits(Caps(cost_usd=1.0), patience_s=None)
     with serving(usage) as server:
-        llm = LiteLLM("gpt-4o", api_base=server.address, retries=0, traffic=traffic)
+        llm = LiteLLM("gpt-4o", api_base=server.address, retries=0, limits=limits)
         found = llm.complete(REQUEST).usage
     assert found.cached_tokens <= 9
     assert found.cost_usd is None or found.cost_usd >= 0
-    assert traffic.budget.spent.cost_usd > 0
+    assert limits.budget.spent.cost_usd > 0
 
 
 @given(
@@ -114,10 +114,10 @@ def test_numbers_of_tokens_are_told_from_other_things():
 
 def test_a_model_of_ones_own_is_held_to_the_same():
     lying = Usage(input_tokens=-(10**9), output_tokens=4)
-    traffic = Traffic(Caps(tokens=6_000), prices={"own": Price(1, 1)})
+    limits = Limits(Caps(tokens=6_000), prices={"own": Price(1, 1)})
     llm = FunctionLLM(lambda asked: Completion(text="x", usage=lying), name="own")
     calls = []
-    metered = LoggedLLM(MeteredLLM(llm, traffic), calls.append)
+    metered = LoggedLLM(MeteredLLM(llm, limits), calls.append)
     assert metered.complete(REQUEST).usage == Usage()
     with pytest.raises(BudgetExceeded):
         metered.complete(REQUEST)
@@ -146,4 +146,4 @@ def test_a_price_or_a_time_that_is_none_is_refused(value):
         {"patience_s": value},
     ):
         with pytest.raises(UsageError):
-            Traffic(**wrong)
+            Limits(**wrong)

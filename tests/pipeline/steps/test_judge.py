@@ -16,7 +16,7 @@ from oodscen.data._episode import ACTIONS
 from oodscen.errors import BudgetExceeded, DataError, LLMError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard
-from oodscen.llm._remote.limits import Caps, Traffic
+from oodscen.llm._remote.limits import Caps, Limits
 from oodscen.testing import AnsweringServer, FunctionLLM, ScriptedLLM
 from tests.pipeline.quick import QUICK
 
@@ -91,7 +91,7 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         model = server.client("gpt-4o")
         config = CONFIG.model_copy(update={"vlms": ("served",)})
-        capped = server.client("gpt-4o", traffic=Traffic(Caps(requests=20)))
+        capped = server.client("gpt-4o", limits=Limits(Caps(requests=20)))
         with pytest.raises(BudgetExceeded):
             run_study(out, config, models={"served": capped})
         assert 0 < len(server.received) <= 20
@@ -365,10 +365,10 @@ def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, 
     model = ConstantAnswerer("stop")
     with AnsweringServer(model, faults=by_picture("~twin", fault)) as server:
         for _ in range(1 if fault == "filtered" else 2):
-            traffic = Traffic(strikes=1)
+            limits = Limits(strikes=1)
             seconds = 1.0 if fault == "slow" else 60.0
-            client = server.client("m", traffic=traffic, timeout_s=seconds, retries=0)
-            study = run_study(out, judging("m"), models={"m": client}, traffic=traffic)
+            client = server.client("m", limits=limits, timeout_s=seconds, retries=0)
+            study = run_study(out, judging("m"), models={"m": client}, limits=limits)
             assert tally(study, "m") == wanted
             assert study.info["status"] == "incomplete"
     healthy = of(study, "m")
@@ -378,18 +378,18 @@ def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, 
 
 def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
-    traffic = Traffic(strikes=1)
+    limits = Limits(strikes=1)
     with AnsweringServer(ConstantAnswerer("stop")) as server:
-        dead = server.client("dead", traffic=traffic, retries=0)
+        dead = server.client("dead", limits=limits, retries=0)
     with AnsweringServer(ConstantAnswerer("stop")) as server:
-        live = server.client("live", traffic=traffic)
+        live = server.client("live", limits=limits)
         models = {"dead": dead, "live": live}
-        study = run_study(out, judging("dead", "live"), models=models, traffic=traffic)
+        study = run_study(out, judging("dead", "live"), models=models, limits=limits)
         items = len(study.episodes)
         assert tally(study, "live") == {"answered": items}
         found = tally(study, "dead")
         assert found["unasked"] + found["error"] == items
-        assert found["unasked"] >= items - 2 - traffic.concurrency
+        assert found["unasked"] >= items - 2 - limits.concurrency
         left = [row for row in of(study, "dead").values() if row.outcome == "unasked"]
         assert all(row.retryable and "is given up" in row.error for row in left)
         shown = (out / "report.html").read_text("utf-8")
@@ -428,19 +428,19 @@ def test_a_model_given_up_while_asked_again_keeps_what_is_known_of_its_items(fol
         return "http500"
 
     with AnsweringServer(ConstantAnswerer("stop"), faults=faults) as server:
-        client = server.client("m", traffic=Traffic(patience_s=None), retries=0)
+        client = server.client("m", limits=Limits(patience_s=None), retries=0)
         first = run_study(out, judging("m"), models={"m": client})
     before = tally(first, "m")
     assert set(before) == {"error"}
-    traffic = Traffic(strikes=1)
-    dead = server_gone(traffic)
-    second = run_study(out, judging("m"), models={"m": dead}, traffic=traffic)
+    limits = Limits(strikes=1)
+    dead = server_gone(limits)
+    second = run_study(out, judging("m"), models={"m": dead}, limits=limits)
     assert tally(second, "m") == before
 
 
-def server_gone(traffic):
+def server_gone(limits):
     with AnsweringServer(ConstantAnswerer("stop")) as server:
-        return server.client("m", traffic=traffic, retries=0)
+        return server.client("m", limits=limits, retries=0)
 
 
 def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
@@ -478,9 +478,9 @@ def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
     model = ConstantAnswerer("stop")
     model.name, model.kind = "mine", "model"
-    traffic = Traffic(strikes=1)
+    limits = Limits(strikes=1)
     config = judging("mine").model_copy(update={"judge": "m"})
-    models = {"mine": model, "m": server_gone(traffic)}
-    study = run_study(out, config, models=models, traffic=traffic)
+    models = {"mine": model, "m": server_gone(limits)}
+    study = run_study(out, config, models=models, limits=limits)
     assert tally(study, "mine") == {"answered": len(study.episodes)}
     assert study.info["status"] != "stopped"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.stages._prune.side_by_side import Comparison, absent, compare
+from oodscen.stages._prune.side_by_side import CatalogueComparison, absent, compare
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_carla_has_no_snow_and_no_animals(comparison, catalogues):
 
 
 def test_it_can_be_written_as_a_table_and_as_json(comparison):
-    assert Comparison.parse(comparison.to_json()) == comparison
+    assert CatalogueComparison.parse(comparison.to_json()) == comparison
     rows = comparison.rows()
     assert len(rows) == len(comparison.lines)
     assert set(rows[0]) == {"branch", "pybullet", "carla-0.9.16"}

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.metrics._vectors.centring import unit_rows
-from oodscen.stages._redteam.novelty import Novelty
+from oodscen.stages._redteam.novelty import NoveltyFilter
 from oodscen.stages._redteam.rounds import Round
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
@@ -23,7 +23,7 @@ def covered(number, text, kind="fog"):
 
 
 def test_without_an_encoder_only_repetitions_are_found():
-    novelty = Novelty(TREE)
+    novelty = NoveltyFilter(TREE)
     assert novelty.nearness("Fog.") == (None, None, None, "", False)
     novelty.learn(covered(1, "Thick fog, at night!"), TREE)
     found = novelty.nearness("thick fog at night")
@@ -31,12 +31,12 @@ def test_without_an_encoder_only_repetitions_are_found():
 
 
 def test_a_leafs_own_label_is_nearest_to_it():
-    found = Novelty(TREE, HashEncoder()).nearness("Hail stones on the bonnet")
+    found = NoveltyFilter(TREE, HashEncoder()).nearness("Hail stones on the bonnet")
     assert (found.node, found.by, found.is_too_near) == ("hail", "label", True)
 
 
 def test_labels_follow_the_tree():
-    novelty = Novelty(TREE, HashEncoder(), label=0.9)
+    novelty = NoveltyFilter(TREE, HashEncoder(), label=0.9)
     edits = (
         TreeEdit(op="broaden", node="fog", label="Bad sight"),
         TreeEdit(op="add", node="sand", parent="weather", label="Sand on the wind"),
@@ -53,7 +53,7 @@ def test_labels_follow_the_tree():
 
 
 def test_of_a_split_leaf_the_old_meaning_keeps_the_proposals():
-    novelty = Novelty(TREE, HashEncoder())
+    novelty = NoveltyFilter(TREE, HashEncoder())
     text = "A wall of mist stands on the bridge."
     novelty.learn(covered(1, text), TREE)
     edits = (
@@ -71,9 +71,9 @@ def test_of_a_split_leaf_the_old_meaning_keeps_the_proposals():
 
 def test_what_is_as_near_as_the_limit_is_too_near():
     text = "Hail stones everywhere"
-    found = Novelty(TREE, HashEncoder(), label=2.0).nearness(text)
+    found = NoveltyFilter(TREE, HashEncoder(), label=2.0).nearness(text)
     assert not found.is_too_near
-    assert Novelty(TREE, HashEncoder(), label=found.similarity).nearness(text).is_too_near
+    assert NoveltyFilter(TREE, HashEncoder(), label=found.similarity).nearness(text).is_too_near
 
 
 def test_proposals_are_compared_after_centring_on_all_of_them():
@@ -83,7 +83,7 @@ def test_proposals_are_compared_after_centring_on_all_of_them():
         "A dog naps.",
     )
     encoder = HashEncoder()
-    novelty = Novelty(TREE, encoder, label=2.0, text=-2.0, shown=shown)
+    novelty = NoveltyFilter(TREE, encoder, label=2.0, text=-2.0, shown=shown)
     for number, one in enumerate(told, start=1):
         novelty.learn(covered(number, one), TREE)
     rows = unit_rows(encoder, [*shown, *told, text])
@@ -96,14 +96,14 @@ def test_proposals_are_compared_after_centring_on_all_of_them():
 
 def test_leaves_are_ranked_by_meaning_or_by_words():
     for encoder in (None, HashEncoder()):
-        ranked = Novelty(TREE, encoder).ranked("Hail stones fall on the bonnet.", TREE)
+        ranked = NoveltyFilter(TREE, encoder).ranked("Hail stones fall on the bonnet.", TREE)
         assert ranked == ["hail", "fog"]
 
 
 @given(st.lists(st.sampled_from(["Fog.", "A dog barks.", "Hail falls.", "Ice", ""]), max_size=6))
 def test_the_figures_are_a_function_of_the_log(texts):
     log = [covered(number, text) for number, text in enumerate(texts, start=1)]
-    one, two = (Novelty(TREE, HashEncoder(32)) for _ in range(2))
+    one, two = (NoveltyFilter(TREE, HashEncoder(32)) for _ in range(2))
     for item in log:
         one.learn(item, TREE)
         one.nearness("Something else altogether.")
@@ -128,7 +128,7 @@ class Blank:
 
 
 def test_texts_without_a_vector_are_near_to_nothing():
-    novelty = Novelty(TREE, Blank())
+    novelty = NoveltyFilter(TREE, Blank())
     novelty.learn(covered(1, "Fog."), TREE)
     assert novelty.nearness("Dog.").similarity == 0.0
     assert not novelty.nearness("Dog.").is_too_near

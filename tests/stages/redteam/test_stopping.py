@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oodscen.errors import DataError
 from oodscen.stages._options import RedTeamOptions
 from oodscen.stages._redteam.rounds import Round
-from oodscen.stages._redteam.stopping import Progress
+from oodscen.stages._redteam.stopping import Stopping
 
 limits = st.builds(
     RedTeamOptions,
@@ -21,7 +21,7 @@ decisions = st.sampled_from(["add", "covered", "duplicate", "malformed", None])
 
 def test_each_rule_names_itself():
     def stop(**rules):
-        progress = Progress(RedTeamOptions(**{"iterations": 100, **rules}))
+        progress = Stopping(RedTeamOptions(**{"iterations": 100, **rules}))
         for number in range(1, 21):
             progress.add(Round(round=number, decision="covered", kind="x", calls=2))
         return progress.stop
@@ -43,7 +43,7 @@ def test_malformed_rules_are_refused():
 
 @given(limits, st.lists(decisions, max_size=40), st.data())
 def test_a_round_that_is_certain_is_played_whatever_comes_before(rules, course, data):
-    progress = Progress(rules)
+    progress = Stopping(rules)
     certain = 0
     for number, decision in enumerate(course, start=1):
         if progress.stop is not None:
@@ -64,7 +64,7 @@ def test_a_round_that_is_certain_is_played_whatever_comes_before(rules, course, 
 
 @given(st.integers(2, 40), st.integers(0, 38))
 def test_the_attempts_keep_one_call_for_placing(budget, spent):
-    progress = Progress(RedTeamOptions(iterations=10, budget=budget))
+    progress = Stopping(RedTeamOptions(iterations=10, budget=budget))
     if spent:
         progress.add(Round(round=1, calls=min(spent, budget)))
     if progress.stop is None:
@@ -75,12 +75,12 @@ def test_the_attempts_keep_one_call_for_placing(budget, spent):
 
 
 def test_a_later_round_is_certain_only_if_all_calls_before_it_may_be_spent():
-    assert Progress(RedTeamOptions(budget=12)).is_certain(2)
-    assert not Progress(RedTeamOptions(budget=11)).is_certain(2)
+    assert Stopping(RedTeamOptions(budget=12)).is_certain(2)
+    assert not Stopping(RedTeamOptions(budget=11)).is_certain(2)
 
 
 def test_a_later_round_is_uncertain_if_the_new_kinds_may_be_met_again_before_it():
-    progress = Progress(RedTeamOptions(coverage=0.55))
+    progress = Stopping(RedTeamOptions(coverage=0.55))
     for number, kind in enumerate("ab", start=1):
         progress.add(Round(round=number, decision="add", kind=kind, calls=2))
     assert progress.is_certain(3)

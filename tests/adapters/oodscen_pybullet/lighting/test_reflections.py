@@ -1,11 +1,11 @@
 import numpy as np
 from oodscen_pybullet._lighting.reflections import add_reflections
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, PLAIN, SHELTERED, SOFT
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.protocols import Camera
 
-VIEW = View.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
+VIEW = CameraView.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def mirror(kind: int, wet: float) -> np.ndarray:

@@ -14,13 +14,13 @@ from oodscen_pybullet._lighting.shadows import (
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.triangles import Triangles
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.protocols import Camera
 
-VIEW = View.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
+VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
 SUN = (-0.6, 0.0, 0.8)
 """Behind the camera: shadows fall forward, 0.75 m for each metre of height."""
 
@@ -112,7 +112,7 @@ def test_a_thin_pole_throws_an_unbroken_shadow() -> None:
 
 
 def test_lit_faces_cast_no_shadow_on_themselves() -> None:
-    stage = Canvas()
+    stage = Rasteriser()
     stage.show_scenery([ground()], is_snowy=False)
     stage.show_actors([tower(14.0, 0.0, 3.0, 3.0)])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.0)])

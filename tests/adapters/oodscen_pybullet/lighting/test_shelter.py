@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet import PyBulletSimulator
 from oodscen_pybullet._lighting.shelter import Portal, Shelter
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving import SHIPPED_MAPS, load_corridor
@@ -19,10 +19,10 @@ TUNNEL = ROAD.structures[0]
 SHELTER = Shelter(ROAD)
 
 
-def view(s: float, *, turned: bool = False) -> View:
+def view(s: float, *, turned: bool = False) -> CameraView:
     x, y, z, yaw = ROAD.point(s, -1.8)
     camera = Camera(160, 120)
-    return View.of(camera, (x, y, z, yaw + (np.pi if turned else 0.0)))
+    return CameraView.of(camera, (x, y, z, yaw + (np.pi if turned else 0.0)))
 
 
 @given(st.floats(-40, 240), st.floats(-6, 6), st.floats(0.0, 5.0))

@@ -12,7 +12,7 @@ from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._rendering import cameras
 from oodscen_pybullet._rendering.bullet_camera import BulletStage
 from oodscen_pybullet._rendering.cameras import choose_camera
-from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.rasteriser import Rasteriser
 
 from oodscen.data._scene import Actor, Scene
 from oodscen.protocols import Camera, Frame
@@ -28,7 +28,7 @@ def _no_numba(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_rasteriser_is_the_default() -> None:
     stage = choose_camera(load_pybullet())()
-    assert isinstance(stage, Canvas)
+    assert isinstance(stage, Rasteriser)
     stage.close()
     stage.close()
 

@@ -3,12 +3,12 @@ import pytest
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.builder import Puff
 from oodscen_pybullet._rendering.particles import add_puffs, filled, placed
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
 
-VIEW = View.of(Camera(width=160, height=120, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
+VIEW = CameraView.of(Camera(width=160, height=120, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
 DAY = Light.of(Weather(), 0.0, is_snowy=False)
 NIGHT = Light.of(Weather(sun_elevation_deg=-20.0), 0.0, is_snowy=False)
 

@@ -10,16 +10,16 @@ from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import picture
 from oodscen_pybullet._rendering import postprocess as developing
-from oodscen_pybullet._rendering.picture import Picture, develop
+from oodscen_pybullet._rendering.picture import RawPicture, develop
 from oodscen_pybullet._rendering.postprocess import fade, grain
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
 from oodscen.protocols import Camera
 
-VIEW = View.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
+VIEW = CameraView.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def shot(depth: float, *, kind: int = 0, colour: int = 0) -> Shot:
@@ -42,7 +42,9 @@ def shot(depth: float, *, kind: int = 0, colour: int = 0) -> Shot:
 def show(raw: Shot, *glows: Glow, **weather: object) -> np.ndarray:
     conditions = Weather.model_validate(weather)
     light = Light.of(conditions, 0.0, is_snowy=False)
-    return develop(Picture(raw, VIEW, conditions, light, glows, time=0.5, seed=1, road_height=0.0))
+    return develop(
+        RawPicture(raw, VIEW, conditions, light, glows, time=0.5, seed=1, road_height=0.0)
+    )
 
 
 @given(st.floats(0, 12))
@@ -116,7 +118,7 @@ def test_tunnels_are_lit_by_their_own_lamps_and_hazy_only_outside() -> None:
     def inside(**weather: object) -> float:
         conditions = Weather.model_validate(weather)
         light = Light.of(conditions, 0.0, is_snowy=False)
-        one = Picture(raw, VIEW, conditions, light, (), 0.5, 1, road_height=0.0, portal=portal)
+        one = RawPicture(raw, VIEW, conditions, light, (), 0.5, 1, road_height=0.0, portal=portal)
         return float(develop(one)[40:, :38].mean())
 
     day, night = inside(), inside(sun_elevation_deg=-30.0)

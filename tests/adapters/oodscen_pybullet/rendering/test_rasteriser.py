@@ -13,10 +13,10 @@ from oodscen_pybullet._meshes import Mesh, asset_ids, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletStage
-from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import Pose, Shot, Stage
 from oodscen_pybullet._rendering.triangles import MIRROR, PLAIN, SHINING
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.protocols import Camera
 
@@ -24,7 +24,7 @@ CAMERA = Camera(width=200, height=150)
 IDS = [asset for asset in asset_ids() if asset != "ego_car"]
 
 
-def shoot(stage: Stage, view: View) -> Shot:
+def shoot(stage: Stage, view: CameraView) -> Shot:
     return stage.photograph(
         view, Light((-0.6, 0.48, 0.64), 0.6, 0.4, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False)
     )
@@ -64,11 +64,11 @@ def test_it_sees_what_pybullet_sees(seed: int, bullet: BulletStage) -> None:
     rng = np.random.Generator(np.random.PCG64(seed))
     mesh, (looks, poses) = scenery(rng), cast(rng)
     shots = []
-    for stage in (bullet, Canvas()):
+    for stage in (bullet, Rasteriser()):
         stage.show_scenery([mesh], is_snowy=seed == 5)
         stage.show_actors(looks)
         stage.pose_actors(poses)
-        shots.append(shoot(stage, View.of(CAMERA, poses[0])))
+        shots.append(shoot(stage, CameraView.of(CAMERA, poses[0])))
     theirs, ours = shots
     overlaps = []
     for row in np.unique(theirs.rows):
@@ -89,11 +89,11 @@ def test_pictures_are_the_same_twice_after_others_and_in_another_process() -> No
     code = """
 import hashlib
 import numpy as np
-from oodscen_pybullet._rendering.rasteriser import Canvas
+from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen.protocols import Camera
 
 def photograph(stage):
@@ -102,7 +102,7 @@ def photograph(stage):
     stage.show_actors([Look("ego_car"), Look("cow")])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.1), (9.0, 1.0, 0.0, 2.0)])
     shot = stage.photograph(
-        View.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)),
+        CameraView.of(Camera(120, 90), (0.0, 0.0, 0.0, 0.1)),
         Light((0.0, 0.6, 0.8), 0.5, 0.5, 1.0, 0.3, (1.0, 1.0, 1.0), has_glare=False),
     )
     parts = (shot.rgb, shot.depth, shot.rows, shot.reach, shot.sky)
@@ -113,17 +113,17 @@ def photograph(stage):
     exec(code, scope)
     photograph = scope["photograph"]
     assert callable(photograph)
-    stage = Canvas()
+    stage = Rasteriser()
     first = photograph(stage)
     rng = np.random.Generator(np.random.PCG64(0))
     looks, poses = cast(rng)
     stage.show_scenery([scenery(rng)], is_snowy=True)
     stage.show_actors(looks)
     stage.pose_actors(poses)
-    shoot(stage, View.of(CAMERA, poses[0]))
-    assert photograph(stage) == first == photograph(Canvas())
+    shoot(stage, CameraView.of(CAMERA, poses[0]))
+    assert photograph(stage) == first == photograph(Rasteriser())
     ran = subprocess.run(
-        [sys.executable, "-c", f"{code}\nprint(photograph(Canvas()))"],
+        [sys.executable, "-c", f"{code}\nprint(photograph(Rasteriser()))"],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert ran.stdout.strip() == first
@@ -134,8 +134,8 @@ def box(size: float, colour: str = "red", x: float = 10.0, z: float = 1.4) -> Me
     return MeshBuilder().box((x, 0, z), (size, size, size), colour).build()
 
 
-def empty_road(*meshes: Mesh) -> Canvas:
-    stage = Canvas()
+def empty_road(*meshes: Mesh) -> Rasteriser:
+    stage = Rasteriser()
     stage.show_scenery([*meshes], is_snowy=False)
     stage.show_actors([box(0.01, x=-50.0)])
     stage.pose_actors([(0.0, 0.0, 0.0, 0.0)])
@@ -143,7 +143,7 @@ def empty_road(*meshes: Mesh) -> Canvas:
 
 
 def test_edges_before_the_sky_are_partly_sky_and_keep_their_own_colour_and_depth() -> None:
-    view = View.of(Camera(99, 75, x=0.0, pitch_deg=7.0), (0.0, 0.0, 0.0, 0.03))
+    view = CameraView.of(Camera(99, 75, x=0.0, pitch_deg=7.0), (0.0, 0.0, 0.0, 0.03))
     shot = shoot(empty_road(box(2.0)), view)
     edge = (shot.sky > 0) & (shot.sky < 255)
     assert edge.sum() > 40
@@ -159,13 +159,13 @@ def test_edges_before_the_sky_are_partly_sky_and_keep_their_own_colour_and_depth
 
 def test_a_thin_wire_is_seen_along_its_whole_length() -> None:
     wire = MeshBuilder().beam((30, -30, 6), (30, 30, 6), 0.03, "black").build()
-    shot = shoot(empty_road(wire), View.of(Camera(pitch_deg=0.0), (0.0, 0.0, 0.0, 0.1)))
+    shot = shoot(empty_road(wire), CameraView.of(Camera(pitch_deg=0.0), (0.0, 0.0, 0.0, 0.1)))
     assert (shot.sky < 250).any(axis=0).mean() > 0.98
 
 
 def test_what_the_near_plane_cuts_is_drawn_up_to_it() -> None:
     floor = MeshBuilder().polygon([(-9, -9, 0), (99, -9, 0), (99, 9, 0), (-9, 9, 0)], "grey")
-    view = View.of(Camera(64, 48, z=0.4, pitch_deg=20.0), (0.0, 0.0, 0.0, 0.0))
+    view = CameraView.of(Camera(64, 48, z=0.4, pitch_deg=20.0), (0.0, 0.0, 0.0, 0.0))
     shot = shoot(empty_road(floor.build()), view)
     assert np.isfinite(shot.depth[-1]).all()
     _, upwards = view.slopes()
@@ -177,9 +177,11 @@ def test_backs_are_not_drawn_and_far_things_neither() -> None:
     square = [(10, -2, 0), (10, 2, 0), (10, 2, 3), (10, -2, 3)]
     for points, is_seen in ((square, False), (square[::-1], True)):
         stage = empty_road(MeshBuilder().polygon(points, "red").build())
-        shot = shoot(stage, View.of(CAMERA, (0.0, 0.0, 0.0, 0.0)))
+        shot = shoot(stage, CameraView.of(CAMERA, (0.0, 0.0, 0.0, 0.0)))
         assert np.isfinite(shot.depth).any() == is_seen
-    assert np.isinf(shoot(empty_road(box(9.0, x=500.0)), View.of(CAMERA, (0, 0, 0, 0))).depth).all()
+    assert np.isinf(
+        shoot(empty_road(box(9.0, x=500.0)), CameraView.of(CAMERA, (0, 0, 0, 0))).depth
+    ).all()
 
 
 def test_neighbours_leave_no_gap_wherever_the_camera_is() -> None:
@@ -191,15 +193,15 @@ def test_neighbours_leave_no_gap_wherever_the_camera_is() -> None:
             floor.polygon([(a + 700.123, b - 300.7, c) for a, b, c in corners], "grey")
     stage = empty_road(floor.build())
     for x, y, yaw, pitch in rng.uniform((695, -310, -3, 30), (705, -290, 3, 60), (12, 4)).tolist():
-        view = View.of(Camera(320, 240, pitch_deg=pitch), (x, y, 0.0, yaw))
+        view = CameraView.of(Camera(320, 240, pitch_deg=pitch), (x, y, 0.0, yaw))
         assert np.isfinite(shoot(stage, view).depth).all()
 
 
 def test_a_body_that_is_partly_hidden_would_fill_more_than_it_does() -> None:
-    stage = Canvas()
+    stage = Rasteriser()
     stage.show_scenery([box(1.0, x=-90.0)], is_snowy=False)
     stage.show_actors([box(2.0, x=0.0), box(0.8, x=0.0), box(1.0, x=0.0)])
-    view = View.of(CAMERA, (0.0, 0.0, 0.0, 0.0))
+    view = CameraView.of(CAMERA, (0.0, 0.0, 0.0, 0.0))
     stage.pose_actors([(14.0, 0.0, 0.0, 0.2), (7.0, 0.3, 0.0, 0.0), (-20.0, 0.0, 0.0, 0.0)])
     shown = shoot(stage, view)
     visible = [int((shown.rows == row).sum()) for row in range(3)]
@@ -216,6 +218,6 @@ def test_a_body_that_is_partly_hidden_would_fill_more_than_it_does() -> None:
 
 def test_what_shines_and_what_mirrors_are_told_apart() -> None:
     stage = empty_road(box(1.0, "head_lit"), box(1.0, "water", x=14.0, z=4.4))
-    shot = shoot(stage, View.of(CAMERA, (0.0, 0.0, 0.0, 0.0)))
+    shot = shoot(stage, CameraView.of(CAMERA, (0.0, 0.0, 0.0, 0.0)))
     assert set(np.unique(shot.kinds)) == {PLAIN, SHINING, MIRROR}
     assert (shot.kinds[np.isinf(shot.depth) & (shot.sky == 255)] == PLAIN).all()

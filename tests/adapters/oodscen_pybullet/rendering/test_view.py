@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._rendering.view import FAR, NEAR, View, metres
+from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView, metres
 
 from oodscen.protocols import Camera
 
@@ -15,7 +15,7 @@ reals = st.floats(-40, 40)
 def test_the_axes_are_orthonormal_and_look_along_the_yaw(
     x: float, y: float, yaw: float, pitch: float
 ) -> None:
-    view = View.of(Camera(pitch_deg=pitch), (x, y, 0.0, yaw))
+    view = CameraView.of(Camera(pitch_deg=pitch), (x, y, 0.0, yaw))
     axes = np.array([view.right, view.up, view.forward])
     assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(np.array([view.right, view.up, -axes[2]])) == pytest.approx(1.0)
@@ -26,7 +26,7 @@ def test_the_axes_are_orthonormal_and_look_along_the_yaw(
 
 @given(across=st.floats(-0.5, 0.5), upwards=st.floats(-0.4, 0.4), ahead=st.floats(1, 200))
 def test_pixels_and_slopes_agree(across: float, upwards: float, ahead: float) -> None:
-    view = View.of(Camera(width=160, height=120), (3.0, -2.0, 0.5, 0.7))
+    view = CameraView.of(Camera(width=160, height=120), (3.0, -2.0, 0.5, 0.7))
     point = tuple(
         view.eye[i] + ahead * (view.forward[i] + across * view.right[i] + upwards * view.up[i])
         for i in range(3)
@@ -41,7 +41,7 @@ def test_pixels_and_slopes_agree(across: float, upwards: float, ahead: float) ->
 
 
 def test_what_is_behind_has_no_pixel() -> None:
-    view = View.of(Camera(), (0.0, 0.0, 0.0, 0.0))
+    view = CameraView.of(Camera(), (0.0, 0.0, 0.0, 0.0))
     assert view.pixel((-5.0, 0.0, 1.0)) is None
 
 

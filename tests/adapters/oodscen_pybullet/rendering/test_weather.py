@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.triangles import SHELTERED
-from oodscen_pybullet._rendering.view import View
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._rendering.weather import (
     add_rain,
     add_snow,
@@ -21,7 +21,7 @@ from oodscen.data._scene import Weather
 from oodscen.driving._sight.visibility import extinction
 from oodscen.protocols import Camera
 
-VIEW = View.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
+VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
 SNOW = Weather(precipitation="snow", precipitation_mm_h=9.0)
 RAIN = Weather(precipitation="rain", precipitation_mm_h=20.0)
 DAY = Light.of(Weather(), 0.0, is_snowy=False)
@@ -58,7 +58,7 @@ def test_skies_are_bright_by_day_and_dark_by_night_and_bluest_above() -> None:
 
 @given(st.floats(-10, 10))
 def test_clouds_stay_where_they_are_when_the_camera_turns(yaw: float) -> None:
-    columns = cloud_columns(View.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, yaw)))
+    columns = cloud_columns(CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, yaw)))
     assert columns.min() >= 0.0
     assert columns.max() < 1024.0
     middle = float(columns[79] + columns[80]) / 2 if abs(columns[79] - columns[80]) < 9 else None
