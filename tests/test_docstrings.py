@@ -53,7 +53,7 @@ def descriptions(schema: Any) -> Iterator[str]:
             yield from descriptions(value)
 
 
-SENT = {text for prompt in QUESTIONS for text in descriptions(prompt.answer_schema())}
+SENT = {text for prompt in QUESTIONS.values() for text in descriptions(prompt.answer_schema())}
 """Docstrings that models read: a change gives the prompt another version."""
 
 

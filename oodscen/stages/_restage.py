@@ -135,5 +135,5 @@ def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
 
 
 def changed(scene: Scene, **fields: object) -> Scene:
-    """Return a scene with other fields, validated anew."""
+    """Return a scene with other fields, validated again."""
     return Scene.model_validate({**scene.model_dump(), **fields})
