@@ -178,7 +178,6 @@ class Growth:
             self._put(edit.node, before)
             if self.born[edit.node] == len(self.log):
                 del self.born[edit.node]
-        self._numbers.clear()
 
     def _play(self, edit: TreeEdit) -> None:
         before = self.nodes.get(edit.node)
