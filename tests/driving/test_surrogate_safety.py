@@ -181,11 +181,17 @@ def test_post_encroachment_is_the_least_over_all_pairs_of_steps(path, paths, siz
         assert value == pytest.approx(min(times, default=math.inf))
 
 
-def test_corners_that_touch_share_ground_and_bodies_far_apart_none():
-    ego = row([0.0, 0.0], 0.0, length=8.0, width=6.0)
+@pytest.mark.parametrize("scale", [1.0, 0.125])
+def test_corners_that_touch_share_ground_and_bodies_far_apart_none(scale):
+    # Boxes of 8 by 6 have corners exactly 5 from their centres, so no rounding decides.
+    size = {"length": 8.0 * scale, "width": 6.0 * scale}
+    ego = row([0.0, 0.0], 0.0, **size)
     for x, time in ((8.0, 0.0), (80.0, math.inf)):
-        other = row([[100.0], [x]], 6.0, length=8.0, width=6.0)
+        other = row([[100.0], [x * scale]], 6.0 * scale, **size)
         assert post_encroachment(ego, other, 0.5) == [time]
+    early = row([[8.0 * scale], [100.0]], 6.0 * scale, **size)
+    assert post_encroachment(ego._replace(x=np.array([100.0, 0.0])), early, 0.5) == [0.5]
+    assert post_encroachment(ego.at(slice(0)), early.at(slice(0)), 0.5) == [math.inf]
 
 
 def test_headway_counts_only_what_is_ahead_in_the_path():
