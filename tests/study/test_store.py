@@ -153,6 +153,13 @@ def test_a_folder_that_cannot_be_made_is_a_study_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError, match="cannot write"):
         Store(tmp_path / "file" / "out").prepare()
+    with (
+        pytest.raises(StudyError, match="cannot write"),
+        Store(tmp_path / "file" / "out").writing(),
+    ):
+        pass
+    with Store(tmp_path / "a" / "b").writing():
+        assert (tmp_path / "a" / "b").is_dir()
 
 
 def test_lines_are_canonical(tmp_path):

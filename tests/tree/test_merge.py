@@ -311,6 +311,16 @@ def test_a_former_leaf_is_kept_below_the_family_that_it_became():
     )
 
 
+def test_a_leaf_that_was_kept_remains_a_path_when_it_becomes_a_family_too():
+    other = weather(SNOW, BLIZZARD, ("snow-x", "snow", "Snow"), ("drift", "snow-x", "Drift"))
+    merged = merge(weather(SNOW), other)
+    assert sorted(path[3:] for path in merged.paths.values()) == [
+        ("Snow", "Blizzard"),
+        ("Snow", "Snow", "Drift"),
+        ("Snow", "Snow", "Snow"),
+    ]
+
+
 def test_merged_trees_are_numbered_and_their_own_names_kept():
     tree = ScenarioTree.planted()
     for number, label in enumerate(("Mud", "Hail", "Sand"), 1):
