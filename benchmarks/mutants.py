@@ -59,6 +59,7 @@ MODULES = {
 
 _TOLERANCE = "a tolerance against rounding: nothing computed lies on it but by chance"
 _SYMMETRIC = "the nodes of the quadrature are symmetric"
+_FINER = "one step more than the stated accuracy needs"
 _DERIVED = "follows from the fields that are compared"
 _GEOMETRY = "oodscen/driving/_roads/geometry.py"
 _SAFETY = "oodscen/driving/_surrogate_safety.py"
@@ -73,6 +74,21 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         _GEOMETRY,
         "return half * sum(weight * self._speed((middle - half * node)) for node, weight in _GAUSS)",
     ): _SYMMETRIC,
+    (
+        _GEOMETRY,
+        "count = max((1 + 1), math.ceil(self.length * (0.1 + 4.0 * bend)))",
+    ): _FINER,
+    (
+        _GEOMETRY,
+        "count = max(1, math.ceil(self.length * ((0.1 + 1) + 4.0 * bend)))",
+    ): _FINER,
+    (
+        _GEOMETRY,
+        "count = max(1, math.ceil(self.length * (0.1 + (4.0 + 1) * bend)))",
+    ): _FINER,
+    (_GEOMETRY, "count = min(max((8 + 1), math.ceil(self.length)), 5_000)"): _FINER,
+    (_GEOMETRY, "count = min(max(8, math.ceil(self.length)), (5_000 + 1))"): _FINER,
+    (_GEOMETRY, "for _ in range((2 + 1)):"): _FINER,
     (_GEOMETRY, "if not self.arc >= 1e-9:"): _TOLERANCE,
     (
         _GEOMETRY,
