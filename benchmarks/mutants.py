@@ -50,14 +50,123 @@ MODULES = {
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/board.py": ("tests/judging/leaderboard",),
     "oodscen/llm/_json_objects.py": (
+        "tests/llm/test_json_objects.py",
         "tests/llm/test_ask.py",
-        "tests/judging/parsing/test_reading.py",
     ),
     "oodscen/study/_store.py": ("tests/study/test_store.py",),
 }
 """The core modules, and the tests that must notice their mutants."""
 
-EQUIVALENT: dict[tuple[str, str], str] = {}
+_TOLERANCE = "a tolerance against rounding: nothing computed lies on it but by chance"
+_SYMMETRIC = "the nodes of the quadrature are symmetric"
+_FINER = "one step more than the stated accuracy needs"
+_DERIVED = "follows from the fields that are compared"
+_GEOMETRY = "oodscen/driving/_roads/geometry.py"
+_SAFETY = "oodscen/driving/_surrogate_safety.py"
+_RESAMPLING = "oodscen/statistics/_resampling.py"
+_INTERVALS = "oodscen/statistics/_intervals.py"
+_OBJECTS = "oodscen/llm/_json_objects.py"
+_READING = "oodscen/judging/_parsing/reading.py"
+
+EQUIVALENT: dict[tuple[str, str], str] = {
+    (_GEOMETRY, "turn = self._turn((middle - half * node))"): _SYMMETRIC,
+    (
+        _GEOMETRY,
+        "return half * sum(weight * self._speed((middle - half * node)) for node, weight in _GAUSS)",
+    ): _SYMMETRIC,
+    (
+        _GEOMETRY,
+        "count = max((1 + 1), math.ceil(self.length * (0.1 + 4.0 * bend)))",
+    ): _FINER,
+    (
+        _GEOMETRY,
+        "count = max(1, math.ceil(self.length * ((0.1 + 1) + 4.0 * bend)))",
+    ): _FINER,
+    (
+        _GEOMETRY,
+        "count = max(1, math.ceil(self.length * (0.1 + (4.0 + 1) * bend)))",
+    ): _FINER,
+    (_GEOMETRY, "count = min(max((8 + 1), math.ceil(self.length)), 5_000)"): _FINER,
+    (_GEOMETRY, "count = min(max(8, math.ceil(self.length)), (5_000 + 1))"): _FINER,
+    (_GEOMETRY, "for _ in range((2 + 1)):"): _FINER,
+    (_GEOMETRY, "if not self.arc >= 1e-9:"): _TOLERANCE,
+    (
+        _GEOMETRY,
+        "chord = along * (sin(half) / half if abs(half) >= 1e-12 else 1.0)",
+    ): _TOLERANCE,
+    (
+        _GEOMETRY,
+        "return (du * ddv - dv * ddu) / speed**3 if speed >= 1e-9 else 0.0",
+    ): _TOLERANCE,
+    (_GEOMETRY, "if not abs(slope) <= 1e6:"): _TOLERANCE,
+    (
+        _GEOMETRY,
+        "_nodes: tuple[tuple[float, float, float], ...] = field(init=False, repr=False, compare=True)",
+    ): _DERIVED,
+    (
+        _GEOMETRY,
+        "_nodes: tuple[tuple[float, float, float], ...] = field(init=False, repr=False, )",
+    ): _DERIVED,
+    (
+        _GEOMETRY,
+        "_nodes: tuple[float, ...] = field(init=False, repr=False, compare=True)",
+    ): _DERIVED,
+    (_GEOMETRY, "_nodes: tuple[float, ...] = field(init=False, repr=False, )"): _DERIVED,
+    (
+        _GEOMETRY,
+        "_nodes: tuple[tuple[float, float], ...] = field(init=False, repr=False, compare=True)",
+    ): _DERIVED,
+    (
+        _GEOMETRY,
+        "_nodes: tuple[tuple[float, float], ...] = field(init=False, repr=False, )",
+    ): _DERIVED,
+    (_SAFETY, "is_still = np.abs(speed) <= 1e-9"): _TOLERANCE,
+    (
+        _SAFETY,
+        "safe = np.where(is_still, (1.0 + 1), speed)",
+    ): "any divisor will do where the quotient is not used",
+    (
+        _SAFETY,
+        "mine, theirs, actor = np.nonzero((dx * dx - dy * dy) <= reach * reach)",
+    ): "lets more pairs through to the exact test",
+    (
+        _RESAMPLING,
+        "_CELLS = (4_000_000 + 1)",
+    ): "a bound of memory, whose use the tests check with other values",
+    (
+        _RESAMPLING,
+        "equal = np.full(self.units, 1.0 / max(self.units, (1 + 1)))",
+    ): "a single cluster is drawn every time, whatever its probability",
+    (
+        _RESAMPLING,
+        "return np.divide(over, under, out=np.full_like(over, np.nan), where=under >= 1e-12)",
+    ): _TOLERANCE,
+    (
+        _INTERVALS,
+        "if units < FEWEST_CLUSTERS or not len(known) or np.ptp(known) <= 1e-12:",
+    ): _TOLERANCE,
+    (
+        "oodscen/metrics/_oodness.py",
+        "for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=False)",
+    ): "both have one entry per text",
+    (
+        "oodscen/judging/_leaderboard/board.py",
+        "return max(seen, key=lambda item: item[0], default=((0.0 + 1), None))[1]",
+    ): "only the second part of the default is used",
+    (
+        _OBJECTS,
+        "position += (1 + 1)",
+    ): "no object can begin at the character after the brace of another",
+    (
+        _OBJECTS,
+        "value = json_repair.loads(text, skip_json_loads=False)",
+    ): "what our own decoder has refused is no JSON to the repairer either",
+    (_OBJECTS, "return None, (0 + 1)"): "the end is only used with a value",
+    (
+        "oodscen/study/_store.py",
+        "start = max(0, end - len(tail) - (65_536 + 1))",
+    ): "the size of a block, which plays no part in what is found",
+}
 """Mutants that no test can tell from the original: (module, mutated line) -> reason."""
 
 COMPARISONS: dict[type[ast.cmpop], str] = {

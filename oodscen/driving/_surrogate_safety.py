@@ -67,7 +67,7 @@ def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> F
         one, two = (-reach - place) / safe, (reach - place) / safe
         apart = np.abs(place) > reach
         first = np.where(is_still, np.where(apart, np.inf, -np.inf), np.minimum(one, two))
-        last = np.where(is_still, np.where(apart, -np.inf, np.inf), np.maximum(one, two))
+        last = np.where(is_still, np.inf, np.maximum(one, two))
         enter, leave = np.maximum(enter, first), np.minimum(leave, last)
     return np.where((enter <= leave) & (enter <= TTC_LIMIT_S), enter, np.inf)
 

@@ -105,7 +105,7 @@ class Resampler:
 
     def count(self, is_there: NDArray[np.bool_]) -> int:
         """Return the number of clusters with an item in a mask [n]."""
-        return int((np.bincount(self.member, weights=is_there, minlength=1) > 0).sum())
+        return int((np.bincount(self.member, weights=is_there) > 0).sum())
 
 
 def bootstrap_mean(

@@ -118,8 +118,8 @@ class _Merging:
 
     def _put(self, edits: list[TreeEdit]) -> None:
         self.tree = self.tree.apply(*edits)
-        labels = [edit.label for edit in edits if edit.op != "keep" and edit.label]
-        node = added(edits[0]).model_copy(update={"label": labels[-1]})
+        # The last edit is the addition itself, or a `keep` with the final label.
+        node = added(edits[0]).model_copy(update={"label": edits[-1].label})
         self._depths[node.id] = self._depths[node.parent] + 1 if node.parent else 0
         self._hang(node)
 

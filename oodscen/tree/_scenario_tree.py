@@ -139,7 +139,7 @@ class ScenarioTree:
 
     def _plain(self) -> dict[str, Any]:
         # The parts are valid, and validating them again would cost more than writing them.
-        file = TreeFile.model_construct(schema_version=1, nodes=self.nodes, edits=self.edits)
+        file = TreeFile.model_construct(nodes=self.nodes, edits=self.edits)
         return file.model_dump(mode="json")
 
     # ------------------------------------------------------------------ change

@@ -1,17 +1,53 @@
 """The two definitions of OOD-ness, by every pair of cosines."""
 
+from functools import cache
+from typing import get_args
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
+from pydantic import ValidationError
 
+from oodscen._seeding import stream
+from oodscen.baselines import Baseline
 from oodscen.errors import UnknownComponent
-from oodscen.metrics._oodness import scores
+from oodscen.metrics._oodness import Definition, Neighbour, Oodness, oodness, scores
 from oodscen.metrics._vectors.similarity import unit
+from oodscen.metrics._vectors.space import Space
+from oodscen.testing import HashEncoder
+
+ENCODER = HashEncoder(16)
+TEXTS = st.lists(
+    st.lists(
+        st.sampled_from(["car", "van", "waits", "turns", "deer", "fog", "!"]),
+        min_size=1,
+        max_size=4,
+    ).map(" ".join),
+    min_size=1,
+    max_size=8,
+)
+
+
+BASELINES = (
+    ("car waits",),
+    ("car waits", "van turns !"),
+    ("!", "fog", "deer waits waits", "car turns", "fog", "van van turns"),
+)
+
+
+@cache
+def space(baseline: tuple[str, ...], seed: int = 0) -> Space:
+    return Space(ENCODER, Baseline(texts=baseline), seed, "cpu")
 
 
 def vectors(seed: int, n: int) -> np.ndarray:
     return unit(np.random.default_rng(seed).normal(size=(n, 5)).astype(np.float32))
+
+
+def cosines(texts: list[str], baseline: tuple[str, ...]) -> NDArray[np.float64]:
+    return ENCODER.encode(texts).astype(float) @ ENCODER.encode(baseline).astype(float).T
 
 
 @given(st.integers(0, 999), st.integers(1, 8), st.integers(1, 8))
@@ -35,3 +71,65 @@ def test_a_text_of_the_baseline_has_the_least_tabulated_score() -> None:
 def test_only_the_papers_definitions_are_scored_here() -> None:
     with pytest.raises(UnknownComponent):
         scores(vectors(0, 2), vectors(1, 2), "kth")  # type: ignore[arg-type]  # no definition
+
+
+@given(TEXTS, st.sampled_from(BASELINES), st.sampled_from(get_args(Definition)), st.integers(0, 3))
+def test_scores_and_neighbours_are_those_of_a_plain_computation(
+    texts: list[str], baseline: tuple[str, ...], definition: Definition, seed: int
+) -> None:
+    found = oodness(space(baseline, seed), texts, None, definition)
+    every = cosines(texts, baseline)
+    expected = -every.max(axis=1) if definition == "tabulated" else every.min(axis=1)
+    assert found.per_text == pytest.approx(expected, abs=1e-6)
+    assert found.mean == pytest.approx(expected.mean(), abs=1e-6)
+    assert len(found.nearest) == len(texts)
+    for row, neighbour in zip(every, found.nearest, strict=True):
+        assert neighbour.cosine == pytest.approx(row.max(), abs=1e-6)
+        assert row[neighbour.index] == pytest.approx(row.max(), abs=1e-6)
+        assert neighbour.text == baseline[neighbour.index]
+    assert (found.n, found.N, found.seed) == (len(texts), len(baseline), seed)
+    assert (found.definition, found.encoder) == (definition, "hash-16")
+    assert Oodness.parse(found.to_json()) == found
+
+
+@settings(max_examples=15)
+@given(TEXTS, st.sampled_from(get_args(Definition)), st.integers(0, 3), st.data())
+def test_the_interval_draws_whole_clusters(
+    texts: list[str], definition: Definition, seed: int, data: st.DataObject
+) -> None:
+    labels = st.lists(st.sampled_from("abcde"), min_size=len(texts), max_size=len(texts))
+    clusters = data.draw(st.none() | labels)
+    found = oodness(space(BASELINES[1], seed), texts, clusters, definition)
+    names = list(dict.fromkeys(clusters or range(len(texts))))
+    if len(names) < 2:
+        assert found.interval is None
+        return
+    assert found.interval is not None
+    kept = np.array([[c == name for c in clusters or range(len(texts))] for name in names], float)
+    draws = stream(seed, "bootstrap", "mean").multinomial(
+        len(names), np.full(len(names), 1 / len(names)), size=2000
+    )
+    means = draws @ (kept @ np.array(found.per_text)) / (draws @ kept.sum(axis=1))
+    expected = np.quantile(means, [0.025, 0.975])
+    assert (found.interval.low, found.interval.high) == pytest.approx(tuple(expected), abs=2e-6)
+    assert found.interval.units == len(names)
+    assert found.interval.is_clustered == (clusters is not None)
+
+
+def test_a_detector_scores_the_texts_and_the_neighbours_stay() -> None:
+    texts = ["deer waits", "car waits", "fog"]
+    room = space(BASELINES[2])
+    found, plain = (oodness(room, texts, None, name) for name in ("kth", "tabulated"))
+    assert found.per_text == tuple(room.scores(texts, "kth").tolist()) != plain.per_text
+    assert found.mean == pytest.approx(np.mean(found.per_text))
+    assert (found.definition, found.nearest) == ("kth", plain.nearest)
+
+
+def test_a_result_is_of_at_least_one_text_and_one_of_the_baseline() -> None:
+    nearest = (Neighbour(index=0, text="car", cosine=0.5),)
+    fields = {"mean": -0.5, "per_text": (-0.5,), "nearest": nearest, "interval": None}
+    fields |= {"n": 1, "N": 1, "definition": "tabulated", "encoder": "hash-16"}
+    assert Oodness(**fields).seed == 0
+    for name in ("n", "N"):
+        with pytest.raises(ValidationError):
+            Oodness(**{**fields, name: 0})

@@ -28,7 +28,7 @@ def test_wilson_without_anything_knows_nothing() -> None:
 
 
 def test_wilson_agrees_with_scipy() -> None:
-    for hits, n in ((0, 7), (3, 10), (86, 130), (130, 130)):
+    for hits, n in ((0, 1), (1, 1), (0, 7), (3, 10), (86, 130), (130, 130)):
         found = stats.binomtest(hits, n).proportion_ci(method="wilson")
         assert wilson(hits, n) == pytest.approx((found.low, found.high), abs=1e-12)
 
@@ -47,7 +47,13 @@ def test_intervals_do_not_pretend_where_all_agree_or_paths_are_few() -> None:
 def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
     found = np.linspace(0.2, 0.8, 50)
     assert percentiles(found, 4) is None
-    assert percentiles(found, 5) is not None
+    assert percentiles(found, 5) == percentile_interval(found, 5, is_clustered=True)
+    assert share_bounds(7, 20, 5, found) == percentiles(found, 5)
+    for hits in (0, 20):
+        few, enough = share_bounds(hits, 20, 4), share_bounds(hits, 20, 5)
+        assert few is not None
+        assert enough is not None
+        assert (few.units, enough.units) == (20, 5)
 
 
 def test_only_where_all_agree_a_path_counts_as_one_item() -> None:
@@ -75,6 +81,16 @@ def test_an_interval_of_replicates_is_between_their_quantiles_and_says_what_was_
         interval = percentile_interval(found, 9, is_clustered=is_clustered)
         assert (interval.low, interval.high, interval.units) == (25.0, 975.0, 9)
         assert (interval.method, interval.is_clustered) == (method, is_clustered)
+
+
+def test_ends_are_rounded_to_six_digits() -> None:
+    found = np.linspace(1 / 7, 6 / 7, 50)
+    ends = [round(end, 6) for end in np.quantile(found, [0.025, 0.975]).tolist()]
+    interval = percentile_interval(found, 9, is_clustered=False)
+    assert [interval.low, interval.high] == ends
+    shared = share_bounds(7, 20, 3)
+    assert shared is not None
+    assert [shared.low, shared.high] == [round(end, 6) for end in wilson(7, 20)]
 
 
 def test_replicates_without_spread_or_without_values_give_no_interval() -> None:

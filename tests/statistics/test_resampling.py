@@ -51,6 +51,30 @@ def test_clusters_of_one_are_no_clusters():
     assert (alone.low, alone.high) == (together.low, together.high)
 
 
+def test_two_units_have_an_interval():
+    values = np.array([1.0, 2.0, 4.0])
+    assert bootstrap_mean(values[:2]) is not None
+    rows = unit(np.random.default_rng(1).normal(size=(3, 4)).astype(np.float32))
+    assert bootstrap_pairwise(rows[:2]) is not None
+    for clusters in (["a", "b", "b"], ["a", "b", "a"]):
+        for found in (bootstrap_mean(values, clusters), bootstrap_pairwise(rows, clusters)):
+            assert (found.units, found.is_clustered) == (2, True)
+    assert not bootstrap_mean(values).is_clustered
+
+
+def test_draws_are_two_thousand_of_seed_0_unless_told_otherwise():
+    values = np.random.default_rng(2).normal(size=9)
+    rows = unit(np.random.default_rng(2).normal(size=(9, 3)).astype(np.float32))
+    for found in (
+        lambda **how: Resampler(9, **how).weights.tolist(),
+        lambda **how: bootstrap_mean(values, **how),
+        lambda **how: bootstrap_pairwise(rows, **how),
+    ):
+        assert found() == found(seed=0, replicates=2000)
+        assert found() != found(seed=1, replicates=2000)
+        assert found() != found(seed=0, replicates=2001)
+
+
 def test_fewer_than_two_units_have_no_interval():
     assert bootstrap_mean(np.array([1.0])) is None
     assert bootstrap_mean(np.array([1.0, 2.0]), ["a", "a"]) is None
@@ -145,3 +169,19 @@ def test_many_clusters_are_drawn_in_blocks_of_the_same_draws(
     assert (np.concatenate(blocks) == whole).all()
     assert (whole.sum(axis=1) == 9).all()
     assert (Resampler(9, replicates=20, purpose="other").weights != whole).any()
+
+
+@given(st.integers(0, 9), st.integers(1, 30), st.integers(1, 20))
+def test_a_block_has_as_many_draws_as_memory_allows_and_at_least_one(
+    units: int, replicates: int, cells: int
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_resampling, "_CELLS", cells)
+        found = list(_resampling.blocks(replicates, units))
+        step = max(1, cells // max(1, units))
+        assert sum(found) == replicates
+        assert all(size == step for size in found[:-1])
+        assert 0 < found[-1] <= step
+        patch.setattr(_resampling, "_CELLS", max(1, units * replicates))
+        resampler = Resampler(units, replicates=replicates)
+        assert [block is resampler.weights for block in resampler.blocks()] == [True]

@@ -1,13 +1,16 @@
 """Files of a study: always valid, whatever happens in between."""
 
+import hashlib
 import json
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError, StudyError
+from oodscen.study import _store
 from oodscen.study._store import Store
 
 ROWS = st.lists(
@@ -151,6 +154,13 @@ def test_a_folder_that_cannot_be_made_is_a_study_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError, match="cannot write"):
         Store(tmp_path / "file" / "out").prepare()
+    with (
+        pytest.raises(StudyError, match="cannot write"),
+        Store(tmp_path / "file" / "out").writing(),
+    ):
+        pass
+    with Store(tmp_path / "a" / "b").writing():
+        assert (tmp_path / "a" / "b").is_dir()
 
 
 def test_lines_are_canonical(tmp_path):
@@ -173,3 +183,75 @@ def test_a_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "verdicts.jsonl")
     with pytest.raises(DataError, match="no regular file"):
         list(Store(tmp_path).lines("verdicts.jsonl"))
+
+
+def test_a_file_is_there_read_digested_and_removed(tmp_path):
+    store = Store(tmp_path / "a" / "study")
+    for _ in range(2):
+        store.prepare()
+    assert not store.has("a.json")
+    assert list(store.lines("a.json")) == []
+    for content in ('{"a":0}', b'{"a":1}'):
+        store.write("frames/deep/a.json", content)
+    assert store.has("frames/deep/a.json")
+    assert not store.has("frames")
+    assert store.read("frames/deep/a.json") == {"a": 1}
+    assert store.digest("frames/deep/a.json") == hashlib.sha256(b'{"a":1}').hexdigest()
+    for _ in range(2):
+        store.remove("frames/deep/a.json")
+        assert not store.has("frames/deep/a.json")
+    with pytest.raises(DataError):
+        store.digest("../a.json")
+
+
+def test_a_line_that_did_not_fit_is_cut_off_before_the_next_one(tmp_path, monkeypatch):
+    store = Store(tmp_path)
+    store.append("a.jsonl", {"id": 1})
+    opened = Path.open
+
+    class Full:
+        def __init__(self, file):
+            self.file = file
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *exc):
+            self.file.close()
+
+        def fileno(self):
+            return self.file.fileno()
+
+        def write(self, data):
+            return self.file.write(data[:3])
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "open", lambda path, *how, **more: Full(opened(path, *how, **more)))
+        with pytest.raises(StudyError, match=r"a\.jsonl: the disk is full"):
+            store.append("a.jsonl", {"id": 2})
+    assert store.path("a.jsonl").read_text() == '{"id":1}\n{"i'
+    store.append("a.jsonl", {"id": 3})
+    assert list(store.lines("a.jsonl")) == [{"id": 1}, {"id": 3}]
+
+
+def test_a_files_end_is_looked_at_once_and_again_by_the_next_writer(tmp_path, monkeypatch):
+    store, mended = Store(tmp_path), []
+    mend = _store._mend
+    monkeypatch.setattr(_store, "_mend", lambda file: mended.append(file) or mend(file))
+    for number in range(3):
+        store.append("a.jsonl", {"id": number})
+    assert len(mended) == 1
+    store.path("a.jsonl").write_text('{"id":0}\n{"i')
+    with store.writing():
+        store.append("a.jsonl", {"id": 3})
+    assert list(store.lines("a.jsonl")) == [{"id": 0}, {"id": 3}]
+
+
+def test_only_the_end_of_a_long_file_is_read_before_a_line_is_added(tmp_path, monkeypatch):
+    store, asked = Store(tmp_path), []
+    store.path("a.jsonl").write_text('{"id":1}\n' * 100_000 + '{"i')
+    pread = os.pread
+    monkeypatch.setattr(os, "pread", lambda *how: asked.append(how[1]) or pread(*how))
+    store.append("a.jsonl", {"id": 2})
+    assert asked == [65_536]
+    assert store.path("a.jsonl").read_text().endswith('{"id":1}\n{"id":2}\n')

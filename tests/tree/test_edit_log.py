@@ -6,7 +6,8 @@ from hypothesis import given
 from oodscen import ScenarioTree
 from oodscen.errors import DataError
 from oodscen.tree import TreeEdit
-from tests.tree.woods import changes, few, grown
+from oodscen.tree._edit_log import slug
+from tests.tree.woods import chain, changes, few, grown
 
 FOG = ScenarioTree.planted().apply(
     TreeEdit(op="add", node="fog", parent="environmental", label="Fog or smoke", attested="paper")
@@ -26,6 +27,46 @@ def test_only_an_earlier_edit_can_be_undone():
     for later in (last + 1, last + 2, -1):
         with pytest.raises(DataError, match="does not come before it"):
             FOG.apply(TreeEdit(op="keep", node="fog", undoes=later))
+
+
+def test_an_edit_may_undo_any_that_comes_before_it_in_the_same_list():
+    first = len(FOG.edits)
+    edits = [TreeEdit(op="keep", node="fog", undoes=index) for index in (0, first, first + 1)]
+    assert [edit.undoes for edit in FOG.apply(*edits).edits[first:]] == [0, first, first + 1]
+    with pytest.raises(DataError, match="does not come before it"):
+        FOG.apply(edits[0], edits[2])
+
+
+def test_a_fault_below_a_refused_node_is_told_only_where_it_is_its_own():
+    with pytest.raises(DataError) as caught:
+        FOG.apply(
+            TreeEdit(op="add", node="a b", parent="root", label="A"),
+            TreeEdit(op="add", node="c", parent="a b", label="C"),
+            TreeEdit(op="keep", node="c"),
+            TreeEdit(op="remove", node="environmental"),
+            TreeEdit(op="add", node="d e", parent="environmental", label="D"),
+        )
+    assert [issue.path for issue in caught.value.issues] == [f"edits[{i}]" for i in (0, 3, 4)]
+
+
+def test_fifty_levels_are_the_most():
+    assert chain(51).depth == 50
+    with pytest.raises(DataError, match="more than 50 levels"):
+        chain.__wrapped__(52)
+
+
+@pytest.mark.parametrize(
+    ("label", "found"),
+    [
+        ("Fog — or Smoke!", "fog-or-smoke"),
+        ("Überfluteter Tunnel", "uberfluteter-tunnel"),
+        ("x" * 60, "x" * 48),
+        ("x" * 47 + " y", "x" * 47),
+        ("霧", "node"),
+    ],
+)
+def test_a_slug_is_the_plain_words_of_a_label(label, found):
+    assert slug(label) == found
 
 
 def test_a_node_that_moves_and_returns_stands_where_it_stood():

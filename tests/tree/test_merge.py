@@ -212,3 +212,148 @@ def test_nodes_keep_who_put_them_there():
 def test_size_is_no_obstacle():
     merged = merge(broad(10_000), chain(MAX_DEPTH + 1))
     assert len(merged) == 10_000 + MAX_DEPTH
+
+
+SAYS = {"model": "m", "prompt": "p@1", "source": "seen", "reason": "because"}
+
+
+def test_a_node_that_both_have_is_kept_with_what_the_second_says_of_it():
+    one = weather(("snow", "weather", "Snow"))
+    other = weather(("snow", "weather", "Snow"), ("ice", "weather", "Ice")).apply(
+        TreeEdit(op="broaden", node="snow", label="Snow or sleet", round=2, **SAYS)
+    )
+    for name, origin in ((None, "merge-1"), ("theirs", "theirs")):
+        merged = merge(one, other, name=name)
+        kept = [edit for edit in merged.edits[len(one.edits) :] if edit.node == "snow"]
+        assert kept == [
+            TreeEdit(
+                op="keep",
+                node="snow",
+                label="Snow or sleet",
+                stage="merge",
+                round=2,
+                reason="the other tree has it as “Snow or sleet” (same id)",
+                source="seen",
+                model="m",
+                prompt="p@1",
+                origin=origin,
+                origin_node="snow",
+            )
+        ]
+        assert merged.by_id["snow"].label == "Snow"
+
+
+def test_what_paired_two_nodes_is_in_the_reason():
+    one = weather(("x", "weather", "Snow on the road"))
+    other = weather(("y", "weather", "Snow on a road"), ("z", "weather", "snow on the road"))
+    merged = merge(one, other, encoder=ENCODER, threshold=-1.0)
+    reasons = [edit.reason for edit in merged.edits if edit.node == "x" and edit.op == "keep"]
+    pairs = {pair.after: pair for pair in match(one, other, encoder=ENCODER, threshold=-1.0)}
+    assert pairs["z"].similarity is None
+    assert reasons == ["the other tree has it as “snow on the road” (same label)"]
+    alone = weather(("y", "weather", "Snow on a road"))
+    (pair,) = (p for p in match(one, alone, encoder=ENCODER, threshold=-1.0) if p.after == "y")
+    merged = merge(one, alone, encoder=ENCODER, threshold=-1.0)
+    assert merged.edits[-1].reason == (
+        "the other tree has it as “Snow on a road” "
+        f"(same {pair.by}, similarity {pair.similarity:.2f})"
+    )
+    assert len(merge(one, alone, encoder=ENCODER, threshold=1.0)) == len(one) + 1
+    assert len(merge(one, alone, threshold=-1.0)) == len(one) + 1
+
+
+def test_an_added_node_brings_its_decisions_and_ends_as_it_was():
+    one, other = ScenarioTree.planted(), weather(("fog", "weather", "Fog"))
+    other = other.apply(
+        TreeEdit(op="broaden", node="fog", label="Fog or smoke", attested="paper", **SAYS),
+        TreeEdit(op="keep", node="fog", round=1, **SAYS),
+        TreeEdit(op="broaden", node="fog", label="Fog, smoke or dust", round=2),
+    )
+    told = {"node": "fog", "origin": "merge-1", "origin_node": "fog"}
+    assert [edit for edit in merge(one, other).edits if edit.node == "fog"] == [
+        TreeEdit(op="add", parent="weather", label="Fog", **told),
+        TreeEdit(op="broaden", label="Fog or smoke", attested="paper", **SAYS, **told),
+        TreeEdit(op="keep", round=1, **SAYS, **told),
+        TreeEdit(op="broaden", label="Fog, smoke or dust", round=2, **told),
+        TreeEdit(
+            op="keep",
+            label="Fog, smoke or dust",
+            stage="merge",
+            reason="merged in from another tree, where its id was fog",
+            **told,
+        ),
+    ]
+
+
+def test_a_label_that_an_undoing_gave_back_is_told_as_such():
+    other = weather(("fog", "weather", "Fog")).apply(
+        TreeEdit(op="keep", node="weather"),
+        TreeEdit(op="narrow", node="fog", label="Fog at night"),
+        TreeEdit(op="broaden", node="fog", label="Fog, smoke", undoes=5),
+    )
+    merged = merge(ScenarioTree.planted(), other)
+    assert merged.by_id["fog"] == other.by_id["fog"]
+    (given,) = (edit for edit in merged.edits if edit.reason == "its label in the other tree")
+    assert given == TreeEdit(
+        op="broaden",
+        node="fog",
+        label="Fog, smoke",
+        stage="merge",
+        reason="its label in the other tree",
+        origin="merge-1",
+        origin_node="fog",
+    )
+
+
+def test_a_former_leaf_is_kept_below_the_family_that_it_became():
+    one, other = weather(SNOW), weather(SNOW, BLIZZARD)
+    (kept,) = (
+        edit for edit in merge(one, other).edits if edit.op == "add" and edit.stage == "merge"
+    )
+    assert kept == TreeEdit(
+        op="add",
+        node="snow-2",
+        parent="snow",
+        label="Snow",
+        stage="merge",
+        reason="a kind of its own, which is a family in the other tree",
+        origin="merge-1",
+    )
+
+
+def test_a_leaf_that_was_kept_remains_a_path_when_it_becomes_a_family_too():
+    other = weather(SNOW, BLIZZARD, ("snow-x", "snow", "Snow"), ("drift", "snow-x", "Drift"))
+    merged = merge(weather(SNOW), other)
+    assert sorted(path[3:] for path in merged.paths.values()) == [
+        ("Snow", "Blizzard"),
+        ("Snow", "Snow", "Drift"),
+        ("Snow", "Snow", "Snow"),
+    ]
+
+
+def test_merged_trees_are_numbered_and_their_own_names_kept():
+    tree = ScenarioTree.planted()
+    for number, label in enumerate(("Mud", "Hail", "Sand"), 1):
+        tree = merge(tree, weather((label.lower(), "weather", label)))
+        assert {edit.origin for edit in tree.edits} == {
+            "", *(f"merge-{earlier}" for earlier in range(1, number + 1))
+        }  # fmt: skip
+    outer = merge(ScenarioTree.planted(), tree)
+    assert {edit.origin for edit in outer.edits} == {
+        "", "merge-1", *(f"merge-1/merge-{number}" for number in (1, 2, 3))
+    }  # fmt: skip
+    assert {edit.origin for edit in merge(outer, weather(SNOW)).edits} >= {"merge-2"}
+
+
+@few
+@given(
+    trees, st.sampled_from([{"round": 1}, {"source": "seen"}, {"model": "new"}, {"prompt": "p"}])
+)
+def test_a_further_decision_about_a_node_is_told_once(tree, why):
+    if "environmental" not in tree.by_id:
+        return
+    merged = merge(ScenarioTree.planted(), tree)
+    more = tree.apply(TreeEdit(op="keep", node="environmental", **{"source": "other", **why}))
+    again = merge(merged, more, name="again")
+    assert [edit.origin for edit in again.edits[len(merged.edits) :]] == ["again"]
+    assert merge(again, more, name="third") == again

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UnknownComponent, UsageError
 from oodscen.tree._edit_log import MAX_DEPTH
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree, TreeEdit, slug
 from tests.tree.woods import REFUSED, broad, chain, changes, edits, few, grown, trees
@@ -121,6 +121,92 @@ def test_paths_lead_from_the_root_to_every_leaf(tree):
 
 
 @few
+@given(trees)
+def test_every_earlier_tree_is_the_fold_of_its_edits(tree):
+    for number, edit in enumerate(tree.edits):
+        earlier = tree.at(edit=number)
+        assert earlier.edits == tree.edits[:number]
+        assert earlier.nodes == ScenarioTree(tree.edits[:number]).nodes
+        assert tree.before(number) == earlier.by_id.get(edit.node)
+    assert tree.at(edit=len(tree.edits)) == tree
+
+
+STORY = ScenarioTree.planted().apply(
+    TreeEdit(op="add", node="fog", parent="environmental", label="Fog", stage="grow"),
+    TreeEdit(op="add", node="ice", parent="environmental", label="Ice", stage="redteam", round=1),
+    TreeEdit(op="add", node="mud", parent="environmental", label="Mud", stage="redteam", round=2),
+    TreeEdit(op="keep", node="ice", stage="prune", reason="rare"),
+)
+"""A tree that was grown, red-teamed in two rounds and pruned."""
+
+
+def test_a_tree_knows_its_moments_by_edit_round_and_stage():
+    for moment, count in (
+        ({"edit": 2}, 2),
+        ({"round": 0}, 4),
+        ({"round": 1}, 5),
+        ({"stage": "grow"}, 4),
+        ({"stage": "redteam"}, 6),
+        ({"stage": "prune"}, 7),
+    ):
+        assert STORY.at(**moment).edits == STORY.edits[:count]
+    for moment in ({}, {"edit": 2, "round": 1}, {"round": 1, "stage": "grow"}, {"edit": 8}):
+        with pytest.raises(UsageError):
+            STORY.at(**moment)
+
+
+def test_an_edit_or_a_round_is_undone_and_not_both():
+    def left(tree):
+        return [leaf.id for leaf in tree.leaves]
+
+    assert STORY.undo().edits[-1].undoes == 6
+    assert left(STORY.undo(3)) == ["ice", "mud"]
+    assert left(STORY.undo(-2)) == ["fog", "ice"]
+    assert left(STORY.undo(round=1)) == ["fog", "mud"]
+    away = ScenarioTree(edit.model_copy(update={"origin": "away"}) for edit in STORY.edits)
+    assert left(away.undo(round=2, origin="away")) == ["fog", "ice"]
+    for asked in (
+        {"index": 3, "round": 1},
+        {"origin": "away"},
+        {"index": 3, "origin": "away"},
+        {"round": 2, "origin": ""},
+    ):
+        with pytest.raises(UsageError):
+            away.undo(**asked)
+
+
+def test_a_node_is_found_with_who_added_it_or_refused_by_name():
+    assert STORY.node("ice") == STORY.by_id["ice"]
+    found = STORY.provenance("ice")
+    assert (found.stage, found.round) == ("redteam", 1)
+    assert [one.edit.reason for one in found.later] == ["rare"]
+    for ask in (STORY.node, STORY.provenance):
+        with pytest.raises(UnknownComponent):
+            ask("fogs")
+
+
+def test_a_planted_tree_has_two_classes_and_an_empty_one_nothing():
+    tree = ScenarioTree.planted("Anything")
+    assert tree.outline() == "- Anything\n  - Environmental\n  - Interactional"
+    assert [node.id for node in tree] == ["root", "environmental", "interactional"]
+    assert {edit.stage for edit in tree.edits} == {"grow"}
+    assert (tree.depth, tree.leaves, tree.paths) == (1, (), {})
+    empty = ScenarioTree()
+    assert (empty.depth, len(empty), empty.outline(), empty.nodes) == (0, 0, "", ())
+
+
+def test_a_notebook_shows_the_labels():
+    shown = STORY._repr_html_()
+    assert all(node.label in shown for node in STORY)
+
+
+def test_a_file_says_its_version():
+    assert json.loads(STORY.to_json())["schema_version"] == 1
+    with pytest.raises(DataError):
+        ScenarioTree.parse({**json.loads(STORY.to_json()), "schema_version": 2})
+
+
+@few
 @given(trees, st.text())
 def test_new_ids_are_free_and_valid(tree, label):
     new = tree.new_id(label)
@@ -148,6 +234,20 @@ def test_a_removed_id_is_not_given_out_again():
         TreeEdit(op="remove", node="fog"),
     )
     assert tree.new_id("Fog") == "fog-2"
+
+
+def test_ids_are_numbered_without_a_gap_and_an_earlier_tree_knows_no_later_ones():
+    tree = ScenarioTree.planted()
+    past = [tree]
+    for wanted in ("fog", "fog-2", "fog-3", "fog-4"):
+        assert tree.new_id("Fog") == wanted
+        tree = tree.apply(TreeEdit(op="add", node=wanted, parent="environmental", label="Fog"))
+        past.append(tree)
+    for earlier, wanted in zip(past, ("fog", "fog-2", "fog-3", "fog-4", "fog-5"), strict=True):
+        assert earlier.new_id("Fog") == wanted
+        assert past[-1].new_id("Fog") == "fog-5"
+    branch = past[1].apply(TreeEdit(op="add", node="ice", parent="environmental", label="Ice"))
+    assert branch.new_id("Fog") == "fog-2"
 
 
 def test_broadening_keeps_the_place_and_the_attestation():
@@ -259,8 +359,9 @@ def test_what_is_too_deep_is_refused_where_it_begins():
     assert [issue.path for issue in caught.value.issues] == [f"nodes[{MAX_DEPTH + 1}]"]
 
 
-@given(st.integers(0, MAX_DEPTH - 1), st.integers(0, MAX_DEPTH - 1))
-def test_a_move_is_refused_exactly_where_the_tree_would_be_too_deep(above, size):
+@given(st.integers(1, MAX_DEPTH - 2), st.sampled_from([-1, 0, 1]))
+def test_a_move_is_refused_exactly_where_the_tree_would_be_too_deep(above, over):
+    size = MAX_DEPTH - 1 - above + over
     tree = chain(above + 1).apply(TreeEdit(op="add", node="x0", parent="n0", label="x0"))
     tree = tree.apply(
         *(
@@ -269,7 +370,7 @@ def test_a_move_is_refused_exactly_where_the_tree_would_be_too_deep(above, size)
         )
     )
     move = TreeEdit(op="move", node="x0", parent=f"n{above}")
-    if above + 1 + size > MAX_DEPTH:
+    if over > 0:
         with pytest.raises(DataError, match="levels below the root"):
             tree.apply(move)
     else:
@@ -282,6 +383,7 @@ def test_ten_thousand_single_edits_copy_nothing():
     growth = tree._index
     tree = tree.apply(TreeEdit(op="keep", node=ROOT))
     assert tree._index is growth
+    assert growth._is_ordered
     assert "nodes" not in tree.__dict__
     assert "edits" not in tree.__dict__
     assert tree.at(edit=5_000)._index is growth

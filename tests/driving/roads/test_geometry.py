@@ -1,4 +1,5 @@
 import math
+from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ curves = st.one_of(
 )
 
 
-@given(curves, st.floats(0, 1))
+@given(curves, st.floats(-0.05, 1.05))
 def test_curves_are_measured_by_arc_length(curve: Curve, fraction: float) -> None:
     along = fraction * (curve.length - 0.01)
     a, b = curve.at(along), curve.at(along + 0.01)
@@ -128,3 +129,52 @@ def test_the_last_polynomial_that_began_holds(starts: list[float], s: float) -> 
     pieces = tuple(Cubic(start, float(index)) for index, start in enumerate(sorted(starts), 1))
     expected = max((i for i, p in enumerate(pieces, 1) if p.start <= s + 1e-9), default=0.0)
     assert piecewise(pieces, s) == float(expected)
+
+
+NUMBERS = st.floats(-10, 10)
+
+
+@given(NUMBERS, NUMBERS, NUMBERS, NUMBERS, NUMBERS, NUMBERS)
+def test_a_cubic_is_a_polynomial_of_the_way_from_its_start(start, a, b, c, d, s):
+    expected = np.polyval([d, c, b, a], s - start)
+    assert Cubic(start, a, b, c, d).at(s) == pytest.approx(expected, abs=1e-9)
+    assert Cubic(start, a).at(s) == a
+    assert piecewise((Cubic(start, a, b, c, d),), start - 1.0) == 0.0
+    assert piecewise((Cubic(start, a, b, c, d),), start + 5.0) == pytest.approx(
+        np.polyval([d, c, b, a], 5.0)
+    )
+
+
+@given(coordinate, coordinate, heading, length, st.floats(0, 1))
+def test_an_arc_without_a_bend_is_a_line(x, y, angle, size, fraction):
+    line, arc = Line(0.0, x, y, angle, size), Arc(0.0, x, y, angle, size, 0.0)
+    assert arc.at(fraction * size) == line.at(fraction * size)
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 0.5), (-0.3, 0.4), (0.5, 0.0), (0.01, -0.6)])
+def test_a_tight_spiral_is_the_integral_of_its_heading(start, end):
+    curve = Spiral(0.0, 1.0, 2.0, 0.3, 100.0, start, end)
+    s = np.linspace(0.0, 100.0, 200_001)
+    middle = 0.5 * (s[1:] + s[:-1])
+    turn = 0.3 + start * middle + (end - start) / 200.0 * middle**2
+    for index in (20_000, 90_000, 200_000):
+        x = 1.0 + np.cos(turn[:index]).sum() * 5e-4
+        y = 2.0 + np.sin(turn[:index]).sum() * 5e-4
+        found = curve.at(s[index])
+        assert (found.x, found.y) == pytest.approx((x, y), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        Cubic(0.0, 1.0),
+        Line(0.0, 1.0, 2.0, 0.0, 5.0),
+        Spiral(0.0, 1.0, 2.0, 0.0, 5.0, 0.0, 0.1),
+        Poly3(0.0, 1.0, 2.0, 0.0, 5.0, (0.0,) * 4),
+        ParamPoly3(0.0, 1.0, 2.0, 0.0, 5.0, (0.0, 1.0, 0.0, 0.0), (0.0,) * 4, 5.0),
+    ],
+)
+def test_a_curve_is_a_value_that_shows_what_it_was_made_of(curve):
+    assert "_nodes" not in repr(curve)
+    with pytest.raises(FrozenInstanceError):
+        curve.x = 0.0

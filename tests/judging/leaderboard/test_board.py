@@ -1,9 +1,13 @@
 """The figure that ranks a task, its worst case, what is missing, and the reference to beat."""
 
+from typing import get_args
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen.data._base import Data
+from oodscen.judging._leaderboard import board
 from oodscen.judging._leaderboard.board import (
     TASKS,
     ActionScore,
@@ -81,8 +85,34 @@ def test_the_floor_is_the_best_reference_of_ours_that_does_not_know_the_truth(ro
     floor = best_floor(rows, task)
     assert (floor in able) if able else floor is None
     assert all(score(floor, task) >= score(row, task) for row in able)
-    board = Leaderboard(standings=tuple(rows))
-    assert board.floor(task) == floor
+    whole = Leaderboard(standings=tuple(rows))
+    assert whole.floor(task) == floor
     for row in rows:
-        assert board.standing(row.model) == next(r for r in rows if r.model == row.model)
-    assert board.standing("nobody") is None
+        assert whole.standing(row.model) == next(r for r in rows if r.model == row.model)
+    assert whole.standing("nobody") is None
+
+
+ROWS_OF_THE_BOARD = sorted(
+    {kind for kind in vars(board).values() if isinstance(kind, type) and issubclass(kind, Data)}
+    - {Data, board.Interval, board.PairedTest},
+    key=lambda kind: kind.__name__,
+)
+
+
+@pytest.mark.parametrize("kind", ROWS_OF_THE_BOARD)
+def test_a_new_row_has_counted_and_measured_nothing(kind):
+    fixed = {"schema_version": 1, "level": 0.95}
+    for name, field in kind.model_fields.items():
+        if field.is_required():
+            continue
+        if field.annotation is int or name in fixed:
+            assert field.default == fixed.get(name, 0)
+        elif type(None) in get_args(field.annotation):
+            assert field.default is None
+        elif isinstance(field.annotation, type) and issubclass(field.annotation, Data):
+            assert field.default == field.annotation()
+
+
+def test_tasks_are_those_that_are_ranked():
+    assert get_args(board.Task) == TASKS
+    assert len(ROWS_OF_THE_BOARD) == 11

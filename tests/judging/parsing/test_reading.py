@@ -1,6 +1,8 @@
 """What counts as said: JSON before prose, nothing from reasoning, nothing that is cut off or disputed."""
 
 import json
+import re
+from dataclasses import FrozenInstanceError
 
 import pytest
 from hypothesis import given
@@ -17,7 +19,18 @@ from oodscen.judging._parsing import (
     read_named_aspect,
     reasoning_in,
 )
-from oodscen.judging._parsing.text import LONGEST
+from oodscen.judging._parsing.reading import (
+    Question,
+    Reading,
+    _is_annulled,
+    _reasons,
+    is_placeholder,
+    members,
+    unwrapped,
+    words_in,
+)
+from oodscen.judging._parsing.text import LONGEST, UnusableError
+from oodscen.llm._json_objects import Members
 from tests.judging.parsing.shapes import LEAVES
 
 WORDS = st.sampled_from(
@@ -113,8 +126,12 @@ def test_case_and_white_space_change_nothing(said, space, cased):
         ('{"action": "stop"}<|im_end|>', "stop"),
         ("stop<|im_end|>", "stop"),
         ('{"action": "stop", "action": "stop"}', "stop"),
+        ('{"action": "stop", "speed": 1, "speed": 2}', "stop"),
+        ('"{\\"action\\":\n\\"stop\\"}"', "stop"),
+        ('{action: "stop", reasoning: "die Straße ist glätter"}', "stop"),
         # two values, a value that is none, an end that is missing: prose does not help
         ('{"action": "stop", "action": "slow_down"}', None),
+        ('{"action": "stop", "speed": 1, "action": "slow_down", "speed": 2}', None),
         ('{"action": "stop"} {"action": "slow_down"}', None),
         ('{"action": "stop"} {"action": "slow_down"} {"action": "stop"}', None),
         ('{"action": "stop"} {"action": ""}', None),
@@ -218,6 +235,7 @@ def test_reasons_are_those_of_the_object_else_all_that_is_said():
     assert reasoning_in('{"action": "stop"}') == ""
     assert reasoning_in('{"reasoning": "dry"} {"reasoning": "wet", "action": "stop"}') == "wet"
     assert reasoning_in(" " * LONGEST + "x") == ""
+    assert reasoning_in(" " * (LONGEST - 1) + "x") == "x"
     assert reasoning_in("<think>x</think>I would stop.") == "I would stop."
 
 
@@ -233,3 +251,89 @@ def test_reasons_are_those_of_the_object_else_all_that_is_said():
 def test_reasoning_that_settles_on_something_else_is_noted(reasoning, action, found):
     note = contradiction(reasoning, action, ACTIONS)
     assert (found in note) if found else not note
+
+
+def nested(value, depth, name="meta"):
+    """Wrap a value in so many objects."""
+    for _ in range(depth):
+        value = {name: value}
+    return value
+
+
+ASKED = re.compile("action")
+
+
+@pytest.mark.parametrize("depth", range(9))
+def test_objects_are_looked_into_to_a_depth(depth):
+    plain, hidden = nested({"speed": 3}, depth), nested({"wrong": 1}, depth)
+    assert _is_annulled(plain, ASKED) is (depth > 6)
+    assert _is_annulled(hidden, ASKED) is True
+    said = json.dumps({"action": "stop", **nested({"speed": 3}, depth + 1)})
+    assert (read_action(said, ACTIONS).value == "stop") is (depth < 6)
+    assert _reasons(nested({"reasoning": "wet"}, depth)) == ("wet" if depth <= 6 else "")
+    held = nested({"action": "stop"}, depth, "answer")
+    assert unwrapped(held, ASKED) == ({"action": "stop"} if depth <= 4 else held)
+    assert words_in(nested(" wet ", depth)) == ("wet" if depth <= 3 else "")
+
+
+@pytest.mark.parametrize(
+    ("value", "is_annulled"),
+    [
+        ({"action": "stop"}, False),
+        ({"action": True}, False),
+        ({"is_final": True}, True),
+        ({"others": [["stop"]]}, True),
+        ({"speed": 3}, False),
+        ({"not_this": 3}, True),
+        ({"not_this": None}, False),
+        ({"note": "the van is red"}, False),
+        ({"note": "this is wrong"}, True),
+        ({"reasoning": "this is wrong"}, False),
+        ({"reasoning": {"negated": True}, "notes": ["fine", "this is wrong"]}, True),
+    ],
+)
+def test_a_member_beside_the_answer_may_annul_it(value, is_annulled):
+    assert _is_annulled(value, ASKED) is is_annulled
+
+
+def test_reasons_are_those_of_the_object_and_of_what_it_wraps():
+    value = {"why": "x", "reasons": ["wet", {"road": "icy"}], "answer": {"rationale": "dark"}}
+    assert _reasons(value) == "wet; icy\ndark"
+    assert words_in((" a ", "", 3, ["b"])) == "a; b"
+    assert words_in(3) == ""
+
+
+def test_members_are_found_however_they_are_spelt_and_once():
+    assert members({"The Action": 1, "ACTION_": 2, "x": 3}, re.compile("(the)?action")) == [1, 2]
+    both = {"answer": {"action": "a"}, "result": {"action": "b"}}
+    assert unwrapped(both, ASKED) == both
+    mixed = {"answer": {"action": "a"}, "action": "b"}
+    assert unwrapped(mixed, ASKED) == mixed
+    empty = {"answer": {"speed": 3}}
+    assert unwrapped(empty, ASKED) == empty
+    repeated = Members(action=1)
+    repeated.repeated = frozenset({"Action", "x"})
+    with pytest.raises(UnusableError):
+        members(repeated, ASKED)
+
+
+@pytest.mark.parametrize(
+    ("value", "found"),
+    [("...", True), (" \u2026\n", True), ("<action>", True), ("stop", False), (3, False), (None, False)],
+)  # fmt: skip
+def test_placeholders_are_those_of_an_example(value, found):
+    assert is_placeholder(value) is found
+
+
+def test_a_refusal_is_looked_for_in_the_first_twenty_thousand_characters():
+    refusal = "I must decline"
+    assert is_refusal("x " * 9_993 + refusal)
+    assert not is_refusal("x " * 9_993 + " " + refusal)
+
+
+def test_what_is_read_never_changes():
+    question = Question(dict.get, str, ASKED)
+    assert (question.named, question.denies) == (None, None)
+    for one, name in ((Reading(None, "refused", "no"), "note"), (question, "members")):
+        with pytest.raises(FrozenInstanceError):
+            setattr(one, name, "")
