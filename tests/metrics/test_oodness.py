@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from oodscen._seeding import stream
-from oodscen.baselines import Baseline
+from oodscen.baselines._baseline import Baseline
 from oodscen.errors import UnknownComponent
 from oodscen.metrics._oodness import Definition, Neighbour, Oodness, oodness, scores
 from oodscen.metrics._vectors.similarity import unit
 from oodscen.metrics._vectors.space import Space
-from oodscen.testing import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder(16)
 TEXTS = st.lists(

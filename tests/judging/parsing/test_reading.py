@@ -20,8 +20,8 @@ from oodscen.judging._parsing import (
     reasoning_in,
 )
 from oodscen.judging._parsing.reading import (
+    ParsedAnswer,
     Question,
-    Reading,
     _is_annulled,
     _reasons,
     is_placeholder,
@@ -334,6 +334,6 @@ def test_a_refusal_is_looked_for_in_the_first_twenty_thousand_characters():
 def test_what_is_read_never_changes():
     question = Question(dict.get, str, ASKED)
     assert (question.named, question.denies) == (None, None)
-    for one, name in ((Reading(None, "refused", "no"), "note"), (question, "members")):
+    for one, name in ((ParsedAnswer(None, "refused", "no"), "note"), (question, "members")):
         with pytest.raises(FrozenInstanceError):
             setattr(one, name, "")
