@@ -89,6 +89,10 @@ EQUIVALENT: dict[tuple[str, str], str] = {
     (_GEOMETRY, "count = min(max((8 + 1), math.ceil(self.length)), 5_000)"): _FINER,
     (_GEOMETRY, "count = min(max(8, math.ceil(self.length)), (5_000 + 1))"): _FINER,
     (_GEOMETRY, "for _ in range((2 + 1)):"): _FINER,
+    (
+        _GEOMETRY,
+        "start, u, v = self._nodes[max(index, (0 + 1))]",
+    ): "the first piece is as exact integrated backwards from its end",
     (_GEOMETRY, "if not self.arc >= 1e-9:"): _TOLERANCE,
     (
         _GEOMETRY,

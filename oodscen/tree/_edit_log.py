@@ -100,9 +100,6 @@ class EditLog:
         self._is_ordered = True
         self._lock = threading.Lock()
 
-    def __len__(self) -> int:
-        return len(self.log)
-
     def extend(
         self, version: int, edits: Iterable[TreeEdit], *, where: str = "edits"
     ) -> tuple["EditLog", list[Issue]]:
