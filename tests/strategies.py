@@ -4,6 +4,8 @@ from hypothesis import strategies as st
 
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
 from oodscen.prompts._judging.name_aspect import OodAspect
+from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
+from oodscen.prompts._tree.judge_branch import BranchJudgement, Substitute
 
 
 @st.composite
@@ -24,4 +26,19 @@ st.register_type_strategy(Claim, claims())
 st.register_type_strategy(
     OodAspect,
     st.builds(OodAspect, confidence=st.none() | st.floats(0.0, 1.0)),
+)
+said = st.text(min_size=1, max_size=20).filter(str.strip)
+st.register_type_strategy(Substitute, st.builds(Substitute, asset=said, stands_for=said))
+st.register_type_strategy(
+    BranchJudgement,
+    st.builds(
+        BranchJudgement,
+        **dict.fromkeys(
+            ("assets", "states", "behaviours", "weather", "traits"), st.lists(said, max_size=3)
+        ),
+    ),
+)
+st.register_type_strategy(
+    ImaginedScenario,
+    st.builds(ImaginedScenario, once_in_km=st.none() | st.floats(1.0, 1e18)),
 )

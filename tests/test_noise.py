@@ -23,7 +23,7 @@ often = settings(
 )
 KINDS = list(dict.fromkeys(question.answer for question in QUESTIONS.values()))
 
-words = st.text(max_size=30)
+words = st.text(min_size=1, max_size=30).filter(str.strip)
 numbers = st.floats(0.5, 40.0)
 placements = st.builds(Placement, ahead_m=numbers)
 actors = st.lists(

@@ -68,15 +68,17 @@ def test_every_valid_answer_hidden_in_noise_is_found(answer, noise, before, afte
 @pytest.mark.parametrize(
     "raw",
     [
-        "{'reasoning': 'rare', 'text': 'It is 5\" wide and lies on the road.'}",
-        '{reasoning: "rare", text: "It is 5\\" wide and lies on the road."}',
-        '{"reasoning": "rare", // why\n "text": "It is 5\\" wide and lies on the road."}',
-        '{"reasoning": "rare", "text": "It is 5\\" wide and lies on the road."',
-        '```json\n{"reasoning": "rare", "text": "It is 5\\" wide and lies on the road."\n```',
+        "{'reasoning': 'rare', 'text': 'It is 5\" wide and lies on the road.', 'once_in_km': 9}",
+        '{reasoning: "rare", text: "It is 5\\" wide and lies on the road.", "once_in_km": 9}',
+        '{"reasoning": "rare", // why\n "text": "It is 5\\" wide and lies on the road.", "once_in_km": 9}',
+        '{"once_in_km": 9, "reasoning": "rare", "text": "It is 5\\" wide and lies on the road."',
+        '```json\n{"once_in_km": 9, "reasoning": "rare", "text": "It is 5\\" wide and lies on the road."\n```',
     ],
 )
 def test_small_faults_are_mended(raw):
-    wanted = ImaginedScenario(reasoning="rare", text='It is 5" wide and lies on the road.')
+    wanted = ImaginedScenario(
+        reasoning="rare", text='It is 5" wide and lies on the road.', once_in_km=9
+    )
     assert read_answer(raw, ImaginedScenario) == (wanted, [])
 
 

@@ -235,9 +235,10 @@ def test_a_miss_says_which_part_differs(file):
     assert missed(file, request(sample=4)) == {"sample": "recorded 3, asked 4"}
     assert missed(file, request(sample=3, attempt=2)) == {"attempt": "recorded 1, asked 2"}
     differs = missed(file, request(OTHER, sample=3))
-    assert list(differs) == ["messages[1].text"]
-    assert "'crosses." in differs["messages[1].text"]
-    assert "'sleeps." in differs["messages[1].text"]
+    ((place, words),) = differs.items()
+    assert place == "messages[0].text"  # the examples are part of the prefix that providers cache
+    assert "'crosses." in words
+    assert "'sleeps." in words
     longer = Request(QUESTION, (*QUESTION.messages(),) * 2, {}, 3)
     assert missed(file, longer) == {"messages": "recorded 2 turns, asked 4"}
     frame = DescribeFrame(frames=(Image(name="a.jpg", sha256="0" * 64),))
