@@ -126,12 +126,11 @@ def examine_llm(name: str, *, api_base: str | None = None) -> list[CheckResult]:
     llm = make_llm(name, api_base=api_base)
     calls: list[Call] = []
     logged = LoggedLLM(llm, calls.append)
-    price = getattr(llm, "price", None)
-    known = (
-        f"${price[0]:g} in and ${price[1]:g} out per million tokens"
-        if isinstance(price, tuple)
-        else f"not known; a cap on cost needs --price {name}=IN,OUT"
-    )
+    match getattr(llm, "price", None):
+        case (int() | float() as asked, int() | float() as answered):
+            known = f"${asked:g} in and ${answered:g} out per million tokens"
+        case _:
+            known = f"not known; a cap on cost needs --price {name}=IN,OUT"
     findings = [_tried("answer", lambda: _answer(logged, calls))]
     if findings[0].is_ok or (calls and calls[-1].status == "ok"):
         seconds = sorted(call.seconds for call in calls)

@@ -104,8 +104,9 @@ def test_it_cannot_see(author: BuiltinAuthor) -> None:
 
 QUESTIONS = """
 import sys
-from oodscen.author import BuiltinAuthor
-from oodscen.prompts import DescribePath, ImagineScenario
+from oodscen.author._builtin import BuiltinAuthor
+from oodscen.prompts._scenario.describe_path import DescribePath
+from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 author = BuiltinAuthor(3)
 for question in (DescribePath(path=("x", "Fallen tree across the road"), count=5), ImagineScenario(shown=())):

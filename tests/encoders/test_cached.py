@@ -100,7 +100,7 @@ SAVING = """
 import sys
 from pathlib import Path
 from oodscen.encoders import CachedEncoder
-from oodscen.testing import HashEncoder
+from oodscen.testing._encoder import HashEncoder
 
 for number in range(5):
     cached = CachedEncoder(HashEncoder(16), sys.argv[1])

@@ -102,7 +102,7 @@ def test_running_again_changes_nothing(folder):
 
 KILLED = """
 import os, signal, sys
-from oodscen.study import StudyConfig
+from oodscen import StudyConfig
 from oodscen._pipeline import run_study
 
 stage, number = sys.argv[2], int(sys.argv[3])

@@ -180,7 +180,7 @@ def test_scripts_need_no_main_guard(tmp_path):
 
 
 OWN = """
-from oodscen.study import StudyConfig
+from oodscen import StudyConfig
 from oodscen._pipeline import run_study
 from oodscen.testing import FlatSimulator
 
