@@ -136,7 +136,8 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
         digest  # noqa: B018
         return function(*args)  # type: ignore[call-arg]
 
-    entry.__name__ = entry.__qualname__ = name
+    # An index on disk is found by this name, so that one of another version is never unpickled.
+    entry.__name__, entry.__qualname__ = name, f"{name}.{digest[:16]}"
     entry.__module__ = function.__module__
     try:
         return numba.njit(cache=True, nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
