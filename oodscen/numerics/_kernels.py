@@ -129,15 +129,13 @@ def _compiled(function: Callable[P, R], name: str) -> Callable[P, R]:
             _registered.add(id(one))
             inline = "always" if id(one) in _inlined else "never"
             register_jitable(inline=inline, **_STRICT)(one)
-    digest = _digest(function)
 
-    # numba keys its cache by this one source file; the digest covers all the others.
     def entry(*args):  # type: ignore[no-untyped-def]
-        digest  # noqa: B018
         return function(*args)  # type: ignore[call-arg]
 
-    # An index on disk is found by this name, so that one of another version is never unpickled.
-    entry.__name__, entry.__qualname__ = name, f"{name}.{digest[:16]}"
+    # numba keys its cache by this one source file, and finds it by this name: the digest of all that
+    # the kernel is built from sets versions apart, so that another one's is never even unpickled.
+    entry.__name__, entry.__qualname__ = name, f"{name}.{_digest(function)[:16]}"
     entry.__module__ = function.__module__
     try:
         return numba.njit(cache=True, nogil=True, **_STRICT)(entry)  # type: ignore[no-any-return]
