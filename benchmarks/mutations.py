@@ -121,8 +121,8 @@ READERS: dict[str, tuple[str, ...]] = {
     "tree export": ("tree", "export", "OUT", "--format", "html"),
     "tree replay": ("tree", "replay", "OUT"),
     "score": ("score", "OUT/scenarios.jsonl", "--encoder", "hash", "--baseline", "ORDINARY"),
-    "faithful": (
-        *("faithful", "OUT/scenes.jsonl", "--scenarios", "OUT/scenarios.jsonl"),
+    "check-claims": (
+        *("check-claims", "OUT/scenes.jsonl", "--scenarios", "OUT/scenarios.jsonl"),
         *("--simulator", "flat"),
     ),
     "run --dry-run": ("run", "OUT", *OPTIONS.split(), "--baseline", "ORDINARY", "--dry-run"),

@@ -38,7 +38,7 @@ Row = dict[str, object]
 
 def planted(leaves: Sequence[tuple[HazardKind, str]]) -> ScenarioTree:
     """Plant texts below the class and family of their hazards, with uninformative ids."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     families: dict[tuple[str, str], str] = {}
     for hazard, label in leaves:
         key = hazard.class_name, hazard.family

@@ -209,7 +209,8 @@ def test_pictures_are_png(simulated):
     for picture in (above, simulated.frames["last"]):
         assert picture._repr_png_().startswith(b"\x89PNG")
     assert is_short(repr(above))
-    assert above[..., 0]._repr_png_() is None
+    assert above[..., 0]._repr_png_().startswith(b"\x89PNG")
+    assert above[0, 0]._repr_png_() is None
     frame = Frame(np.zeros((0, 0, 3), np.uint8), np.zeros((0, 0)), np.zeros((0, 0)))
     assert frame._repr_png_() is None
 

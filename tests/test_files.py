@@ -74,7 +74,7 @@ def test_commands_refuse_it_in_one_line(tmp_path, kind):
         ("describe", path),
         ("augment", path),
         ("simulate", path, str(tmp_path / "out")),
-        ("faithful", path, "--scenarios", path),
+        ("check-claims", path, "--scenarios", path),
         ("tree", "show", path),
     ):
         result = CliRunner().invoke(main, order)

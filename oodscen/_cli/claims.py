@@ -18,7 +18,7 @@ from oodscen.errors import AnswerError, DataError, Issue, LLMError
 Value = TypeVar("Value", bound=Data)
 
 
-@click.command()
+@click.command("check-claims")
 @click.argument("scenes", type=READABLE)
 @click.option(
     "--scenarios", type=READABLE, required=True, help="File of the texts, one scenario per line."
@@ -27,7 +27,7 @@ Value = TypeVar("Value", bound=Data)
 @seed_option
 @simulator_option
 @json_option
-def faithful(
+def check_claims(
     scenes: Path,
     scenarios: Path,
     llm: str,
@@ -56,7 +56,7 @@ def faithful(
     catalogue = make_simulator(simulator).catalogue()
     rows: list[Data] = [*faulty]
     staged = list(_values(Scene, scenes))
-    for number, scene in tracked(staged, "faithful", len(staged)):
+    for number, scene in tracked(staged, "check-claims", len(staged)):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue

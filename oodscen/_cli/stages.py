@@ -244,7 +244,7 @@ def augment(
     """
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
-    from oodscen.driving._sight.nameable import AdvisingCheck
+    from oodscen.driving._sight.staging_advice import AdvisingCheck
 
     model = make_llm(llm, seed=seed, api_base=api_base)
     augmenter = Augmenter(

@@ -30,7 +30,7 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._report import BaselineBatch, Report, baseline_batch, report
+from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._selection import Band, Method, Selection, band, select
 from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import Space
@@ -106,7 +106,7 @@ class Metrics(Brief):
         definition: Measure = "tabulated",
         checks: bool = True,
         progress: Progress | bool | None = None,
-    ) -> Report:
+    ) -> MetricsReport:
         """Return all figures of a set of texts.
 
         They come with checks against the known pitfalls: the percentile of the texts among held-out
@@ -331,7 +331,7 @@ class Metrics(Brief):
         *,
         band: tuple[float, float] | None = None,
         definition: Definition = "tabulated",
-    ) -> Report:
+    ) -> MetricsReport:
         """Return the OOD-ness and diversity of the texts in a file.
 
         Args:

@@ -7,7 +7,7 @@ from oodscen.baselines._texts import Record, read_records
 from oodscen.errors import UsageError
 from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Definition
-from oodscen.metrics._report import Report
+from oodscen.metrics._report import MetricsReport
 from oodscen.metrics._table import Table, paper_table
 from oodscen.protocols import Encoder
 
@@ -20,7 +20,7 @@ def score_file(
     band: tuple[float, float] | None = None,
     definition: Definition = "tabulated",
     seed: int = 0,
-) -> Report:
+) -> MetricsReport:
     """Return the OOD-ness and diversity of the texts in a file.
 
     Args:
@@ -48,7 +48,7 @@ def score_records(
     *,
     band: tuple[float, float] | None = None,
     definition: Definition = "tabulated",
-) -> Report:
+) -> MetricsReport:
     """Return the report of the texts in a file; see `Metrics.score_file`."""
     records = read_records(path)
     texts = [record.text for record in records]

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._display import png
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
@@ -318,9 +319,7 @@ def _rounded(point: Sequence[float]) -> tuple[float, float, float]:
 
 
 def _png(image: NDArray[Any]) -> bytes:
-    try:
-        import cv2
-    except ImportError:
-        raise MissingExtra("writing pictures", "pybullet", "opencv-python-headless") from None
-    _, data = cv2.imencode(".png", image)
-    return bytes(data.tobytes())
+    data = png(image)
+    if data is None:
+        raise MissingExtra("writing pictures", "pybullet", "opencv-python-headless")
+    return data

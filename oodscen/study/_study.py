@@ -101,10 +101,10 @@ class _Restaged(Data):
     scene: Scene | None = None
 
 
-class _Dry(Data):
-    """A line of `dry.jsonl`."""
+class _ShortPath(Data):
+    """A line of `short_paths.jsonl`."""
 
-    noun: ClassVar[str] = "path that ran dry"
+    noun: ClassVar[str] = "short path"
 
     file: str
     leaf: str
@@ -116,7 +116,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "edits.jsonl": TreeEdit,
     "pruned.jsonl": PruneDecision,
     "scenarios.jsonl": Scenario,
-    "dry.jsonl": _Dry,
+    "short_paths.jsonl": _ShortPath,
     "claims.jsonl": _Told,
     "staged.jsonl": Staging,
     "scenes.jsonl": Scene,

@@ -91,7 +91,7 @@ class ScenarioTree:
         return tree
 
     @classmethod
-    def planted(cls, label: str = "Out-of-distribution driving scenario") -> Self:
+    def initial(cls, label: str = "Out-of-distribution driving scenario") -> Self:
         """Return a tree with a root and the two classes."""
         nodes = [Node(id=ROOT, parent=None, label=label)]
         nodes += [Node(id=slug(name), parent=ROOT, label=name) for name in CLASSES]

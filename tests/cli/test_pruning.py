@@ -80,7 +80,7 @@ ordinary = "the lane ahead is free"
 needs = { assets = ["piano"] }
 """
     )
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     tree = tree.apply(
         tree.edits[0].model_copy(
             update={"node": "piano", "parent": "environmental", "label": "Grand piano on the road"}

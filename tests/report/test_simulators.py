@@ -17,7 +17,7 @@ LABELS = {"dog": "A dog", "ridge": "Rain or snow", "box": "A box"}
 
 
 def compared():
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for node, label in LABELS.items():
         tree = tree.apply(TreeEdit(op="add", node=node, parent="interactional", label=label))
     here = [

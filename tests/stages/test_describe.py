@@ -143,7 +143,7 @@ def test_what_cannot_be_is_refused_at_once(options):
 
 def test_texts_of_different_paths_that_agree_are_written_again():
     texts = ["The ego vehicle meets a box.", "A carton lies ahead of the ego vehicle."]
-    tree = ScenarioTree.planted().apply(
+    tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="a", parent="environmental", label="Box"),
         TreeEdit(op="add", node="b", parent="environmental", label="Carton"),
     )

@@ -7,7 +7,7 @@ from oodscen._display import html_table
 from oodscen.data._base import Data
 from oodscen.data._verdict import Protocol
 from oodscen.statistics._intervals import Interval
-from oodscen.statistics._tests import PairedTest
+from oodscen.statistics._significance import PairedTest
 
 if TYPE_CHECKING:
     from oodscen.judging._leaderboard.findings import Finding

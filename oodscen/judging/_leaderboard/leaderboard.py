@@ -35,7 +35,7 @@ from oodscen.statistics._answers import above_chance, d_prime, intraclass
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._tests import holm, paired
+from oodscen.statistics._significance import holm, paired
 
 __all__ = [
     "ActionScore",

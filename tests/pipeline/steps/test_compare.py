@@ -20,7 +20,7 @@ LABELS = {
 
 @pytest.fixture
 def tree() -> ScenarioTree:
-    return ScenarioTree.planted().apply(
+    return ScenarioTree.initial().apply(
         *(
             TreeEdit(op="add", node=node, parent="environmental", label=label)
             for node, label in LABELS.items()

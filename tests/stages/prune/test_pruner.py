@@ -18,7 +18,7 @@ from oodscen.tree._scenario_tree import TreeEdit, slug
 
 def grown(parents):
     """Hang nodes below the two classes: each below the class or an earlier node."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     ids = ["environmental", "interactional"]
     for number, choice in enumerate(parents):
         parent = ids[choice % len(ids)]
@@ -92,7 +92,7 @@ def judging(**answers):
 
 
 def planted(*labels):
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for label in labels:
         edit = TreeEdit(
             op="add", node=slug(label), parent="environmental", label=label,

@@ -15,7 +15,7 @@ from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 from tests.tree.woods import ADDRESSED
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     TreeEdit(op="add", node="fog", parent="weather", label="Thick fog at night"),
 )

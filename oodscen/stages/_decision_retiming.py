@@ -10,8 +10,8 @@ from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import Cruise, find_map, load_corridor
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._sight.decision_view import drawn
-from oodscen.driving._sight.nameable import LATEST_S, LOOK_S
 from oodscen.driving._sight.scene_checks import bodies
+from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator, State
 from oodscen.stages._restage import Attempt, Restaging, changed
@@ -33,7 +33,7 @@ class _Later(NamedTuple):
     seen: Sighting
 
 
-def clearer(
+def retimed(
     scene: Scene,
     simulated: Simulated,
     simulator: Simulator,
