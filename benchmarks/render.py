@@ -30,7 +30,9 @@ from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
 
 from oodscen.data._scene import Weather
-from oodscen.driving import SHIPPED_MAPS, Corridor, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 
 CAMERA = Camera(width=640, height=480)

@@ -23,7 +23,7 @@ from oodscen import make_encoder
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.author._knowledge.base import HazardKind
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.protocols import Encoder
 from oodscen.tree._labels import label_fault, same_words
 from oodscen.tree._matching import match

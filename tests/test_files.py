@@ -11,10 +11,10 @@ from click.testing import CliRunner
 from oodscen._cli import main
 from oodscen._files import _part_name, read_regular, read_utf8, replace, temporary_folder
 from oodscen._registry import make_catalogue
-from oodscen.author import load_knowledge
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
-from oodscen.driving import find_map
+from oodscen.driving._roads.building import find_map
 from oodscen.errors import DataError, UsageError
 from oodscen.metrics._score import score_file
 from oodscen.testing._encoder import HashEncoder

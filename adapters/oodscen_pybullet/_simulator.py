@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import Corridor, KinematicSimulator, find_map
+from oodscen.driving import KinematicSimulator
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SpawnError
 from oodscen.protocols import Camera, Frame
 from oodscen_pybullet._catalogue import load_catalogue

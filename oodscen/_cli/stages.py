@@ -95,7 +95,7 @@ def redteam(
 ) -> None:
     """Extend the tree in the file TREE by red teaming."""
     from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
-    from oodscen.encoders import CachedEncoder
+    from oodscen.encoders._cached import CachedEncoder
     from oodscen.stages._redteam.saturation import saturation
 
     grown = ScenarioTree.load(tree)

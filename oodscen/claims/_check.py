@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from oodscen.claims._checking import ClaimFinding, judge_claims
+from oodscen.claims._checking import ClaimFinding, check_claims
 from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -86,5 +86,5 @@ def check_faithful(
     """
     claims = extract_claims(llm, text)
     likeness = likeness_of(encoder, catalogue)
-    findings = judge_claims(claims, scene, catalogue, trace, likeness=likeness)
+    findings = check_claims(claims, scene, catalogue, trace, likeness=likeness)
     return Faithfulness(id=scene.id, findings=tuple(findings))

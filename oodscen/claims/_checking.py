@@ -1,6 +1,6 @@
 """Comparison of a text's claims with a scene and with its trace."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import permutations
 from math import perm
 from typing import ClassVar, Literal, NamedTuple
@@ -48,8 +48,13 @@ def check_claims(
     trace: Trace | None = None,
     *,
     likeness: Likeness | None = None,
-) -> list[Mismatch]:
-    """Find the claims of a text that a scene contradicts.
+) -> list[ClaimFinding]:
+    """Compare every claim of a text with a scene, in their order.
+
+    Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
+    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
+    things (`count`), or about someone or something that the text does not name, only need one actor for which
+    they are true.
 
     Args:
         claims: The claims of one text.
@@ -60,36 +65,7 @@ def check_claims(
         likeness: Nearness in meaning between the text's nouns and the assets, for the scene's `stands_for`.
 
     Returns:
-        One mismatch per claim that does not hold; empty for a faithful scene.
-    """
-    return [
-        Mismatch(claim=one.claim, found=one.found, path=one.path)
-        for one in judge_claims(claims, scene, catalogue, trace, likeness=likeness)
-        if one.status == "fails"
-    ]
-
-
-def judge_claims(
-    claims: Sequence[Claim],
-    scene: Scene,
-    catalogue: Catalogue,
-    trace: Trace | None = None,
-    *,
-    likeness: Likeness | None = None,
-) -> list[ClaimFinding]:
-    """Compare every claim of a text with a scene, in their order.
-
-    Each subject is assigned the actor that fits most of its claims, among those that the scene says stand for
-    it or else those that its noun fits; subjects with the same name are different actors. Claims about several
-    things (`count`), or about someone or something that the text does not name, only need one actor for which
-    they are true.
-
-    Args:
-        claims: As for `check_claims`.
-        scene: As for `check_claims`.
-        catalogue: As for `check_claims`.
-        trace: As for `check_claims`.
-        likeness: As for `check_claims`.
+        One finding per claim; those that the scene contradicts have the status `fails`.
     """
     if not claims:
         return []
@@ -122,6 +98,15 @@ def judge_claims(
             holds, found, path = judge_surroundings(claim, scene, road, trace)
             told.append(_finding(claim, holds, found, path))
     return told
+
+
+def mismatches(findings: Iterable[ClaimFinding]) -> list[Mismatch]:
+    """Return the claims that a scene contradicts."""
+    return [
+        Mismatch(claim=one.claim, found=one.found, path=one.path)
+        for one in findings
+        if one.status == "fails"
+    ]
 
 
 def _road(scene: Scene, catalogue: Catalogue) -> RoadMap | None:

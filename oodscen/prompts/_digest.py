@@ -201,10 +201,10 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
     """Return the landmarks and layout of a map's file; both empty if there is no readable file."""
     if not road.file:
         return (), ""
-    from oodscen.driving._roads.building import find_map, load_corridor
+    from oodscen.driving._roads.building import load_corridor
 
     try:
-        corridor = load_corridor(find_map(road.id, catalogue))
+        corridor = load_corridor(road.id, catalogue)
     except (DataError, UnknownComponent):
         return (), ""
     return landmarks(corridor, road.traits), layout(corridor)

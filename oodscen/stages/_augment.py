@@ -170,9 +170,9 @@ class Augmenter(Brief):
         faults = self.check(scene, self.catalogue)
         if faults or not claims:
             return faults
-        from oodscen.claims import check_claims
+        from oodscen.claims._checking import check_claims, mismatches
 
-        found = check_claims(claims, scene, self.catalogue, likeness=self._likeness)
+        found = mismatches(check_claims(claims, scene, self.catalogue, likeness=self._likeness))
         return _together(found, scene)
 
 

@@ -44,6 +44,8 @@ class Describer(Brief):
         UsageError: For an unknown option, a value that is not allowed, or a selection without metrics.
     """
 
+    Options: ClassVar[type[DescribeOptions]] = DescribeOptions
+    """The options as one frozen value."""
     styles: ClassVar[tuple[str, ...]] = STYLES
     """Names of the styles that `style` accepts."""
     _repr_fields = ("llm", "encoder", "options")

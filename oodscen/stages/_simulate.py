@@ -16,8 +16,8 @@ from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scene import Scene
-from oodscen.driving import Cruise, action_driver, find_map, load_corridor
-from oodscen.driving._motion.actions import is_available
+from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise, is_available
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
@@ -310,7 +310,7 @@ def approach(
         The states, the controls between them, and true if the trigger fired.
     """
     state = simulator.reset(scene, seed)
-    corridor = load_corridor(find_map(scene.map, simulator.catalogue()))
+    corridor = load_corridor(scene.map, simulator.catalogue())
     driver = Cruise()
     states = [state]
     controls: list[Control] = []

@@ -225,7 +225,7 @@ def _handler(server: AnsweringServer) -> type[BaseHTTPRequestHandler]:
             index = server.record(received)
             request = server.recognise(received)
             fault = server.fault(index, request)
-            if fault in get_args(ResponseFault):
+            if fault is not None and fault in get_args(ResponseFault):
                 return self._misbehave(fault)
             if request is None:
                 return self._error(400, "this conversation was not announced, or arrived changed")

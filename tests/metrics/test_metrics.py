@@ -11,7 +11,7 @@ from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data._scenario import Scenario
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.encoders._minilm import MiniLM
 from oodscen.errors import DataError, EncoderError, UsageError
 from oodscen.metrics._report import MetricsReport

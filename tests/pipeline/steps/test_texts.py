@@ -4,7 +4,7 @@ from oodscen import ScenarioTree
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.texts import SHORT_PATHS, describe
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.tree._scenario_tree import TreeEdit
 from tests.pipeline.quick import QUICK
 
@@ -27,7 +27,7 @@ def test_a_path_that_ran_dry_is_on_record_and_done(tmp_path):
     config = QUICK.model_copy(update={"llm": "writer", "per_path": 3, "max_paths": None})
     found = []
     for _ in range(2):
-        options = RunOptions(models={"writer": FunctionLLM(answer)}, retry=True)
+        options = RunOptions(models={"writer": ScriptedLLM(answer)}, retry=True)
         run = Context(tmp_path, config, options)
         run.prepare()
         with run.store.writing():

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from oodscen import RedTeamer, ScenarioTree
 from oodscen.errors import LLMError
 from oodscen.stages._redteam.rounds import RunnerUp
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 from tests.tree.woods import ADDRESSED
@@ -31,7 +31,7 @@ def model(placing, imagining=PIANO + " ({})"):
             return {"reasoning": "", "text": text.format(request.sample)}
         return placing(request) if callable(placing) else placing
 
-    return FunctionLLM(answer)
+    return ScriptedLLM(answer)
 
 
 def play(placing, *, tree=TREE, imagining=PIANO + " ({})", **options):
