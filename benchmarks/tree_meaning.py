@@ -26,8 +26,8 @@ from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.encoders._cached import CachedEncoder
 from oodscen.protocols import Encoder
 from oodscen.tree._labels import label_fault, same_words
-from oodscen.tree._matching import match
-from oodscen.tree._scenario_tree import THRESHOLD, ScenarioTree, TreeEdit
+from oodscen.tree._matching import THRESHOLD, match
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 LEAST = 0.95
 """Least precision: a wrong pair cannot be recovered."""

@@ -1,2 +1,2 @@
-from ._baseline import load_baseline as load_baseline
 from ._controls import load_controls as load_controls
+from ._loading import load_baseline as load_baseline

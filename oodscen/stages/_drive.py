@@ -14,11 +14,11 @@ from oodscen.data._scene import Scene
 from oodscen.data._twins import is_twin, twin_id
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
-from oodscen.stages._simulate import MAX_APPROACH_S, peak_deceleration, peak_jerk
+from oodscen.stages._simulate import peak_deceleration, peak_jerk
 
 MakeDriver = Callable[[], Driver]
 

@@ -15,12 +15,11 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State
-from oodscen.stages._simulate import MAX_APPROACH_S
 
 View = Literal["ego", "bird", "both"]
 VIEWS: tuple[View, ...] = ("ego", "bird", "both")

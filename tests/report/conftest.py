@@ -29,7 +29,7 @@ from oodscen.metrics._measurements import (
 )
 from oodscen.metrics._oodness import Neighbour, Oodness
 from oodscen.metrics._report import BaselineBatch, MetricsReport
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.statistics._auroc import Auroc
 from oodscen.statistics._intervals import Interval

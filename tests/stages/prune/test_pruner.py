@@ -10,7 +10,7 @@ from oodscen._registry import make_catalogue
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions, pruned
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import TreeEdit, slug

@@ -7,6 +7,7 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.living.people import UPRIGHT, Clothes, Posture, figure, grounded, vest
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.objects.signs import face
 
 
 def jogger(mesh: MeshBuilder, shown: Appearance) -> None:
@@ -127,8 +128,6 @@ def _disc(
     mesh: MeshBuilder, centre: tuple[float, float, float], half: float, front: str, back: str
 ) -> None:
     """Add an octagonal face visible from the front and the back."""
-    from oodscen_pybullet._meshes.objects.signs import face
-
     x, y, z = centre
     face(mesh, (x - 0.012, y, z), half, front, corners=8)
     face(mesh, (x + 0.012, y, z), half, back, corners=8, is_forward=True)
