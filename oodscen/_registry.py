@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._conformance import conforming, described, reason, working
 from oodscen.data._catalogue import Catalogue
-from oodscen.encoders._cached import CachedEncoder
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.llm._replay import RecordingLLM
 from oodscen.protocols import LLM, Driver, Encoder, Simulator
 
 if TYPE_CHECKING:
@@ -150,6 +148,8 @@ def make_encoder(encoder: str | Encoder, *, cache: bool | str | Path = False) ->
         made = cast(Encoder, conforming("encoder", encoder))
     if cache is False:
         return made
+    from oodscen.encoders._cached import CachedEncoder  # Late, because locks load slowly.
+
     return CachedEncoder(made, None if cache is True else cache)
 
 
@@ -204,7 +204,11 @@ def make_llm(
         made = cast(LLM, conforming("llm", llm))
     if log is not None:
         made = LoggedLLM(made, log)
-    return made if record is None else RecordingLLM(made, record)
+    if record is not None:
+        from oodscen.llm._replay import RecordingLLM  # Late, because locks load slowly.
+
+        made = RecordingLLM(made, record)
+    return made
 
 
 def _named_llm(

@@ -13,7 +13,14 @@ from oodscen.errors import UnknownComponent, UsageError
 from oodscen.metrics._measurements import size_curve_of
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.metrics._vectors.similarity import Vectors
-from oodscen.report._charts.sets import Cloud, SizeCurve, Strip, cloud_map, histogram, size_curves
+from oodscen.report._charts.sets import (
+    Cloud,
+    DrawnSizeCurve,
+    Strip,
+    cloud_map,
+    histogram,
+    size_curves,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,7 +87,7 @@ def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Fig
             vectors, seed, name, count=_SIZES, repeats=repeats, most=len(vectors)
         )
         rims = zip((means - spreads).tolist(), (means + spreads).tolist(), strict=True)
-        curves.append(SizeCurve(name, sizes, means.tolist(), list(rims)))
+        curves.append(DrawnSizeCurve(name, sizes, means.tolist(), list(rims)))
     return size_curves(curves, colour=1).figure()
 
 

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 
 from oodscen.data._base import Data
 from oodscen.judging._leaderboard import board
-from oodscen.judging._leaderboard.board import (
+from oodscen.judging._leaderboard.board import Leaderboard
+from oodscen.judging._leaderboard.scores import (
     TASKS,
     ActionScore,
     Detection,
     Estimate,
     Identification,
-    Leaderboard,
     LeaderboardRow,
     Rate,
     best_floor,
