@@ -11,7 +11,7 @@ from oodscen._cli.options import json_option, llm_options, seed_option, simulato
 from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import READABLE
 from oodscen._files import read_utf8
-from oodscen.claims._check import Faithfulness, Unjudged
+from oodscen.claims._faithfulness import Faithfulness, Unjudged
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 
@@ -43,7 +43,7 @@ def check_claims(
     text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
-    from oodscen.claims._check import check_faithful
+    from oodscen.claims._faithfulness import check_text
     from oodscen.driving import check_scene
 
     texts, faulty = {}, []
@@ -68,7 +68,7 @@ def check_claims(
             rows.append(Unjudged(id=scene.id, faults=tuple(faults)))
             continue
         try:
-            rows.append(check_faithful(model, text, scene, catalogue))
+            rows.append(check_text(model, text, scene, catalogue))
         except (AnswerError, LLMError) as error:
             rows.append(Unjudged(id=scene.id, faults=(str(error),)))
     judged = [row for row in rows if isinstance(row, Faithfulness)]

@@ -6,7 +6,7 @@ from typing import ClassVar
 from pydantic import Field, field_validator
 
 from oodscen.baselines._texts import check_texts
-from oodscen.data._base import Data, Faults, canonical_json
+from oodscen.data._base import Data, IssuesError, canonical_json
 from oodscen.errors import DataError
 
 
@@ -29,7 +29,7 @@ class Baseline(Data):
         try:
             return check_texts(texts, cls.noun)
         except DataError as error:
-            raise Faults(error.issues) from None
+            raise IssuesError(error.issues) from None
 
     def __len__(self) -> int:
         return len(self.texts)

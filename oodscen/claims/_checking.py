@@ -5,7 +5,7 @@ from itertools import permutations
 from math import perm
 from typing import ClassVar, Literal, NamedTuple
 
-from oodscen.claims._actors import Seen
+from oodscen.claims._actors import ObservedActor
 from oodscen.claims._matching import OF_THE_MAP, Likeness, doubt, is_of_map
 from oodscen.claims._surroundings import judge_surroundings
 from oodscen.claims._things import Thing, may_be, named
@@ -72,7 +72,7 @@ def check_claims(
     if trace is None:
         trace = watch(scene, catalogue)
     road = _road(scene, catalogue)
-    seen = Seen.of(scene, catalogue, trace)
+    seen = ObservedActor.of(scene, catalogue, trace)
     by_subject: dict[str, list[Claim]] = {}
     for claim in claims:
         if claim.kind in OF_THINGS:
@@ -129,7 +129,7 @@ def _groups(subjects: Mapping[str, Sequence[Claim]]) -> list[list[str]]:
 class _Role(NamedTuple):
     """The actors that may show a thing."""
 
-    fitting: tuple[Seen, ...]
+    fitting: tuple[ObservedActor, ...]
     is_told: bool = False
     """True if the scene names the actors that show it."""
     why_not: str = ""
@@ -142,7 +142,7 @@ def _role(
     subject: str,
     claims: Sequence[Claim],
     scene: Scene,
-    seen: Sequence[Seen],
+    seen: Sequence[ObservedActor],
     catalogue: Catalogue,
     likeness: Likeness | None,
 ) -> _Role:
@@ -191,8 +191,8 @@ def _settle(
         for name in single
         for one in roles[name].fitting
     }
-    best: tuple[int, tuple[Seen | None, ...]] | None = None
-    pool: list[Seen | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
+    best: tuple[int, tuple[ObservedActor | None, ...]] | None = None
+    pool: list[ObservedActor | None] = [*fitting, *([None] * max(0, len(single) - len(fitting)))]
     if single and perm(len(pool), len(single)) > _CASTS:
         pool = pool[: max(len(single), 12)]
         options = [tuple(pool[: len(single)])] if perm(len(pool), len(single)) > _CASTS else None
@@ -221,7 +221,7 @@ def _several(claims: Sequence[Claim]) -> bool:
     return any(claim.kind == "count" and int(claim.value) > 1 for claim in claims)
 
 
-def _judge_one(claims: Sequence[Claim], one: Seen) -> dict[Claim, ClaimFinding]:
+def _judge_one(claims: Sequence[Claim], one: ObservedActor) -> dict[Claim, ClaimFinding]:
     findings = {}
     for claim in claims:
         holds, found = one.judge(claim, claims)
@@ -281,7 +281,7 @@ def _of_scenery(claim: Claim) -> ClaimFinding:
     return _finding(claim, True if claim.kind == "thing" else None, "the map has it", "map")
 
 
-def _traffic(claim: Claim, seen: Sequence[Seen], taken: set[str]) -> ClaimFinding:
+def _traffic(claim: Claim, seen: Sequence[ObservedActor], taken: set[str]) -> ClaimFinding:
     users = [one for one in seen if one.asset.category in _USERS]
     if claim.value == "none":
         extra = [one.id for one in users if one.id not in taken and one.is_traffic]

@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from oodscen._display import Brief
 from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
-from oodscen.claims._check import extract_claims
 from oodscen.claims._checking import check_claims, mismatches
+from oodscen.claims._faithfulness import extract_claims
 from oodscen.claims._matching import Likeness, likeness_of
 from oodscen.claims._roads import fitting_roads, of_roads
 from oodscen.claims._things import may_be

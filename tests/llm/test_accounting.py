@@ -8,7 +8,7 @@ from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, UsageError
 from oodscen.llm._accounting import Ledger, account, accounts
 from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.llm._capped import MeteredLLM
+from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._remote.limits import Limits, Price
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
@@ -93,9 +93,9 @@ def test_models_of_ones_own_are_held_to_the_caps():
         lambda asked: Completion(text='{"text": "A sofa lies on the road there."}', usage=usage)
     )
     with pytest.raises(UsageError, match="--price function="):
-        MeteredLLM(author, Limits(cost_usd=1))
+        CappedLLM(author, Limits(cost_usd=1))
     limits = Limits(requests=3, cost_usd=1, prices={"function": Price(1, 1)})
-    llm = MeteredLLM(author, limits)
+    llm = CappedLLM(author, limits)
     for sample in range(3):
         ask(llm, QUESTION, sample)
     with pytest.raises(BudgetExceeded):

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, ModelSkipped
-from oodscen.llm._circuit_breaker import ContainedLLM
+from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import ScriptedLLM
@@ -16,7 +16,7 @@ def raising(error):
     def fail(request):
         raise error
 
-    return ContainedLLM(ScriptedLLM(fail))
+    return CircuitBreakerLLM(ScriptedLLM(fail))
 
 
 def test_a_model_that_is_given_up_fails_the_question_for_now():
@@ -36,6 +36,6 @@ def test_everything_else_passes(error):
 def test_it_answers_and_looks_like_the_model():
     model = ScriptedLLM(lambda request: "said")
     model.speaks_for = "another"
-    contained = ContainedLLM(model)
+    contained = CircuitBreakerLLM(model)
     assert contained.complete(REQUEST).text == "said"
     assert (contained.name, contained.speaks_for) == (model.name, "another")

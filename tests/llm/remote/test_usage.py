@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from oodscen.errors import BudgetExceeded, UsageError
 from oodscen.llm._accounting import Ledger, accounts
 from oodscen.llm._call_log import LoggedLLM
-from oodscen.llm._capped import MeteredLLM
+from oodscen.llm._capped import CappedLLM
 from oodscen.llm._remote.limits import ANSWER_TOKENS, Limits, Price
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.usage import MOST_ANSWERED, MOST_USD, believed, count, estimate_tokens
@@ -117,7 +117,7 @@ def test_a_model_of_ones_own_is_held_to_the_same():
     limits = Limits(tokens=6_000, prices={"own": Price(1, 1)})
     llm = ScriptedLLM(lambda asked: Completion(text="x", usage=lying), name="own")
     calls = []
-    metered = LoggedLLM(MeteredLLM(llm, limits), calls.append)
+    metered = LoggedLLM(CappedLLM(llm, limits), calls.append)
     assert metered.complete(REQUEST).usage == Usage()
     with pytest.raises(BudgetExceeded):
         metered.complete(REQUEST)
