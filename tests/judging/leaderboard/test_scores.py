@@ -115,5 +115,5 @@ def test_a_new_row_has_counted_and_measured_nothing(kind):
 
 
 def test_tasks_are_those_that_are_ranked():
-    assert get_args(board.Task) == TASKS
+    assert get_args(scores.Task) == TASKS
     assert len(ROWS_OF_THE_BOARD) == 11
