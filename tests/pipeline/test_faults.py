@@ -148,7 +148,7 @@ def test_an_interruption_of_the_very_end_leaves_the_study_stopped(tmp_path, monk
         monkeypatch.undo()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("oodscen.report._render.write_report", interrupt)
+    monkeypatch.setattr("oodscen._pipeline.pipeline.write_report", interrupt)
     with pytest.raises(KeyboardInterrupt):
         run_study(tmp_path, QUICK)
     assert Study.open(tmp_path).info["status"] == "stopped"
