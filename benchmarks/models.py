@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from _falsified_scenes import Told, falsified
 
 from oodscen import Augmenter, Scenario, make_encoder, make_simulator
-from oodscen.claims import check_claims
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._matching import likeness_of
 from oodscen.data._claim import Claim
 from oodscen.errors import AnswerError
@@ -34,7 +34,7 @@ from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.prompts._tree.judge_branch import JudgeBranch
 from oodscen.stages._augment import scene_of_draft
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 
 ANSWERS = Path(__file__).with_name("strong_model.jsonl")
 SCENES = 200
@@ -112,7 +112,7 @@ def accepted(
 def rows(scenes: int) -> Iterator[Row]:
     catalogue = make_simulator("pybullet").catalogue()
     encoder = make_encoder("minilm")
-    augmenter = Augmenter(FunctionLLM(lambda request: ""), catalogue, encoder=encoder)
+    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=encoder)
     judged = list(accepted(augmenter, recorded()))
     right = [(one, told, why) for one, told, why in judged if not one["fault"]]
     wrong = [(one, told, why) for one, told, why in judged if one["fault"]]
@@ -131,7 +131,7 @@ def rows(scenes: int) -> Iterator[Row]:
     caught: Counter[str] = Counter()
     for one in falsified(told, catalogue, scenes):
         made[one.change] += 1
-        found = check_claims(one.told.claims, one.scene, catalogue, likeness=likeness)
+        found = mismatches(check_claims(one.told.claims, one.scene, catalogue, likeness=likeness))
         is_named = any(mismatch.claim.kind in one.kinds for mismatch in found)
         caught[one.change] += is_named
         if not is_named:

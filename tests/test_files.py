@@ -11,12 +11,12 @@ from click.testing import CliRunner
 from oodscen._cli import main
 from oodscen._files import _part_name, read_regular, read_utf8, replace, temporary_folder
 from oodscen._registry import make_catalogue
-from oodscen.author import load_knowledge
+from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
-from oodscen.driving import find_map
+from oodscen.baselines._texts import read_records
+from oodscen.driving._roads.building import find_map
 from oodscen.errors import DataError, UsageError
-from oodscen.metrics._score import score_file
 from oodscen.testing._encoder import HashEncoder
 
 KINDS = ("fifo", "endless", "folder", "link to fifo", "link to endless", "socket", "nothing")
@@ -52,7 +52,7 @@ def test_readers_of_the_library_refuse_it_at_once(tmp_path, kind):
     readers = {
         "x.xodr": lambda path: find_map(str(path), flat),
         "x.txt": load_baseline,
-        "x.csv": lambda path: score_file(path, encoder=HashEncoder()),
+        "x.csv": read_records,
         "x.toml": load_knowledge,
         "x.npy": lambda path: open_embeddings(path, HashEncoder()),
         "x.arrow": lambda path: open_embeddings(path, HashEncoder()),
@@ -74,7 +74,7 @@ def test_commands_refuse_it_in_one_line(tmp_path, kind):
         ("describe", path),
         ("augment", path),
         ("simulate", path, str(tmp_path / "out")),
-        ("faithful", path, "--scenarios", path),
+        ("check-claims", path, "--scenarios", path),
         ("tree", "show", path),
     ):
         result = CliRunner().invoke(main, order)

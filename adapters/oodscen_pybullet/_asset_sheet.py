@@ -21,7 +21,7 @@ from oodscen_pybullet._meshes import Mesh, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.particles import placed
-from oodscen_pybullet._rendering.picture import RawPicture, develop
+from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.view import CameraView
 
@@ -63,7 +63,7 @@ The vehicle under test is {ego}.
 """
 
 
-def photograph(
+def render(
     look: Look, *, turn_deg: float = 35.0, rise_deg: float = 13.0, is_night: bool = False
 ) -> Image:
     """Render an asset on plain ground: [height, width, 3].
@@ -82,7 +82,7 @@ def photograph(
     canvas.show_scenery([_ground()], is_snowy=False)
     canvas.show_actors([MeshBuilder().box((0, 0, -9), (1, 1, 1), "grey").build(), look])
     canvas.pose_actors([(0.0, 0.0, 0.0, 0.0)] * 2)
-    shot = canvas.photograph(view, light, ground=None if is_night else 0.0)
+    shot = canvas.render(view, light, ground=None if is_night else 0.0)
     picture = RawPicture(
         shot=shot,
         view=view,
@@ -94,7 +94,7 @@ def photograph(
         road_height=0.0,
         balls=placed(mesh.puffs, (0.0, 0.0, 0.0, 0.0), 1),
     )
-    return develop(picture)
+    return postprocessed(picture)
 
 
 def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> CameraView:
@@ -166,7 +166,7 @@ def sheet(assets: Sequence[Asset]) -> Image:
     """Return the pictures of the assets, captioned with names and sizes."""
     cells = []
     for asset in assets:
-        picture = photograph(rest_look(asset), turn_deg=best_side(asset))
+        picture = render(rest_look(asset), turn_deg=best_side(asset))
         size = f"{asset.length:g} x {asset.width:g} x {asset.height:g} m"
         cells.append(captioned(picture, asset.id, size))
     return tiled(cells)
@@ -176,7 +176,7 @@ def gaits() -> Image:
     """Return a walk, a run and a gallop, frame by frame."""
     rows = (("adult", 1), ("adult", 9), ("deer", 9), ("cyclist", 1))
     cells = [
-        photograph(Look(name, "", paints_of(name)[0], frame=start + step), turn_deg=70.0)
+        render(Look(name, "", paints_of(name)[0], frame=start + step), turn_deg=70.0)
         for name, start in rows
         for step in range(0, 8, 2)
     ]
@@ -202,7 +202,7 @@ def lights() -> Image:
         look = Look(name, state, paints_of(name)[0], is_night, frame)
         turn = 205.0 if name in ("traffic_light", "arrow_board") else 152.0
         words = f"{name} {state}" + (", second half" if frame else "")
-        cells.append(captioned(photograph(look, turn_deg=turn, is_night=is_night), words))
+        cells.append(captioned(render(look, turn_deg=turn, is_night=is_night), words))
     return tiled(cells)
 
 

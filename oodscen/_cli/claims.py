@@ -11,14 +11,14 @@ from oodscen._cli.options import json_option, llm_options, seed_option, simulato
 from oodscen._cli.output import say, tracked
 from oodscen._cli.paths import READABLE
 from oodscen._files import read_utf8
-from oodscen.claims._check import Faithfulness, Unjudged
+from oodscen.claims._faithfulness import Faithfulness, Unjudged
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 
 Value = TypeVar("Value", bound=Data)
 
 
-@click.command()
+@click.command("check-claims")
 @click.argument("scenes", type=READABLE)
 @click.option(
     "--scenarios", type=READABLE, required=True, help="File of the texts, one scenario per line."
@@ -27,7 +27,7 @@ Value = TypeVar("Value", bound=Data)
 @seed_option
 @simulator_option
 @json_option
-def faithful(
+def check_claims(
     scenes: Path,
     scenarios: Path,
     llm: str,
@@ -43,7 +43,7 @@ def faithful(
     text.
     """
     from oodscen import Scenario, Scene, make_llm, make_simulator
-    from oodscen.claims._check import check_faithful
+    from oodscen.claims._faithfulness import check_text
     from oodscen.driving import check_scene
 
     texts, faulty = {}, []
@@ -56,7 +56,7 @@ def faithful(
     catalogue = make_simulator(simulator).catalogue()
     rows: list[Data] = [*faulty]
     staged = list(_values(Scene, scenes))
-    for number, scene in tracked(staged, "faithful", len(staged)):
+    for number, scene in tracked(staged, "check-claims", len(staged)):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue
@@ -68,7 +68,7 @@ def faithful(
             rows.append(Unjudged(id=scene.id, faults=tuple(faults)))
             continue
         try:
-            rows.append(check_faithful(model, text, scene, catalogue))
+            rows.append(check_text(model, text, scene, catalogue))
         except (AnswerError, LLMError) as error:
             rows.append(Unjudged(id=scene.id, faults=(str(error),)))
     judged = [row for row in rows if isinstance(row, Faithfulness)]

@@ -95,7 +95,7 @@ def redteam(
 ) -> None:
     """Extend the tree in the file TREE by red teaming."""
     from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
-    from oodscen.encoders import CachedEncoder
+    from oodscen.encoders._cached import CachedEncoder
     from oodscen.stages._redteam.saturation import saturation
 
     grown = ScenarioTree.load(tree)
@@ -244,7 +244,7 @@ def augment(
     """
     from oodscen import Augmenter, make_llm, make_simulator
     from oodscen.data._scenario import Scenario
-    from oodscen.driving._sight.nameable import AdvisingCheck
+    from oodscen.driving._sight.staging_advice import AdvisingCheck
 
     model = make_llm(llm, seed=seed, api_base=api_base)
     augmenter = Augmenter(

@@ -11,7 +11,7 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._redaction import redact
 from oodscen._registry import make_encoder, make_simulator
 from oodscen.data._base import Data
-from oodscen.encoders import CachedEncoder
+from oodscen.encoders._cached import CachedEncoder
 from oodscen.errors import StudyError
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study

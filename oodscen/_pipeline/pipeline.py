@@ -20,6 +20,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import RunStopped, StudyMismatch
 from oodscen.llm._accounting import accounts
+from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
 from oodscen.study._study import Study
@@ -182,8 +183,6 @@ class Pipeline:
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
     def _report(self) -> None:
-        from oodscen.report._render import write_report
-
         write_report(self.study)
 
     def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:

@@ -20,7 +20,7 @@ from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
-from oodscen.stages._clearer import clearer
+from oodscen.stages._decision_retiming import retimed
 from oodscen.stages._restage import Attempt, Restaging, restaged
 from oodscen.stages._simulate import Simulated, simulate
 from oodscen.stages._video import View, record
@@ -232,9 +232,9 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
 def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
     """Return the scene, re-staged if its hazard cannot be named or its choice does not matter, and its run."""
     found = Restaging(scene, simulated)
-    for stage in (clearer, restaged):
+    for stage in (retimed, restaged):
         episode = found.simulated.episode
-        if episode.is_below_floor if stage is clearer else not episode.is_decidable:
+        if episode.is_below_floor if stage is retimed else not episode.is_decidable:
             better = stage(
                 found.scene, found.simulated, simulator, job.seed, job.extras.traces, job.camera
             )

@@ -36,7 +36,7 @@ _CLEAR_M = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class ObservedActor:
     """The motion of one actor relative to the ego; arrays are [steps]."""
 
     actor: int

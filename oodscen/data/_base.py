@@ -79,7 +79,7 @@ def digest(value: Any) -> str:
     return hashlib.sha256(canonical_json(value).encode()).hexdigest()
 
 
-class Faults(ValueError):
+class IssuesError(ValueError):
     """Raised by validators that check a value as a whole and can find several faults at once."""
 
     def __init__(self, issues: Sequence[Issue]) -> None:
@@ -93,7 +93,7 @@ def issues_of(error: ValidationError) -> list[Issue]:
     for item in error.errors(include_url=False, include_input=False):
         path = dotted(item["loc"])
         cause = item.get("ctx", {}).get("error")
-        if isinstance(cause, Faults):
+        if isinstance(cause, IssuesError):
             issues += [Issue(_below(path, i.path), i.message) for i in cause.issues]
         else:
             issues.append(Issue(path, item["msg"].removeprefix("Value error, ")))

@@ -12,10 +12,10 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
-from oodscen.judging._leaderboard.board import Estimate
+from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._tests import PairedTest, paired
+from oodscen.statistics._significance import PairedTest, paired
 
 RULE_BASED = "rule-based"
 """Name of the built-in driver that the others are compared with."""

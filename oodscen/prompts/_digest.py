@@ -8,6 +8,7 @@ from typing import Self
 from oodscen.data._additions import FOG_M, ICE
 from oodscen.data._base import Data
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
+from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.prompts._landmarks import Landmark, landmarks
 from oodscen.prompts._layout import layout
@@ -201,10 +202,8 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
     """Return the landmarks and layout of a map's file; both empty if there is no readable file."""
     if not road.file:
         return (), ""
-    from oodscen.driving._roads.building import find_map, load_corridor
-
     try:
-        corridor = load_corridor(find_map(road.id, catalogue))
+        corridor = load_corridor(road.id, catalogue)
     except (DataError, UnknownComponent):
         return (), ""
     return landmarks(corridor, road.traits), layout(corridor)

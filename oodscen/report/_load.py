@@ -15,7 +15,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError
 from oodscen.judging._drives import current
 from oodscen.metrics._measurements import Measurements
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._store import Store
 from oodscen.study._study import TABLES, TREES, Study

@@ -64,10 +64,10 @@ class TreeGrower(Brief):
             )
             proposed = ask(self.llm, propose, sample)
             told("grow", 3, 3)
-        return _planted(proposed, given, model=speaker(self.llm), prompt=propose.citation())
+        return _initial_tree(proposed, given, model=speaker(self.llm), prompt=propose.citation())
 
 
-def _planted(
+def _initial_tree(
     proposed: ProposedTree, given: Sequence[str], *, model: str, prompt: str
 ) -> ScenarioTree:
     """Return the tree, with ids, of the numbered list in an answer."""

@@ -13,13 +13,13 @@ from oodscen._display import png
 from oodscen._progress import Progress, reporting
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import Cruise, action_driver, find_map, load_corridor
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving import action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise
+from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State
-from oodscen.stages._simulate import MAX_APPROACH_S
 
 View = Literal["ego", "bird", "both"]
 VIEWS: tuple[View, ...] = ("ego", "bird", "both")
@@ -104,7 +104,7 @@ def birds_eye(
     """
     cv2 = _opencv()
     cast = bodies(scene, catalogue, state.poses)
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     picture = np.empty((size, size, 3), np.uint8)
     picture[:] = _GRASS
     ground = _Map(cast[0], size, span_m)
@@ -235,7 +235,7 @@ def record(
     later = action_driver(driver) if isinstance(driver, str) else None
     now: Driver = Cruise() if driver is None or isinstance(driver, str) else driver
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     camera = camera or Camera()
     state = simulator.reset(scene, seed)
     if not 0.1 <= fps <= 1.0 / simulator.dt + 1e-9:

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen.claims import check_claims
-from oodscen.claims._checking import judge_claims
+from oodscen.claims._checking import mismatches
 from oodscen.claims._watching import watch
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
@@ -36,12 +36,12 @@ def actor(**fields):
 
 
 def broken(scene, claims=CLAIMS):
-    return [one.claim for one in check_claims(claims, scene, FLAT_CATALOGUE)]
+    return [one.claim for one in mismatches(check_claims(claims, scene, FLAT_CATALOGUE))]
 
 
 def test_a_faithful_scene_has_no_mismatch():
     assert broken(SCENE) == []
-    assert {one.status for one in judge_claims(CLAIMS, SCENE, FLAT_CATALOGUE)} == {"holds"}
+    assert {one.status for one in check_claims(CLAIMS, SCENE, FLAT_CATALOGUE)} == {"holds"}
 
 
 CAR = Actor(

@@ -1,4 +1,4 @@
-"""`oodscen faithful`: scenes of any origin against their texts, exit codes."""
+"""`oodscen check-claims`: scenes of any origin against their texts, exit codes."""
 
 import json
 
@@ -18,7 +18,7 @@ def call(folder, scene, text, *options):
     (folder / "texts.jsonl").write_text(scenario.to_json() + "\n")
     files = (str(folder / "scenes.jsonl"), "--scenarios", str(folder / "texts.jsonl"))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
-    return CliRunner().invoke(main, ["faithful", *files, *simulator, *options])
+    return CliRunner().invoke(main, ["check-claims", *files, *simulator, *options])
 
 
 def test_a_faithful_scene_passes(tmp_path):
@@ -64,7 +64,7 @@ def test_what_is_wrong_with_one_line_leaves_the_others_judged(tmp_path, line, ex
     (tmp_path / "scenes.jsonl").write_text("\n".join(lines))
     files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(tmp_path / "texts.jsonl"))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
-    done = CliRunner().invoke(main, ["faithful", *files, *simulator, *option])
+    done = CliRunner().invoke(main, ["check-claims", *files, *simulator, *option])
     assert done.exit_code == 1
     assert expected in done.output
     if option:
@@ -80,7 +80,7 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     path.write_text('{"id": 1}\n' + path.read_text())
     files = (str(tmp_path / "scenes.jsonl"), "--scenarios", str(path))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
-    done = CliRunner().invoke(main, ["faithful", *files, *simulator])
+    done = CliRunner().invoke(main, ["check-claims", *files, *simulator])
     assert done.exit_code == 1
     assert "texts.jsonl:1" in done.output
     assert "1 of them could not be checked" in done.output

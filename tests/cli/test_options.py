@@ -26,7 +26,7 @@ CHEAP = {
     "prune": ["tree.json", "--simulator", "flat"],
     "describe": ["tree.json", "--per-path", "1"],
     "augment": ["empty", "--simulator", "flat"],
-    "faithful": ["scene.jsonl", "--scenarios", "texts.jsonl", "--simulator", "flat"],
+    "check-claims": ["scene.jsonl", "--scenarios", "texts.jsonl", "--simulator", "flat"],
     "simulate": ["empty", "out", "--simulator", "flat"],
     "evaluate": ["."],
     "drive": ["."],

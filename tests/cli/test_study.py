@@ -14,7 +14,7 @@ from oodscen._pipeline import run_study
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.llm._replay import Exchange
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import QUICK
 
 SMALL = QUICK.model_copy(update={"max_paths": 1, "iterations": 2})
@@ -85,7 +85,7 @@ def judged(study, name):
     def answer(request):
         raise LLMError("boom")
 
-    model = FunctionLLM(answer)
+    model = ScriptedLLM(answer)
     model.name = name
     config = SMALL.model_copy(update={"vlms": (name,), "servers": {name: "http://127.0.0.1:1/v1"}})
     run_study(study, config, models={name: model})

@@ -22,7 +22,7 @@ from oodscen.llm._remote.transport import guard, responds
 from oodscen.llm._replay import Recorder, RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
-from oodscen.testing import AnsweringServer, FunctionLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import BEGINNING, answering, dripping, redirecting, talking
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
@@ -35,7 +35,7 @@ PROCESSING = b"HTTP/1.1 102 Processing\r\n\r\n"
 @pytest.fixture(scope="module", autouse=True)
 def warm():
     """Let litellm load what it loads at the first call."""
-    with AnsweringServer(FunctionLLM(lambda asked: {"text": "A sofa."})) as server:
+    with AnsweringServer(ScriptedLLM(lambda asked: {"text": "A sofa."})) as server:
         server.client("m").complete(REQUEST)
 
 
@@ -257,7 +257,7 @@ def test_offline_holds_for_every_socket(monkeypatch):
 def test_a_call_within_a_running_loop_is_like_any_other():
     async def call():
         with AnsweringServer(
-            FunctionLLM(lambda asked: {"text": "A sofa lies on the road."})
+            ScriptedLLM(lambda asked: {"text": "A sofa lies on the road."})
         ) as server:
             return ask(server.client("m"), PROMPT).text
 
@@ -316,7 +316,7 @@ def test_a_model_of_ones_own_leaves_no_key_either(monkeypatch):
         raise ValueError("x" * 495 + KEYS[0])
 
     with pytest.raises(LLMError) as caught:
-        ask(FunctionLLM(fail), PROMPT)
+        ask(ScriptedLLM(fail), PROMPT)
     assert KEYS[0][:5] not in str(caught.value)
-    llm = FunctionLLM(lambda asked: {"text": f"{KEYS[0]} lies on the road there."})
+    llm = ScriptedLLM(lambda asked: {"text": f"{KEYS[0]} lies on the road there."})
     assert ask(llm, PROMPT).text == "[redacted] lies on the road there."

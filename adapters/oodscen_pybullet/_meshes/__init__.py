@@ -7,7 +7,7 @@ from oodscen.errors import UnknownComponent
 from oodscen_pybullet._meshes.atlas import LOOKS
 from oodscen_pybullet._meshes.builder import Lamp, Mesh, MeshBuilder, Point, Puff
 from oodscen_pybullet._meshes.living import animals, people, roles
-from oodscen_pybullet._meshes.look import Lights, Shown
+from oodscen_pybullet._meshes.look import Appearance, Lights
 from oodscen_pybullet._meshes.objects import cargo, flat, plants, props, signs, work_zone
 from oodscen_pybullet._meshes.objects import misc as oddities
 from oodscen_pybullet._meshes.vehicles import cars, haulers, heavy, riders, wagons
@@ -34,7 +34,7 @@ _STILL: dict[str, Callable[[MeshBuilder], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "STILL", ())
 }
 """Assets that always look the same, by id."""
-_VARIED: dict[str, Callable[[MeshBuilder, Shown], None]] = {
+_VARIED: dict[str, Callable[[MeshBuilder, Appearance], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "VARIED", ())
 }
 """Assets with a state, a paint or moving parts."""
@@ -83,11 +83,11 @@ def asset_mesh(
     """
     if asset not in asset_ids():
         raise UnknownComponent("asset", asset, asset_ids())
-    shown = Shown(state, paint or paints_of(asset)[0], running, frame)
+    shown = Appearance(state, paint or paints_of(asset)[0], running, frame)
     return _made(asset, shown).shift(_rest(asset)).build()
 
 
-def _made(asset: str, shown: Shown) -> MeshBuilder:
+def _made(asset: str, shown: Appearance) -> MeshBuilder:
     mesh = MeshBuilder()
     if asset in _STILL:
         _STILL[asset](mesh)
@@ -99,5 +99,5 @@ def _made(asset: str, shown: Shown) -> MeshBuilder:
 @lru_cache(maxsize=512)
 def _rest(asset: str) -> Point:
     """Return the offset that centres an asset's footprint, at rest, on the origin."""
-    low, high = _made(asset, Shown(paint=paints_of(asset)[0])).bounds
+    low, high = _made(asset, Appearance(paint=paints_of(asset)[0])).bounds
     return (-float(low[0] + high[0]) / 2, -float(low[1] + high[1]) / 2, -float(low[2]))

@@ -26,7 +26,7 @@ class Lights:
 
 
 @dataclass(frozen=True)
-class Shown:
+class Appearance:
     """The requested appearance of one asset."""
 
     state: str = ""

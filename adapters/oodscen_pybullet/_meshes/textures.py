@@ -1,19 +1,22 @@
 """The printed regions of the atlas: plates, signs, liveries, surfaces and facades."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen_pybullet._meshes.atlas import REGIONS
 from oodscen_pybullet._meshes.sign_textures import paint_sign
 
 Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
 
-def paint_regions(image: Image, colours: dict[str, Colour]) -> None:
+def paint_regions(
+    image: Image, regions: Mapping[str, tuple[int, int, int, int]], colours: dict[str, Colour]
+) -> None:
     """Paint every region into the atlas, in place."""
     rng = np.random.Generator(np.random.PCG64(7))
-    for name, (x, y, width, height) in REGIONS.items():
+    for name, (x, y, width, height) in regions.items():
         tile = image[y : y + height, x : x + width]
         tile[:] = 200
         kind = name.split("_")[0]

@@ -43,7 +43,7 @@ _TABLES: dict[str, type[Data]] = {
 _SINGLE: dict[str, type[Data]] = {"wording": Wording, "paper": Paper}
 
 
-class Shelf:
+class KnowledgeFiles:
     """The content of the files read so far, and its faults."""
 
     def __init__(self) -> None:
@@ -220,7 +220,9 @@ def _own(path: Path) -> list[tuple[str, str]]:
         raise DataError("knowledge base", issues, source=str(path)) from None
 
 
-def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, Knowledge | None]:
+def gather(
+    path: str | Path | None, *, salvaged: bool = False
+) -> tuple[KnowledgeFiles, Knowledge | None]:
     """Read the shipped files and a user's own, and collect all faults.
 
     Args:
@@ -230,7 +232,7 @@ def gather(path: str | Path | None, *, salvaged: bool = False) -> tuple[Shelf, K
     Raises:
         DataError: If a file cannot be read at all.
     """
-    shelf = Shelf()
+    shelf = KnowledgeFiles()
     for name, text in _shipped():
         shelf.read(name, text)
     if path is not None:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from oodscen.data._episode import ACTIONS
 from oodscen.judging._parsing.reading import (
     ParsedAnswer,
     Question,
@@ -20,12 +21,12 @@ Marking = Callable[[str], str]
 """Replaces every option that folded prose names with a character of `stating.OPTION`."""
 
 
-def read_action(text: str, offered: Sequence[str]) -> ParsedAnswer[str]:
+def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str]:
     """Return which of the offered actions was chosen.
 
     Args:
         text: A model's answer.
-        offered: Ids of the actions.
+        offered: Ids of the actions; all of them by default.
     """
     words = {name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered}
     return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)

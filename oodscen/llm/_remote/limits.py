@@ -12,7 +12,7 @@ from pydantic import Field
 
 from oodscen._display import Brief
 from oodscen.data._base import Data
-from oodscen.errors import BudgetExceeded, EndpointDown, RunStopped, UsageError
+from oodscen.errors import BudgetExceeded, DataError, EndpointDown, RunStopped, UsageError
 from oodscen.llm._remote.failures import FailedAttempt
 
 CONCURRENCY = 8
@@ -334,7 +334,10 @@ class Limits(Brief):
     """The budget, prices and endpoints of one run, shared by all its models.
 
     Args:
-        caps: The spending limits of the run.
+        requests: Cap on HTTP requests, retries included; like all caps, `None` means no limit.
+        tokens: Cap on input and output tokens together.
+        cost_usd: Cap on the cost.
+        seconds: Cap on the time since the run began; no request starts afterwards.
         prices: Prices by model name, USD per million tokens of input and of output; they override litellm's.
         concurrency: Maximum number of concurrent requests to one endpoint.
         patience_s: As for `Endpoint`.
@@ -343,15 +346,18 @@ class Limits(Brief):
         clock: Returns monotonic seconds.
 
     Raises:
-        UsageError: When a price or a time is invalid.
+        UsageError: When a cap, a price or a time is invalid.
     """
 
     _repr_fields = ("caps", "concurrency", "timeout_s")
 
     def __init__(
         self,
-        caps: Caps | None = None,
         *,
+        requests: int | None = None,
+        tokens: int | None = None,
+        cost_usd: float | None = None,
+        seconds: float | None = None,
         prices: Mapping[str, tuple[float, float]] | None = None,
         concurrency: int = CONCURRENCY,
         patience_s: float | None = PATIENCE_S,
@@ -362,7 +368,11 @@ class Limits(Brief):
         self.timeout_s = check_seconds("timeout_s", timeout_s)
         if patience_s is not None:
             check_seconds("patience_s", patience_s)
-        self.budget = Budget(caps, clock=clock)
+        caps = {"requests": requests, "tokens": tokens, "cost_usd": cost_usd, "seconds": seconds}
+        try:
+            self.budget = Budget(Caps.parse(caps), clock=clock)
+        except DataError as error:
+            raise UsageError(str(error)) from None
         self.caps = self.budget.caps
         self.prices = {
             model: check_price(model, Price(*price)) for model, price in (prices or {}).items()

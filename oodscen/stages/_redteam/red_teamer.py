@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from oodscen._concurrency import cancelling
 from oodscen._display import Brief
@@ -54,6 +54,8 @@ class RedTeamer(Brief):
         UsageError: For an unknown option, or a value that is not allowed.
     """
 
+    Options: ClassVar[type[RedTeamOptions]] = RedTeamOptions
+    """The options as one frozen value."""
     _repr_fields = ("llm", "red_llm", "encoder", "options")
 
     def __init__(

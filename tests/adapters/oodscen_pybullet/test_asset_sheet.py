@@ -32,7 +32,7 @@ def looks() -> dict[str, np.ndarray]:
     coarse = {}
     for asset in ASSETS:
         turn = sheet.best_side(asset)
-        image = sheet.photograph(sheet.rest_look(asset), turn_deg=turn).astype(float)
+        image = sheet.render(sheet.rest_look(asset), turn_deg=turn).astype(float)
         height, width = image.shape[0] // 12 * 12, image.shape[1] // 13 * 13
         blocks = image[:height, :width].reshape(12, height // 12, 13, width // 13, 3)
         coarse[asset.id] = blocks.mean(axis=(1, 3))

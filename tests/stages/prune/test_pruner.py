@@ -10,15 +10,15 @@ from oodscen._registry import make_catalogue
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
-from oodscen.stages._prune.pruner import PruneDecision, all_decisions, pruned
-from oodscen.testing import FunctionLLM
+from oodscen.stages._prune.decisions import PruneDecision, all_decisions, pruned
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
 from oodscen.tree._scenario_tree import TreeEdit, slug
 
 
 def grown(parents):
     """Hang nodes below the two classes: each below the class or an earlier node."""
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     ids = ["environmental", "interactional"]
     for number, choice in enumerate(parents):
         parent = ids[choice % len(ids)]
@@ -55,7 +55,7 @@ def test_a_model_that_fails_on_one_leaf_costs_only_that_leaf():
             raise LLMError("no answer")
         return {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
 
-    pruner = Pruner(FunctionLLM(judge), FlatSimulator().catalogue())
+    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue())
     decisions = {item.id: item for item in pruner.decisions(tree)}
     assert decisions["n1"].status == "failed"
     assert decisions["n0"].assets == ("deer",)
@@ -75,7 +75,7 @@ def test_an_asset_that_does_not_exist_is_sent_back_with_close_matches():
         asked.append(request)
         return next(answers)
 
-    pruner = Pruner(FunctionLLM(judge), FlatSimulator().catalogue())
+    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue())
     (decision,) = pruner.decisions(grown([0]))
     assert decision.assets == ("cardboard_box",)
     assert "did you mean cardboard_box" in asked[1].messages[-1].text
@@ -88,11 +88,11 @@ def judging(**answers):
         yes = {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
         return answers.get(request.prompt.path[-1].replace(" ", "_"), yes)
 
-    return Pruner(FunctionLLM(judge), FlatSimulator().catalogue())
+    return Pruner(ScriptedLLM(judge), FlatSimulator().catalogue())
 
 
 def planted(*labels):
-    tree = ScenarioTree.planted()
+    tree = ScenarioTree.initial()
     for label in labels:
         edit = TreeEdit(
             op="add", node=slug(label), parent="environmental", label=label,
@@ -194,7 +194,7 @@ def test_substitutes_are_marked_and_can_be_refused():
     assert (bison.keep, bison.match) == (True, "substitute")
     assert bison.substitutes[0].stands_for == "bison"
     exact = Pruner(
-        FunctionLLM(lambda request: near), FlatSimulator().catalogue(), substitutes=False
+        ScriptedLLM(lambda request: near), FlatSimulator().catalogue(), substitutes=False
     )
     (bison, _) = exact.decisions(tree)
     assert (bison.keep, bison.match) == (False, "none")
@@ -248,7 +248,7 @@ def test_whatever_a_model_says_the_tree_stays_valid(reason, label, names):
         "missing": [*names, "weather: hail"], "assets": names[:1],
     }  # fmt: skip
     tree = planted("Deer", "Stag")
-    result = Pruner(FunctionLLM(lambda request: answer), FlatSimulator().catalogue()).run(tree)
+    result = Pruner(ScriptedLLM(lambda request: answer), FlatSimulator().catalogue()).run(tree)
     assert ScenarioTree.parse(result.to_json()) == result
 
 

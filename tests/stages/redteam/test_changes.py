@@ -5,7 +5,7 @@ from oodscen.prompts._tree.place_scenario import PlacedScenario
 from oodscen.stages._redteam.changes import edits_of, misfits
 from oodscen.tree._scenario_tree import TreeEdit
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     TreeEdit(op="add", node="wet", parent="weather", label="Wet weather"),
     TreeEdit(op="add", node="rain", parent="wet", label="Cloudburst"),

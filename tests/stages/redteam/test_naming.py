@@ -8,7 +8,7 @@ from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.stages._redteam.naming import Names
 from oodscen.tree._scenario_tree import TreeEdit, slug
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="animals", parent="interactional", label="Animals"),
     *(
         TreeEdit(op="add", node=name, parent="animals", label=name)

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from oodscen import RedTeamer, ScenarioTree
 from oodscen.errors import LLMError
 from oodscen.stages._redteam.rounds import RunnerUp
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
 from tests.tree.woods import ADDRESSED
 
-TREE = ScenarioTree.planted().apply(
+TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),
     TreeEdit(op="add", node="fog", parent="weather", label="Thick fog at night"),
 )
@@ -31,7 +31,7 @@ def model(placing, imagining=PIANO + " ({})"):
             return {"reasoning": "", "text": text.format(request.sample)}
         return placing(request) if callable(placing) else placing
 
-    return FunctionLLM(answer)
+    return ScriptedLLM(answer)
 
 
 def play(placing, *, tree=TREE, imagining=PIANO + " ({})", **options):

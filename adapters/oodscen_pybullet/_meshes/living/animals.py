@@ -3,7 +3,7 @@
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, stride
 from oodscen_pybullet._meshes.living.people import grounded
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 
 _WALK = {(-1.0, 0): 0.0, (-1.0, 1): 0.25, (1.0, 0): 0.5, (1.0, 1): 0.75}
 """Fraction of the stride at which a foot touches down, by side and pair, hind legs first."""
@@ -12,7 +12,7 @@ _GALLOP = {(-1.0, 0): 0.0, (1.0, 0): 0.12, (-1.0, 1): 0.5, (1.0, 1): 0.62}
 
 def legs(
     mesh: MeshBuilder,
-    shown: Shown,
+    shown: Appearance,
     x: tuple[float, float],
     y: float,
     top: float,
@@ -75,7 +75,7 @@ def _eyes(mesh: MeshBuilder, x: float, y: float, z: float, size: float) -> None:
         mesh.ball((x, side * y, z), (size, 0.5 * size, size), "black", around=6, down=4)
 
 
-def deer(mesh: MeshBuilder, shown: Shown) -> None:
+def deer(mesh: MeshBuilder, shown: Appearance) -> None:
     """A stag with antlers, a pale rump and a raised head."""
     mesh.column(
         [
@@ -105,7 +105,7 @@ def deer(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def moose(mesh: MeshBuilder, shown: Shown) -> None:
+def moose(mesh: MeshBuilder, shown: Appearance) -> None:
     """A moose: very tall and dark, with broad antlers and a hanging muzzle."""
     mesh.column(
         [
@@ -151,7 +151,7 @@ def moose(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def horse(mesh: MeshBuilder, shown: Shown) -> None:
+def horse(mesh: MeshBuilder, shown: Appearance) -> None:
     """A brown horse with a black mane and tail, without a rider."""
     mesh.column(
         [
@@ -183,7 +183,7 @@ def horse(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def cow(mesh: MeshBuilder, shown: Shown) -> None:
+def cow(mesh: MeshBuilder, shown: Appearance) -> None:
     """A black and white cow."""
     mesh.column(
         [
@@ -226,7 +226,7 @@ def cow(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def sheep(mesh: MeshBuilder, shown: Shown) -> None:
+def sheep(mesh: MeshBuilder, shown: Appearance) -> None:
     """A woolly sheep with a black face."""
     for index, (x, z, size) in enumerate(
         ((-0.36, 0.64, 0.3), (0.0, 0.66, 0.33), (0.32, 0.66, 0.3))
@@ -253,7 +253,7 @@ def sheep(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def wild_boar(mesh: MeshBuilder, shown: Shown) -> None:
+def wild_boar(mesh: MeshBuilder, shown: Appearance) -> None:
     """A dark wild boar with bristles and tusks."""
     mesh.column(
         [
@@ -282,7 +282,7 @@ def wild_boar(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def bear(mesh: MeshBuilder, shown: Shown) -> None:
+def bear(mesh: MeshBuilder, shown: Appearance) -> None:
     """A brown bear on all fours."""
     mesh.column(
         [
@@ -306,7 +306,7 @@ def bear(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def dog(mesh: MeshBuilder, shown: Shown) -> None:
+def dog(mesh: MeshBuilder, shown: Appearance) -> None:
     """A brown dog the size of a shepherd, with its tail up."""
     mesh.column(
         [
@@ -336,7 +336,7 @@ def dog(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def cat(mesh: MeshBuilder, shown: Shown) -> None:
+def cat(mesh: MeshBuilder, shown: Appearance) -> None:
     """A ginger cat with its tail up."""
     mesh.column(
         [
@@ -363,7 +363,7 @@ def cat(mesh: MeshBuilder, shown: Shown) -> None:
     grounded(mesh)
 
 
-def goose(mesh: MeshBuilder, shown: Shown) -> None:
+def goose(mesh: MeshBuilder, shown: Appearance) -> None:
     """A white goose with an orange bill."""
     mesh.column(
         [

@@ -4,10 +4,10 @@ import itertools
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 
 
-def car_door(mesh: MeshBuilder, shown: Shown) -> None:
+def car_door(mesh: MeshBuilder, shown: Appearance) -> None:
     """A car door, upright as when shut, hinged at its front edge and visible from both sides."""
     paint = shown.paint
     mesh.hull((-0.52, 0.52, -0.04, 0.06, 0.32), (-0.56, 0.54, -0.05, 0.05, 0.94), paint)
@@ -22,7 +22,7 @@ def car_door(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.box((0.4, 0.13, 1.0), (0.1, 0.16, 0.13), paint)
 
 
-def bumper(mesh: MeshBuilder, shown: Shown) -> None:
+def bumper(mesh: MeshBuilder, shown: Appearance) -> None:
     """A torn-off bumper with its number plate, across the lane."""
     paint = shown.paint
     spots = [
@@ -50,7 +50,7 @@ def bumper(mesh: MeshBuilder, shown: Shown) -> None:
         mesh.box((x, y, 0.015), (0.16, 0.09, 0.03), "tail" if y > 0 else "glass_light")
 
 
-def barrel(mesh: MeshBuilder, shown: Shown) -> None:
+def barrel(mesh: MeshBuilder, shown: Appearance) -> None:
     """Two steel drums, one upright and one lying."""
     colour = shown.paint
 

@@ -6,7 +6,7 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
 from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure, grounded
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 
 
 def open_manhole(mesh: MeshBuilder) -> None:
@@ -58,7 +58,7 @@ def mannequin(mesh: MeshBuilder) -> None:
     doll = MeshBuilder()
     white = "plastic"
     clothes = Clothes("purple", white, sleeves=white, hair=white, skin=white, shoes=white)
-    figure(doll, clothes, Shown(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
+    figure(doll, clothes, Appearance(), Posture((0.3, 0.36, 1.2), (0.1, -0.42, 0.98)))
     grounded(doll).shift((0, 0, 0.04))
     doll.ball((0.02, 0, 1.66), (0.112, 0.095, 0.135), white)
     doll.cylinder((0, 0, 0), (0, 0, 0.04), 0.26, "dark_grey", sides=14)
@@ -86,7 +86,7 @@ def drone(mesh: MeshBuilder) -> None:
         mesh.beam((-0.3, sy * 0.24, 0.02), (0.3, sy * 0.24, 0.02), 0.04, "dark_grey")
 
 
-def smoke(mesh: MeshBuilder, shown: Shown) -> None:
+def smoke(mesh: MeshBuilder, shown: Appearance) -> None:
     """A bank of grey smoke that drifts over the lane from a smouldering heap."""
     for index in range(12):
         turn = index * 2.4
@@ -116,7 +116,7 @@ def smoke(mesh: MeshBuilder, shown: Shown) -> None:
         )
 
 
-def fire(mesh: MeshBuilder, shown: Shown) -> None:
+def fire(mesh: MeshBuilder, shown: Appearance) -> None:
     """A burning heap of wood and tyres."""
     for index in range(7):
         turn = index * 0.9

@@ -4,7 +4,7 @@ import itertools
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.vehicles.bodywork import AMBER, RED
 
 GREEN: Point = (0.25, 1.0, 0.5)
@@ -175,7 +175,7 @@ def lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_lit: 
         mesh.lamp((x - 0.03, y, z), _GLOW[name], (-1, 0, 0), 2.0)
 
 
-def traffic_light(mesh: MeshBuilder, shown: Shown) -> None:
+def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A traffic light on a post; the flashing state is amber."""
     lit = _LENSES.get(shown.state, ("red",))
     if shown.state == "flashing" and shown.frame % 2:
@@ -210,7 +210,7 @@ def traffic_light(mesh: MeshBuilder, shown: Shown) -> None:
         lens(mesh, (-0.272, 0, z), 0.135, name, is_lit=name in lit)
 
 
-def pedestrian_light(mesh: MeshBuilder, shown: Shown) -> None:
+def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A pedestrian light on a post, with a standing or a walking figure."""
     mesh.cylinder((0, 0, 0), (0, 0, 2.9), 0.055, "dark_grey", sides=8)
     mesh.box((-0.14, 0, 2.5), (0.2, 0.34, 0.74), "black")
@@ -235,7 +235,7 @@ def pedestrian_light(mesh: MeshBuilder, shown: Shown) -> None:
         mesh.box((-0.28, 0, z + 0.17), (0.1, 0.32, 0.02), "black")
 
 
-def level_crossing_gate(mesh: MeshBuilder, shown: Shown) -> None:
+def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
     """A railway gate with two red lamps; its arm lies across the lane or points up."""
     is_open = shown.state == "open"
     right = -2.9

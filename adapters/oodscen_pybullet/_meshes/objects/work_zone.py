@@ -1,7 +1,7 @@
 """Cones, barriers and signs of road works; their faces look along -x."""
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.look import Shown
+from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.objects.signs import lens
 from oodscen_pybullet._meshes.vehicles.bodywork import AMBER
 
@@ -45,7 +45,7 @@ def barrier(mesh: MeshBuilder) -> None:
     mesh.centred()
 
 
-def arrow_board(mesh: MeshBuilder, shown: Shown) -> None:
+def arrow_board(mesh: MeshBuilder, shown: Appearance) -> None:
     """A trailer with an illuminated arrow."""
     region = "arrow_right" if shown.state == "right" else "arrow_left"
     _face(mesh, -0.2, 0.95, 1.2, 2.45, region)
@@ -127,7 +127,7 @@ def water_barrier(mesh: MeshBuilder) -> None:
             mesh.box((side * 0.115, y, 0.72), (0.02, 1.3, 0.14), stripe)
 
 
-def temporary_light(mesh: MeshBuilder, shown: Shown) -> None:
+def temporary_light(mesh: MeshBuilder, shown: Appearance) -> None:
     """A portable traffic light on a yellow battery trailer."""
     lit = {"red": "red", "green": "green", "amber": "amber", "flashing": "amber"}.get(
         shown.state or "red", ""

@@ -3,7 +3,7 @@
 import itertools
 
 from oodscen_pybullet._meshes.builder import Mesh, MeshBuilder
-from oodscen_pybullet._meshes.look import Lights, Shown
+from oodscen_pybullet._meshes.look import Appearance, Lights
 from oodscen_pybullet._meshes.vehicles.bodywork import (
     Section,
     arches,
@@ -29,7 +29,7 @@ _CAR: tuple[Section, ...] = (
 )
 
 
-def car(mesh: MeshBuilder, shown: Shown) -> None:
+def car(mesh: MeshBuilder, shown: Appearance) -> None:
     """A mid-size hatchback."""
     car_body(mesh, shown.lights, shown.paint)
 
@@ -65,7 +65,7 @@ def car_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
     underside(mesh, 1.34, -1.32, 0.7, 0.22)
 
 
-def ego_car(mesh: MeshBuilder, shown: Shown) -> None:
+def ego_car(mesh: MeshBuilder, shown: Appearance) -> None:
     """The vehicle under test: a car of 4.5 x 1.85 x 1.5 m."""
     whole = MeshBuilder()
     car(whole, shown)
@@ -107,7 +107,7 @@ def bonnet(paint: str) -> MeshBuilder:
     return mesh
 
 
-def police_car(mesh: MeshBuilder, shown: Shown) -> None:
+def police_car(mesh: MeshBuilder, shown: Appearance) -> None:
     """A patrol car with livery and light bar."""
     car_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.0, 1.0), 0.912, (0.46, 0.84), "police")
@@ -120,7 +120,7 @@ def police_car(mesh: MeshBuilder, shown: Shown) -> None:
     light_bar(mesh, shown.lights, -0.35, 1.45, 0.56)
 
 
-def overturned_car(mesh: MeshBuilder, shown: Shown) -> None:
+def overturned_car(mesh: MeshBuilder, shown: Appearance) -> None:
     """A car on its crushed roof, wheels up, with glass and parts around it."""
     whole = MeshBuilder()
     car(whole, shown)
@@ -177,7 +177,7 @@ def _van_body(mesh: MeshBuilder, lights: Lights, paint: str) -> None:
             mesh.wheel(x, side * 0.87, 0.36, 0.24)
 
 
-def van(mesh: MeshBuilder, shown: Shown) -> None:
+def van(mesh: MeshBuilder, shown: Appearance) -> None:
     """A delivery van."""
     _van_body(mesh, shown.lights, shown.paint)
     for side in (-1.0, 1.0):
@@ -191,7 +191,7 @@ def van(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.box((-2.61, 0, 1.2), (0.05, 0.03, 1.5), "dark_grey")
 
 
-def ambulance(mesh: MeshBuilder, shown: Shown) -> None:
+def ambulance(mesh: MeshBuilder, shown: Appearance) -> None:
     """An ambulance built on a van, with stripes and beacons."""
     _van_body(mesh, shown.lights, "white")
     side_print(mesh, (-1.9, 0.3), 0.955, (1.45, 1.82), "ambulance")

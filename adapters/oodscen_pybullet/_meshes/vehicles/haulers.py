@@ -1,7 +1,7 @@
 """Specialised lorries, buses and machines, facing x."""
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.look import Lights, Shown
+from oodscen_pybullet._meshes.look import Appearance, Lights
 from oodscen_pybullet._meshes.vehicles.bodywork import (
     AMBER,
     arches,
@@ -35,7 +35,7 @@ def _beacon(mesh: MeshBuilder, lights: Lights, x: float, y: float, z: float) -> 
         mesh.lamp((x, y, z + 0.12), AMBER, (0, 0, 0), 3.0)
 
 
-def school_bus(mesh: MeshBuilder, shown: Shown) -> None:
+def school_bus(mesh: MeshBuilder, shown: Appearance) -> None:
     """A yellow school bus with a bonnet; the hazard state flashes its red lamps."""
     lights, paint = shown.lights, "school_bus"
     mesh.box((-0.9, 0, 1.15), (8.2, 2.4, 1.3), paint)
@@ -75,7 +75,7 @@ def school_bus(mesh: MeshBuilder, shown: Shown) -> None:
             mesh.wheel(x, side * 1.05, 0.48, 0.3, hub="black")
 
 
-def garbage_truck(mesh: MeshBuilder, shown: Shown) -> None:
+def garbage_truck(mesh: MeshBuilder, shown: Appearance) -> None:
     """A refuse lorry with a rounded body and a loader at the rear."""
     lights = shown.lights
     cab(mesh, lights, "white", 4.0, 1.8, 2.8)
@@ -108,7 +108,7 @@ def garbage_truck(mesh: MeshBuilder, shown: Shown) -> None:
     _axles(mesh, (-2.6, -1.5, 2.9))
 
 
-def tow_truck(mesh: MeshBuilder, shown: Shown) -> None:
+def tow_truck(mesh: MeshBuilder, shown: Appearance) -> None:
     """A recovery lorry with a crane and an empty flatbed."""
     lights = shown.lights
     cab(mesh, lights, "orange", 4.0, 1.9, 2.7)
@@ -132,7 +132,7 @@ def tow_truck(mesh: MeshBuilder, shown: Shown) -> None:
     _axles(mesh, (-2.5, 2.9))
 
 
-def cement_mixer(mesh: MeshBuilder, shown: Shown) -> None:
+def cement_mixer(mesh: MeshBuilder, shown: Appearance) -> None:
     """A concrete mixer lorry with a striped drum."""
     lights = shown.lights
     cab(mesh, lights, "blue", 4.0, 1.8, 2.7)
@@ -162,7 +162,7 @@ def cement_mixer(mesh: MeshBuilder, shown: Shown) -> None:
     _axles(mesh, (-2.7, -1.5, 2.9))
 
 
-def tanker(mesh: MeshBuilder, shown: Shown) -> None:
+def tanker(mesh: MeshBuilder, shown: Appearance) -> None:
     """A fuel tanker with a polished tank and hazard plates."""
     lights = shown.lights
     cab(mesh, lights, shown.paint, 4.8, 1.9, 2.9)
@@ -198,7 +198,7 @@ def tanker(mesh: MeshBuilder, shown: Shown) -> None:
     _axles(mesh, (-3.5, -2.4, 3.7))
 
 
-def tram(mesh: MeshBuilder, shown: Shown) -> None:
+def tram(mesh: MeshBuilder, shown: Appearance) -> None:
     """A single-car tram with a pantograph, broken down or in the way."""
     lights, paint = shown.lights, "red"
     mesh.hull((-6.8, 6.8, -1.25, 1.25, 0.3), (-7.0, 7.0, -1.25, 1.25, 1.2), paint)
@@ -235,7 +235,7 @@ def tram(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.beam((-0.2, -0.9, 4.3), (-0.2, 0.9, 4.3), 0.07, "dark_grey")
 
 
-def forklift(mesh: MeshBuilder, shown: Shown) -> None:
+def forklift(mesh: MeshBuilder, shown: Appearance) -> None:
     """A yellow forklift carrying a crate."""
     lights = shown.lights
     mesh.hull((-1.1, 0.75, -0.5, 0.5, 0.25), (-1.1, 0.7, -0.5, 0.5, 0.85), "machine")
@@ -263,7 +263,7 @@ def forklift(mesh: MeshBuilder, shown: Shown) -> None:
     rear_lamps(mesh, lights, -1.24, 0.36, 0.98, (0.14, 0.1))
 
 
-def road_roller(mesh: MeshBuilder, shown: Shown) -> None:
+def road_roller(mesh: MeshBuilder, shown: Appearance) -> None:
     """A yellow road roller with two steel drums."""
     lights = shown.lights
     for x in (-1.5, 1.5):

@@ -3,7 +3,7 @@
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.look import Lights, Shown
+from oodscen_pybullet._meshes.look import Appearance, Lights
 from oodscen_pybullet._meshes.vehicles.bodywork import (
     AMBER,
     arches,
@@ -48,7 +48,7 @@ def cab(
         mesh.box((front - 0.1, side * 1.28, 1.95), (0.1, 0.14, 0.5), "black")
 
 
-def truck(mesh: MeshBuilder, shown: Shown) -> None:
+def truck(mesh: MeshBuilder, shown: Appearance) -> None:
     """A lorry with a box body."""
     cab(mesh, shown.lights, shown.paint, 4.0, 1.9, 2.9)
     mesh.box((-1.0, 0, 2.15), (6.0, 2.44, 2.5), "white")
@@ -69,7 +69,7 @@ def truck(mesh: MeshBuilder, shown: Shown) -> None:
             mesh.wheel(x, side * 1.02, 0.5, 0.36, hub="light_grey")
 
 
-def overturned_truck(mesh: MeshBuilder, shown: Shown) -> None:
+def overturned_truck(mesh: MeshBuilder, shown: Appearance) -> None:
     """The lorry on its right side, with its wheels towards the viewer's left."""
     whole = MeshBuilder()
     truck(whole, shown)
@@ -80,7 +80,7 @@ def overturned_truck(mesh: MeshBuilder, shown: Shown) -> None:
                 mesh.lamp((x, y, 0.5), AMBER, (1.0 if x > 0 else -1.0, 0, 0), 2.5)
 
 
-def bus(mesh: MeshBuilder, shown: Shown) -> None:
+def bus(mesh: MeshBuilder, shown: Appearance) -> None:
     """A city bus."""
     mesh.box((0, 0, 0.85), (10.8, 2.5, 1.1), shown.paint)
     mesh.hull((-5.4, 5.4, -1.25, 1.25, 1.4), (-5.38, 5.3, -1.22, 1.22, 2.55), "glass", caps="")
@@ -109,7 +109,7 @@ def bus(mesh: MeshBuilder, shown: Shown) -> None:
             mesh.wheel(x, side * 1.1, 0.48, 0.32, hub="light_grey")
 
 
-def fire_truck(mesh: MeshBuilder, shown: Shown) -> None:
+def fire_truck(mesh: MeshBuilder, shown: Appearance) -> None:
     """A fire engine with ladder, shutters and beacons."""
     red = "fire_red"
     cab(mesh, shown.lights, red, 4.0, 2.4, 2.75)
@@ -143,7 +143,7 @@ def fire_truck(mesh: MeshBuilder, shown: Shown) -> None:
             mesh.wheel(x, side * 1.06, 0.5, 0.36, hub="light_grey")
 
 
-def tractor(mesh: MeshBuilder, shown: Shown) -> None:
+def tractor(mesh: MeshBuilder, shown: Appearance) -> None:
     """A farm tractor."""
     mesh.hull((0.2, 1.95, -0.36, 0.36, 0.75), (0.2, 1.9, -0.32, 0.32, 1.5), "green")
     mesh.box((1.96, 0, 1.12), (0.06, 0.56, 0.6), "dark_grey")
@@ -172,7 +172,7 @@ def tractor(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.centred()
 
 
-def excavator(mesh: MeshBuilder, shown: Shown) -> None:
+def excavator(mesh: MeshBuilder, shown: Appearance) -> None:
     """A tracked excavator with its boom forward and its bucket down."""
     for side in (-1.0, 1.0):
         y = side * 1.0

@@ -4,7 +4,7 @@ import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
-from oodscen_pybullet._meshes.look import Lights, Shown
+from oodscen_pybullet._meshes.look import Appearance, Lights
 from oodscen_pybullet._meshes.vehicles.bodywork import (
     Section,
     arches,
@@ -41,7 +41,7 @@ def _off_road_front(mesh: MeshBuilder, lights: Lights, x: float) -> None:
     head_lamps(mesh, lights, x - 0.04, 0.62, 0.84, (0.28, 0.16))
 
 
-def suv(mesh: MeshBuilder, shown: Shown) -> None:
+def suv(mesh: MeshBuilder, shown: Appearance) -> None:
     """A tall off-road estate car with roof rails."""
     lights, paint = shown.lights, shown.paint
     shell(mesh, _SUV, (paint, paint, paint), front=paint, rear=paint)
@@ -73,7 +73,7 @@ _PICKUP: tuple[Section, ...] = (
 )
 
 
-def pickup(mesh: MeshBuilder, shown: Shown) -> None:
+def pickup(mesh: MeshBuilder, shown: Appearance) -> None:
     """A pickup truck with crates in its open bed."""
     lights, paint = shown.lights, shown.paint
     shell(mesh, _PICKUP, (paint, paint, paint), front=paint, rear=paint)
@@ -100,7 +100,7 @@ def pickup(mesh: MeshBuilder, shown: Shown) -> None:
     )
 
 
-def taxi(mesh: MeshBuilder, shown: Shown) -> None:
+def taxi(mesh: MeshBuilder, shown: Appearance) -> None:
     """A yellow taxi with a lit roof sign."""
     car_body(mesh, shown.lights, "taxi")
     mesh.box((-0.5, 0, 1.49), (0.3, 0.7, 0.04), "black")
@@ -112,7 +112,7 @@ def taxi(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.lamp((-0.5, 0, 1.6), (1.0, 0.9, 0.6), (0, 0, 0), 0.6)
 
 
-def camper(mesh: MeshBuilder, shown: Shown) -> None:
+def camper(mesh: MeshBuilder, shown: Appearance) -> None:
     """A motor home with a sleeping alcove over the cab."""
     lights = shown.lights
     mesh.box((-0.85, 0, 1.62), (4.5, 2.2, 2.3), "white")
@@ -149,7 +149,7 @@ def camper(mesh: MeshBuilder, shown: Shown) -> None:
     _wheels(mesh, (-1.75, 2.05), 1.0, 0.36, "light_grey")
 
 
-def trailer(mesh: MeshBuilder, shown: Shown) -> None:
+def trailer(mesh: MeshBuilder, shown: Appearance) -> None:
     """A caravan to be towed, with its drawbar forward."""
     lights = shown.lights
     profile: tuple[Section, ...] = (
@@ -183,7 +183,7 @@ def trailer(mesh: MeshBuilder, shown: Shown) -> None:
     mesh.polygon([(-2.1, -1, 0.5), (-2.1, 1, 0.5), (1.7, 1, 0.5), (1.7, -1, 0.5)], "underbody")
 
 
-def burning_car(mesh: MeshBuilder, shown: Shown) -> None:
+def burning_car(mesh: MeshBuilder, shown: Appearance) -> None:
     """A burnt-out car in flames under a column of black smoke."""
     car_body(mesh, Lights(), "char")
     seats = (

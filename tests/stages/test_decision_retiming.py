@@ -5,7 +5,7 @@ import pytest
 from oodscen import simulate
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
-from oodscen.stages._clearer import SLOWER, _slowed, clearer
+from oodscen.stages._decision_retiming import SLOWER, _slowed, retimed
 from oodscen.stages._restage import changed
 from oodscen.testing import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -37,7 +37,7 @@ def test_the_first_moment_at_which_it_can_be_named_is_taken(flat, decision):
     scene = far(decision=decision)
     before = simulate(scene, flat, camera=SMALL)
     assert before.episode.sighting.faults == ("small",)
-    found = clearer(scene, before, flat, 0, camera=SMALL)
+    found = retimed(scene, before, flat, 0, camera=SMALL)
     after = found.simulated.episode
     assert after.sighting.faults == ()
     assert after.is_decidable
@@ -53,7 +53,7 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     passed = example_scene().actors[0].model_copy(update={"placement": behind})
     scene = far(actors=(passed,), decision=Trigger(value=1.0))
     before = simulate(scene, flat, camera=SMALL)
-    found = clearer(scene, before, flat, 0, camera=SMALL)
+    found = retimed(scene, before, flat, 0, camera=SMALL)
     assert found.scene is scene
     assert found.simulated is before
     assert [attempt.why for attempt in found.tried] == [

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
-from oodscen.driving import Cruise, find_map, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._sight.decision_view import drawn
-from oodscen.driving._sight.nameable import LATEST_S, LOOK_S
 from oodscen.driving._sight.scene_checks import bodies
+from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator, State
 from oodscen.stages._restage import Attempt, Restaging, changed
@@ -33,7 +34,7 @@ class _Later(NamedTuple):
     seen: Sighting
 
 
-def clearer(
+def retimed(
     scene: Scene,
     simulated: Simulated,
     simulator: Simulator,
@@ -105,7 +106,7 @@ def _later(
 ) -> Iterator[tuple[Scene, float]]:
     """Yield the scene with decisions at which the hazard can be named, each with the distance from there, m."""
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     # The variants are run in the same simulator: all moments are found first.
     for later in list(islice(_moments(scene, simulator, seed, camera), MOST_MOMENTS)):
         value = value_in(scene.decision, later.state, corridor)
@@ -116,7 +117,7 @@ def _later(
 def _moments(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> Iterator[_Later]:
     """Drive blindly on from the decision and yield the moments at which the hazard can be named."""
     catalogue = simulator.catalogue()
-    corridor = load_corridor(find_map(scene.map, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
     driver = Cruise()
     state = approach(scene, simulator, seed)[0][-1]
     steps = max(1, round(LOOK_S / simulator.dt))
