@@ -12,7 +12,6 @@ from oodscen.judging._parsing.reading import (
     is_refusal,
     members,
     read,
-    unwrapped,
     words_in,
 )
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded
@@ -58,14 +57,13 @@ _IS_OOD = re.compile(
     r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
     r"|ous)|abnormal)|answer"
 )
-_ASPECT = re.compile(r"(?:\w*aspect|what|label)")
+_ASPECT = re.compile(r"(?:the|one|main|named|ood|unusual)*aspect|what|label")
 _NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 _CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
 _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
 
 
 def _detected(value: Mapping[str, Any]) -> Detected | None:
-    value = unwrapped(value, _IS_OOD)
     held = [one for one in members(value, _IS_OOD) if not is_placeholder(one)]
     if not held:
         return None
@@ -89,7 +87,6 @@ def _aspect(value: Mapping[str, Any]) -> str:
 
 
 def _named(value: Mapping[str, Any]) -> str | None:
-    value = unwrapped(value, _NAMED)
     held = [one for one in members(value, _NAMED) if not is_placeholder(one)]
     said = {words_in(one) for one in held}
     if len(said) > 1:
