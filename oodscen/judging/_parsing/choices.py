@@ -63,10 +63,13 @@ def _read(
         if isinstance(value, list) and len(value) == 1 and depth:
             return resolved(value[0], depth - 1)
         if isinstance(value, dict) and depth:
-            return agreed(list(unwrapped(value, _INSIDE)[0].values()), depth - 1)
+            held, reasons = unwrapped(value, _INSIDE)
+            found = agreed(list(held.values()), depth - 1)
+            return None if found is None or denies(tidied(reasons), found) else found
         if is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
             return int(value) - 1 if value in range(1, len(names) + 1) else None
-        return in_prose(tidied(value)) if isinstance(value, str) else None
+        is_text = isinstance(value, str) and re.match(r"[\s*`\"'(#]*\w", value)
+        return in_prose(tidied(value)) if is_text else None
 
     def agreed(values: Sequence[Any], depth: int = 4) -> int | None:
         found = {resolved(value, depth) for value in values}

@@ -151,16 +151,13 @@ _COURTESY = re.compile(
 
 def _lost_words(one: Found, said: str) -> bool:
     """Return whether repairing an object dropped some of its words, such as one of two values, or a fence."""
-    source = _COMMENT.sub(" ", said[one.start : one.start + one.width])
+    source = said[one.start : one.start + one.width]
     kept = json.dumps(one.value, ensure_ascii=False, default=str)
     return "```" in source or bool(_words(source) - _words(kept))
 
 
-_COMMENT = re.compile(r"//[^\n]*|/\*[^*]*\*/")
-
-
 def _words(text: str) -> Counter[str]:
-    return Counter(re.findall(r"\w+|[!~]", text.casefold().replace("none", "null")))
+    return Counter(re.findall(r"\w+|[!~-]", text.casefold().replace("none", "null")))
 
 
 def _labelled(prose: str, asked: re.Pattern[str]) -> dict[str, Any] | None:
@@ -184,7 +181,7 @@ def _labelled(prose: str, asked: re.Pattern[str]) -> dict[str, Any] | None:
 
 
 _NEXT = re.compile(r"[.,;] (?=\w+ ?[:=] ?\w)")
-_LABEL = re.compile(r"(?:[-\u2022] )?([\w ]{2,40}?) ?[:=] ?(.*)")
+_LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")
 
 # ------------------------------------------------------------------ members
 
@@ -219,7 +216,7 @@ def unwrapped(
 
 
 _WRAPPERS = re.compile(
-    r"(?=.)(?:final|json|data|arguments|parameters|properties)?(?:answer|response|result|output|assessment)?"
+    r"(?=.)(?:final|json|data|arguments)?(?:answer|response|result|output|assessment)?"
 )
 _REASON = re.compile(
     r"(?:stepbystep|chainof)?(?:reason(?:s|ing)?|rationale|thoughts?|thinking|analysis|explanation"
@@ -249,8 +246,9 @@ def _texts(value: Any) -> list[str]:
 
 
 def spelt(name: str) -> str:
-    """Return the name of a member in a canonical spelling."""
-    return re.sub(r"[\W_]+", "", name).casefold()
+    """Return the name of a member in a canonical spelling; one with other marks than spaces and hyphens is kept."""
+    is_plain = re.fullmatch(r"\s*\w[\w\s-]*", name)
+    return re.sub(r"[\s_-]+", "", name).casefold() if is_plain else name
 
 
 def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:

@@ -44,10 +44,13 @@ def _sentences(plain: str) -> list[str]:
     """Return the sentences; what stands before ", so I would" is one of its own."""
     plain = re.sub(r"[:,]\n", lambda found: f"{found[0][0]} ", plain)
     plain = re.sub(rf"({OPTION})(?:[\s(:,=.\u2013-]{{1,3}}\1)+\)?", r"\1", plain)
-    plain = _SO_THEN.sub(".\n", plain)
+    plain = _SO_THEN.sub(".\n", _READY.sub("", plain))
     return [part.strip() for part in re.split(r"(?<=[.!?;])\s+|\n+", plain) if part.strip()]
 
 
+_READY = re.compile(
+    rf",? and (?:be (?:ready|prepared)|prepare) to {OPTION}(?: if (?:needed|necessary))?"
+)
 _SO_THEN = re.compile(rf",? (?:so|hence|thus|therefore),? (?=(?:i|we|the|my) |i'|let's |{OPTION})")
 
 # ------------------------------------------------------------------ statements
@@ -74,11 +77,12 @@ _THING = (
     r"|maneuver|recommendation|conclusion|selection|description)"
 )
 _HERE = r"(?: (?:here|now|in this (?:case|situation|scenario)|for (?:the ego(?: vehicle)?|us|me)))?"
-_IS = r" ?(?:(?:is|would be|should be|will be|:|=|->|\u2192|\u2014|\u2013|-) ?)+"
-_SO = r"(?:(?:so|therefore|thus|hence|overall|finally|in conclusion|yes|ok)[,:]? ?)*"
-_SINCE = (
-    r"(?:(?:given(?: that)?|since|because(?: of)?|as|due to) (?P<since>(?!more)[^,:]{1,200})[,:] )?"
+_GIVES = r" ?(?:(?:is|would be|should be|will be|:|=|->|\u2192|\u2014|\u2013|-) ?)+"
+_SO = (
+    r"(?:(?:so|therefore|thus|hence|overall|finally|in conclusion|yes|ok|okay|sure|in this (?:case|situation|scenario)"
+    r"|(?:given|based on) (?:the|this|these) (?:situation|images?|frames?|descriptions?)|to avoid a (?:collision|crash))[.,:]? ?){0,3}"
 )
+_SINCE = r"(?:(?:given that|given(?= the )|since|because(?: of)?|as(?= the | there | it )|due to) (?P<since>[^,:]{1,200})[,:] )?"
 _I_THINK = r"(?:i (?:think|believe|recommend|suggest)(?: that)? )?"
 _FORMS = (
     rf"{_EGO}{_WILL}{_ADVERB}(?: {_CHOOSE})?{_THE}(?P<it>{OPTION})",
@@ -86,15 +90,15 @@ _FORMS = (
     rf"(?:i|we){_ADVERB} (?:{_CHOOSE}{_THE})?(?P<it>{OPTION})",
     rf"(?:let's |just )?{_CHOOSE}{_THE}(?P<it>{OPTION})",
     rf"(?:let's |let us |(?:i'm )?going with |just |it is{_THE})(?P<it>{_BASE})",
-    rf"(?:\u2022 ?|- )?(?:the |my )?(?:{_GOOD} )*(?:{_THING}|{_GOOD}){_HERE}{_IS}{_THE}(?P<it>{OPTION})",
+    rf"(?:\u2022 ?|- )?(?:the |my )?(?:{_GOOD} )*(?:{_THING}|{_GOOD}){_HERE}{_GIVES}{_THE}(?P<it>{OPTION})",
     rf"(?P<it>{OPTION}) (?:is|would be|seems) (?:the |my )?(?:only )?{_GOOD}(?: {_THING})?{_HERE}",
     rf"(?:[-\u2022] |\()?(?:option )?(?P<it>{_BASE})\)?",
 )
 _NOW = r"(?:,? (?:now|here|immediately|at once|right away|gently|safely|carefully))*"
 _TAIL = (
     rf"(?: (?:action|maneuver|option))?{_NOW}(?: in (?:the|my|our|its) (?:ego )?lane)?(?: (?P<place>(?:behind|before|in front of) [^,;]{{1,60}}))?"
-    r"(?:[,;]? ?(?P<reason>(?:because|since|as|due to|given|in order to|so that"
-    r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield|keep))\b.+?))?[\s.!]*"
+    r"(?:[,;]? ?(?P<reason>(?:because|since|as (?=the |there |it |this )|due to|given|in order to|so that"
+    r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield|keep|maintain))\b.+?))?[\s.!]*"
 )
 _STATEMENTS = tuple(re.compile(_SO + _SINCE + _SO + _I_THINK + form + _TAIL) for form in _FORMS)
 _ROAD_USERS = re.compile(
@@ -131,30 +135,41 @@ def _stated_in(sentence: str, users: int) -> int | None:
 _IS_BEST = re.compile(
     rf"(?:because|since|as) (?:it|this|that) is (?:the )?{_GOOD}(?: {_THING})?{_HERE}"
 )
+_VERB = (
+    r"(?:is|are|has|have|stands?|lies|blocks?|cross(?:es)?|walks?|runs?|moves?|drives?|comes?|stays?|keeps?|appears?|seems?"
+    r"|approach(?:es)?|enters?|fills?|covers?|clos(?:es|ed)|turns?|obstructs?|occup(?:y|ies)|may|might|could)"
+)
 _OPENS = re.compile(
-    r"(?:[-\u2022] )?(?:(?:first|second|also|moreover|now),? )?(?:(?:in )?frame \d(?: shows|:)|there(?: is| are|'s)|(?:i|we) (?:can )?see|an?|the|two|three|several"
-    r"|some|many|both|it is (?:dark|night|foggy|raining|snowing|day)|\w+ (?:is|are))\b"
+    r"(?:[-\u2022] )?(?:(?:first|second|also|moreover|now),? )?(?:(?:in )?frame \d(?: shows|:)|(?:the |this )?(?:image|frame|scene)s? shows?|there(?: is| are|'s)"
+    r"|(?:i|we) (?:can )?see|it is (?:dark|night|foggy|raining|snowing|day)"
+    rf"|(?:an?|the|my|our|two|three|several|some|many|both) (?:[^\s,;:]+ ){{1,8}}?{_VERB}"
+    r"|(?:visibility|traffic|fog|rain|snow|debris|pedestrians|people|children|cars|vehicles) (?:is|are))\b"
 )
 """Matches the beginning of a sentence that may be an observation."""
+_CRASH = r"(?:collision|accident|crash|impact)s?"
 _SCENE = re.compile(
-    r"\b(?:road|lane|street|way|path|junction|intersection|crossing|crosswalk|highway|motorway|tunnel|bridge|shoulder|kerb"
-    r"|curb|pavement|sidewalk|verge|car|vehicle|truck|lorry|van|bus|motorcycle|cyclist|bicycle|traffic|pedestrian|person"
-    r"|people|crowd|child|children|man|woman|animal|cow|deer|dog|horse|moose|sheep|obstacle|object|debris|box|tree|rock"
-    r"|ahead|fog|rain|snow|ice|visibility|collision|accident|impact|crash|hazard|space|room|distance"
-    r"|weather|light)(?:s|es)?\b"
+    r"\b(?:road|lane|street|junction|intersection|crossing|crosswalk|highway|motorway|tunnel|bridge|shoulder|kerb|curb"
+    r"|pavement|sidewalk|verge|car|vehicle|truck|lorry|van|bus|motorcycle|cyclist|bicycle|traffic|pedestrian|person"
+    r"|people|crowd|child|children|man|woman|animal|cow|deer|dog|horse|moose|sheep|obstacle|object|debris|box|tree"
+    r"|rock|ahead|fog|rain|snow|ice|visibility|hazard|room|distance|weather|light|in the way|in (?:my|our|its) (?:way|path)"
+    rf"|{_CRASH})(?:s|es)?\b"
 )
 """Matches words for what is on a road; an observation has one."""
 _ALLOWED = re.compile(
     r"\b(?:(?:ahead|in front) of (?:me|us)|(?:my|our|its) (?:own )?(?:lane|path|way|side|car|vehicle)|(?:i|we) (?:can )?see"
-    r"|(?:it|that|which|who|they)(?: is| are|'s) (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night))\b"
+    r"|(?:it|that|which|who|they)(?: is| are|'s) (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night)|that has \w+ed"
+    r"|(?:the )?ego(?:'s)?(?: vehicle| car)?(?:'s)? (?:lane|is (?:in|on|at|approaching|driving|moving|travell?ing|following))"
+    r"|(?:to|towards?|behind|(?:ahead|in front) of|hit|approaching) (?:the )?ego(?: vehicle| car)?"
+    rf"|(?:avoid|prevent|reduce)(?:ing)? (?:(?!no |not )\w+ ){{0,4}}{_CRASH}|(?:risk of|there (?:is|has been)) (?:an? )?(?:\w+ )?{_CRASH})\b"
 )
-"""Matches phrases with pronouns that mean nobody's choice."""
+"""Matches phrases with words of `_NO_OBSERVATION` that judge nobody's choice."""
 _NO_OBSERVATION = re.compile(
-    rf"{OPTION}|[?\u2026:\"]|\b(?:i|me|my|mine|we|us|our|you|your|he|she|it|its|they|that|this|these|those|which|what|who|whoever|when"
-    r"|\w+'[sd]|\w+'ll|if|unless|but|yet|however|though|although|while|except|instead|rather|otherwise|until|once|had|were|would|should|must|shall|ought"
-    r"|wish\w*|hope\w*|said|says?|tells?|told|claim\w*|ask\w*|want\w*|wrong (?!way\b)|answers?|choices?|options?|actions?|decisions?|above|below|opposite"
-    r"|(?:an?|all|the) lies?|lied|jok\w+|kidding|kill\w*|dies?|dead\w*|death\w*|fatal\w*|suicid\w*|murder\w*|harm\w*|worst|stupid|nonsense|mistake\w*"
-    r"|imagin\w+|suppos\w+|example|fiction\w*|hypothetical\w*|pretend\w*|dream\w*|universe|forbid\w*|illegal|prohibit\w*|false|untrue|not true)\b"
+    rf"{OPTION}|[?\u2026:\"]|\b(?:i|me|my|mine|we|us|our|you|your|he|she|it|its|they|that|this|these|those|which|what|who|whoever|ego"
+    r"|\w+'[sd]|\w+'ll|if|unless|when|until|once|but|yet|however|though|although|while|except|instead|rather|otherwise|then|so|had|were"
+    r"|would|should|must|shall|ought|cannot|does|did|wish\w*|hope\w*|want\w*|says?|said|tells?|told|reads?|claim\w*|ask\w*|thinks?"
+    r"|answers?|choices?|options?|actions?|decisions?|above|below|opposite|wrong (?!way\b)|an?other|an? (?:lie|flaw|mistake|joke)|the lie|lied|jok\w+"
+    r"|kidding|kill\w*|dies?|dying|dead\w*|death\w*|fatal\w*|lethal|suicid\w*|murder\w*|harm\w*|worst|stupid|nonsense|imagin\w+|suppos\w+"
+    rf"|example|fiction\w*|hypothetical\w*|pretend\w*|dream\w*|universe|forbid\w*|illegal|prohibit\w*|false|untrue|not true|{_CRASH})\b"
 )
 """Matches options, questions, and words of a condition, a report or a judgement."""
 
@@ -184,20 +199,26 @@ def _is_weighed(words: str) -> bool:
 
 
 _BAD = (
-    r"(?:an? |the )?(?:\w+ly )?(?:dangerous|unsafe|forbidden|illegal|prohibited|wrong|incorrect|bad|worst|worse|fatal|deadly|lethal"
-    r"|suicid\w+|impossible|reckless|out of the question|ruled out|terrible|stupid|mistake|no option)"
+    r"(?:an? |the )?(?:(?:\w+ly|very|too|so) )?(?:dangerous|unsafe|forbidden|illegal|prohibited|wrong|incorrect|bad|worst|worse|fatal"
+    r"|deadly|lethal|suicid\w+|impossible|reckless|out of the question|ruled out|terrible|stupid|mistake|no option|false|lie|decoy|joke)"
 )
+_IS = r"(?:is|was|are|(?:would|will|could|can|may|might) be|seems|looks)"
 _AGAINST = re.compile(
     rf"(?:\b(?:{_BAD}|not|never|cannot|refuse|decline|reject|avoid|forbid|against|unable|opposite of"
     r"|(?:anything|everything|anyone|all) (?:but|except))|n't)"
-    rf" (?:(?:to|an?|the|be|do|choose|pick|select|take|answer|say|simply|just|action|option|is|for) )*({OPTION})"
-    rf"|({OPTION})(?: (?:here|now|in (?:the|this|my) lane))?,? (?:(?:is|was|are|would be|will be|seems|looks)(?:n't| not| never| {_BAD}\b)"
-    r"|not\b|never\b|(?:i|we) (?:will|would|can|must|should|do|shall) ?not\b|(?:would |will |may )?(?:kill|endanger|harm)s?\b)"
+    r" (?:(?:to|an?|the|be|do|want|like|intend|recommend|choose|pick|select|take|answer|say|simply|just|action|option|is|for) )*"
+    rf"({OPTION})"
+    rf"|({OPTION})(?: (?:here|now|in (?:the|this|my) lane))?,? (?:{_IS}(?:n't|(?: \w+ly)? (?:not|never)| {_BAD}\b)"
+    r"|not\b|never\b|(?:i|we) (?:will|would|can|must|should|do|shall) ?not\b"
+    r"|(?:(?:would|will|may|can|could) )?(?:kill|endanger|harm|cause|lead to|leads to|result in)s?\b)"
 )
 """Matches an option that is denied or condemned."""
 _DISOWNS = re.compile(
-    r"\A\W*(?:placeholder|example|n/?a|dummy|test)\W*\Z|\b(?:opposite of (?:what|my|this|the answer)|just kidding|joking|i (?:lied|lie|am lying)"
-    rf"|(?:this|that|the above|(?:this|the|my) (?:answer|choice|action|option|decision)) (?:is|was|would be) (?:not (?:my|the)|{_BAD})"
+    r"\A\W*(?:placeholder|example|n/?a|dummy|test|todo|tbd|no|not|nope|never|wrong|false)\W*\Z"
+    r"|\b(?:opposite of (?:what|my|this|the answer)|just kidding|joking|i (?:lied|lie|am lying)"
+    r"|(?:this|that|what follows|the (?:above|below|following)|(?:this|the|my) (?:answer|choice|action|option|decision)(?: below| field)?)"
+    rf" {_IS} (?:not (?:my|the)|{_BAD})"
+    r"|as an? (?:ai )?language model|i (?:cannot|can't|won't|will not|refuse to|decline to|must) (?:help|assist|comply|answer|choose|decline)"
     r"|(?:do not|don't|never) (?:do|use|take|choose|follow|trust) (?:this|that|it)|(?:ignore|disregard) (?:this|that|the (?:answer|action)))\b"
 )
 """Matches a sentence that disowns the answer beside it, and reasons that are none."""

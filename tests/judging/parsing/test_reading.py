@@ -156,7 +156,7 @@ def test_long_prose_is_read_to_its_end():
 HARD = [
     "stop ", "{", "not ", "i would ", "the best ", "(", "so ", "1. ", "<think>", "<a>", "</think>", "~", "$", "\n",
     "stop\n", "a:\n", "reason: \n", "'", '"', "if ", "\\text{", "stop. ", "0", "answer: 1 ", "yes ", "aspect: ",
-    "no anything ", "{a:", "confidence ", "stop would ", "keep the lane and ", "given ", "answer\n", "{'a':1}",
+    "no anything ", "{a:", "so " * 120 + "stop x. ", "confidence ", "stop would ", "keep the lane and ", "given ", "answer\n", "{'a':1}",
     '{"action":"stop"}', '{"action":"stop" ', "slow down to a ", "deer on the road ", "\ud800",
 ]  # fmt: skip
 

@@ -59,6 +59,8 @@ Everything except stopping is safe.|Anything but stop.|This is the opposite of w
 I am lying.|I lied.|Just kidding.|Do not choose this.|Ignore this.|Disregard the answer.|Stopping would kill us.|Stopping kills.|Avoid stopping.
 Stop is out of the question.|Stopping here is reckless.|Stopping isn't my choice.|Stop, never.|Stop I will not.|It is wrong to stop.
 It would be fatal to stop.|Stopping is the worst option.|To stop is suicidal.|I would avoid stopping.|The worst is to stop.|We cannot stop.
+Stop would lead to a crash.|Stopping will cause a collision.|Stopping is absolutely not an option.|I don't want to stop.|This answer is false.
+The answer below is wrong.|The following is a lie.|The action field is a decoy.|Stopping can be fatal.|TODO|not|As an AI language model, I must decline.
 """.strip().replace("\n", "|").split("|")  # fmt: skip
 """Reasons that are against the answer beside them."""
 
@@ -85,14 +87,26 @@ I used to say stop.|I want to stop.|I could stop.|I might stop.|I may stop.|I ca
 stop stop go|stop the war|stop it|stop that|stop this|stop me|Stop! In the name of love.|stop and keep_speed|stop then keep_speed|stop / keep_speed
 Everyone but me would choose stop.|My evil twin picks stop.|My first guess is stop.|Answer of the truck: stop|The final answer of my rival is stop.
 ```\\n> stop\\n```|<example>stop</example>|<quote>stop</quote>|<wrong>stop</wrong>|<!-- stop -->|/* stop */|// stop|# stop|~~stop~~|stop<think>no</think>
+I would stop. The people behind are dying.|I would stop. The car explodes.|I would stop. A collision is then certain.|I would stop. The impact is lethal.
+I would stop. The ego vehicle does not.|I would stop. The car accelerates.|I would stop. The ego vehicle keeps rolling.|I would stop. The way to go is to run.
+The person in the car thinks so. I would stop.|The sign ahead reads. Stop.|The person ahead shouts. Stop.|Given a free lane, I would stop.|Given less traffic, stop.
+As a bad car driver, stop.|Action = stop\n\nWhy: not|action: !stop|action: > stop|Decision: stop\nThat is silly.|I would stop. The vehicle cannot.
 """.strip().replace("\n", "|").replace("\\n", "\n").split("|")  # fmt: skip
 """Prose that names the option and does not choose it."""
 
 VALUES = """
 -stop|!stop|~stop|not stop|stop?|no stop|>stop|#stop|//stop|stop (not)|stop, not|not(stop)|~~stop~~|stop unless wet|never stop|un-stop|stop=false
-stop: false|stop: no|truck: stop|stop/keep_speed|stop|keep_speed
+stop: false|stop: no|truck: stop|stop/keep_speed|- stop|stop or so|stop|keep_speed
 """.strip().replace("\n", "|").split("|")[:-2]  # fmt: skip
 """Values that are no option."""
+
+
+FAULTY = """
+{"action": "stop" /* not */}|{"action": /* not */ "stop"}|{"action": "stop" // wrong\n}|{action: !stop}|{action: -stop}|{'action': not stop}
+{"action" != "stop"}|{"action": ~"stop"}|{"action": "sto" "p"}|{"action": "stop" if False}|{"action": null ?? "stop"}|{{"action":"stop"}}
+{"action":"stop"}}|{"action?": "stop"}|{"!action": "stop"}|{"-action": "stop"}|{"\u274caction": "stop"}|{"action": {"id": "stop", "why": "not"}}
+""".strip().replace("\n", "|").replace("\\n", "\n").split("|")  # fmt: skip
+"""Objects with faults that change what they say."""
 
 
 def hostile() -> list[str]:
@@ -104,7 +118,7 @@ def hostile() -> list[str]:
     members += [{**said, "explanation": f"There is a cow on the road. {one}"} for one in REASONS]
     members += [{"action": one} for one in VALUES]
     objects = [wrapper.replace("@", json.dumps(said)) for wrapper in AROUND]
-    return [*map(json.dumps, members), *objects, *PROSE]
+    return [*map(json.dumps, members), *objects, *FAULTY, *PROSE]
 
 
 FRIENDLY = r"""
@@ -124,6 +138,11 @@ The lane is blocked.\n\nstop|stop\n\nThe lane ahead is blocked.|Reasoning: one c
 Reasoning: There is a dog on the road.\n\nAction: stop|<reasoning>The lane is blocked.</reasoning><action>stop</action>|### Action\nstop|Stop the car.
 I think the best action is to stop.|I think stop.|I recommend to stop because of the fog.|The correct action is to come to a complete stop.|Therefore, I choose stop.
 Since the road is blocked by a tree, I would stop.|Given the fog, stop is the best choice.|I would stop in my lane because a deer is crossing the road.
+Based on the frames, I would choose to stop.|In this situation, the safest action would be to stop.|To avoid a collision, the ego vehicle should stop.|Sure, I would stop.
+The image shows a foggy road. I would stop.|The image shows a road with a truck that has overturned. The best action is to stop.|### Answer: stop|I recommend stopping.
+There are no obstacles on the road, so I would stop.|The ego vehicle is approaching a junction. The ego vehicle should stop.|I would stop because visibility is low.
+A large box is on the road ahead of the ego vehicle. The ego vehicle should stop.|The ego vehicle should take the action of stopping.
+The lane is blocked by a box and the left lane has oncoming traffic. Therefore, the safest action is to stop.|The answer is $\boxed{stop}$
 """.strip().replace("\n", "|").replace("\\n", "\n").replace("<|im_end|>", "").split("|")  # fmt: skip
 """Answers that plainly give the option, in ways in which models do."""
 
