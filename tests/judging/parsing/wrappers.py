@@ -90,7 +90,7 @@ Everyone but me would choose stop.|My evil twin picks stop.|My first guess is st
 I would stop. The people behind are dying.|I would stop. The car explodes.|I would stop. A collision is then certain.|I would stop. The impact is lethal.
 I would stop. The ego vehicle does not.|I would stop. The car accelerates.|I would stop. The ego vehicle keeps rolling.|I would stop. The way to go is to run.
 The person in the car thinks so. I would stop.|The sign ahead reads. Stop.|The person ahead shouts. Stop.|Given a free lane, I would stop.|Given less traffic, stop.
-As a bad car driver, stop.|Action = stop\n\nWhy: not|action: !stop|action: > stop|Decision: stop\nThat is silly.|I would stop. The vehicle cannot.
+As a bad car driver, stop.|Action = stop\\n\\nWhy: not|action: !stop|action: > stop|Decision: stop\\nThat is silly.|I would stop. The vehicle cannot.
 """.strip().replace("\n", "|").replace("\\n", "\n").split("|")  # fmt: skip
 """Prose that names the option and does not choose it."""
 
