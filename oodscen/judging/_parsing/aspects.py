@@ -14,6 +14,7 @@ from oodscen.judging._parsing.reading import (
     read,
     words_in,
 )
+from oodscen.judging._parsing.stating import is_against
 from oodscen.judging._parsing.text import TWO_ANSWERS, UnusableError, folded
 
 LONGEST_ASPECT = 300
@@ -32,12 +33,16 @@ class Detected:
 
 def read_aspect(text: str) -> ParsedAnswer[Detected]:
     """Return whether something was called out of the ordinary, the aspect and the confidence."""
-    return read(text, Question(_detected, _detected_in_prose, _DETECTION))
+    return read(text, Question(_detected, _detected_in_prose, _DETECTION, _disowned))
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
     """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
-    return read(text, Question(_named, _named_in_prose, _NAMED))
+    return read(text, Question(_named, _named_in_prose, _NAMED, _disowned))
+
+
+def _disowned(reasons: str, _: object) -> bool:
+    return is_against(folded(reasons))
 
 
 def names_nothing(aspect: str) -> bool:
@@ -177,7 +182,7 @@ def _aspect_in(prose: str, *, is_marked: bool) -> str:
         named = _CONFIDENT.sub(
             "", prose if is_marked else re.sub(r"\A\W*\w+\W*", "", prose, count=1)
         )
-        if len(named) > LONGEST_ASPECT:
+        if len(named) > LONGEST_ASPECT or re.search(r"\w[.!?;] +\w", named):
             raise UnusableError("the aspect is not named")
         named = "" if is_marked else named.strip(" \n.,:;!()\u2014\u2013-")
     return "" if names_nothing(named) else named
@@ -212,7 +217,7 @@ _MARKED = re.compile(
     r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
 )
 _OPENING = re.compile(
-    rf"\W*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
+    rf"[\s(\u2022-]*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
     r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
 )
 _USUAL = re.compile(
