@@ -218,7 +218,7 @@ _DISOWNS = re.compile(
     r"\A\W*(?:placeholder|example|n/?a|dummy|test|todo|tbd|no|not|nope|never|wrong|false)\W*\Z"
     r"|\b(?:opposite of (?:what|my|this|the answer)|just kidding|joking|i (?:lied|lie|am lying)"
     rf"|(?:this|the|my|that) {_NAMED}(?: below| field)? {_IS} (?:not (?:my|the)|{_BAD})"
-    rf"|(?:this|that|it|what follows|the (?:above|below|following)) (?:would be {_BAD}|{_IS} (?:not my"
+    rf"|(?:this|that|it|what follows|the (?:above|below|following)) (?:would be {_BAD}(?! (?:not )?to\b| for\b)|{_IS} (?:not my"
     rf"|{_BAD} {_NAMED}|an? (?:lie|mistake|decoy|joke)))"
     r"|as an? (?:ai )?language model|i (?:cannot|can't|won't|will not|refuse to|decline to) (?:help|assist|comply|answer)"
     r"|(?:do not|don't|never) (?:do|use|take|choose|follow|trust) (?:this|that|it)|(?:ignore|disregard) (?:this|that|the (?:answer|action)))\b"

@@ -155,7 +155,7 @@ def friendly() -> list[str]:
         {"thought": "I could keep the speed, or wait?"}, {"thoughts": ["wet", "dark"]}, {"explanation": ""}, {"analysis": "The van may stop."},
         {"observations": ["a cow"]}, {"description": "a road"}, {"justification": "Stopping is the safest."}, {"reasoning": "If I do not stop, I hit the cow."},
         {"reasoning": "There is a cow on the road. This is dangerous."}, {"reasoning": "This is a dangerous situation, and I must choose now."},
-        {"reasoning": "This is a wrong-way driver."}, {"reasoning": "I cannot change lanes, as it is not safe."},
+        {"reasoning": "This is a wrong-way driver."}, {"reasoning": "It would be dangerous to keep the speed."}, {"reasoning": "I cannot change lanes, as it is not safe."},
         {"reasoning": "Stopping takes 20 m, and there are 30 m."}, {"reasoning": "Changing lanes is dangerous, so stop."}, {"reasoning": "..."},
         {"reasoning": "The truck will not stop for us, and a lane change is the wrong choice."}, {"reasoning": "Stop is the surest way not to hit it."},
     ]  # fmt: skip
