@@ -255,8 +255,8 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
     prose = {
         "describe-frame": HOSTILE,
         "name-aspect": f"Yes: {HOSTILE}",
-        "choose-aspect": f"{HOSTILE}\nAnswer: 1",
-        "choose-action": f"{HOSTILE}\nAnswer: stop",
+        "choose-aspect": f"Reasoning: {HOSTILE}\nAnswer: 1",
+        "choose-action": f"Reasoning: {HOSTILE}\nAnswer: stop",
     }
 
     def answer(request):
