@@ -46,7 +46,7 @@ _PAGE = """\
 
 <!-- Written by `python -m oodscen_pybullet._asset_sheet docs`; edit the catalogue or that module. -->
 
-Look up the {count} assets that the PyBullet adapter can place in a scene, all generated from code. Sizes are length (along x, the direction of
+Look up the {count} assets that the PyBullet adapter can place in a scene, all made of plain polygons. Sizes are length (along x, the direction of
 travel), width and height of the mesh in metres at rest. A scene names an asset by its id; `state` is one of its states, the first by default.
 The vehicle under test is {ego}.
 
