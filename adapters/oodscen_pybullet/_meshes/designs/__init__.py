@@ -165,29 +165,35 @@ class Design(BaseModel):
     flattened: bool = False
     """True if everything below the ground is flattened onto it."""
 
+    def assemble(self, shown: Shown) -> MeshBuilder:
+        """Return a builder that holds the design."""
+        mesh = MeshBuilder()
+        _add(self.parts, mesh, shown, Placing())
+        if self.grounded:
+            low, _ = mesh.bounds
+            mesh.shift((0.0, 0.0, -float(low[2])))
+        if self.centred:
+            mesh.centred()
+        return mesh.flatten(0.0) if self.flattened else mesh
 
-@cache
-def load_designs() -> dict[str, Design]:
-    """Return the shipped designs by id."""
-    texts = [
-        path.read_text("utf-8")
-        for path in sorted(files(__name__).iterdir(), key=lambda path: path.name)
-        if path.name.endswith(".toml")
-    ]
+
+def read_designs(package: str) -> dict[str, Design]:
+    """Return the designs in the TOML files of a package."""
+    paths = sorted(files(package).iterdir(), key=lambda path: path.name)
+    texts = [path.read_text("utf-8") for path in paths if path.name.endswith(".toml")]
     tables = {name: table for text in texts for name, table in tomllib.loads(text).items()}
     return TypeAdapter(dict[str, Design]).validate_python(tables)
 
 
+@cache
+def load_designs() -> dict[str, Design]:
+    """Return the designs of assets by id."""
+    return read_designs(__name__)
+
+
 def assemble(asset: str, shown: Shown) -> MeshBuilder:
-    """Return a builder that holds a design."""
-    design, mesh = load_designs()[asset], MeshBuilder()
-    _add(design.parts, mesh, shown, Placing())
-    if design.grounded:
-        low, _ = mesh.bounds
-        mesh.shift((0.0, 0.0, -float(low[2])))
-    if design.centred:
-        mesh.centred()
-    return mesh.flatten(0.0) if design.flattened else mesh
+    """Return a builder that holds an asset's design."""
+    return load_designs()[asset].assemble(shown)
 
 
 def _add(parts: tuple[Part, ...], mesh: MeshBuilder, shown: Shown, place: Placing) -> None:

@@ -110,6 +110,8 @@ class Hull(Part):
     top: Rectangle
     colour: Colour
     caps: Caps = "bt"
+    cap_colour: Colour | None = None
+    """Colour of both ends, if it differs."""
     sides: tuple[Colour, Colour, Colour, Colour] | None = None
     """Colours of the sides right, front, left and back, if they differ."""
 
@@ -120,6 +122,7 @@ class Hull(Part):
             place.rectangle(self.top),
             shown.colour(self.colour),
             caps=self.caps,
+            cap_colour=shown.colour(self.cap_colour or ""),
             sides=[shown.colour(side) for side in self.sides or ()],
         )
 
