@@ -18,7 +18,7 @@ from oodscen_pybullet._meshes.designs.parts import Colour, Part, Placing
 from oodscen_pybullet._meshes.look import Shown
 
 
-class Pair(Part):
+class BothSides(Part):
     """Parts on the left side, and their mirror images on the right."""
 
     both_sides: "PlacedParts"
@@ -90,6 +90,7 @@ class Component(Part):
     """Another design as a part."""
 
     asset: str
+    """Id of an asset's design, or name of a component."""
     paint: Colour | None = None
     """Its paint, if it differs from that of the whole."""
 
@@ -123,7 +124,7 @@ _Placed = (
     | Annotated[fittings.Beacon, Tag("beacon")]
     | Annotated[fittings.RearPrint, Tag("rear_print")]
     | Annotated[fittings.FrontPrint, Tag("front_print")]
-    | Annotated[Pair, Tag("both_sides")]
+    | Annotated[BothSides, Tag("both_sides")]
     | Annotated[Row, Tag("repeat")]
     | Annotated[Copies, Tag("at")]
     | Annotated[Condition, Tag("when")]

@@ -6,9 +6,9 @@ colour = "red" }` is a red cube on the ground. Lengths are in metres, x forward,
 
 import itertools
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from oodscen_pybullet._meshes.atlas import COLOURS, REGIONS
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
@@ -32,6 +32,7 @@ Colour = Annotated[str, AfterValidator(_known_colour)]
 Region = Annotated[str, AfterValidator(_known_region)]
 """A printed region of the atlas."""
 Length = Annotated[float, Field(gt=0)]
+PartT = TypeVar("PartT", bound="Part")
 Pair = tuple[float, float]
 Rectangle = tuple[float, float, float, float, float]
 """x0, x1, y0, y1 and z of an upright box's lower or upper face."""
@@ -183,6 +184,12 @@ class Cylinder(Part):
         )
 
 
+def _one_colour_per_stretch(part: PartT, rings: int, colours: tuple[str, ...]) -> PartT:
+    if len(colours) != rings - 1:
+        raise ValueError(f"{rings} rings need {rings - 1} colours, not {len(colours)}")
+    return part
+
+
 class Lathe(Part):
     """A body of revolution, of one colour from each ring to the next."""
 
@@ -192,9 +199,13 @@ class Lathe(Part):
     cap_colour: Colour | None = None
     sides: Sides = 10
 
+    @model_validator(mode="after")
+    def _colours_fit(self) -> Self:
+        return _one_colour_per_stretch(self, len(self.lathe), self.colours)
+
     def add(self, mesh: MeshBuilder, shown: Shown, place: Placing) -> None:
         """Add a cone for each stretch."""
-        for one, two, colour in zip(self.lathe, self.lathe[1:], self.colours, strict=False):
+        for one, two, colour in zip(self.lathe[:-1], self.lathe[1:], self.colours, strict=True):
             start, end = place.point(one[:3]), place.point(two[:3])
             cap = shown.colour(self.cap_colour or colour)
             mesh.cylinder(
@@ -245,10 +256,16 @@ class Column(Part):
     sides: Sides = 8
     caps: Caps = "bt"
 
+    @model_validator(mode="after")
+    def _colours_fit(self) -> Self:
+        if self.colour:
+            return self
+        return _one_colour_per_stretch(self, len(self.column), self.colours)
+
     def add(self, mesh: MeshBuilder, shown: Shown, place: Placing) -> None:
         """Add the body."""
         rings = [(place.point((x, y, z)), one, two) for x, y, z, one, two in self.column]
-        names = self.colours or (self.colour or "white",) * (len(rings) - 1)
+        names = (self.colour,) * (len(rings) - 1) if self.colour else self.colours
         colours = [shown.colour(name) for name in names]
         mesh.column(rings, colours, axis=self.axis, sides=self.sides, caps=self.caps)
 

@@ -1,3 +1,4 @@
+import re
 from typing import Any
 
 import numpy as np
@@ -105,6 +106,8 @@ def test_a_condition_chooses_by_state_and_by_the_lamp_of_the_own_side() -> None:
         ({"both_sides": [{"plates": (0, 0)}]}, "both_sides"),
         ({"rear_print": "sign", "x": 0, "y": 1, "z": (0, 1)}, "rear_print"),
         ({"sphere": (0, 0, 0)}, "parts"),
+        ({"lathe": ((0, 0, 0, 1), (0, 0, 1, 1)), "colours": ("red", "blue")}, "lathe"),
+        ({"column": ((0, 0, 0, 1, 1), (0, 0, 1, 1, 1))}, "column"),
     ],
 )
 def test_what_the_schema_does_not_know_is_refused_with_its_place(
@@ -118,5 +121,6 @@ def test_what_the_schema_does_not_know_is_refused_with_its_place(
 def test_components_exist_and_are_used() -> None:
     designs = load_designs()
     text = "".join(design.model_dump_json() for design in designs.values())
-    for name in designs:
-        assert not name.startswith("_") or f'"asset":"{name}"' in text
+    named = set(re.findall(r'"asset":"([^"]+)"', text))
+    assert named <= set(designs)
+    assert {name for name in designs if name.startswith("_")} <= named
