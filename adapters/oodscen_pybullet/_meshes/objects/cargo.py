@@ -1,4 +1,4 @@
-"""Lost cargo, vehicle parts and windblown objects."""
+"""Lost cargo and windblown objects that take arithmetic to describe."""
 
 import math
 

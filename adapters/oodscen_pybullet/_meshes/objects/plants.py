@@ -1,4 +1,4 @@
-"""Fallen trees and branches, leaves, hay."""
+"""Fallen trees, leaves and hay."""
 
 import math
 
