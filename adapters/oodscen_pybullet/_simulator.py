@@ -22,7 +22,7 @@ from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import STREET_LAMP, Glow, Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh, asset_ids
-from oodscen_pybullet._meshes.vehicles.cars import bonnet
+from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Cast, Look, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import Ball, filled, placed

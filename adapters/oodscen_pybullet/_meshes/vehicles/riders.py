@@ -6,8 +6,7 @@ import math
 from oodscen_pybullet._meshes.builder import MeshBuilder, Point
 from oodscen_pybullet._meshes.living.limbs import joint, limb
 from oodscen_pybullet._meshes.living.people import Clothes, Posture, figure
-from oodscen_pybullet._meshes.look import Appearance, Lights
-from oodscen_pybullet._meshes.vehicles.bodywork import AMBER, RED, WHITE
+from oodscen_pybullet._meshes.look import AMBER, RED, WHITE, Appearance, Lights
 
 
 def _rider(

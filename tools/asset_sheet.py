@@ -1,6 +1,6 @@
 """Draws the asset sheet: pictures and a table of everything in the catalogue.
 
-Usage: python -m oodscen_pybullet._asset_sheet docs
+Usage: python -m tools.asset_sheet docs
 """
 
 import math
@@ -11,10 +11,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-
-from oodscen.data._catalogue import Asset, Category
-from oodscen.data._scene import Weather
-from oodscen.protocols import Camera
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._lighting.light import Glow, Light
 from oodscen_pybullet._meshes import Mesh, paints_of
@@ -24,6 +20,10 @@ from oodscen_pybullet._rendering.particles import placed
 from oodscen_pybullet._rendering.picture import RawPicture, postprocessed
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.view import CameraView
+
+from oodscen.data._catalogue import Asset, Category
+from oodscen.data._scene import Weather
+from oodscen.protocols import Camera
 
 Image = NDArray[np.uint8]
 
@@ -44,9 +44,9 @@ _DAY, _NIGHT = Weather(), Weather(sun_elevation_deg=-12.0)
 _PAGE = """\
 # Assets
 
-<!-- Written by `python -m oodscen_pybullet._asset_sheet docs`; edit the catalogue or that module. -->
+<!-- Written by `python -m tools.asset_sheet docs`; edit the catalogue or that module. -->
 
-Look up the {count} assets that the PyBullet adapter can place in a scene, all generated from code. Sizes are length (along x, the direction of
+Look up the {count} assets that the PyBullet adapter can place in a scene, all made of plain polygons. Sizes are length (along x, the direction of
 travel), width and height of the mesh in metres at rest. A scene names an asset by its id; `state` is one of its states, the first by default.
 The vehicle under test is {ego}.
 

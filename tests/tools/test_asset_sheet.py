@@ -2,11 +2,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oodscen_pybullet import _asset_sheet as sheet
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import SMOKING
 
-ROOT = Path(__file__).parents[3]
+from tools import asset_sheet as sheet
+
+ROOT = Path(__file__).parents[2]
 ASSETS = load_catalogue().assets
 
 
