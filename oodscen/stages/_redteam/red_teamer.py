@@ -229,16 +229,17 @@ class _Session:
         if not self.options.closed_loop:
             return ImagineScenario(shown=self.options.shown)
         covered, unlisted = listed(self.tree, tokens=self.options.tokens, turn=number - 1)
+        place = corner(self.tree, number, of=self.options.in_flight)
         return ImagineScenario(
             shown=self.options.shown,
             catalogue=self.teamer.catalogue,
             covered=covered,
             unlisted=unlisted,
-            thin=thin(self.tree, turn=number - 1),
+            thin=() if place else thin(self.tree, turn=number - 1),
             refused=tuple(self._in_vain),
             least_km=self.rarity.wanted[0],
             most_km=self.rarity.wanted[1],
-            corner=corner(self.tree, number, of=self.options.in_flight),
+            corner=place,
         )
 
     def _decided(self, number: int, proposal: _Proposal) -> Round:
