@@ -16,7 +16,7 @@ from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
 from oodscen.stages._options import RedTeamOptions, chosen
-from oodscen.stages._redteam.changes import edits_of, misfits, runners_up
+from oodscen.stages._redteam.changes import decided, edits_of, misfits, runners_up
 from oodscen.stages._redteam.excerpt import corner, excerpt, listed, thin
 from oodscen.stages._redteam.naming import Names
 from oodscen.stages._redteam.novelty import ClosestText, NoveltyFilter
@@ -288,6 +288,7 @@ class _Session:
             edits, kind = edits_of(
                 tree,
                 placed,
+                splits_lists=self.options.closed_loop,
                 stage="redteam",
                 round=known.round,
                 reason=placed.reasoning,
@@ -300,7 +301,7 @@ class _Session:
             return _failed(_spent(known, counted.calls), error)
         return _spent(known, counted.calls).model_copy(
             update={
-                "decision": placed.decision,
+                "decision": decided(placed, edits),
                 "reason": placed.reasoning,
                 "edits": edits,
                 "nodes": len(after),
@@ -312,7 +313,7 @@ class _Session:
     def _where(self, text: str) -> tuple[PlaceScenario, Names]:
         """Return the question about the whole tree, or about the part of a large one that matters for a text.
 
-        Ids in the question follow the current labels; the names translate those of the answer.
+        Ids in the question follow the current labels in full; the names translate those of the answer.
         """
         tree, closed = self.tree, self.options.closed_loop
         part = excerpt(tree, lambda: self.novelty.ranked(text, tree), tokens=self.options.tokens)

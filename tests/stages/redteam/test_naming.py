@@ -49,3 +49,12 @@ def test_names_are_unique_follow_the_labels_and_lead_back(labels):
         )
         back = names.answered(answer)
         assert (back.node, back.members, back.also[0].node) == (before.id, [before.id], before.id)
+
+
+def test_an_id_that_is_cut_stands_in_full():
+    label = "Pedestrian who suddenly crosses the road at an unexpected place"
+    edit = TreeEdit(op="add", node=TREE.new_id(label), parent="animals", label=label)
+    tree = TREE.apply(edit)
+    (name,) = Names.of(tree, ()).shown.values()
+    assert name.startswith(edit.node)
+    assert name.endswith("unexpected-place")
