@@ -6,6 +6,9 @@ from typing import NamedTuple
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.tree._scenario_tree import MAX_LABEL, ScenarioTree, slug
 
+_LONGEST = 64
+"""Largest number of characters of an id."""
+
 
 class Names(NamedTuple):
     """The translation of ids between a tree and a question about it.
@@ -23,7 +26,7 @@ class Names(NamedTuple):
         shown: dict[str, str] = {}
         taken = set(tree.by_id)
         for node in tree.nodes:
-            name = slug(node.label, longest=MAX_LABEL)
+            name = _name_of(node.label)
             is_cut = name.startswith(node.id) and slug(node.label) == node.id
             if not (is_cut or node.id in changed) or name == node.id or name in taken:
                 continue
@@ -64,3 +67,9 @@ class Names(NamedTuple):
 
     def _name(self, node: str) -> str:
         return self.shown.get(node, node)
+
+
+def _name_of(label: str) -> str:
+    """Return the id that a label gives, cut after a word where it is too long."""
+    name = slug(label, longest=MAX_LABEL)
+    return name if len(name) <= _LONGEST else name[:_LONGEST].rpartition("-")[0] or slug(label)
