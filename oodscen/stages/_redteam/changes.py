@@ -41,7 +41,7 @@ def edits_of(
     if placed.decision == "covered":
         return (TreeEdit(op="keep", node=placed.node, **why),), placed.node
     label = one_line(placed.label or "")
-    kinds = _kinds(tree, label) if splits_lists else (label,)
+    kinds = _kinds(tree, label, placed.category) if splits_lists else (label,)
     others = _others(tree, placed, label) if splits_lists else ()
     if placed.decision == "broaden" and not others:
         edit = TreeEdit(
@@ -88,9 +88,9 @@ def decided(placed: PlacedScenario, edits: Sequence[TreeEdit]) -> Decision:
     return "add" if placed.decision == "broaden" and is_new else placed.decision
 
 
-def _kinds(tree: ScenarioTree, label: str) -> tuple[str, ...]:
-    """Return the new kinds that a label lists; the label itself if it lists none."""
-    taken = {same_words(node.label) for node in tree.nodes}
+def _kinds(tree: ScenarioTree, label: str, family: str | None = None) -> tuple[str, ...]:
+    """Return the kinds that a label lists, without those that a node or the new family names; itself if none."""
+    taken = {same_words(node.label) for node in tree.nodes} | {same_words(family or "")}
     parts = parts_of(label)
     if any(label_fault(part) for part in parts):
         return (label,)
