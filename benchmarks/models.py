@@ -32,8 +32,9 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import JudgeBranches
 from oodscen.stages._augment import scene_of_draft
+from oodscen.stages._prune.pruner import TOGETHER
 from oodscen.testing import ScriptedLLM
 
 ANSWERS = Path(__file__).with_name("strong_model.jsonl")
@@ -153,7 +154,7 @@ def _tokens(digest: CatalogueDigest, repairs: float) -> Iterator[Row]:
     path, text = tuple(every[0]["path"]), every[0]["text"]
     claims = tuple(Claim.parse(claim) for claim in every[0]["claims"])
     questions: Mapping[str, Prompt[Any]] = {
-        "judge": JudgeBranch(path=path, catalogue=digest),
+        "judge": JudgeBranches(paths=(path,) * TOGETHER, catalogue=digest),
         "describe": DescribePath(path=path, count=PER_PATH, catalogue=digest),
         "read": ExtractClaims(text=text),
         "stage": StageScene(
@@ -169,8 +170,13 @@ def _tokens(digest: CatalogueDigest, repairs: float) -> Iterator[Row]:
         yield row(f"catalogue now, to {name}", round(size), "tokens", "printed", None)
     texts = PATHS * PER_PATH
     staged = texts * (1 + repairs)
-    calls = {"judge": LEAVES, "describe": PATHS, "read": texts, "stage": staged}
-    answers = {"judge": JUDGED, "describe": PER_PATH * WRITTEN, "read": READ, "stage": STAGED}
+    calls = {"judge": LEAVES / TOGETHER, "describe": PATHS, "read": texts, "stage": staged}
+    answers = {
+        "judge": TOGETHER * JUDGED,
+        "describe": PER_PATH * WRITTEN,
+        "read": READ,
+        "stage": STAGED,
+    }
     costs = [
         Cost(calls[name], _size(question.instructions()), _size(question.question()), answers[name])
         for name, question in questions.items()

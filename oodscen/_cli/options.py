@@ -7,7 +7,7 @@ import click
 
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
-from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
+from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
@@ -50,6 +50,13 @@ simulator_option = click.option(
     default=DEFAULT_SIMULATOR,
     show_default=True,
     help="Simulator: a registered name, or module:attr.",
+)
+things_option = click.option(
+    "--encoder",
+    default=DEFAULT_ENCODER,
+    show_default=True,
+    help="Text encoder that compares the things of a text with the actors said to show them; `none` compares words "
+    "only.",
 )
 out_option = click.option(
     "-o",

@@ -1,7 +1,7 @@
 """Sweeps over many scenes in worker processes: picklable jobs go out, bytes come back."""
 
 import hashlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -13,6 +13,7 @@ from oodscen._conformance import reason
 from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
+from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
@@ -63,6 +64,8 @@ class Job:
     safe."""
     camera: Camera = field(default_factory=Camera)
     """The camera of the frames."""
+    claims: Mapping[str, tuple[Claim, ...]] = field(default_factory=dict)
+    """The claims of the texts by scenario, which no re-staged scene may contradict."""
 
 
 @dataclass(frozen=True)
@@ -236,7 +239,13 @@ def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
         episode = found.simulated.episode
         if episode.is_below_floor if stage is retimed else not episode.is_decidable:
             better = stage(
-                found.scene, found.simulated, simulator, job.seed, job.extras.traces, job.camera
+                found.scene,
+                found.simulated,
+                simulator,
+                job.seed,
+                job.extras.traces,
+                job.camera,
+                job.claims.get(scene.scenario_id, ()),
             )
             if episode.restaged and better.scene is not found.scene:
                 better = _described(

@@ -1,10 +1,11 @@
 """Moves of a scene's decision to the moment from which a viewer can name the hazard."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
+from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import load_corridor
@@ -15,7 +16,7 @@ from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator, State
-from oodscen.stages._restage import Attempt, Restaging, changed
+from oodscen.stages._restage import Attempt, Restaging, changed, contradiction
 from oodscen.stages._simulate import Simulated, approach, simulate
 from oodscen.stages._visibility import sighting
 
@@ -41,6 +42,7 @@ def retimed(
     seed: int,
     traces: bool = False,
     camera: Camera | None = None,
+    claims: Sequence[Claim] = (),
 ) -> Restaging:
     """Return the scene with the first later decision at which a viewer can name the hazard, and its run.
 
@@ -56,6 +58,7 @@ def retimed(
         seed: Seed of the simulator's random streams.
         traces: Keep the ground truth of every action's rollout.
         camera: The camera; by default the ego's dash camera.
+        claims: Claims of the scene's text, which the changed scene must not contradict.
     """
     tried: list[Attempt] = []
     before = simulated.episode
@@ -72,6 +75,9 @@ def retimed(
                 if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
                     fate = "every action is safe" if probe.safe_set else "no action is safe"
                     whys.append(f"{distance:g} m away it can be named, but {fate}")
+                    continue
+                if why := contradiction(claims, scene, variant, simulator.catalogue()):
+                    whys.append(f"{distance:g} m away it can be named, but {why}")
                     continue
                 again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
                 if again.episode.is_below_floor:

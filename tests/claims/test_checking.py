@@ -118,3 +118,30 @@ def test_watching_is_deterministic_and_goes_beyond_the_decision():
     one, other = watch(SCENE, FLAT_CATALOGUE), watch(SCENE, FLAT_CATALOGUE)
     assert all((one[name] == other[name]).all() for name in ("x", "y", "speed"))
     assert one["s"][-1, 0] > SCENE.actors[0].placement.ahead_m
+
+
+LANES = [Claim(kind="place", value=name, subject="lorry") for name in ("in_lane", "left_lane")]
+
+
+@pytest.mark.parametrize(
+    ("offset", "heading", "missing"),
+    [
+        (1.7, 90.0, []),
+        (1.0, 90.0, []),
+        (0.0, 0.0, ["left_lane"]),
+        (3.4, 0.0, ["in_lane"]),
+        (0.4, 0.0, ["left_lane"]),
+        (3.0, 0.0, ["in_lane"]),
+    ],
+)
+def test_a_thing_across_two_lanes_is_in_both(offset, heading, missing):
+    place = Placement(ahead_m=60.0, offset_m=offset, heading_deg=heading)
+    lorry = Actor(id="lorry", asset="truck", placement=place)
+    scene = changed(
+        map="urban_avenue", actors=[lorry], hazard={"actors": {"lorry": None}},
+        decision=Trigger(kind="distance", value=25.0, actor="lorry"),
+    )  # fmt: skip
+    claims = [Claim(kind="thing", value="present", subject="lorry"), *LANES]
+    assert [one.value for one in broken(scene, claims)] == missing
+    oncoming = [claims[0], Claim(kind="place", value="oncoming_lane", subject="lorry")]
+    assert broken(scene, oncoming)

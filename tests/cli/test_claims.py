@@ -5,7 +5,9 @@ import json
 import pytest
 from click.testing import CliRunner
 
+from oodscen import make_encoder
 from oodscen._cli import main
+from oodscen.claims._faithfulness import Faithfulness
 from oodscen.data._scenario import Scenario
 from oodscen.testing._scenes import example_scene
 
@@ -84,3 +86,19 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     assert done.exit_code == 1
     assert "texts.jsonl:1" in done.output
     assert "1 of them could not be checked" in done.output
+
+
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [((), "minilm"), (("--encoder", "hash"), "hash"), (("--encoder", "none"), None)],
+)
+def test_the_encoder_of_a_run_compares_things_with_actors(tmp_path, monkeypatch, option, name):
+    used = []
+
+    def check(model, text, scene, catalogue, *, encoder):
+        used.append(encoder)
+        return Faithfulness(id=scene.id, findings=())
+
+    monkeypatch.setattr("oodscen.claims._faithfulness.check_text", check)
+    assert call(tmp_path, example_scene(), TEXT, *option).exit_code == 0
+    assert [one and one.name for one in used] == [name and make_encoder(name).name]

@@ -121,7 +121,7 @@ def test_keys_that_a_server_repeats_are_in_no_file_output_or_foreign_request(
     assert not [(name, form) for name, data in files.items() for form in forms if form in data]
 
 
-@pytest.mark.parametrize("purpose", ["imagine-scenario", "judge-branch", "describe-path"])
+@pytest.mark.parametrize("purpose", ["imagine-scenario", "judge-branches", "describe-path"])
 def test_an_interruption_leaves_no_question_to_be_waited_for(tmp_path, author, purpose):
     limits = Limits(concurrency=2)
     together = threading.Barrier(2)

@@ -1,6 +1,7 @@
 """The pruner, which reduces the diverse tree to what one simulator can show (paper, section III-B)."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
@@ -10,15 +11,18 @@ from oodscen.data._additions import Addition
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import LLMError
 from oodscen.llm._ask import ask, speaker
+from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
-from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch, JudgeBranches
 from oodscen.protocols import LLM
 from oodscen.stages._prune.decisions import Match, PruneDecision, StandIn, all_decisions, pruned
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison, compare
 from oodscen.tree._scenario_tree import Node, ScenarioTree
 
+TOGETHER = 8
+"""Number of leaves that one question is about: the catalogue is longer than all that is said of them."""
 _LONGEST_REASON = 1_000
 """Maximum length of a model's reason that is stored, in characters."""
 
@@ -26,13 +30,18 @@ _LONGEST_REASON = 1_000
 class Pruner(Brief):
     """Asks for every leaf whether the catalogue can show it.
 
+    Neighbouring leaves are asked about together. If the model gives no valid answer about them, each is asked
+    about alone.
+
     Args:
         llm: The tree-LLM.
         catalogue: The simulator's catalogue.
         threads: Maximum number of concurrent questions.
         cancel: Called when waiting for answers is interrupted, so that pending calls end soon.
         substitutes: Keep branches that are shown with substitute assets.
-        context: Context window of the model in tokens, if the whole catalogue is too long for it.
+        context: Context window of the model in tokens, if the whole catalogue is too long for it. Leaves are then
+            asked about one by one.
+        together: Largest number of leaves in one question.
     """
 
     _repr_fields = ("llm", "name", "substitutes", "threads")
@@ -46,6 +55,7 @@ class Pruner(Brief):
         cancel: Callable[[], None] | None = None,
         substitutes: bool = True,
         context: int | None = None,
+        together: int = TOGETHER,
     ) -> None:
         self.llm = llm
         self.catalogue = CatalogueDigest.of(catalogue)
@@ -54,6 +64,7 @@ class Pruner(Brief):
         self.cancel = cancel
         self.substitutes = substitutes
         self.context = context
+        self.together = max(together, 1) if context is None else 1
 
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the simulatable tree; its edits hold the reason for every node.
@@ -76,13 +87,16 @@ class Pruner(Brief):
         skip = set(done)
         leaves = [leaf for leaf in tree.leaves if leaf.id not in skip]
         paths = tree.paths
-        for _, decision in as_finished(
-            lambda leaf: self._judge(leaf, paths[leaf.id]),
-            leaves,
+        groups = [
+            leaves[start : start + self.together] for start in range(0, len(leaves), self.together)
+        ]
+        for _, decisions in as_finished(
+            lambda group: self._judge_all(group, [paths[leaf.id] for leaf in group]),
+            groups,
             threads=self.threads,
             cancel=self.cancel,
         ):
-            yield decision
+            yield from decisions
 
     @staticmethod
     def pruned(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> ScenarioTree:
@@ -124,25 +138,58 @@ class Pruner(Brief):
         """
         return compare(tree, catalogues, judged)
 
+    def _judge_all(
+        self, leaves: Sequence[Node], paths: Sequence[tuple[str, ...]]
+    ) -> list[PruneDecision]:
+        """Judge leaves in one call, or one by one if the model does not manage several."""
+        if len(leaves) > 1:
+            question = JudgeBranches(paths=tuple(paths), catalogue=self.catalogue)
+            try:
+                answers = ask(self.llm, question).judgements
+            except LLMError as error:
+                if error.retryable:
+                    return [
+                        self._failed(leaf, path, error, question)
+                        for leaf, path in zip(leaves, paths, strict=True)
+                    ]
+            else:
+                by_number = {one.number: one for one in answers}
+                return [
+                    self._decision(leaf, path, by_number[number], question)
+                    for number, (leaf, path) in enumerate(zip(leaves, paths, strict=True), start=1)
+                ]
+        return [self._judge(leaf, path) for leaf, path in zip(leaves, paths, strict=True)]
+
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
-        asked = {
+        question = fitted(JudgeBranch(path=path, catalogue=self.catalogue), self.context)
+        try:
+            return self._decision(leaf, path, ask(self.llm, question), question)
+        except LLMError as error:
+            return self._failed(leaf, path, error, question)
+
+    def _asked(self, question: Prompt[Any]) -> dict[str, str]:
+        return {
             "catalogue": self.name,
             "model": speaker(self.llm),
-            "prompt": JudgeBranch.citation(),
+            "prompt": question.citation(),
         }
-        try:
-            question = JudgeBranch(path=path, catalogue=self.catalogue)
-            answer = ask(self.llm, fitted(question, self.context))
-        except LLMError as error:
-            return PruneDecision(
-                id=leaf.id,
-                path=path,
-                keep=False,
-                status="failed",
-                error=str(error),
-                retryable=error.retryable,
-                **asked,
-            )
+
+    def _failed(
+        self, leaf: Node, path: tuple[str, ...], error: LLMError, question: Prompt[Any]
+    ) -> PruneDecision:
+        return PruneDecision(
+            id=leaf.id,
+            path=path,
+            keep=False,
+            status="failed",
+            error=str(error),
+            retryable=error.retryable,
+            **self._asked(question),
+        )
+
+    def _decision(
+        self, leaf: Node, path: tuple[str, ...], answer: BranchJudgement, question: Prompt[Any]
+    ) -> PruneDecision:
         standing = tuple(
             StandIn(asset=one.asset, stands_for=one.stands_for) for one in answer.substitutes
         )
@@ -171,7 +218,7 @@ class Pruner(Brief):
             substitutes=standing if keep else (),
             missing=tuple(one.words for one in lacks),
             lacks=lacks,
-            **asked,
+            **self._asked(question),
         )
 
 

@@ -55,7 +55,7 @@ def test_a_model_that_fails_on_one_leaf_costs_only_that_leaf():
             raise LLMError("no answer")
         return {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
 
-    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue())
+    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue(), together=1)
     decisions = {item.id: item for item in pruner.decisions(tree)}
     assert decisions["n1"].status == "failed"
     assert decisions["n0"].assets == ("deer",)
@@ -75,7 +75,7 @@ def test_an_asset_that_does_not_exist_is_sent_back_with_close_matches():
         asked.append(request)
         return next(answers)
 
-    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue())
+    pruner = Pruner(ScriptedLLM(judge), FlatSimulator().catalogue(), together=1)
     (decision,) = pruner.decisions(grown([0]))
     assert decision.assets == ("cardboard_box",)
     assert "did you mean cardboard_box" in asked[1].messages[-1].text
@@ -88,7 +88,7 @@ def judging(**answers):
         yes = {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
         return answers.get(request.prompt.path[-1].replace(" ", "_"), yes)
 
-    return Pruner(ScriptedLLM(judge), FlatSimulator().catalogue())
+    return Pruner(ScriptedLLM(judge), FlatSimulator().catalogue(), together=1)
 
 
 def planted(*labels):
@@ -259,3 +259,55 @@ def test_instructions_in_a_label_stay_inside_their_fence():
     )
     text = prompt.question()
     assert text.count("</data>") == text.count("<data>") == 1
+
+
+@given(
+    st.lists(st.integers(0, 50), min_size=1, max_size=14),
+    st.integers(1, 9),
+    st.sampled_from(["each", "none", "half"]),
+)
+def test_leaves_judged_together_are_decided_as_alone(parents, together, answered):
+    """One call per group; where it gives no valid answer about all of them, each is asked about alone."""
+    tree = grown(parents)
+    asked = []
+
+    def verdict(path):
+        number = int(path[-1].rpartition(" ")[2]) if path[-1].startswith("Label") else 0
+        if number % 3:
+            return {"reasoning": "it has one", "simulatable": True, "assets": ["deer"]}
+        return {"reasoning": "none", "simulatable": False, "missing": ["asset: lion"]}
+
+    def judge(request):
+        asked.append(request.prompt.purpose)
+        if isinstance(request.prompt, JudgeBranch):
+            return verdict(request.prompt.path)
+        told = [
+            {"number": number, **verdict(path)}
+            for number, path in enumerate(request.prompt.paths, start=1)
+        ]
+        return {"judgements": {"each": told, "none": [], "half": told[::2]}[answered]}
+
+    model, catalogue = ScriptedLLM(judge), FlatSimulator().catalogue()
+    alone = {one.id: one for one in Pruner(model, catalogue, together=1).decisions(tree)}
+    asked.clear()
+    found = list(Pruner(model, catalogue, together=together).decisions(tree))
+    assert [one.id for one in found] == [leaf.id for leaf in tree.leaves]
+    for one in found:
+        assert one.model_copy(update={"prompt": ""}) == alone[one.id].model_copy(
+            update={"prompt": ""}
+        )
+    groups = -(-len(found) // together)
+    if answered == "each":
+        assert len(asked) == groups
+    elif together > 1 and len(found) > 1:
+        assert asked.count("judge-branch") == len(found)
+
+
+def test_a_server_that_is_away_fails_the_group_until_later():
+    def judge(request):
+        raise LLMError("away", retryable=True)
+
+    decisions = list(
+        Pruner(ScriptedLLM(judge), FlatSimulator().catalogue()).decisions(grown([0, 0]))
+    )
+    assert [(one.status, one.retryable) for one in decisions] == [("failed", True)] * 2
