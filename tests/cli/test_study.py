@@ -76,6 +76,17 @@ def test_a_folder_without_a_study_exits_with_2(tmp_path, command) -> None:
     assert "holds no study" in found.output
 
 
+@pytest.mark.parametrize("content", [b"", b"\0\0", b"\xff", b"[1, 2]", b"[" * 100_000])
+def test_a_dry_run_opens_the_texts_of_ordinary_driving(tmp_path, content) -> None:
+    (tmp_path / "texts.json").write_bytes(content)
+    words = ["--quick", "--simulator", "flat", "--encoder", "hash", "--dry-run", "--baseline"]
+    found = CliRunner().invoke(
+        main, ["run", str(tmp_path / "o"), *words, str(tmp_path / "texts.json")]
+    )
+    assert (found.exit_code, found.output.count("texts.json")) == (2, 1)
+    assert not (tmp_path / "o").exists()
+
+
 def test_the_help_lists_the_exit_codes() -> None:
     words = invoke("--help").output
     assert all(f"{code}  {said}" in words for code, said in EXIT_CODES.items())
