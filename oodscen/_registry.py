@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._conformance import conforming, described, reason, working
+from oodscen._numbers import seed_number
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
 from oodscen.protocols import LLM, Driver, Encoder, Simulator
 
@@ -177,6 +178,7 @@ def make_llm(
     Raises:
         UsageError: If there is no such model (with close matches), or it cannot be created.
     """
+    seed_number(seed)
     if not isinstance(llm, str):
         return cast(LLM, conforming("llm", llm))
     _refuse_long("llm", llm)

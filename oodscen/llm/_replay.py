@@ -250,7 +250,10 @@ class Recorder(Recording):
     @classmethod
     def at(cls, path: str | Path) -> "Recorder":
         """Return this process's recorder of a file, or a new one if there is none."""
-        place = Path(path).resolve()
+        try:
+            place = Path(path).resolve()
+        except (OSError, ValueError, RuntimeError) as error:
+            raise DataError("recording", [Issue("", str(error))], source=str(path)) from None
         with _sharing:
             recorder = _recorders.get(place)
             if recorder is not None:

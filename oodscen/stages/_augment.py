@@ -4,17 +4,15 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from pydantic import ValidationError
-
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
-from oodscen.data._base import issues_of
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import AnswerError, Issue
+from oodscen.errors import AnswerError, DataError, Issue
 from oodscen.llm._ask import ATTEMPTS, ask
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
@@ -67,10 +65,10 @@ class Augmenter(Brief):
         self.catalogue = catalogue
         self.digest = CatalogueDigest.of(catalogue)
         self.check = check
-        self.attempts = attempts
+        self.attempts = whole_number("attempts", attempts, 1)
         self.claims = claims
         self.reader = reader or llm
-        self.context = context
+        self.context = None if context is None else whole_number("context", context, 1)
         self.encoder = encoder
 
     @cached_property
@@ -165,8 +163,8 @@ class Augmenter(Brief):
             return []
         try:
             scene = scene_of_draft(scenario, draft, self.catalogue)
-        except ValidationError as error:
-            return issues_of(error)
+        except DataError as error:
+            return error.issues
         faults = self.check(scene, self.catalogue)
         if faults or not claims:
             return faults

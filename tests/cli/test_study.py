@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import shutil
@@ -176,6 +177,22 @@ def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch
     assert Study.open(tmp_path / "out").info["status"] == "stopped"
     assert handlers == [signal.SIG_DFL] * len(SIGNALS)
     assert [*map(signal.getsignal, SIGNALS)] == before
+
+
+def test_an_interruption_with_a_full_disk_keeps_the_code_of_the_signal(
+    tmp_path, monkeypatch
+) -> None:
+    def interrupted(pipeline) -> None:
+        monkeypatch.setattr("oodscen.study._store.replace", full)
+        signal.raise_signal(signal.SIGTERM)
+
+    def full(target, data) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("oodscen._pipeline.pipeline.Pipeline._stages", interrupted)
+    words = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
+    found = CliRunner().invoke(main, ["run", str(tmp_path / "o"), *words])
+    assert (found.exit_code, "interrupted" in found.output) == (143, True)
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
