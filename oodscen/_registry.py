@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._conformance import conforming, described, reason, working
+from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import MissingExtra, OodscenError, UnknownComponent, UsageError, close_matches
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -196,6 +197,7 @@ def make_llm(
         UsageError: If there is no such model (with close matches), it does not have such a setting, or it
             cannot be created.
     """
+    seed_number(seed)
     if isinstance(llm, str):
         made = _named_llm(llm, seed, api_base, limits, settings)
     elif settings:

@@ -96,7 +96,6 @@ def redteam(
 ) -> None:
     """Extend the tree in the file TREE by red teaming."""
     from oodscen import RedTeamer, ScenarioTree, make_encoder, make_llm
-    from oodscen.encoders._cached import CachedEncoder
     from oodscen.stages._redteam.saturation import saturation
 
     grown = ScenarioTree.load(tree)
@@ -107,7 +106,7 @@ def redteam(
         make_llm(red_llm, seed=seed, api_base=api_base) if red_llm else None,
         iterations=most if iterations is None else iterations,
         closed_loop=not open_loop,
-        encoder=None if is_blind else CachedEncoder(make_encoder(encoder)),
+        encoder=None if is_blind else make_encoder(encoder, cache=True),
         budget=budget,
         **{
             name.removeprefix("red_"): value for name, value in choices.items() if value is not None

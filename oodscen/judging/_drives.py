@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._numbers import seed_number
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scenario import Scenario
@@ -146,7 +147,7 @@ def drive_board(
     grouped: dict[str, list[DriveResult]] = {}
     for one in results:
         grouped.setdefault(one.driver, []).append(one)
-    sums = _Sums(paths, seed)
+    sums = _Sums(paths, seed_number(seed))
     yardstick = _sound(grouped.get(RULE_BASED, ()))
     found = {}
     for driver, drives in grouped.items():

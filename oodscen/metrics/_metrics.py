@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from oodscen._conformance import conforming
 from oodscen._display import Brief
-from oodscen._numbers import finite_number, whole_number
+from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
-from oodscen._seeding import MAX_SEED, stream
+from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._duplicates import NearDuplicates, near_duplicates
 from oodscen.baselines._embedded import (
@@ -70,7 +70,7 @@ class Metrics(Brief):
     ) -> None:
         self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
         self.baseline = _as_baseline(baseline, self.encoder)
-        self.seed = whole_number("seed", seed, 0, MAX_SEED)
+        self.seed = seed_number(seed)
         self._space = Space(self.encoder, self.baseline, seed, device)
 
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:

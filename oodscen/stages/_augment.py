@@ -3,9 +3,8 @@
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-from pydantic import ValidationError
-
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._text import one_line
 from oodscen.claims._checking import check_claims, mismatches
@@ -13,13 +12,12 @@ from oodscen.claims._faithfulness import extract_claims
 from oodscen.claims._matching import Likeness, likeness_of
 from oodscen.claims._roads import fitting_roads, of_roads
 from oodscen.claims._things import may_be
-from oodscen.data._base import issues_of
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.placement import check_scene
-from oodscen.errors import AnswerError, Issue
+from oodscen.errors import AnswerError, DataError, Issue
 from oodscen.llm._ask import ATTEMPTS, ask
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
@@ -65,10 +63,10 @@ class Augmenter(Brief):
         self.catalogue = catalogue
         self.digest = CatalogueDigest.of(catalogue)
         self.check = check
-        self.attempts = attempts
+        self.attempts = whole_number("attempts", attempts, 1)
         self.claims = claims
         self.reader = reader or llm
-        self.context = context
+        self.context = None if context is None else whole_number("context", context, 1)
         self.encoder = encoder
 
     @cached_property
@@ -157,8 +155,8 @@ class Augmenter(Brief):
             return []
         try:
             scene = scene_of_draft(scenario, draft, self.catalogue)
-        except ValidationError as error:
-            return issues_of(error)
+        except DataError as error:
+            return error.issues
         faults = self.check(scene, self.catalogue)
         if faults or not claims:
             return faults

@@ -8,6 +8,7 @@ import numpy as np
 
 from oodscen._conformance import working
 from oodscen._display import Brief
+from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scene import Scene
@@ -54,6 +55,7 @@ def drive(
     Returns:
         The results in the order of the scenes, each followed by its twin's.
     """
+    seed_number(seed)
     label = name or getattr(driver, "__name__", type(driver).__name__)
     with reporting(progress) as told:
         results = [

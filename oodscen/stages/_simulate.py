@@ -10,8 +10,7 @@ import numpy as np
 
 from oodscen._conformance import conforming, working
 from oodscen._display import Brief, picture, png
-from oodscen._numbers import whole_number
-from oodscen._seeding import MAX_SEED
+from oodscen._numbers import seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
@@ -117,7 +116,7 @@ def simulate(
         UsageError: When the object is not a simulator, or an action is unknown.
     """
     conforming("simulator", simulator)
-    whole_number("seed", seed, 0, MAX_SEED)
+    seed_number(seed)
     for action in actions:
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)

@@ -3,6 +3,7 @@
 import asyncio
 import base64
 import json
+import re
 import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -269,22 +270,37 @@ def test_a_call_within_a_running_loop_is_like_any_other():
 
 def written(key):
     """Return how a key may turn up in what a server says."""
-    pair = base64.b64encode(f"user:{key}".encode()).decode()
-    return (key, json.dumps(key)[1:-1], quote(key, safe=""), pair)
+    data = key.encode()
+    pair = base64.b64encode(b"user:" + data).decode()
+    return (
+        *(key, json.dumps(key)[1:-1], quote(key, safe=""), pair, data.hex(), data.hex(" ").upper()),
+        *("".join(f"{mark}{byte:{form}}" for byte in data) for mark, form in BYTES),
+        "".join(f"&#{byte};" for byte in data),
+        key.replace("-", "&hyphen;").replace("!", "&excl;").replace("/", "&sol;"),
+        str(list(data)),
+    )
+
+
+BYTES = (("\\", "03o"), ("=", "02X"), ("\\x", "02x"), ("%25", "02x"))
+"""Marks of an escaped byte, each with the format of the number after it."""
 
 
 @pytest.mark.parametrize("key", KEYS, ids=len)
-@pytest.mark.parametrize("place", ["environment", "argument", "address"])
+@pytest.mark.parametrize(
+    ("place", "status"), [("environment", 400), ("argument", 401), ("address", 403)]
+)
 def test_an_echoed_key_is_in_no_file_output_or_foreign_request(
-    monkeypatch, tmp_path, capfd, key, place
+    monkeypatch, tmp_path, capfd, key, place, status
 ):
     settings = {}
     echo = " ".join(json.dumps(form)[1:-1] for form in written(key))
-    words = json.dumps(json.dumps({"text": f"A sofa lies there. {key}"}))[1:-1]
+    words = json.dumps(json.dumps({"text": f"A sofa lies there. {' '.join(written(key))}"}))[1:-1]
     with (
         talking(answering(words)) as other,
         talking(answering(words)) as good,
-        talking(answering(echo, "401 " + quote(key, safe="/+!"), f"x-key: {key}\r\n")) as denying,
+        talking(
+            answering(echo, f"{status} {quote(key, safe='/+!')}", f"x-key: {key}\r\n")
+        ) as denying,
         talking(redirecting(other.address)) as rogue,
     ):
         for variable in PROXIES:
@@ -306,7 +322,7 @@ def test_an_echoed_key_is_in_no_file_output_or_foreign_request(
     for form in written(key):
         for text in (said, out, err, files, *(str(e) + repr(vars(e)) for e in errors)):
             assert form not in text
-    assert said == "A sofa lies there. [redacted]"
+    assert re.fullmatch(r"A sofa lies there\.( \S*\[redacted\]\S*)+", said)
 
 
 def test_a_model_of_ones_own_leaves_no_key_either(monkeypatch):

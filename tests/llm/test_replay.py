@@ -155,7 +155,7 @@ def test_a_file_that_is_no_recording_is_refused_with_its_line(tmp_path, content)
 
 
 def test_what_cannot_be_read_is_refused(tmp_path):
-    with pytest.raises(DataError, match="no such file"):
+    with pytest.raises(DataError, match="No such file"):
         ReplayLLM(tmp_path / "nowhere")
     with pytest.raises(DataError, match="directory"):
         Recording(tmp_path)

@@ -6,7 +6,6 @@ from typing import Any
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
 from oodscen._registry import is_builtin
-from oodscen.baselines import load_baseline
 from oodscen.data._scenario import Scenario
 from oodscen.errors import LLMError, UsageError
 from oodscen.metrics._detection.guard import is_calibrated
@@ -102,8 +101,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
     is_chosen = config.candidates > 1
     metrics = None
     if is_chosen or is_calibrated(run.encoder.name):
-        baseline = load_baseline(config.baseline) if config.baseline else None
-        metrics = Metrics(run.encoder, baseline, seed=config.seed)
+        metrics = Metrics(run.encoder, run.baseline, seed=config.seed)
     return Describer(
         run.llm,
         run.encoder,

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from oodscen.data._episode import ACTIONS
+from oodscen.errors import UsageError
 from oodscen.judging._parsing.reading import (
     ParsedAnswer,
     Question,
@@ -26,7 +27,12 @@ def read_action(text: str, offered: Sequence[str] = ACTIONS) -> ParsedAnswer[str
     Args:
         text: A model's answer.
         offered: Ids of the actions; all of them by default.
+
+    Raises:
+        UsageError: When an id is empty.
     """
+    if "" in offered:
+        raise UsageError("the id of an action is empty")
     words = {name: _ACTION_WORDS.get(name, re.escape(folded(name))) for name in offered}
     return _read(text, list(offered), _marking(words), _ACTION, is_numbered=False)
 

@@ -4,13 +4,14 @@ import math
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
 from oodscen._display import Brief
+from oodscen._numbers import finite_number, whole_number
 from oodscen.data._base import Data
 from oodscen.errors import BudgetExceeded, DataError, EndpointDown, RunStopped, UsageError
 from oodscen.llm._remote.failures import FailedAttempt
@@ -59,21 +60,24 @@ class Price(NamedTuple):
         return (self.input_usd * input_tokens + self.output_usd * output_tokens) / 1e6
 
 
-def check_price(model: str, price: Price) -> Price:
-    """Return a price, or raise `UsageError` if it is negative, infinite, too high or NaN."""
-    if not all(0 <= value <= DEAREST_USD for value in price):
+def check_price(model: str, price: Sequence[float]) -> Price:
+    """Return a price, or raise `UsageError` if it is no pair of numbers from 0 to `DEAREST_USD`."""
+    try:
+        asked, answered = (finite_number("a price", value, 0.0, DEAREST_USD) for value in price)
+    except (UsageError, TypeError, ValueError):
         raise UsageError(
-            f"{price[0]:g} and {price[1]:g} are no price of {model!r}: give USD per million tokens of input "
+            f"{price!r:.80} is no price of {model!r}: give USD per million tokens of input "
             f"and output, each from 0 to {DEAREST_USD:,.0f}"
-        )
-    return price
+        ) from None
+    return Price(asked, answered)
 
 
 def check_seconds(name: str, seconds: float) -> float:
     """Return a time limit, or raise `UsageError` if it is not positive, infinite, too long or NaN."""
-    if not 0 < seconds <= LONGEST_S:
-        raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
-    return seconds
+    with suppress(UsageError):
+        if finite_number(name, seconds, 0.0, LONGEST_S):
+            return seconds
+    raise UsageError(f"{name} must be above 0 and at most {LONGEST_S:,.0f} seconds")
 
 
 class Caps(Data):
@@ -374,11 +378,9 @@ class Limits(Brief):
         except DataError as error:
             raise UsageError(str(error)) from None
         self.caps = self.budget.caps
-        self.prices = {
-            model: check_price(model, Price(*price)) for model, price in (prices or {}).items()
-        }
-        self.concurrency = concurrency
-        self._settings = (patience_s, strikes, clock)
+        self.prices = {model: check_price(model, price) for model, price in (prices or {}).items()}
+        self.concurrency = whole_number("concurrency", concurrency, 1)
+        self._settings = (patience_s, whole_number("strikes", strikes, 1), clock)
         self._leniency = 1.0
         self._closed = threading.Event()
         self._closed_at = math.inf

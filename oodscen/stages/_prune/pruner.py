@@ -5,6 +5,7 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._display import Brief
+from oodscen._numbers import whole_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._text import one_line
 from oodscen.data._additions import Addition
@@ -60,11 +61,11 @@ class Pruner(Brief):
         self.llm = llm
         self.catalogue = CatalogueDigest.of(catalogue)
         self.name = f"{catalogue.simulator}-{catalogue.version}"
-        self.threads = threads
+        self.threads = whole_number("threads", threads, 1)
         self.cancel = cancel
         self.substitutes = substitutes
-        self.context = context
-        self.together = max(together, 1) if context is None else 1
+        self.context = None if context is None else whole_number("context", context, 1)
+        self.together = whole_number("together", together, 1) if context is None else 1
 
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the simulatable tree; its edits hold the reason for every node.
