@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from oodscen.claims._checking import check_claims
+from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
@@ -101,10 +101,10 @@ def contradiction(
     claims: Sequence[Claim], before: Scene, after: Scene, catalogue: Catalogue
 ) -> str:
     """Return the first claim that a changed scene contradicts and the scene before did not; empty if none."""
-    found = check_claims(claims, after, catalogue) if claims else []
+    found = mismatches(check_claims(claims, after, catalogue)) if claims else []
     if not found:
         return ""
-    known = {one.claim for one in check_claims(claims, before, catalogue)}
+    known = {one.claim for one in mismatches(check_claims(claims, before, catalogue))}
     return next((str(one) for one in found if one.claim not in known), "")
 
 

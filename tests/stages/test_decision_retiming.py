@@ -4,6 +4,7 @@ import pytest
 
 from oodscen import simulate
 from oodscen.claims import check_claims
+from oodscen.claims._checking import mismatches
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
@@ -92,7 +93,7 @@ def test_no_move_contradicts_what_the_text_says(flat):
     told = (THERE, AWAY, said("ego_speed", str(round(3.6 * scene.ego.speed))))
     found = retimed(scene, before, flat, 0, camera=SMALL, claims=told)
     assert found.scene.decision != scene.decision
-    assert check_claims(told, found.scene, flat.catalogue()) == []
+    assert mismatches(check_claims(told, found.scene, flat.catalogue())) == []
     box = scene.actors[0]
     leaves = box.model_copy(
         update={
@@ -106,7 +107,7 @@ def test_no_move_contradicts_what_the_text_says(flat):
     )
     early = changed(scene, actors=(leaves,))
     rests = (THERE, said("motion", "stationary", subject="box"))
-    assert check_claims(rests, early, flat.catalogue()) == []
+    assert mismatches(check_claims(rests, early, flat.catalogue())) == []
     run = simulate(early, flat, camera=SMALL)
     assert retimed(early, run, flat, 0, camera=SMALL).scene != early
     kept = retimed(early, run, flat, 0, camera=SMALL, claims=rests)
@@ -119,8 +120,8 @@ def test_a_distance_in_the_text_bounds_how_early_a_decision_may_come(flat, metre
     catalogue = flat.catalogue()
     scene = example_scene()
     told = (THERE, said("distance", str(metres), subject="box"))
-    known = {one.claim for one in check_claims(told, scene, catalogue)}
+    known = {one.claim for one in mismatches(check_claims(told, scene, catalogue))}
     for variant, _ in variants(scene, catalogue, is_too_easy=False):
-        new = {one.claim for one in check_claims(told, variant, catalogue)} - known
+        new = {one.claim for one in mismatches(check_claims(told, variant, catalogue))} - known
         assert bool(contradiction(told, scene, variant, catalogue)) == bool(new)
         assert contradiction((), scene, variant, catalogue) == ""
