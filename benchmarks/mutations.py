@@ -202,7 +202,7 @@ def places(value: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def flipped(content: bytes, draw: random.Random) -> bytes:
-    changed = bytearray(content)
+    changed = bytearray(content or b" ")
     for _ in range(draw.choice((1, 1, 5))):
         changed[draw.randrange(len(changed))] = draw.randrange(256)
     return bytes(changed)

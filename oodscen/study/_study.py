@@ -31,6 +31,7 @@ from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._drives import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.llm._call_log import Call
+from oodscen.metrics._measurements import Measurements
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
@@ -127,6 +128,9 @@ _KINDS: Mapping[str, type[Data]] = {
     "calls.jsonl": Call,
 }
 """Types of the lines of every file that a run resumes from, besides the text sets."""
+
+_WHOLE: Mapping[str, type[Data]] = {"metrics.json": Measurements, CATALOGUES: CatalogueComparison}
+"""Types of the files of one value that a run resumes from, besides trees."""
 
 _OTHERS = (
     "study.json",
@@ -229,6 +233,8 @@ class Study(Brief):
             kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
             if kind is not None:
                 self._rows(kind, name)
+            if name in _WHOLE:
+                _WHOLE[name].parse(self.store.read(name), source=str(self.folder / name))
         for name in TREES:
             file = f"tree.{name}.json"
             if file in names and self.store.path(file).stat().st_size:

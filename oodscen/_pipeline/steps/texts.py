@@ -63,7 +63,7 @@ def _describe(
     lines: dict[str, list[dict[str, Any]]] = {}
     for line in run.store.lines(file):
         if not run.is_again(line):
-            lines.setdefault(line["leaf"], []).append(line)
+            lines.setdefault(line.get("leaf", ""), []).append(line)
     short = {
         line["leaf"]: line["texts"] for line in run.store.lines(SHORT_PATHS) if line["file"] == file
     }
@@ -135,6 +135,6 @@ def _is_whole(
         path: The labels of the path.
         counts: Accepted numbers of lines: as many as were asked for, or as the kind bears.
     """
-    if any(tuple(row["path"]) != path for row in rows):
+    if any(tuple(row.get("path", ())) != path for row in rows):
         return False
     return len(rows) in counts or any(row.get("status") == "failed" for row in rows)
