@@ -35,6 +35,8 @@ from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 _DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
 _LEAST_SPEED = 3.0
 """Least speed of the ego, m/s."""
+_LEAST_FOLLOWED = 8.0
+"""Speed down to which an ego that is followed slows down so that its hazard is recognised in time, m/s."""
 _LATE = 0.75
 """Share of late decisions, if at some distance only a lane change helps."""
 _URGENT = 0.55
@@ -328,9 +330,16 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
             scene.recipe = recipe.model_copy(update={"actors": actors})
             value = low + share * (high - 1.5 - low)
             return lambda speed: value
-    is_unseen = scene.pixels(actor, approach.room(scene.speed, friction) + spare) < _CLEAR_PX
-    if is_unseen:
+
+    def is_unseen() -> bool:
+        away = approach.late_room(scene.speed, friction) + spare
+        return scene.pixels(actor, away) < _CLEAR_PX
+
+    # Room for a calm stop is left behind a slower ego.
+    while scene.is_followed and is_unseen() and scene.speed > _LEAST_FOLLOWED:
+        scene.speed = round(0.95 * scene.speed, 2)
+    if is_unseen():
         scene.is_followed = False
-    if urgent < _URGENT or is_unseen:
+    if urgent < _URGENT or is_unseen():
         return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
-    return lambda speed: approach.room(speed, friction) + (0.9 + 0.4 * share) * spare
+    return lambda speed: approach.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
