@@ -9,6 +9,7 @@ from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
+from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
 from oodscen.protocols import Camera
@@ -50,6 +51,22 @@ simulator_option = click.option(
     default=DEFAULT_SIMULATOR,
     show_default=True,
     help="Simulator: a registered name, or module:attr.",
+)
+rollout_options = _options(
+    click.option(
+        "--reaction",
+        multiple=True,
+        type=FiniteRange(0, LONGEST_REACTION_S),
+        metavar="S",
+        help="Reaction time of a driver who tries every action, in seconds; repeatable.  "
+        f"[default: {', '.join(f'{one:g}' for one in REACTIONS_S)}]",
+    ),
+    click.option(
+        "--horizon",
+        type=FiniteRange(0, 60, min_open=True),
+        metavar="S",
+        help="Time for which an action is watched, in seconds.  [default: the scene's own]",
+    ),
 )
 out_option = click.option(
     "-o",

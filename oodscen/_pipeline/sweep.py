@@ -13,7 +13,7 @@ from oodscen._conformance import reason
 from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
-from oodscen.data._episode import Episode
+from oodscen.data._episode import REACTIONS_S, Episode
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
 from oodscen.driving._trace_table import to_parquet
@@ -63,6 +63,10 @@ class Job:
     safe."""
     camera: Camera = field(default_factory=Camera)
     """The camera of the frames."""
+    reaction: tuple[float, ...] = REACTIONS_S
+    """Reaction times of the drivers who try every action, s."""
+    horizon: float | None = None
+    """Time for which an action is watched, s; the scenes' own if `None`."""
 
 
 @dataclass(frozen=True)
@@ -203,6 +207,8 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
             camera=job.camera,
             traces=job.extras.traces,
             protocol=job.protocol,
+            reaction=job.reaction,
+            horizon=job.horizon,
         )
         if job.restages and not scene.is_twin:
             scene, simulated, tried = _improved(job, simulator, scene, simulated)
@@ -236,7 +242,13 @@ def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
         episode = found.simulated.episode
         if episode.is_below_floor if stage is retimed else not episode.is_decidable:
             better = stage(
-                found.scene, found.simulated, simulator, job.seed, job.extras.traces, job.camera
+                found.scene,
+                found.simulated,
+                simulator,
+                job.seed,
+                job.extras.traces,
+                job.camera,
+                job.reaction,
             )
             if episode.restaged and better.scene is not found.scene:
                 better = _described(

@@ -30,6 +30,10 @@ ENOUGH_TTC_S = 1.5
 """The smallest time to collision with enough margin, s. Below it a conflict is serious (van der Horst and Hogema,
 "Time-to-collision and collision avoidance systems", 1993).
 """
+REACTIONS_S = (0.2, 0.5, 0.8)
+"""Reaction times of the drivers who try every action, s: from an assistance system's to that of a driver who expects
+to brake (Green, "How long does it take to stop? Methodological analysis of driver perception-brake times", 2000)."""
+LONGEST_REACTION_S = 5.0
 INTERVENTIONS = (
     "keep_speed",
     "slow_down",
@@ -121,10 +125,9 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
 
 
 def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
-    """Return the probability that an action drawn at random from those offered is safe."""
-    if not outcomes:
-        return None
-    return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
+    """Return the probability that an action drawn at random from those that score is safe."""
+    scoring = [outcome.safe for outcome in outcomes.values() if not outcome.marginal]
+    return sum(scoring) / len(scoring) if scoring else None
 
 
 class Follower(Data):
@@ -234,7 +237,7 @@ class Episode(Data):
 
     @property
     def base_rate(self) -> float | None:
-        """The probability that an action drawn at random from those offered is safe."""
+        """The probability that an action drawn at random from those that score is safe; marginal ones do not."""
         return base_rate(self.actions)
 
     @property

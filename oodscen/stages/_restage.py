@@ -1,11 +1,11 @@
 """Re-staging of scenes in which all or no actions are safe: these cannot tell drivers apart."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import Episode
+from oodscen.data._episode import REACTIONS_S, Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator
@@ -39,6 +39,7 @@ def restaged(
     seed: int,
     traces: bool = False,
     camera: Camera | None = None,
+    reaction: Sequence[float] = REACTIONS_S,
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
@@ -52,6 +53,7 @@ def restaged(
         seed: Seed of the simulator's random streams.
         traces: Keep the ground truth of every action's rollout.
         camera: The camera; by default the ego's dash camera.
+        reaction: Reaction times of the drivers who try every action, s.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
@@ -60,11 +62,13 @@ def restaged(
     is_too_easy = bool(simulated.episode.safe_set)
     for variant, how in variants(scene, simulator.catalogue(), is_too_easy):
         try:
-            probe = simulate(variant, simulator, seed=seed, render=False).episode
+            probe = simulate(variant, simulator, seed=seed, render=False, reaction=reaction).episode
             if why := _refusal(probe, simulated.episode):
                 tried.append(Attempt(how, why))
                 continue
-            again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
+            again = simulate(
+                variant, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+            )
         except OodscenError as error:
             fault = str(error).strip().splitlines()[-1].strip(" -")
             tried.append(Attempt(how, f"it cannot be run: {fault}"))

@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from oodscen.data._episode import ActionOutcome
+from oodscen.data._episode import LONGEST_REACTION_S, ActionOutcome
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver
 from oodscen.driving._motion.actions import is_available
@@ -17,10 +17,6 @@ from oodscen.protocols import Control, Observation, Simulator, State
 
 JERK_S = 0.2
 """Interval over which a change of acceleration is measured, in seconds."""
-REACTIONS_S = (0.2, 0.5, 0.8)
-"""Reaction times of the drivers who try every action, s: alert, attentive and average (Green, ""How long does it
-take to stop?" Methodological analysis of driver perception-brake times", 2000, for expected signals)."""
-LONGEST_REACTION_S = 5.0
 FRICTIONS = (1.0, 0.9)
 """Shares of the road's friction."""
 SPEEDS = (0.95, 1.0, 1.05)

@@ -14,7 +14,7 @@ from oodscen._numbers import whole_number
 from oodscen._seeding import MAX_SEED
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode, Follower
+from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, ActionOutcome, Episode, Follower
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
@@ -23,7 +23,7 @@ from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import MissingExtra, UnknownComponent
 from oodscen.protocols import Camera, Control, Frame, Simulator, State
-from oodscen.stages._rollouts import REACTIONS_S, Rollouts, Trials, fingerprint
+from oodscen.stages._rollouts import Rollouts, Trials, fingerprint
 from oodscen.stages._video import birds_eye
 from oodscen.stages._visibility import sighting
 
