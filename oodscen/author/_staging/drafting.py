@@ -49,6 +49,8 @@ _STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
 """Behaviours that do not change the actor's distance along the road."""
 _CLEAR_PX = 400.0
 """Area in the dash camera's image below which an actor is not recognised at a glance, square pixels."""
+_SEEN_PX = 120.0
+"""Area in the dash camera's image below which an actor is hardly seen, square pixels."""
 _ASIDE = 0.4
 """Offset of an obstacle that requires a lane change, towards the far side of its lane, m."""
 _INSIDE = 1.2
@@ -340,6 +342,12 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
         scene.speed = round(0.95 * scene.speed, 2)
     if is_unseen():
         scene.is_followed = False
+
+    def least() -> float:
+        return approach.braking(scene.speed, friction) + 0.75 * spare
+
+    while scene.pixels(actor, least()) < _SEEN_PX and scene.speed > _LEAST_SPEED:
+        scene.speed = round(0.95 * scene.speed, 2)
     if urgent < _URGENT or is_unseen():
         return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
     return lambda speed: approach.late_room(speed, friction) + (0.9 + 0.4 * share) * spare

@@ -106,6 +106,20 @@ def planned(action: int, now: Look) -> Plan:
 
 
 @part
+def sideways(plan: Plan, travelled: float) -> tuple[float, float, float]:
+    """Return the offset of a plan's course, m, and its first two derivatives by the distance travelled.
+
+    The course is quintic from the origin to the target: straight at both ends.
+    """
+    p = min(max(travelled / plan.distance, 0.0), 1.0)
+    rest = 1.0 - p
+    offset = plan.origin + plan.shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))
+    slope = plan.shift / plan.distance * 30.0 * p * p * rest * rest
+    turn = plan.shift / (plan.distance * plan.distance) * 60.0 * p * rest * (1.0 - 2.0 * p)
+    return offset, slope, turn
+
+
+@part
 def followed(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
     """Return the acceleration, m/s^2, and the steering angle, rad, of the next step of a plan.
 
@@ -114,12 +128,7 @@ def followed(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
         travelled: Distance since its start, m.
         now: The current observation.
     """
-    # A quintic course from the origin to the target: straight at both ends.
-    p = min(max(travelled / plan.distance, 0.0), 1.0)
-    rest = 1.0 - p
-    offset = plan.origin + plan.shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))
-    slope = plan.shift / plan.distance * 30.0 * p * p * rest * rest
-    turn = plan.shift / (plan.distance * plan.distance) * 60.0 * p * rest * (1.0 - 2.0 * p)
+    offset, slope, turn = sideways(plan, travelled)
     steering, across = _steering(
         offset,
         slope,
