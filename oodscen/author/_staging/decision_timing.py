@@ -15,8 +15,12 @@ _GRIP = 9.3
 """Deceleration that the grip of a dry road allows, m/s^2."""
 _SLOWEST_S = 0.8
 """Reaction time of the slowest driver for whom an action must still be safe, s."""
+_QUICKEST_S = 0.2
+"""Reaction time of the quickest driver for whom an unsafe action must still be unsafe, s."""
 _OFF = 1.05
 """Ratio of the ego's speed to the nominal one in the worst case."""
+_SLOWEST = 0.95
+"""Ratio of the ego's speed to the nominal one in the best case."""
 _SLIPPERY = 0.9
 """Ratio of the road's grip to the nominal one in the worst case."""
 _EGO_LENGTH, _EGO_WIDTH = 4.5, 1.85
@@ -57,6 +61,13 @@ def braking(speed: float, friction: float = 1.0) -> float:
 def calm_braking(speed: float, friction: float = 1.0) -> float:
     """Return the centre distance at which the slowest driver's calm braking just avoids a small obstacle, m."""
     return _stopping(speed, min(_COMFORTABLE, _GRIP * _SLIPPERY * friction))
+
+
+def too_late_to_stop(speed: float, friction: float = 1.0) -> float:
+    """Return the centre distance at which even the quickest driver's calm braking does not avoid a small obstacle, m."""
+    least = _SLOWEST * speed
+    deceleration = min(_COMFORTABLE, _GRIP * friction)
+    return _QUICKEST_S * least + least * least / (2.0 * deceleration) + 0.5 * _EGO_LENGTH
 
 
 def _stopping(speed: float, deceleration: float) -> float:
