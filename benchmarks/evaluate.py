@@ -45,6 +45,7 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
     """Measure the scenes' safe sets."""
     figures = safety_figures([episode for episode in episodes if not episode.is_twin])
     constant = max(figures.actions.values(), key=lambda action: action.safe).safe
+    scoring = max(one.safe / max(1e-9, 1.0 - one.marginal) for one in figures.actions.values())
     everywhere = sum(a.safe > 0 and a.unsafe > 0 for a in figures.actions.values())
     keeping = figures.actions["keep_speed"].unsafe
     braking = figures.actions["emergency_brake"].safe
@@ -59,6 +60,8 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
         row("scenes with a safe action", some, "share", "1", some == 1.0),
         row("emergency_brake alone is safe", braking, "share", "<= 0.60", braking <= 0.60),
         row("best constant action", constant, "share", "<= 0.75", constant <= 0.75),
+        row("best constant action, of the scenes in which it scores", scoring, "share", "<= 0.75",
+            scoring <= 0.75),
         row("labels that are marginal", marginal, "share", "reported", True),
         row("scenes with a follower", figures.with_followers / figures.n, "share", "reported", True),
         row("actions safe somewhere and unsafe somewhere", everywhere, "actions", "7",

@@ -5,7 +5,7 @@ import pytest
 
 from oodscen import simulate
 from oodscen.data._episode import ACTIONS, MOMENTS
-from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.errors import SceneError, UsageError
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
@@ -187,3 +187,14 @@ def test_the_horizon_can_be_given(flat):
     found = simulate(example_scene(), flat, render=False, horizon=1.0)
     assert found.episode.horizon_s == 1.0
     assert found.episode.actions["stop"].final_speed > 0.0
+
+
+def test_flat_things_neither_touch_nor_threaten(flat):
+    """What can be driven over counts alike in contact, gap and time to collision."""
+    scene = example_scene()
+    puddle = {**scene.actors[0].model_dump(), "asset": "puddle", "state": ""}
+    wet = Scene.model_validate({**scene.model_dump(), "actors": [puddle, *scene.actors[1:]]})
+    outcome = simulate(wet, flat, render=False).episode.actions["keep_speed"]
+    assert outcome.label == "safe"
+    assert outcome.contacts == ()
+    assert (outcome.margin_m, outcome.min_ttc_s, outcome.pet_s) == (None, None, None)
