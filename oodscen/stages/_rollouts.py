@@ -106,6 +106,8 @@ class Rollouts:
         for variation in self.trials.differing(action, outcome.safe):
             if len(passed) > 1:
                 break
+            if self.rehearse is None and variation != Variation(variation.reaction_s):
+                continue
             fate, again = self._passes(action, variation)
             same &= again
             passed.add(fate)

@@ -17,9 +17,9 @@ _SLOWEST_S = 0.8
 """Reaction time of the slowest driver for whom an action must still be safe, s."""
 _QUICKEST_S = 0.2
 """Reaction time of the quickest driver for whom an unsafe action must still be unsafe, s."""
-_OFF = 1.05
+_FASTER = 1.05
 """Ratio of the ego's speed to the nominal one in the worst case."""
-_SLOWEST = 0.95
+_SLOWER = 0.95
 """Ratio of the ego's speed to the nominal one in the best case."""
 _SLIPPERY = 0.9
 """Ratio of the road's grip to the nominal one in the worst case."""
@@ -44,7 +44,7 @@ def room(speed: float, friction: float = 1.0) -> float:
 
 def late_room(speed: float, friction: float = 1.0) -> float:
     """Return `room` for the slowest driver, m."""
-    return _OFF * (_SLOWEST_S * speed + room(speed, friction))
+    return _FASTER * (_SLOWEST_S * speed + room(speed, friction))
 
 
 def spare(recipe: Recipe) -> float:
@@ -65,13 +65,13 @@ def calm_braking(speed: float, friction: float = 1.0) -> float:
 
 def too_late_to_stop(speed: float, friction: float = 1.0) -> float:
     """Return the centre distance at which even the quickest driver's calm braking does not avoid a small obstacle, m."""
-    least = _SLOWEST * speed
+    least = _SLOWER * speed
     deceleration = min(_COMFORTABLE, _GRIP * friction)
     return _QUICKEST_S * least + least * least / (2.0 * deceleration) + 0.5 * _EGO_LENGTH
 
 
 def _stopping(speed: float, deceleration: float) -> float:
-    most = _OFF * speed
+    most = _FASTER * speed
     return _SLOWEST_S * most + most * most / (2.0 * deceleration) + 0.5 * _EGO_LENGTH + 0.6
 
 
@@ -89,7 +89,7 @@ def swerving(speed: float, width: float, aside: float = 0.0) -> float:
         middle = 0.5 * (low + high)
         is_less = middle**3 * (10.0 - 15.0 * middle + 6.0 * middle * middle) < share
         low, high = (middle, high) if is_less else (low, middle)
-    return (3.0 * high + _SLOWEST_S) * _OFF * speed + 0.5 * _EGO_LENGTH + 1.6
+    return (3.0 * high + _SLOWEST_S) * _FASTER * speed + 0.5 * _EGO_LENGTH + 1.6
 
 
 def scales(recipe: Recipe) -> bool:
