@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from oodscen._display import Brief
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
@@ -220,7 +220,7 @@ class ActionDriver(Brief):
         reaction_s: Time for which the ego keeps lane and speed before the action begins, s.
     """
 
-    _repr_fields = ("action", "reaction_s")
+    _repr_fields: ClassVar[tuple[str, ...]] = ("action", "reaction_s")
 
     def __init__(self, action: str, reaction_s: float = 0.0) -> None:
         self.action = action
