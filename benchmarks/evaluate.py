@@ -23,12 +23,14 @@ from oodscen._pipeline import run_study
 from oodscen._registry import make_simulator
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._verdict import Verdict
+from oodscen.driving._motion.rollouts import Variation
 from oodscen.errors import BudgetExceeded
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._items import CAUTIOUS
 from oodscen.judging._safety import safety_figures
 from oodscen.llm._remote.limits import Limits
 from oodscen.stages._drive import RuleBasedDriver, drive
+from oodscen.stages._simulate import approach
 from oodscen.testing import AnsweringServer
 
 Row = dict[str, Any]
@@ -43,19 +45,59 @@ def safe_sets(episodes: Sequence[Episode]) -> list[Row]:
     """Measure the scenes' safe sets."""
     figures = safety_figures([episode for episode in episodes if not episode.is_twin])
     constant = max(figures.actions.values(), key=lambda action: action.safe).safe
+    scoring = max(one.safe / max(1e-9, 1.0 - one.marginal) for one in figures.actions.values())
     everywhere = sum(a.safe > 0 and a.unsafe > 0 for a in figures.actions.values())
-    keeping = 1.0 - figures.actions["keep_speed"].safe
+    keeping = figures.actions["keep_speed"].unsafe
+    braking = figures.actions["emergency_brake"].safe
+    some = 1.0 - len(figures.none_safe) / figures.n
+    marginal = sum(a.marginal for a in figures.actions.values()) / len(figures.actions)
     print(f"all safe: {figures.all_safe}\nnone safe: {figures.none_safe}")
     print(f"re-staged: {figures.restaged}\nwith followers: {figures.with_followers}")
     return [
         row("scenes with a safe and an unsafe action", figures.decidable or 0.0, "share", ">= 0.85",
             (figures.decidable or 0.0) >= 0.85),
         row("keeping the speed is unsafe", keeping, "share", ">= 0.70", keeping >= 0.70),
+        row("scenes with a safe action", some, "share", "1", some == 1.0),
+        row("emergency_brake alone is safe", braking, "share", "<= 0.60", braking <= 0.60),
         row("best constant action", constant, "share", "<= 0.75", constant <= 0.75),
+        row("best constant action, of the scenes in which it scores", scoring, "share", "<= 0.75",
+            scoring <= 0.75),
+        row("labels that are marginal", marginal, "share", "reported", True),
+        row("scenes with a follower", figures.with_followers / figures.n, "share", "reported", True),
         row("actions safe somewhere and unsafe somewhere", everywhere, "actions", "7",
             everywhere == len(ACTIONS)),
         row("scenes in which no action or every action is safe",
             len(figures.none_safe) + len(figures.all_safe), "scenes", "listed", True),
+    ]  # fmt: skip
+
+
+def flips(study: Study, count: int) -> list[Row]:
+    """Try the actions of some scenes again, by drivers who are a little later and on roads that differ a little."""
+    labels = {one.id: one for one in study.episodes if one.status == "ok" and not one.is_twin}
+    scenes = [scene for scene in study.scenes if scene.id in labels]
+    changes = {
+        "a driver who reacts after 0.3 s": (Variation(0.3), "<= 0.02"),
+        "10 % less friction": (Variation(0.5, friction=0.9), "<= 0.02"),
+        "10 % more friction": (Variation(0.5, friction=1.1), "<= 0.02"),
+        "a reaction after 0.3 s and 10 % less friction": (Variation(0.3, friction=0.9), "<= 0.02"),
+        "a driver 0.3 s later than the slowest": (Variation(1.1), "reported"),
+    }
+    flipped, tried = dict.fromkeys(changes, 0), 0
+    with make_simulator(study.config.simulator) as simulator:
+        for scene in scenes[:: max(1, len(scenes) // count)]:
+            approach(scene, simulator, study.config.seed)
+            for action, outcome in labels[scene.id].actions.items():
+                if outcome.label not in ("safe", "unsafe"):
+                    continue
+                tried += 1
+                for name, (one, _) in changes.items():
+                    passed = simulator.rehearse(action, scene.horizon_s, **one._asdict())
+                    flipped[name] += passed is not outcome.safe
+    print(f"{tried} safe and unsafe labels tried again")
+    return [
+        row(f"labels that flip: {name}", flipped[name] / max(1, tried), "share", target,
+            target == "reported" or flipped[name] <= 0.02 * tried)
+        for name, (_, target) in changes.items()
     ]  # fmt: skip
 
 
@@ -71,20 +113,21 @@ def references(study: Study) -> list[Row]:
     seen = sum(v.is_ood is not v.is_twin and v.choice_is_right is True for v in rows["oracle"])
     seen_share = seen / len(rows["oracle"])
     exact = all(
-        v.action_is_safe is episodes[v.scene_id].actions[a].safe
+        v.action_is_safe is _score(episodes[v.scene_id], a)
         for a in ACTIONS
         for v in rows[f"constant:{a}"]
     )
     drawn = rows["random"]
-    chance = [len(e.safe_set) / len(e.actions) for e in episodes.values()]
+    scoring = [one for v in drawn if (one := episodes[v.scene_id]) and v.action_is_safe is not None]
+    chance = [e.base_rate or 0.0 for e in scoring]
     mean = sum(chance) / len(chance)
     spread = (sum(p * (1 - p) for p in chance)) ** 0.5 / len(chance)
-    scored = sum(v.action_is_safe is True for v in drawn) / len(drawn)
+    scored = sum(v.action_is_safe is True for v in drawn) / len(scoring)
     balanced = {name: _balanced(found) for name, found in rows.items()}
     constants = {name: _safe_in_scenes(rows[name]) for name in rows if name.startswith("constant:")}
     blind, best = _safe_in_scenes(rows["blind"]), max(constants.values())
     in_scenes = [e for e in episodes.values() if not e.is_twin]
-    drawn_in_scenes = sum(len(e.safe_set) / len(e.actions) for e in in_scenes) / len(in_scenes)
+    drawn_in_scenes = sum(e.base_rate or 0.0 for e in in_scenes) / len(in_scenes)
     needless = _needless(rows["oracle"], episodes)
     return [
         row("oracle, task 1 (detection and closed choice)", seen_share, "share", "1", seen_share == 1.0),
@@ -104,8 +147,14 @@ def references(study: Study) -> list[Row]:
     ]  # fmt: skip
 
 
+def _score(episode: Episode, action: str) -> bool | None:
+    """Return the score of an action: `None` if it is marginal."""
+    outcome = episode.actions[action]
+    return None if outcome.marginal else outcome.safe
+
+
 def _safe_in_scenes(verdicts: Sequence[Verdict]) -> float:
-    found = [v.action_is_safe is True for v in verdicts if not v.is_twin]
+    found = [v.action_is_safe for v in verdicts if not v.is_twin and v.action_is_safe is not None]
     return sum(found) / max(1, len(found))
 
 
@@ -192,7 +241,8 @@ def main() -> int:
         if not given.study:
             run_study(folder, StudyConfig(), workers=2)
         study = Study.open(folder)
-        rows = [*safe_sets(study.episodes), *references(study), *closed_loop(study, 100)]
+        rows = [*safe_sets(study.episodes), *flips(study, 180), *references(study)]
+        rows += closed_loop(study, 100)
         small = Path(temporary, "small")
         began = time.perf_counter()
         run_study(small, StudyConfig(max_paths=given.paths), workers=2)

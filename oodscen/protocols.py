@@ -255,7 +255,10 @@ class Simulator(Protocol):
 
     Optional members: `snapshot()`, which returns the state of all motion as plain data, and
     `restore(snapshot)`, which returns to it within the same scene and returns the `State`. Without
-    both, every action is tried by resetting and repeating the approach.
+    both, every action is tried by resetting and repeating the approach. `rehearse(action, seconds, *,
+    reaction_s, friction, speed)`, which returns whether an action begun now by a driver with this
+    reaction time, on a road with this share of the friction and at this share of the ego's speed,
+    touches nothing and stays on the road; without it, only the reaction time is varied.
     """
 
     name: str

@@ -9,6 +9,7 @@ from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
+from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import UsageError
 from oodscen.llm._remote.limits import LONGEST_S, PATIENCE_S, TIMEOUT_S, check_price
 from oodscen.protocols import Camera
@@ -57,6 +58,22 @@ things_option = click.option(
     show_default=True,
     help="Text encoder that compares the things of a text with the actors said to show them; `none` compares words "
     "only.",
+)
+rollout_options = _options(
+    click.option(
+        "--reaction",
+        multiple=True,
+        type=FiniteRange(0, LONGEST_REACTION_S),
+        metavar="S",
+        help="Reaction time of a driver who tries every action, in seconds; repeatable.  "
+        f"[default: {', '.join(f'{one:g}' for one in REACTIONS_S)}]",
+    ),
+    click.option(
+        "--horizon",
+        type=FiniteRange(0, 60, min_open=True),
+        metavar="S",
+        help="Time for which an action is watched, in seconds.  [default: the scene's own]",
+    ),
 )
 out_option = click.option(
     "-o",

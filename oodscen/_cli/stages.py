@@ -15,6 +15,7 @@ from oodscen._cli.options import (
     out_option,
     picture_options,
     red_options,
+    rollout_options,
     seed_option,
     simulator_option,
     style_option,
@@ -24,6 +25,7 @@ from oodscen._cli.output import bars, read_lines, rounds_in_words, say, tracked,
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.data._base import canonical_json
+from oodscen.data._episode import REACTIONS_S
 from oodscen.errors import DataError, FolderTaken, Issue, LLMError, OodscenError, UsageError
 from oodscen.protocols import Camera
 
@@ -275,6 +277,7 @@ def augment(
 @seed_option
 @extras_options
 @picture_options
+@rollout_options
 @click.option(
     "--workers",
     default=1,
@@ -292,6 +295,8 @@ def simulate(
     video: Any,
     width: int | None,
     height: int | None,
+    reaction: tuple[float, ...],
+    horizon: float | None,
     workers: int,
 ) -> None:
     """Simulate every scene of the file SCENES into the folder OUT.
@@ -311,7 +316,14 @@ def simulate(
     make_simulator(simulator).close()
     study, episodes = Study(out), {}
     camera = Camera(width or Camera.width, height or Camera.height)
-    job = Job(simulator, seed, Extras(traces, annotations, video), camera=camera)
+    job = Job(
+        simulator,
+        seed,
+        Extras(traces, annotations, video),
+        camera=camera,
+        reaction=reaction or REACTIONS_S,
+        horizon=horizon,
+    )
     with study.store.writing():
         if taken := [name for name in study.own() if name in _SIMULATED]:
             raise FolderTaken(str(out), taken)

@@ -19,6 +19,7 @@ from oodscen._cli.options import (
     llm_options,
     picture_options,
     red_options,
+    rollout_options,
     seed_option,
     simulator_option,
     style_option,
@@ -115,6 +116,7 @@ from oodscen.errors import UsageError
 )
 @extras_options
 @picture_options
+@rollout_options
 @seed_option
 @click.option("--quick", is_flag=True, help="Run a small but complete study in seconds.")
 @click.option("--retry-failed", is_flag=True, help="Also redo items whose answers were invalid.")

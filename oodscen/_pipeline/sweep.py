@@ -14,7 +14,7 @@ from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
 from oodscen.data._claim import Claim
-from oodscen.data._episode import Episode
+from oodscen.data._episode import REACTIONS_S, Episode
 from oodscen.data._scene import Scene
 from oodscen.data._twins import twin_id
 from oodscen.driving._trace_table import to_parquet
@@ -66,6 +66,10 @@ class Job:
     """The camera of the frames."""
     claims: Mapping[str, tuple[Claim, ...]] = field(default_factory=dict)
     """The claims of the texts by scenario, which no re-staged scene may contradict."""
+    reaction: tuple[float, ...] = REACTIONS_S
+    """Reaction times of the drivers who try every action, s."""
+    horizon: float | None = None
+    """Time for which an action is watched, s; the scenes' own if `None`."""
 
 
 @dataclass(frozen=True)
@@ -206,6 +210,8 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
             camera=job.camera,
             traces=job.extras.traces,
             protocol=job.protocol,
+            reaction=job.reaction,
+            horizon=job.horizon,
         )
         if job.restages and not scene.is_twin:
             scene, simulated, tried = _improved(job, simulator, scene, simulated)
@@ -246,6 +252,7 @@ def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated
                 job.extras.traces,
                 job.camera,
                 job.claims.get(scene.scenario_id, ()),
+                job.reaction,
             )
             if episode.restaged and better.scene is not found.scene:
                 better = _described(

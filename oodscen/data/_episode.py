@@ -30,6 +30,10 @@ ENOUGH_TTC_S = 1.5
 """The smallest time to collision with enough margin, s. Below it a conflict is serious (van der Horst and Hogema,
 "Time-to-collision and collision avoidance systems", 1993).
 """
+REACTIONS_S = (0.2, 0.5, 0.8)
+"""Reaction times of the drivers who try every action, s: from an assistance system's to that of a driver who expects
+to brake (Green, "How long does it take to stop? Methodological analysis of driver perception-brake times", 2000)."""
+LONGEST_REACTION_S = 5.0
 INTERVENTIONS = (
     "keep_speed",
     "slow_down",
@@ -42,15 +46,23 @@ INTERVENTIONS = (
 """The actions from the least to the most intrusive; unlisted actions come last."""
 
 
+Label = Literal["safe", "unsafe", "marginal", "unavailable"]
+
+
 class ActionOutcome(Data):
     """The outcome of one action executed from the decision point."""
 
     safe: bool
-    """True if the ego touched nothing and stayed on drivable road up to the horizon."""
+    """True if the ego touched nothing and stayed on drivable road up to the horizon, whichever driver executed the
+    action."""
+    marginal: bool = False
+    """True if some drivers passed and others did not: the action is neither safe nor unsafe, and scores neither
+    way."""
     unavailable: bool = False
     """True if the lane that the action needs does not exist; `safe` is then false."""
     margin_m: float | None = None
-    """Smallest gap to any body, m; 0 on contact; `None` if unavailable or if the road is empty."""
+    """Smallest gap to any body, m; 0 on contact; `None` if unavailable or if the road is empty. This and what
+    follows are those of the driver with the middle reaction time."""
     min_ttc_s: float | None = None
     """Minimum time to collision with any body, s; 0 on contact; `None` if there is none."""
     pet_s: float | None = None
@@ -67,8 +79,15 @@ class ActionOutcome(Data):
 
     @property
     def is_unsafe(self) -> bool:
-        """Return whether the action can be executed and is not safe."""
-        return not (self.safe or self.unavailable)
+        """Return whether the action can be executed and no driver passed."""
+        return self.label == "unsafe"
+
+    @property
+    def label(self) -> Label:
+        """The outcome in a word."""
+        if self.unavailable:
+            return "unavailable"
+        return "safe" if self.safe else "marginal" if self.marginal else "unsafe"
 
 
 def as_offered(actions: Iterable[str]) -> list[str]:
@@ -106,10 +125,19 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
 
 
 def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
-    """Return the probability that an action drawn at random from those offered is safe."""
-    if not outcomes:
-        return None
-    return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
+    """Return the probability that an action drawn at random from those that score is safe."""
+    scoring = [outcome.safe for outcome in outcomes.values() if not outcome.marginal]
+    return sum(scoring) / len(scoring) if scoring else None
+
+
+class Follower(Data):
+    """A vehicle close behind the ego."""
+
+    gap_m: float
+    """Distance between the bodies, m."""
+    speed_mps: float
+    what: str
+    """Id of its asset in the catalogue."""
 
 
 class Episode(Data):
@@ -156,6 +184,16 @@ class Episode(Data):
     """Outcomes by action id."""
     sketch: Sketch | None = None
     """The bird's-eye sketch of the decision point and of every action's outcome."""
+    ego_speed_mps: float | None = None
+    """Speed of the ego at the decision, m/s."""
+    frame_times_s: dict[str, float] = {}
+    """Time of every frame since the start, s, by moment."""
+    reaction_s: tuple[float, ...] = ()
+    """Reaction times of the drivers who tried every action, s; empty for a failed episode."""
+    horizon_s: float | None = None
+    """Time for which every action was watched, s."""
+    follower: Follower | None = None
+    """The nearest of `followers` at the decision."""
     followers: tuple[str, ...] = ()
     """Actors behind the ego in its lane at the decision point, close enough to matter; the front camera
     never shows them."""
@@ -174,6 +212,16 @@ class Episode(Data):
         """Return whether a viewer cannot name the hazard at the decision; such scenes are not judged."""
         return self.sighting is not None and bool(self.sighting.faults)
 
+    def label(self, action: str) -> Label:
+        """Return the outcome of an action in a word; one that was not tried is unavailable."""
+        outcome = self.actions.get(action)
+        return "unavailable" if outcome is None else outcome.label
+
+    @property
+    def marginal_set(self) -> tuple[str, ...]:
+        """Ids of the actions that are safe for some drivers only; they score neither way."""
+        return tuple(name for name, outcome in self.actions.items() if outcome.marginal)
+
     @property
     def safe_set(self) -> tuple[str, ...]:
         """Ids of the safe actions."""
@@ -189,7 +237,7 @@ class Episode(Data):
 
     @property
     def base_rate(self) -> float | None:
-        """The probability that an action drawn at random from those offered is safe."""
+        """The probability that an action drawn at random from those that score is safe; marginal ones do not."""
         return base_rate(self.actions)
 
     @property
@@ -206,7 +254,7 @@ class Episode(Data):
         rows = [
             (
                 action,
-                "unavailable" if one.unavailable else "safe" if one.safe else "unsafe",
+                one.label,
                 _figure(one.margin_m, "m"),
                 _figure(one.min_ttc_s, "s"),
                 ", ".join([*one.contacts, *(["off the road"] if one.off_road else [])]),

@@ -64,7 +64,9 @@ class Verdict(Data):
     action: str | None = None
     """Task 2: the chosen action."""
     action_is_safe: bool | None = None
-    """True if that action was safe when executed; an unavailable action is not."""
+    """True if that action was safe when executed; an unavailable action is not. `None` for a marginal one."""
+    action_is_marginal: bool = False
+    """True if that action is safe for some drivers only, and therefore neither right nor wrong."""
     success: bool | None = None
     """Success in the paper's task 2: the action could be executed and the ego touched nothing."""
     reasoning: str = ""

@@ -13,6 +13,7 @@ from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld, Published, WorldSnapshot
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
@@ -195,6 +196,28 @@ class KinematicSimulator(Brief, ABC):
         """Return to an earlier state of the current scene; the run then repeats exactly."""
         self.world.restore(snapshot)
         return self._publish()
+
+    def rehearse(
+        self,
+        action: str,
+        seconds: float,
+        *,
+        reaction_s: float,
+        friction: float = 1.0,
+        speed: float = 1.0,
+    ) -> bool:
+        """Return whether an action, begun now, passes: the ego touches nothing and stays on the road.
+
+        Nothing is moved or published; the simulator stays in its current state.
+
+        Args:
+            action: Id of a discrete action.
+            seconds: Time for which the action is watched, s.
+            reaction_s: Time for which the driver keeps lane and speed first, s.
+            friction: Share of the scene's friction.
+            speed: Share of the ego's current speed at which it drives on.
+        """
+        return self.world.is_passed(action, Variation(reaction_s, friction, speed), seconds)
 
     def close(self) -> None:
         """Release all resources; may be called twice."""

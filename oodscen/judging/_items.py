@@ -37,10 +37,10 @@ class Items:
     safe: Floats
     """[n] number of safe actions."""
     unsafe: Floats
-    """[n] number of actions that can be executed and are unsafe."""
+    """[n] number of actions that can be executed and are unsafe; marginal ones are neither."""
     has_actions: Mask
     chance: Floats
-    """[n] probability that an action drawn at random from those offered is safe; 0 if none are offered."""
+    """[n] probability that an action drawn at random from those that score is safe; 0 if there are none."""
     keeping_is_safe: Mask
     """[n] items in which keeping the speed is safe with enough margin."""
 
@@ -57,7 +57,7 @@ class Items:
         ]
         outcomes = [tuple(episode.actions.values()) for episode in ran]
         safe = np.array([sum(o.safe for o in found) for found in outcomes], np.float64)
-        offered = np.array([len(found) for found in outcomes], np.float64)
+        scoring = np.array([sum(not o.marginal for o in found) for found in outcomes], np.float64)
         return cls(
             episodes=ran,
             index={episode.scene_id: row for row, episode in enumerate(ran)},
@@ -71,8 +71,8 @@ class Items:
             is_scene=np.array([not episode.is_twin for episode in ran], np.bool_),
             safe=safe,
             unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
-            has_actions=offered > 0,
-            chance=np.divide(safe, offered, out=np.zeros_like(safe), where=offered > 0),
+            has_actions=np.array([bool(found) for found in outcomes], np.bool_),
+            chance=np.divide(safe, scoring, out=np.zeros_like(safe), where=scoring > 0),
             keeping_is_safe=np.array(
                 [
                     "keep_speed" in episode.actions
@@ -122,6 +122,8 @@ class AnswerColumns:
     open: Floats
     closed: Floats
     safe: Floats
+    marginal: Mask
+    """True if the chosen action is marginal, which is neither right nor wrong nor missing."""
     success: Floats
     cautious: Floats
     """1 if the action is one of `CAUTIOUS`."""
@@ -133,13 +135,14 @@ class AnswerColumns:
         """Return the verdicts of one answerer as columns; those on unknown items are skipped."""
         n = len(items.episodes)
         columns = np.full((7, n), np.nan)
-        asked, stated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        asked, stated, marginal = (np.zeros(n, np.bool_) for _ in range(3))
         scorer: list[str | None] = [None] * n
         for verdict in verdicts:
             row = items.index.get(verdict.scene_id)
             if row is None:
                 continue
             asked[row] = True
+            marginal[row] = verdict.action_is_marginal
             scorer[row] = verdict.judge if is_open(verdict) else None
             stated[row] = verdict.is_ood is not None and verdict.confidence is not None
             action = verdict.action
@@ -156,7 +159,9 @@ class AnswerColumns:
                 )
             ]
         called, p_ood, named, chosen, safe, success, cautious = columns
-        return cls(asked, called, p_ood, stated, named, chosen, safe, success, cautious, scorer)
+        return cls(
+            asked, called, p_ood, stated, named, chosen, safe, marginal, success, cautious, scorer
+        )
 
     def right(self, task: str, items: Items) -> Floats:
         """Return [n] 1 if the answer in a task is right, 0 if it is wrong, NaN if it is missing."""
@@ -168,6 +173,8 @@ class AnswerColumns:
     def unanswered(self, task: str, items: Items) -> Mask:
         """[n] Return whether the item was asked about in a task and got no answer."""
         mask = np.ones_like(items.is_scene) if task == "detection" else items.is_scene
+        if task == "control":
+            mask = mask & ~self.marginal
         return mask & self.was_asked & ~np.isfinite(self.right(task, items))
 
     def scored_unlike(self, other: Self) -> Mask:

@@ -16,6 +16,8 @@ class ActionSafety(Data):
     """Share of the scenes in which the action is safe."""
     unsafe: float
     """Share of the scenes in which the action can be executed and is unsafe."""
+    marginal: float = 0.0
+    """Share of the scenes in which the action is safe for some drivers only."""
     unavailable: float
 
 
@@ -29,12 +31,12 @@ class SafetyFigures(Data):
     decidable: float | None = None
     """Share of the episodes in which one action is safe and another is not."""
     base_rate: float | None = None
-    """Mean probability that a random action is safe."""
+    """Mean probability that a random action is safe, of those that score."""
     actions: dict[str, ActionSafety] = {}
     all_safe: tuple[str, ...] = ()
-    """Scenes in which every action that can be executed is safe: any driver passes."""
+    """Scenes in which some action is safe and none is unsafe: any driver passes."""
     none_safe: tuple[str, ...] = ()
-    """Scenes in which no action is safe: every driver fails."""
+    """Scenes in which no action is safe for every driver."""
     with_followers: int = 0
     """Episodes with an actor close behind the ego, which the front camera never shows."""
     restaged: dict[str, str] = {}
@@ -47,10 +49,6 @@ def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
     if not ran:
         return SafetyFigures(n=0)
     n = len(ran)
-    executed = {
-        episode.id: [o.safe for o in episode.actions.values() if not o.unavailable]
-        for episode in ran
-    }
     names = dict.fromkeys((*ACTIONS, *(name for episode in ran for name in episode.actions)))
     rates = [episode.base_rate or 0.0 for episode in ran]
     return SafetyFigures(
@@ -58,8 +56,8 @@ def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
         decidable=sum(episode.is_decidable for episode in ran) / n,
         base_rate=sum(rates) / n,
         actions={name: _of_action(name, ran) for name in names},
-        all_safe=tuple(name for name, safe in executed.items() if all(safe)),
-        none_safe=tuple(name for name, safe in executed.items() if not any(safe)),
+        all_safe=tuple(one.id for one in ran if one.safe_set and not one.is_decidable),
+        none_safe=tuple(one.id for one in ran if not one.safe_set),
         with_followers=sum(bool(episode.followers) for episode in ran),
         restaged={episode.id: episode.restaged for episode in ran if episode.restaged},
     )
@@ -71,5 +69,6 @@ def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
     return ActionSafety(
         safe=sum(outcome.safe for outcome in found) / n,
         unsafe=sum(outcome.is_unsafe for outcome in found) / n,
+        marginal=sum(outcome.marginal for outcome in found) / n,
         unavailable=sum(outcome.unavailable for outcome in found) / n,
     )

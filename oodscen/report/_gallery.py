@@ -86,13 +86,16 @@ def payload(found: Material, folder: Path) -> Row:
 
 
 def choice(episode: Episode) -> str:
-    """Return which available actions are safe: `mixed`, `all`, `none`, or empty if none is available."""
-    available = [outcome.safe for outcome in episode.actions.values() if not outcome.unavailable]
-    if not available:
+    """Return which available actions are safe, leaving out marginal ones.
+
+    Returns:
+        `mixed`, `all`, `none`, or empty if none is available.
+    """
+    if all(outcome.unavailable for outcome in episode.actions.values()):
         return ""
-    if all(available):
-        return "all"
-    return "mixed" if any(available) else "none"
+    if not episode.safe_set:
+        return "none"
+    return "mixed" if episode.is_decidable else "all"
 
 
 def conditions(weather: Weather) -> list[str]:
@@ -215,7 +218,7 @@ def _outcomes(episode: Episode | None, names: Mapping[str, str]) -> list[Row]:
         {
             "id": action,
             "name": words.plain(action),
-            "kind": "unavailable" if outcome.unavailable else "safe" if outcome.safe else "unsafe",
+            "kind": outcome.label,
             "note": words.outcome(outcome, names),
             "more": words.measures(outcome),
             "hits": list(outcome.contacts),
@@ -250,6 +253,7 @@ def _answer(verdict: Verdict, model: int) -> Row:
         "ood": verdict.is_ood,
         "action": verdict.action or "",
         "safe": verdict.action_is_safe,
+        "marginal": verdict.action_is_marginal,
         "choice": verdict.choice or "",
         "chosen": verdict.choice_is_right,
         "named": verdict.aspect_is_right,
@@ -367,9 +371,20 @@ def _facts(episode: Episode | None, names: Mapping[str, str]) -> list[list[str]]
         facts.append(
             [
                 "Behind the ego",
-                ", ".join(names.get(name, words.plain(name)) for name in episode.followers),
+                ", ".join(names.get(name, words.plain(name)) for name in episode.followers)
+                + (
+                    f"; the nearest {near.gap_m:.1f} m behind at {near.speed_mps:.1f} m/s"
+                    if (near := episode.follower)
+                    else ""
+                ),
             ]
         )
+    if episode.ego_speed_mps is not None:
+        facts.append(["Speed at the decision", f"{episode.ego_speed_mps:.1f} m/s"])
+    if episode.reaction_s:
+        times = ", ".join(f"{one:g}" for one in episode.reaction_s)
+        watched = "" if episode.horizon_s is None else f", each watched for {episode.horizon_s:g} s"
+        facts.append(["Drivers of every action", f"they react after {times} s{watched}"])
     last = episode.visible.get("last", {})
     if last:
         seen = sorted(last.items(), key=lambda item: (-item[1], item[0]))

@@ -170,6 +170,8 @@ def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
     """
     if value.unavailable:
         return "no such lane"
+    if value.marginal:
+        return "depends on the driver"
     if value.contacts:
         touched = [names.get(item, plain(item)) for item in value.contacts]
         counted = [

@@ -90,7 +90,7 @@ def _environment() -> jinja2.Environment:
     environment.filters["duration"] = words.duration
     environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
     environment.globals["shares"] = lambda row: charts.shares(
-        [("safe", row.safe), ("unsafe", row.unsafe), ("unavailable", row.unavailable)]
+        [(kind, getattr(row, kind)) for kind in ("safe", "marginal", "unsafe", "unavailable")]
     )
     environment.globals["whisker"] = _whisker
     environment.globals["rendered"] = rendered

@@ -68,6 +68,8 @@
   const chip = (action, long) => el("li", { class: `is-${action.kind}`, title: long ? undefined : action.note },
     sr(`${action.kind}: `), el("b", {}, action.name), long ? el("span", {}, ` ${action.note}`) : null);
   const mark = (good, yes, no) => el("span", { class: `key verdict is-${good ? "safe" : "unsafe"}` }, good ? yes : no);
+  const acted = (answer, tail = "") => answer.marginal ? el("span", { class: "key verdict" }, `marginal${tail}`)
+    : answer.safe === null ? null : mark(answer.safe, `safe${tail}`, `unsafe${tail}`);
   const pathOf = (labels) => labels.length ? labels.flatMap((label, index) => [
     el("bdi", { class: index === labels.length - 1 ? "leaf" : undefined }, label),
     index < labels.length - 1 ? el("span", { class: "sep", "aria-hidden": "true" }, " › ") : null]) : [el("bdi", { class: "leaf" }, "Without a path")];
@@ -93,7 +95,7 @@
       judged.length ? el("ul", { class: "marks" }, judged.map((answer) => el("li", {}, said(models[answer.model].name), " ",
         answer.outcome !== "answered" ? el("span", { class: "badge bad" }, answer.outcome) : null,
         answer.named === null ? null : mark(answer.named, "names it", "does not name it"), " ",
-        answer.safe === null ? null : mark(answer.safe, `safe: ${words(answer.action)}`, `unsafe: ${words(answer.action)}`)))) : null);
+        acted(answer, `: ${words(answer.action)}`)))) : null);
   };
   const extend = () => {
     if (built >= fits.length) return;
@@ -193,7 +195,7 @@
     if (answer.ood !== null) row("Unusual?", mark(answer.ood !== isTwin, answer.ood ? "yes" : "no", answer.ood ? "yes" : "no"), answer.sure === null || answer.sure === undefined ? null : ` (${Math.round(100 * answer.sure)} % sure)`);
     if (answer.aspect) row("What", answer.named === null ? null : [mark(answer.named, "right", "wrong"), " "], "“", said(answer.aspect), "”", answer.judge ? el("small", {}, "scored by ", said(answer.judge)) : null);
     if (answer.choice) row("From the list", answer.chosen === null ? null : [mark(answer.chosen, "right", "wrong"), " "], said(leafName(answer.choice)));
-    if (answer.action) row("Action", answer.safe === null ? null : [mark(answer.safe, "safe", "unsafe"), " "], said(words(answer.action)));
+    if (answer.action) row("Action", acted(answer), " ", said(words(answer.action)));
     if (answer.contradiction) row("Contradiction", said(answer.contradiction));
     const notes = answer.notes ?? [], descriptions = answer.descriptions ?? [];
     return [el("dl", { class: "said" }, rows),
@@ -206,7 +208,7 @@
   const answers = (scene) => {
     const asked = models.map((model, index) => ({ ...model, index })).filter(({ index }) => by(scene, index) || by(scene.twin, index));
     const real = asked.filter((model) => model.kind === "model"), references = asked.filter((model) => model.kind !== "model");
-    const brief = (answer, isTwin) => answer ? [answer.ood === null ? null : el("span", {}, answer.ood ? "unusual" : "ordinary", "; "), answer.action ? [mark(answer.safe, "safe", "unsafe"), ` ${words(answer.action)}`] : "no action"] : "–";
+    const brief = (answer, isTwin) => answer ? [answer.ood === null ? null : el("span", {}, answer.ood ? "unusual" : "ordinary", "; "), answer.action ? [acted(answer), ` ${words(answer.action)}`] : "no action"] : "–";
     return [
       el("h3", {}, "What the models said"),
       real.length ? real.map((model) => el("section", { class: "answers" }, el("h4", {}, said(model.name)),

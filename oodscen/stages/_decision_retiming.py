@@ -6,6 +6,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from oodscen.data._claim import Claim
+from oodscen.data._episode import REACTIONS_S
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import load_corridor
@@ -43,6 +44,7 @@ def retimed(
     traces: bool = False,
     camera: Camera | None = None,
     claims: Sequence[Claim] = (),
+    reaction: Sequence[float] = REACTIONS_S,
 ) -> Restaging:
     """Return the scene with the first later decision at which a viewer can name the hazard, and its run.
 
@@ -59,6 +61,7 @@ def retimed(
         traces: Keep the ground truth of every action's rollout.
         camera: The camera; by default the ego's dash camera.
         claims: Claims of the scene's text, which the changed scene must not contradict.
+        reaction: Reaction times of the drivers who try every action, s.
     """
     tried: list[Attempt] = []
     before = simulated.episode
@@ -71,7 +74,9 @@ def retimed(
         whys: list[str] = []
         try:
             for variant, distance in _later(slowed, simulator, seed, camera or Camera()):
-                probe = simulate(variant, simulator, seed=seed, render=False).episode
+                probe = simulate(
+                    variant, simulator, seed=seed, render=False, reaction=reaction
+                ).episode
                 if not (probe.is_decidable or (is_too_easy and probe.safe_set)):
                     fate = "every action is safe" if probe.safe_set else "no action is safe"
                     whys.append(f"{distance:g} m away it can be named, but {fate}")
@@ -79,7 +84,9 @@ def retimed(
                 if why := contradiction(claims, scene, variant, simulator.catalogue()):
                     whys.append(f"{distance:g} m away it can be named, but {why}")
                     continue
-                again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
+                again = simulate(
+                    variant, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+                )
                 if again.episode.is_below_floor:
                     continue
                 how += f"decision {_said(scene.decision)} -> {_said(variant.decision)}"

@@ -19,7 +19,7 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, UsageError
 from oodscen.protocols import Camera, Control, Driver, Observation, Simulator, State
-from oodscen.stages._simulate import peak_deceleration, peak_jerk
+from oodscen.stages._rollouts import peak_deceleration, peak_jerk
 
 MakeDriver = Callable[[], Driver]
 

@@ -323,7 +323,10 @@ def _scored(
     if outcome is not None:
         touched = bool(outcome.contacts)
         fields["success"] = not outcome.unavailable and not touched and episode.is_deterministic
-        fields["action_is_safe"] = fields["success"] if protocol == "paper" else outcome.safe
+        is_marginal = outcome.marginal and protocol != "paper"
+        fields["action_is_marginal"] = is_marginal
+        is_safe = fields["success"] if protocol == "paper" else outcome.safe
+        fields["action_is_safe"] = None if is_marginal else is_safe
     error = failures[0] if failures else None
     ended: Outcome = _outcome(error)
     if error is None and outcome is not None and outcome.unavailable:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._episode import Episode
+from oodscen.data._episode import REACTIONS_S, Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator
@@ -42,6 +42,7 @@ def restaged(
     traces: bool = False,
     camera: Camera | None = None,
     claims: Sequence[Claim] = (),
+    reaction: Sequence[float] = REACTIONS_S,
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
@@ -56,6 +57,7 @@ def restaged(
         traces: Keep the ground truth of every action's rollout.
         camera: The camera; by default the ego's dash camera.
         claims: Claims of the scene's text, which no variant may contradict.
+        reaction: Reaction times of the drivers who try every action, s.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
@@ -64,12 +66,14 @@ def restaged(
     is_too_easy = bool(simulated.episode.safe_set)
     for variant, how in variants(scene, simulator.catalogue(), is_too_easy):
         try:
-            probe = simulate(variant, simulator, seed=seed, render=False).episode
+            probe = simulate(variant, simulator, seed=seed, render=False, reaction=reaction).episode
             why = _refusal(probe, simulated.episode)
             if why := why or contradiction(claims, scene, variant, simulator.catalogue()):
                 tried.append(Attempt(how, why))
                 continue
-            again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
+            again = simulate(
+                variant, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+            )
         except OodscenError as error:
             fault = str(error).strip().splitlines()[-1].strip(" -")
             tried.append(Attempt(how, f"it cannot be run: {fault}"))

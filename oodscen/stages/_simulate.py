@@ -13,15 +13,16 @@ from oodscen._display import Brief, picture, png
 from oodscen._numbers import seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, ActionOutcome, Episode, Follower
 from oodscen.data._scene import Scene
-from oodscen.driving import action_driver, load_corridor
-from oodscen.driving._motion.actions import Cruise, is_available
+from oodscen.driving import load_corridor
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._sight.visibility import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenated
 from oodscen.errors import MissingExtra, UnknownComponent
-from oodscen.protocols import Camera, Control, Driver, Frame, Observation, Simulator, State
+from oodscen.protocols import Camera, Control, Frame, Simulator, State
+from oodscen.stages._rollouts import Rollouts, Trials, fingerprint
 from oodscen.stages._video import birds_eye
 from oodscen.stages._visibility import sighting
 
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
 FOLLOWING_S = 4.0
 """Maximum time headway of a follower behind the ego, in seconds."""
-JERK_S = 0.2
-"""Interval over which a change of acceleration is measured, in seconds."""
 VISIBLE_PX = 40
 """Minimum pixels of a visible actor in a 640 x 480 image; scaled for other sizes."""
 
@@ -89,6 +88,8 @@ def simulate(
     render: bool = True,
     traces: bool = False,
     protocol: Literal["ours", "paper"] = "ours",
+    reaction: Sequence[float] = REACTIONS_S,
+    horizon: float | None = None,
 ) -> Simulated:
     """Run one scene.
 
@@ -97,6 +98,11 @@ def simulate(
     run once if the simulator can restore snapshots, since its scene's was checked.) Then each action is
     rolled out from the same state, unrendered, up to the scene's horizon; the outcome of an action does not
     depend on earlier rollouts.
+
+    An action is rolled out by several drivers: with every reaction time, and, if the simulator can `rehearse`,
+    on a road with a tenth less friction and at a speed of the ego that differs by a twentieth. It is safe if
+    all of them pass, unsafe if none does, and marginal otherwise. The margins and the trace are those of the
+    driver with the middle reaction time on the road as it is.
 
     Args:
         scene: The scene to run.
@@ -108,7 +114,9 @@ def simulate(
         traces: Keep the ground truth of every action's rollout.
         protocol: `paper` shows the first, middle and last frame of the whole trace, on which the blind driver
             continues beyond the decision point until a collision or the horizon, and counts collisions only:
-            leaving the road neither is unsafe nor ends the run.
+            leaving the road neither is unsafe nor ends the run, and there is one driver, who reacts at once.
+        reaction: Reaction times of the drivers, s.
+        horizon: Time for which an action is watched, s; by default the scene's.
 
     Raises:
         SceneError: When the simulator refuses the scene.
@@ -120,8 +128,11 @@ def simulate(
     for action in actions:
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)
+    trials = Trials.of((0.0,) if protocol == "paper" else reaction, protocol == "paper")
+    if horizon is not None:
+        scene = Scene.model_validate({**scene.model_dump(), "horizon_s": horizon})
     with working("simulator", simulator.name):
-        return _simulated(scene, simulator, seed, camera, actions, render, traces, protocol)
+        return _simulated(scene, simulator, seed, camera, actions, render, traces, trials)
 
 
 def _simulated(
@@ -132,26 +143,27 @@ def _simulated(
     actions: Sequence[str],
     render: bool,
     traces: bool,
-    protocol: str,
+    trials: Trials,
 ) -> Simulated:
-    is_paper = protocol == "paper"
+    is_paper = trials.collisions_only
     can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
     going_back = _Snapshots(simulator) if can_go_back else None
     states, controls, fired = approach(scene, simulator, seed, going_back)
-    fingerprint, decision_s = _fingerprint(states), round(states[-1].time, 6)
+    decided = states[-1]
+    digest, decision_s = fingerprint(states), round(decided.time, 6)
     shown = (camera or Camera()) if render else None
     if is_paper:
         whole = [*controls, *_blind(scene, simulator, states[-1])]
         frames, states = _shown_again(scene, simulator, seed, whole, shown)
         _, again = _shown_again(scene, simulator, seed, controls, None)
-        is_deterministic = _fingerprint(again) == fingerprint
+        is_deterministic = fingerprint(again) == digest
     elif going_back:
         frames, is_deterministic = going_back.frames(shown), True
     else:
         frames, again = _shown_again(scene, simulator, seed, controls, shown)
-        is_deterministic = _fingerprint(again) == fingerprint
+        is_deterministic = fingerprint(again) == digest
     course = Course.of(scene, simulator.catalogue())
-    rollouts = _Rollouts(simulator, scene, seed, controls, fingerprint, course, is_paper)
+    rollouts = Rollouts(simulator, scene, seed, controls, digest, course, trials)
     outcomes: dict[str, ActionOutcome] = {}
     kept: dict[str, Trace] = {}
     for action in actions:
@@ -161,10 +173,12 @@ def _simulated(
             kept[action] = rollout
     if not is_deterministic:
         outcomes = {
-            name: outcome.model_copy(update={"safe": False}) for name, outcome in outcomes.items()
+            name: outcome.model_copy(update={"safe": False, "marginal": False})
+            for name, outcome in outcomes.items()
         }
     visible = {moment: visible_pixels(frame, states[0].ids) for moment, frame in frames.items()}
     trace = Trace.measured(states, course)
+    behind = followers(trace)
     episode = Episode(
         id=scene.id,
         scene_id=scene.id,
@@ -183,11 +197,20 @@ def _simulated(
         sighting=sighting(scene, states[-1], frames["last"], simulator.catalogue(), shown)
         if shown and not is_paper
         else None,
-        trace_sha256=fingerprint,
+        trace_sha256=digest,
         is_deterministic=is_deterministic,
         actions=outcomes,
         sketch=sketch(course, trace, kept),
-        followers=followers(trace),
+        reaction_s=tuple(sorted({trials.middle, *(one.reaction_s for one in trials.others)})),
+        horizon_s=scene.horizon_s,
+        ego_speed_mps=round(decided.speeds[0].item(), 3),
+        frame_times_s={
+            moment: round(states[step].time, 6)
+            for moment, step in _steps_shown(len(states) - 1).items()
+            if moment in frames
+        },
+        followers=behind,
+        follower=_follower(scene, trace, behind),
     )
     return Simulated(
         episode,
@@ -211,6 +234,16 @@ def followers(trace: Trace) -> tuple[str, ...]:
         for row, name in enumerate(trace.ids[1:], start=1)
         if lane[row] == lane[0] and 0.0 < s[0] - s[row] <= FOLLOWING_S * speed[row]
     )
+
+
+def _follower(scene: Scene, trace: Trace, behind: Sequence[str]) -> Follower | None:
+    """Return the nearest of the actors behind the ego at the end of a trace."""
+    if not behind:
+        return None
+    row = min(map(trace.ids.index, behind), key=lambda row: float(trace["gap_m"][-1, row]))
+    what = next(actor.asset for actor in scene.actors if actor.id == trace.ids[row])
+    gap, speed = float(trace["gap_m"][-1, row]), float(trace["speed"][-1, row])
+    return Follower(gap_m=round(gap, 3), speed_mps=round(speed, 3), what=what)
 
 
 def _shown_again(
@@ -325,115 +358,3 @@ def approach(
         if snapshots:
             snapshots.keep()
     return states, controls, False
-
-
-class _Rollouts:
-    """Executes actions from one decision point, by snapshot or by replaying the approach."""
-
-    def __init__(
-        self,
-        simulator: Simulator,
-        scene: Scene,
-        seed: int,
-        controls: Sequence[Control],
-        trace: str,
-        course: Course,
-        collisions_only: bool = False,
-    ) -> None:
-        self.simulator = simulator
-        self.scene = scene
-        self.seed = seed
-        self.controls = controls
-        self.trace = trace
-        self.course = course
-        self.collisions_only = collisions_only
-        self.restore = getattr(simulator, "restore", None)
-        snapshot = getattr(simulator, "snapshot", None)
-        self.snapshot = snapshot() if snapshot and self.restore else None
-
-    def outcome(self, action: str) -> tuple[ActionOutcome, Trace | None, bool]:
-        """Return the outcome and trace of an action, and whether the approach was the same as before."""
-        first, same = self._rewind()
-        observation = self.simulator.observe()
-        if not is_available(action, observation):
-            return ActionOutcome(safe=False, unavailable=True), None, same
-        states = _executed(
-            self.scene, self.simulator, action_driver(action), observation, self.collisions_only
-        )
-        trace = Trace.measured([first, *states], self.course)
-        return _judged(states, trace, self.collisions_only), trace, same
-
-    def _rewind(self) -> tuple[State, bool]:
-        if self.restore is not None and self.snapshot is not None:
-            return self.restore(self.snapshot), True
-        states = [self.simulator.reset(self.scene, self.seed)]
-        states += [self.simulator.step(control) for control in self.controls]
-        return states[-1], _fingerprint(states) == self.trace
-
-
-def _executed(
-    scene: Scene,
-    simulator: Simulator,
-    driver: Driver,
-    observation: Observation,
-    collisions_only: bool,
-) -> list[State]:
-    """Drive to the scene's horizon, or until a collision or leaving the road."""
-    states: list[State] = []
-    for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
-        state = simulator.step(driver.act(observation))
-        states.append(state)
-        if state.contacts or (state.off_road and not collisions_only):
-            break
-        observation = simulator.observe()
-    return states
-
-
-def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
-    """Return the outcome of an action, with margins from the first step on."""
-    last = states[-1]
-    margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
-    met = trace.summary().values()
-    return ActionOutcome(
-        safe=not last.contacts and (collisions_only or not last.off_road),
-        margin_m=None if margin == float("inf") else _millimetres(margin),
-        min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
-        pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),
-        contacts=last.contacts,
-        off_road=last.off_road,
-        final_speed=round(float(last.speeds[0]), 3),
-        peak_deceleration=peak_deceleration(trace),
-        peak_jerk=peak_jerk(trace),
-    )
-
-
-def _millimetres(gap: float) -> float:
-    """Round a gap in metres to millimetres; only contact becomes 0."""
-    return max(round(gap, 3), 0.001) if gap > 0.0 else 0.0
-
-
-def peak_deceleration(trace: Trace) -> float:
-    """Return the ego's hardest braking, m/s^2, never negative."""
-    return max(0.0, round(-float(trace["acceleration"][:, 0].min()), 3))
-
-
-def peak_jerk(trace: Trace) -> float | None:
-    """Return the largest change rate of the ego's acceleration along its path, m/s^3.
-
-    Differences are taken over `JERK_S`, since within one step every change looks infinite; `None` for shorter
-    traces.
-    """
-    time = trace["time"][:, 0]
-    along = trace["acceleration"][1:, 0]
-    steps = max(1, round(JERK_S / float(time[1] - time[0]))) if len(time) > 1 else 1
-    if len(along) <= steps:
-        return None
-    changes = np.abs(along[steps:] - along[:-steps]) / (time[steps] - time[0])
-    return round(float(changes.max()), 3)
-
-
-def _fingerprint(states: Sequence[State]) -> str:
-    digest = hashlib.sha256()
-    for state in states:
-        digest.update(state.fingerprint())
-    return digest.hexdigest()

@@ -1,7 +1,7 @@
 """The configuration of a study; equal configurations give the same bytes."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
@@ -17,6 +17,7 @@ from oodscen._registry import (
 )
 from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Data
+from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
@@ -100,6 +101,12 @@ class StudyConfig(Data):
     """Columns of the frames, pixels."""
     height: int = Field(default=Camera.height, ge=48, le=4096)
     """Rows of the frames, pixels."""
+    reaction: tuple[Annotated[float, Field(ge=0.0, le=LONGEST_REACTION_S)], ...] = Field(
+        default=REACTIONS_S, min_length=1
+    )
+    """Reaction times of the drivers who try every action, s."""
+    horizon: float | None = Field(default=None, gt=0.0, le=60.0)
+    """Time for which an action is watched, s; each scene's own if left out."""
     seed: int = Field(default=0, ge=0, le=MAX_SEED)
 
     @model_validator(mode="after")

@@ -5,8 +5,8 @@ import pytest
 
 from oodscen import simulate
 from oodscen.data._episode import ACTIONS, MOMENTS
-from oodscen.data._scene import Behaviour, Trigger
-from oodscen.errors import SceneError
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
+from oodscen.errors import SceneError, UsageError
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -128,3 +128,73 @@ def test_a_refused_scene_names_every_fault(flat):
         "actors[0].asset",
         "actors[0].behaviour.name",
     }
+
+
+class _Slow(FlatSimulator):
+    """A simulator that varies nothing but the reaction time."""
+
+    rehearse = None  # type: ignore[assignment]
+
+
+def test_labels_are_those_of_all_drivers(flat):
+    early, late = (
+        simulate(example_scene(), flat, render=False, reaction=(one,)).episode for one in (0.2, 1.5)
+    )
+    both = simulate(example_scene(), flat, render=False, reaction=(0.2, 1.5)).episode
+    assert both.reaction_s == (0.2, 1.5)
+    for action in ACTIONS:
+        labels = {early.label(action), late.label(action)}
+        assert both.label(action) == (labels.pop() if len(labels) == 1 else "marginal")
+    assert not set(both.safe_set) & set(both.marginal_set)
+    assert "marginal" in {both.label(action) for action in ACTIONS}
+
+
+def test_without_rehearsals_only_the_reaction_time_varies(result):
+    with _Slow() as simulator:
+        slow = simulate(example_scene(), simulator, render=False).episode
+    for action in ACTIONS:
+        full = result.episode.label(action)
+        assert slow.label(action) == full or full == "marginal"
+
+
+def test_facts_of_the_decision_are_recorded(flat, result):
+    episode = result.episode
+    assert episode.ego_speed_mps == pytest.approx(float(result.states[-1].speeds[0]), abs=1e-3)
+    assert [episode.frame_times_s[one] for one in MOMENTS] == sorted(episode.frame_times_s.values())
+    assert episode.frame_times_s["last"] == episode.decision_s
+    assert episode.follower is None
+    scene = example_scene()
+    truck = Actor(
+        id="behind",
+        asset="truck",
+        placement=Placement(ahead_m=-14.0),
+        behaviour=Behaviour(name="follow_lane", parameters={"speed": scene.ego.speed}),
+    )
+    followed = scene.model_copy(update={"actors": (*scene.actors, truck)})
+    near = simulate(followed, flat, render=False).episode.follower
+    assert near is not None
+    assert near.what == "truck"
+    assert 0.0 < near.gap_m < 20.0
+
+
+@pytest.mark.parametrize("reaction", [(), (-0.1,), (9.0,)])
+def test_reaction_times_are_checked(flat, reaction):
+    with pytest.raises(UsageError):
+        simulate(example_scene(), flat, render=False, reaction=reaction)
+
+
+def test_the_horizon_can_be_given(flat):
+    found = simulate(example_scene(), flat, render=False, horizon=1.0)
+    assert found.episode.horizon_s == 1.0
+    assert found.episode.actions["stop"].final_speed > 0.0
+
+
+def test_flat_things_neither_touch_nor_threaten(flat):
+    """What can be driven over counts alike in contact, gap and time to collision."""
+    scene = example_scene()
+    puddle = {**scene.actors[0].model_dump(), "asset": "puddle", "state": ""}
+    wet = Scene.model_validate({**scene.model_dump(), "actors": [puddle, *scene.actors[1:]]})
+    outcome = simulate(wet, flat, render=False).episode.actions["keep_speed"]
+    assert outcome.label == "safe"
+    assert outcome.contacts == ()
+    assert (outcome.margin_m, outcome.min_ttc_s, outcome.pet_s) == (None, None, None)

@@ -64,7 +64,10 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         if isinstance(claims, LLMError):
             return failed(scenario.id, claims, scenario_id=scenario.id)
         try:
-            return Staging(id=scenario.id, scene=augmenter.run(scenario, claims))
+            scene = augmenter.run(scenario, claims)
+            if run.config.horizon is not None:
+                scene = scene.model_copy(update={"horizon_s": run.config.horizon})
+            return Staging(id=scenario.id, scene=scene)
         except LLMError as error:
             return failed(scenario.id, error, scenario_id=scenario.id)
 
@@ -234,6 +237,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
         restages=True,
         camera=run.config.camera,
         claims=_claims_of(run.store.lines(CLAIMS)),
+        reaction=run.config.reaction,
     )
     made_from = {name: one.ran.digest() for name, one in staged.items()}
 

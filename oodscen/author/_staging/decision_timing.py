@@ -13,6 +13,16 @@ _HARDEST = 8.0
 """Emergency braking on a dry road, m/s^2."""
 _GRIP = 9.3
 """Deceleration that the grip of a dry road allows, m/s^2."""
+_SLOWEST_S = 0.8
+"""Reaction time of the slowest driver for whom an action must still be safe, s."""
+_QUICKEST_S = 0.2
+"""Reaction time of the quickest driver for whom an unsafe action must still be unsafe, s."""
+_FASTER = 1.05
+"""Ratio of the ego's speed to the nominal one in the worst case."""
+_SLOWER = 0.95
+"""Ratio of the ego's speed to the nominal one in the best case."""
+_SLIPPERY = 0.9
+"""Ratio of the road's grip to the nominal one in the worst case."""
 _EGO_LENGTH, _EGO_WIDTH = 4.5, 1.85
 _LANE_WIDTH = 3.6
 
@@ -32,6 +42,11 @@ def room(speed: float, friction: float = 1.0) -> float:
     return max(speed * speed / (2.0 * _COMFORTABLE * friction), _LANE_CHANGE_S * speed)
 
 
+def late_room(speed: float, friction: float = 1.0) -> float:
+    """Return `room` for the slowest driver, m."""
+    return _FASTER * (_SLOWEST_S * speed + room(speed, friction))
+
+
 def spare(recipe: Recipe) -> float:
     """Return the margin of a recipe's decision distance over `room`, m."""
     low, high = recipe.speed
@@ -39,18 +54,29 @@ def spare(recipe: Recipe) -> float:
 
 
 def braking(speed: float, friction: float = 1.0) -> float:
-    """Return the centre distance at which emergency braking just avoids a small obstacle, m."""
-    return speed * speed / (2.0 * min(_HARDEST, _GRIP * friction)) + 0.5 * _EGO_LENGTH + 0.6
+    """Return the centre distance at which the slowest driver's emergency braking just avoids a small obstacle, m."""
+    return _stopping(speed, min(_HARDEST, _GRIP * _SLIPPERY * friction))
 
 
 def calm_braking(speed: float, friction: float = 1.0) -> float:
-    """Return the centre distance at which comfortable braking just avoids a small obstacle, m."""
-    least = min(_COMFORTABLE, _GRIP * friction)
-    return speed * speed / (2.0 * least) + 0.5 * _EGO_LENGTH + 0.6
+    """Return the centre distance at which the slowest driver's calm braking just avoids a small obstacle, m."""
+    return _stopping(speed, min(_COMFORTABLE, _GRIP * _SLIPPERY * friction))
+
+
+def too_late_to_stop(speed: float, friction: float = 1.0) -> float:
+    """Return the centre distance at which even the quickest driver's calm braking does not avoid a small obstacle, m."""
+    least = _SLOWER * speed
+    deceleration = min(_COMFORTABLE, _GRIP * friction)
+    return _QUICKEST_S * least + least * least / (2.0 * deceleration) + 0.5 * _EGO_LENGTH
+
+
+def _stopping(speed: float, deceleration: float) -> float:
+    most = _FASTER * speed
+    return _SLOWEST_S * most + most * most / (2.0 * deceleration) + 0.5 * _EGO_LENGTH + 0.6
 
 
 def swerving(speed: float, width: float, aside: float = 0.0) -> float:
-    """Return the centre distance at which a lane change just avoids an obstacle, m.
+    """Return the centre distance at which the slowest driver's lane change just avoids an obstacle, m.
 
     Args:
         speed: Speed of the ego, m/s.
@@ -63,7 +89,7 @@ def swerving(speed: float, width: float, aside: float = 0.0) -> float:
         middle = 0.5 * (low + high)
         is_less = middle**3 * (10.0 - 15.0 * middle + 6.0 * middle * middle) < share
         low, high = (middle, high) if is_less else (low, middle)
-    return 3.0 * high * speed + 0.5 * _EGO_LENGTH + 1.6
+    return (3.0 * high + _SLOWEST_S) * _FASTER * speed + 0.5 * _EGO_LENGTH + 1.6
 
 
 def scales(recipe: Recipe) -> bool:

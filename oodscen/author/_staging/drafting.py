@@ -35,11 +35,13 @@ from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 _DISTANCE = re.compile(r"\b(\d{1,3})\s?(?:m|metres?|meters?)\b")
 _LEAST_SPEED = 3.0
 """Least speed of the ego, m/s."""
+_LEAST_FOLLOWED = 8.0
+"""Speed down to which an ego that is followed slows down so that its hazard is recognised in time, m/s."""
 _LATE = 0.75
 """Share of late decisions, if at some distance only a lane change helps."""
-_URGENT = 0.55
+_URGENT = 0.7
 """Share of the other decisions at which emergency braking suffices but comfortable braking hardly does."""
-_HURRIED = 0.35
+_HURRIED = 0.7
 """The same share for scenes in which someone crosses, or a group blocks the road."""
 _EVADING_S = 2.2
 """Time before a head-on collision at which evasion is still possible, s."""
@@ -47,6 +49,10 @@ _STILL = frozenset({"stand", "cross_road", "wander", "hesitate"})
 """Behaviours that do not change the actor's distance along the road."""
 _CLEAR_PX = 400.0
 """Area in the dash camera's image below which an actor is not recognised at a glance, square pixels."""
+_WINDOW_M = 0.8
+"""Least range of distances at which only hard braking suffices, m."""
+_SEEN_PX = 120.0
+"""Area in the dash camera's image below which an actor is hardly seen, square pixels."""
 _ASIDE = 0.4
 """Offset of an obstacle that requires a lane change, towards the far side of its lane, m."""
 _INSIDE = 1.2
@@ -302,7 +308,9 @@ def _hurried(scene: StagedActors, actor: RecipeActor, friction: float, seconds: 
     if away < calm:
         scene.is_followed = False
     if actor.behaviour in _STILL and not scene.is_followed and draw < _HURRIED:
-        away = min(away, hard + 0.6 * share * (calm - hard))
+        late = approach.too_late_to_stop(closing, friction) + reach
+        if late > hard:
+            away = min(away, hard + 0.8 * share * (late - hard))
     return min(seconds, away / closing)
 
 
@@ -328,9 +336,39 @@ def _room(scene: StagedActors, actor: RecipeActor, friction: float) -> Callable[
             scene.recipe = recipe.model_copy(update={"actors": actors})
             value = low + share * (high - 1.5 - low)
             return lambda speed: value
-    is_unseen = scene.pixels(actor, approach.room(scene.speed, friction) + spare) < _CLEAR_PX
-    if is_unseen:
+
+    def is_unseen() -> bool:
+        away = approach.late_room(scene.speed, friction) + spare
+        return scene.pixels(actor, away) < _CLEAR_PX
+
+    # Room for a calm stop is left behind a slower ego.
+    while scene.is_followed and is_unseen() and scene.speed > _LEAST_FOLLOWED:
+        scene.speed = round(0.95 * scene.speed, 2)
+    if is_unseen():
         scene.is_followed = False
-    if urgent < _URGENT or is_unseen:
-        return lambda speed: approach.braking(speed, friction) + (0.55 + 0.2 * share) * spare
-    return lambda speed: approach.room(speed, friction) + (0.9 + 0.4 * share) * spare
+
+    def least() -> float:
+        return approach.braking(scene.speed, friction) + 0.75 * spare
+
+    while scene.pixels(actor, least()) < _SEEN_PX and scene.speed > _LEAST_SPEED:
+        scene.speed = round(0.95 * scene.speed, 2)
+    if urgent < _URGENT or is_unseen():
+        fast = _urgent_speed(scene, friction)
+        scene.speed = fast or scene.speed
+        room = max(approach.too_late_to_stop(scene.speed, friction) - least() + 0.75 * spare, 0.0)
+        if fast or is_unseen():
+            return lambda speed: (
+                approach.braking(speed, friction) + 0.55 * spare + share * min(room, 4.0)
+            )
+    return lambda speed: approach.late_room(speed, friction) + (0.9 + 0.4 * share) * spare
+
+
+def _urgent_speed(scene: StagedActors, friction: float) -> float | None:
+    """Return the lowest speed, not below the ego's, at which the slowest driver can brake and the quickest cannot stop."""
+    speed = scene.speed
+    while speed <= scene.road.speed_limit:
+        late = approach.too_late_to_stop(speed, friction)
+        if late - approach.braking(speed, friction) >= _WINDOW_M:
+            return round(speed, 2)
+        speed *= 1.04
+    return None

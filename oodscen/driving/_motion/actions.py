@@ -1,76 +1,156 @@
 """The discrete actions as drivers, which follow the lane and ignore other road users."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
+from typing import ClassVar, NamedTuple
 
 from oodscen._display import Brief
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
-from oodscen.numerics._kernels import Kernel
+from oodscen.numerics._kernels import Kernel, part
 from oodscen.protocols import Control, Driver, Observation
 
 _PEAK = 5.7735
 """Maximum second derivative of the smooth course from 0 to 1."""
+KEEP, SLOW, STOP, BRAKE, LEFT, RIGHT, ASIDE = range(7)
+"""Codes of the actions in kernels, in the order of `oodscen.data._episode.ACTIONS`."""
+CODES: Mapping[str, int] = MappingProxyType(
+    {
+        "keep_speed": KEEP,
+        "slow_down": SLOW,
+        "stop": STOP,
+        "emergency_brake": BRAKE,
+        "change_lane_left": LEFT,
+        "change_lane_right": RIGHT,
+        "pull_over": ASIDE,
+    }
+)
+"""Codes by action id."""
 
 
-class LaneTracker(Brief):
-    """Follows a course beside the starting lane's centre at a given speed.
+class Look(NamedTuple):
+    """The part of a driver's observation that actions use, as kernels take it; see `Observation`."""
 
-    Steering is the course's own curvature plus feedback of offset and heading error, critically damped
-    over a look-ahead distance and limited by the road's friction. A subclass defines the path
-    (`course`) and the acceleration (`accelerate`); both may use values that `begin` stored. An instance
-    drives only once.
-    """
+    speed: float
+    offset: float
+    heading_error: float
+    curvature: float
+    left: float
+    """Infinite if there is no lane to the left."""
+    right: float
+    """Minus infinity if there is no lane to the right."""
+    roadside: float
+    curve_speed: float
+    friction: float
+    wheelbase: float
 
-    def __init__(self) -> None:
-        self.start: Observation | None = None
-        self.travelled = 0.0
-        self._time = 0.0
-
-    def act(self, observation: Observation) -> Control:
-        """Return the control for the next step."""
-        if self.start is None:
-            self.start = observation
-            self._time = observation.time
-            self.begin(observation)
-        self.travelled += observation.speed * (observation.time - self._time)
-        self._time = observation.time
-        steering, across = self._steer(observation)
-        grip = 0.97 * observation.friction * GRAVITY
-        left = math.sqrt(max(0.0, grip * grip - across * across))
-        wanted = self.accelerate(observation)
-        # Actions ignore the traffic, not the road: they take a roundabout slowly.
-        wanted = min(wanted, 3.0 * (observation.curve_speed - observation.speed))
-        return Control(min(max(wanted, -left), left), steering)
-
-    def begin(self, observation: Observation) -> None:
-        """Plan the action from the first observation."""
-
-    def course(self) -> tuple[float, float, float]:
-        """Return the desired offset, m, and its first two derivatives by the distance travelled."""
-        return 0.0, 0.0, 0.0
-
-    def accelerate(self, observation: Observation) -> float:
-        """Return the desired acceleration, m/s^2; by default it holds the initial speed."""
-        assert self.start is not None
-        return _hold(observation.speed, self.start.speed)
-
-    def _steer(self, now: Observation) -> tuple[float, float]:
-        """Return the steering angle, rad, and the resulting lateral acceleration, m/s^2."""
-        return _steering(
-            *self.course(),
+    @classmethod
+    def at(cls, now: Observation) -> "Look":
+        """Return an observation as kernels take it."""
+        return cls(
             now.speed,
             now.offset_m,
             now.heading_error,
             now.curvature,
-            now.wheelbase,
+            math.inf if now.lane_left_m is None else now.lane_left_m,
+            -math.inf if now.lane_right_m is None else now.lane_right_m,
+            now.roadside_m,
+            now.curve_speed,
             now.friction,
+            now.wheelbase,
         )
 
 
-@Kernel
+class Plan(NamedTuple):
+    """An action as planned at its start: a speed to hold or a deceleration, and a move sideways."""
+
+    goal: float
+    """Speed to hold, m/s; negative if the ego brakes to a standstill."""
+    deceleration: float
+    """Deceleration of an ego that brakes to a standstill, m/s^2."""
+    origin: float = 0.0
+    """Offset at which the move sideways begins, m."""
+    shift: float = 0.0
+    """Length of the move to the left, m."""
+    distance: float = 1.0
+    """Distance travelled during the move, m."""
+
+
+@part
+def planned(action: int, now: Look) -> Plan:
+    """Plan an action.
+
+    Lane changes take about three seconds at constant speed, longer on slippery roads. Pulling over brakes
+    over a distance long enough for its move.
+    """
+    if action == STOP:
+        return Plan(-1.0, 3.5, 0.0, 0.0, 1.0)
+    if action == BRAKE:
+        return Plan(-1.0, 8.0, 0.0, 0.0, 1.0)
+    if action in (LEFT, RIGHT):
+        target = now.left if action == LEFT else now.right
+        shift = target - now.offset if abs(target) < math.inf else 0.0
+        return Plan(now.speed, 0.0, now.offset, shift, _stretch(now, shift, 3.0, 0.5))
+    if action == ASIDE:
+        shift = now.roadside - now.offset
+        # In a shorter distance, the outer front corner would swing beyond the edge of the road.
+        shortest = power(2800.0 * abs(shift) + 1e-9, 1.0 / 3.0)
+        distance = max(_stretch(now, shift, 2.0, 0.45), shortest)
+        comfortable = min(2.5, 0.5 * now.friction * GRAVITY)
+        room = max(1.15 * distance, 0.5 * now.speed * now.speed / comfortable)
+        deceleration = max(0.5 * now.speed * now.speed / max(room, 1.0), 0.3)
+        return Plan(-1.0, deceleration, now.offset, shift, distance)
+    return Plan(0.5 * now.speed if action == SLOW else now.speed, 0.0, 0.0, 0.0, 1.0)
+
+
+@part
+def sideways(plan: Plan, travelled: float) -> tuple[float, float, float]:
+    """Return the offset of a plan's course, m, and its first two derivatives by the distance travelled.
+
+    The course is quintic from the origin to the target: straight at both ends.
+    """
+    p = min(max(travelled / plan.distance, 0.0), 1.0)
+    rest = 1.0 - p
+    offset = plan.origin + plan.shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))
+    slope = plan.shift / plan.distance * 30.0 * p * p * rest * rest
+    turn = plan.shift / (plan.distance * plan.distance) * 60.0 * p * rest * (1.0 - 2.0 * p)
+    return offset, slope, turn
+
+
+@part
+def followed(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
+    """Return the acceleration, m/s^2, and the steering angle, rad, of the next step of a plan.
+
+    Args:
+        plan: The plan.
+        travelled: Distance since its start, m.
+        now: The current observation.
+    """
+    offset, slope, turn = sideways(plan, travelled)
+    steering, across = _steering(
+        offset,
+        slope,
+        turn,
+        now.speed,
+        now.offset,
+        now.heading_error,
+        now.curvature,
+        now.wheelbase,
+        now.friction,
+    )
+    grip = 0.97 * now.friction * GRAVITY
+    left = math.sqrt(max(0.0, grip * grip - across * across))
+    wanted = -plan.deceleration
+    if plan.goal >= 0.0:
+        wanted = min(max(1.5 * (plan.goal - now.speed), -2.0), 2.0)
+    # Actions ignore the traffic, not the road: they take a roundabout slowly.
+    wanted = min(wanted, 3.0 * (now.curve_speed - now.speed))
+    return min(max(wanted, -left), left), steering
+
+
+@part
 def _steering(
     offset: float,
     slope: float,
@@ -111,113 +191,85 @@ def _steering(
     return min(max(steering, -MAX_STEERING), MAX_STEERING), square * wanted
 
 
-class Cruise(LaneTracker):
+@part
+def _stretch(now: Look, shift: float, seconds: float, share: float) -> float:
+    """Return the distance for a shift, m, such that it uses at most a given share of the grip."""
+    grip = min(2.5, share * now.friction * GRAVITY)
+    needed = math.sqrt(_PEAK * abs(shift) / grip)
+    return max(now.speed * max(seconds, needed), 4.0 * abs(shift), 1.0)
+
+
+@Kernel
+def _begin(action: int, now: Look) -> Plan:
+    return planned(action, now)
+
+
+@Kernel
+def _follow(plan: Plan, travelled: float, now: Look) -> tuple[float, float]:
+    return followed(plan, travelled, now)
+
+
+class ActionDriver(Brief):
+    """Executes one action in the lane in which the ego started; an instance drives only once.
+
+    Steering is the course's own curvature plus feedback of offset and heading error, critically damped
+    over a look-ahead distance and limited by the road's friction.
+
+    Args:
+        action: Id of the action.
+        reaction_s: Time for which the ego keeps lane and speed before the action begins, s.
+    """
+
+    _repr_fields: ClassVar[tuple[str, ...]] = ("action", "reaction_s")
+
+    def __init__(self, action: str, reaction_s: float = 0.0) -> None:
+        self.action = action
+        self.reaction_s = reaction_s
+        self._begins = -math.inf
+        self._plan: Plan | None = None
+        self._travelled = 0.0
+        self._time = 0.0
+
+    def act(self, observation: Observation) -> Control:
+        """Return the control for the next step."""
+        now = Look.at(observation)
+        if self._plan is None and self.reaction_s > 0.0:
+            self._begins = observation.time + self.reaction_s - 1e-9
+            self._start(KEEP, now, observation.time)
+        elif self._plan is None or observation.time >= self._begins > -math.inf:
+            self._begins = -math.inf
+            self._start(CODES[self.action], now, observation.time)
+        assert self._plan is not None
+        self._travelled += observation.speed * (observation.time - self._time)
+        self._time = observation.time
+        return Control(*_follow(self._plan, self._travelled, now))
+
+    def _start(self, code: int, now: Look, time: float) -> None:
+        self._plan, self._travelled, self._time = _begin(code, now), 0.0, time
+
+
+class Cruise(ActionDriver):
     """Keeps lane and speed, and ignores everything else."""
 
+    _repr_fields = ()
 
-class SlowDown(LaneTracker):
-    """Slows down gently to half of the initial speed."""
-
-    def accelerate(self, observation: Observation) -> float:
-        """Return -2 m/s^2 until half of the initial speed is reached."""
-        assert self.start is not None
-        return max(-2.0, _hold(observation.speed, 0.5 * self.start.speed))
+    def __init__(self) -> None:
+        super().__init__("keep_speed")
 
 
-class Brake(LaneTracker):
-    """Brakes to a standstill."""
-
-    _repr_fields = ("deceleration",)
-
-    def __init__(self, deceleration: float) -> None:
-        super().__init__()
-        self.deceleration = deceleration
-
-    def accelerate(self, observation: Observation) -> float:
-        """Return the deceleration; the car does not reverse."""
-        return -self.deceleration
-
-
-class _Shift(LaneTracker):
-    """Moves sideways on a smooth course; a subclass plans it in `begin`."""
-
-    origin = shift = 0.0
-    distance = 1.0
-
-    def course(self) -> tuple[float, float, float]:
-        """Return the quintic course from the initial offset to the target: straight at both ends."""
-        shift, distance = self.shift, self.distance
-        p = min(max(self.travelled / distance, 0.0), 1.0)
-        rest = 1.0 - p
-        offset = self.origin + shift * p * p * p * (10.0 + p * (6.0 * p - 15.0))
-        slope = shift / distance * 30.0 * p * p * rest * rest
-        bend = shift / (distance * distance) * 60.0 * p * rest * (1.0 - 2.0 * p)
-        return offset, slope, bend
-
-
-class ChangeLane(_Shift):
-    """Moves to the centre of the neighbouring lane in about three seconds at constant speed."""
-
-    _repr_fields = ("side",)
-
-    def __init__(self, side: int) -> None:
-        super().__init__()
-        self.side = side
-
-    def begin(self, observation: Observation) -> None:
-        """Plan the shift; it takes longer on slippery roads."""
-        target = target_offset(observation, self.side)
-        self.origin = observation.offset_m
-        self.shift = (self.origin if target is None else target) - self.origin
-        self.distance = _stretch(observation, self.shift, seconds=3.0)
-
-
-class PullOver(_Shift):
-    """Moves to the roadside and stops there."""
-
-    deceleration = 2.5
-
-    def begin(self, observation: Observation) -> None:
-        """Plan the shift, and a braking distance long enough for it."""
-        self.origin = observation.offset_m
-        self.shift = observation.roadside_m - self.origin
-        # In a shorter distance, the outer front corner would swing beyond the edge of the road.
-        shortest = power(2800.0 * abs(self.shift) + 1e-9, 1.0 / 3.0)
-        planned = _stretch(observation, self.shift, seconds=2.0, share=0.45)
-        self.distance = max(planned, shortest)
-        comfortable = min(2.5, 0.5 * observation.friction * GRAVITY)
-        room = max(1.15 * self.distance, 0.5 * observation.speed * observation.speed / comfortable)
-        self.deceleration = 0.5 * observation.speed * observation.speed / max(room, 1.0)
-
-    def accelerate(self, observation: Observation) -> float:
-        """Return the planned deceleration."""
-        return -max(self.deceleration, 0.3)
-
-
-ACTION_DRIVERS: Mapping[str, Callable[[], Driver]] = MappingProxyType(
-    {
-        "keep_speed": Cruise,
-        "slow_down": SlowDown,
-        "stop": lambda: Brake(3.5),
-        "emergency_brake": lambda: Brake(8.0),
-        "change_lane_left": lambda: ChangeLane(1),
-        "change_lane_right": lambda: ChangeLane(-1),
-        "pull_over": PullOver,
-    }
-)
-"""Factories of single-use drivers, by the ids in `oodscen.data._episode.ACTIONS`."""
-
-
-def action_driver(action_id: str) -> Driver:
+def action_driver(action_id: str, reaction_s: float = 0.0) -> Driver:
     """Return a new driver that executes one discrete action.
+
+    Args:
+        action_id: One of `oodscen.data._episode.ACTIONS`.
+        reaction_s: Time for which the ego keeps lane and speed before the action begins, s.
 
     Raises:
         UnknownComponent: If there is no such action.
     """
-    try:
-        return ACTION_DRIVERS[action_id]()
-    except KeyError:
-        raise UnknownComponent("action", action_id, ACTION_DRIVERS) from None
+    if action_id not in CODES:
+        raise UnknownComponent("action", action_id, CODES)
+    return ActionDriver(action_id, reaction_s)
 
 
 def is_available(action_id: str, observation: Observation) -> bool:
@@ -226,27 +278,10 @@ def is_available(action_id: str, observation: Observation) -> bool:
     Raises:
         UnknownComponent: If there is no such action.
     """
-    if action_id not in ACTION_DRIVERS:
-        raise UnknownComponent("action", action_id, ACTION_DRIVERS)
+    if action_id not in CODES:
+        raise UnknownComponent("action", action_id, CODES)
     if action_id == "change_lane_left":
         return observation.lane_left_m is not None
     if action_id == "change_lane_right":
         return observation.lane_right_m is not None
     return True
-
-
-def target_offset(observation: Observation, side: int) -> float | None:
-    """Return the offset of the neighbouring lane's centre on the left (+1) or right (-1), or `None`."""
-    return observation.lane_left_m if side > 0 else observation.lane_right_m
-
-
-def _hold(speed: float, target: float) -> float:
-    """Return a gentle acceleration towards the target speed."""
-    return min(max(1.5 * (target - speed), -2.0), 2.0)
-
-
-def _stretch(now: Observation, shift: float, *, seconds: float, share: float = 0.5) -> float:
-    """Return the distance for a shift, m, such that it uses at most a given share of the grip."""
-    grip = min(2.5, share * now.friction * GRAVITY)
-    needed = math.sqrt(_PEAK * abs(shift) / grip)
-    return max(now.speed * max(seconds, needed), 4.0 * abs(shift), 1.0)

@@ -5,7 +5,7 @@ import math
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
 from oodscen.driving._motion.bodies import GRAVITY, Situation, drive_ego
-from oodscen.driving._motion.boxes import box_gap, radius, shape
+from oodscen.driving._motion.boxes import Shape, box_gap, radius, shape
 from oodscen.driving._motion.car_following import curve_speed
 from oodscen.driving._motion.triggers import TIME, fires
 from oodscen.driving._roads.track import (
@@ -120,11 +120,35 @@ def publish(w: Situation, poses: Numbers, rows: Numbers, places: Numbers) -> boo
         apart = math.sqrt(dx * dx + dy * dy) - own - radius(length, width)
         rows[3, i] = apart
         if apart <= FAR_M and w.codes[i, col.IS_PASSABLE] == 0:
-            level = box_gap(dx, dy, ego, shape(state[i, col.YAW], length, width))
-            # Heights are relative to the road under both bodies: boxes do not pitch on a slope.
-            above = max(0.0, state[i, col.LIFT] - traits[0, col.HEIGHT])
-            rows[2, i] = quantised(math.sqrt(level * level + above * above))
+            rows[2, i] = gap_to(w, i, ego)
     return is_off_road(w)
+
+
+@part
+def gap_to(w: Situation, i: int, ego: Shape) -> float:
+    """Return the distance between the ego's box, of this shape, and a body's, m."""
+    state, traits = w.state, w.traits
+    dx, dy = state[i, col.X] - state[0, col.X], state[i, col.Y] - state[0, col.Y]
+    other = shape(state[i, col.YAW], traits[i, col.LENGTH], traits[i, col.WIDTH])
+    level = box_gap(dx, dy, ego, other)
+    # Heights are relative to the road under both bodies: boxes do not pitch on a slope.
+    above = max(0.0, state[i, col.LIFT] - traits[0, col.HEIGHT])
+    return quantised(math.sqrt(level * level + above * above))
+
+
+@part
+def is_touching(w: Situation) -> bool:
+    """Return whether the ego touches a body that cannot be driven over or through."""
+    state, traits = w.state, w.traits
+    length, width = traits[0, col.LENGTH], traits[0, col.WIDTH]
+    ego, own = shape(state[0, col.YAW], length, width), radius(length, width)
+    for i in range(1, state.shape[0]):
+        if w.codes[i, col.IS_PASSABLE] == 0:
+            dx, dy = state[i, col.X] - state[0, col.X], state[i, col.Y] - state[0, col.Y]
+            reach = own + radius(traits[i, col.LENGTH], traits[i, col.WIDTH]) + 1e-3
+            if dx * dx + dy * dy <= reach * reach and gap_to(w, i, ego) <= 0.0:
+                return True
+    return False
 
 
 @part

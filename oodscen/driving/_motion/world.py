@@ -12,11 +12,13 @@ from oodscen._numbers import finite_number, seed_number
 from oodscen._seeding import stream
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene, Trigger
+from oodscen.driving._motion import actions
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_kernels import Code, stand_in_world, stand_on_road
 from oodscen.driving._motion.behaviours import BEHAVE, MOVES_BEFORE_TRIGGER, QUICKNESS
 from oodscen.driving._motion.bodies import WHEELBASE, Situation
 from oodscen.driving._motion.car_following import curve_speed, free_road, grip
+from oodscen.driving._motion.rollouts import Variation, is_passed
 from oodscen.driving._motion.stepping import (
     advance,
     is_pulled,
@@ -272,6 +274,34 @@ class KinematicWorld(Brief):
         """Return to an earlier state of this world; the run then repeats exactly."""
         self.step_count = snapshot.step
         self._state[:] = np.frombuffer(snapshot.state).reshape(self._state.shape)
+
+    def is_passed(self, action: str, variation: Variation, seconds: float) -> bool:
+        """Return whether the ego, executing an action from now on, touches nothing and stays on the road.
+
+        The world itself does not change.
+
+        Args:
+            action: Id of a discrete action.
+            variation: The driver's reaction time, the road's friction and the ego's speed.
+            seconds: Time for which the action is watched, s.
+        """
+        start = self._state.copy()
+        begins_s = self.time + variation.reaction_s - 1e-9 if variation.reaction_s > 0.0 else 0.0
+        try:
+            return bool(
+                is_passed(
+                    self._situation._replace(friction=variation.friction * self.friction),
+                    seen(start),
+                    self.step_count,
+                    self.lane,
+                    actions.CODES[action],
+                    begins_s,
+                    float(variation.speed),
+                    max(1, round(seconds / self.dt)),
+                )
+            )
+        finally:
+            self._state[:] = start
 
     # ------------------------------------------------------------------ internals
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import LEAST_SIZE_PX, Sighting
-from oodscen.driving._motion.actions import ACTION_DRIVERS, Cruise, action_driver, is_available
+from oodscen.driving._motion.actions import CODES, Cruise, action_driver, is_available
 from oodscen.driving._motion.triggers import value_in
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
@@ -110,7 +110,7 @@ def _has_crashed(world: KinematicWorld) -> bool:
 def _has_way_out(world: KinematicWorld, scene: Scene) -> bool:
     """Return whether some action is safe from the current state, to which the world returns."""
     start = world.snapshot()
-    for action in ACTION_DRIVERS:
+    for action in CODES:
         is_safe = _is_safe(world, scene, action)
         world.restore(start)
         if is_safe:

@@ -190,6 +190,8 @@ class ActionTally(Data):
 
     action: str
     safe: int = 0
+    marginal: int = 0
+    """Scenes in which it is safe for some drivers only."""
     unsafe: int = 0
     unavailable: int = 0
 

@@ -8,11 +8,14 @@ from hypothesis import strategies as st
 from oodscen.data._episode import ACTIONS
 from oodscen.driving import KinematicWorld, action_driver
 from oodscen.driving._motion.actions import (
-    ACTION_DRIVERS,
-    ChangeLane,
+    ASIDE,
+    CODES,
+    LEFT,
     Cruise,
-    PullOver,
+    Look,
     is_available,
+    planned,
+    sideways,
 )
 from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
@@ -23,7 +26,7 @@ from tests.driving.staging import scene, world
 
 def drive(
     map: str, speed: float, lane: int, friction: float, action: str, *, lead_s: float = 0.0
-) -> tuple[KinematicWorld, list[Observation], Driver] | None:
+) -> tuple[KinematicWorld, list[Observation]] | None:
     one = world(scene(map=map, speed=speed, lane=lane, friction=friction))
     cruise = Cruise()
     while one.time < lead_s:
@@ -36,11 +39,12 @@ def drive(
         one.step(driver.act(told[-1]))
         told.append(one.observe())
         assert not one.is_off_road(), (map, speed, lane, friction, action, lead_s, one.time)
-    return one, told, driver
+    return one, told
 
 
 def test_there_is_a_driver_for_every_action() -> None:
-    assert tuple(ACTION_DRIVERS) == ACTIONS
+    assert tuple(CODES) == ACTIONS
+    assert tuple(CODES.values()) == tuple(range(len(ACTIONS)))
     for action in ACTIONS:
         assert isinstance(action_driver(action), Driver)
         assert action_driver(action) is not action_driver(action)
@@ -67,10 +71,11 @@ def test_actions_keep_to_the_road_and_to_their_course(road, action: str) -> None
                 result = drive(road.id, speed, lane, friction, action, lead_s=2.0)
                 if result is None:
                     continue
-                one, told, driver = result
+                one, told = result
                 target = 0.0
-                if isinstance(driver, ChangeLane | PullOver):
-                    target = driver.origin + driver.shift
+                if action in ("change_lane_left", "change_lane_right", "pull_over"):
+                    plan = planned(CODES[action], Look.at(told[0]))
+                    target = plan.origin + plan.shift
                 offsets = [now.offset_m for now in told]
                 assert abs(offsets[-1] - target) < within
                 assert max(offsets) < max(0.0, target) + within
@@ -90,22 +95,22 @@ def test_actions_keep_to_the_road_and_to_their_course(road, action: str) -> None
     ],
 )
 def test_actions_reach_their_speed(action: str, final: float) -> None:
-    one, _, _ = drive("urban_avenue", 12.0, 0, 1.0, action)
+    one, _ = drive("urban_avenue", 12.0, 0, 1.0, action)
     assert abs(one.ego.speed - final) < 0.1
 
 
 def test_decelerations_are_as_named() -> None:
     for action, expected in (("slow_down", 2.0), ("stop", 3.5), ("emergency_brake", 8.0)):
-        _, told, _ = drive("urban_avenue", 14.0, 0, 1.0, action)
+        _, told = drive("urban_avenue", 14.0, 0, 1.0, action)
         hardest = max(a.speed - b.speed for a, b in pairwise(told)) / 0.05
         assert abs(hardest - expected) < 0.02
-    _, told, _ = drive("urban_avenue", 14.0, 0, 0.35, "emergency_brake")
+    _, told = drive("urban_avenue", 14.0, 0, 0.35, "emergency_brake")
     hardest = max(a.speed - b.speed for a, b in pairwise(told)) / 0.05
     assert 3.2 < hardest <= 0.35 * 9.81
 
 
 def test_a_lane_change_takes_about_three_seconds() -> None:
-    _, told, _ = drive("highway", 25.0, 0, 1.0, "change_lane_left")
+    _, told = drive("highway", 25.0, 0, 1.0, "change_lane_left")
     arrival = next(now.time for now in told if now.offset_m > 3.75 - 0.1)
     assert 2.2 < arrival < 3.5
 
@@ -123,15 +128,11 @@ def test_lanes_decide_what_is_available() -> None:
         is_available("fly", right)
 
 
-@given(st.floats(0.1, 1.2), st.floats(3.0, 35.0), st.sampled_from(["lane", "side"]))
-def test_a_shift_uses_at_most_half_of_the_grip(friction: float, speed: float, goal: str) -> None:
+@given(st.floats(0.1, 1.2), st.floats(3.0, 35.0), st.sampled_from([LEFT, ASIDE]))
+def test_a_shift_uses_at_most_half_of_the_grip(friction: float, speed: float, goal: int) -> None:
     start = replace(world(scene()).observe(), friction=friction, speed=speed)
-    driver = ChangeLane(1) if goal == "lane" else PullOver()
-    driver.begin(start)
-    bends = []
-    for part in range(101):
-        driver.travelled = driver.distance * part / 100.0
-        bends.append(abs(driver.course()[2]))
+    plan = planned(goal, Look.at(start))
+    bends = [abs(sideways(plan, plan.distance * part / 100.0)[2]) for part in range(101)]
     assert max(bends) * speed * speed <= min(2.5, 0.5 * friction * GRAVITY) * (1.0 + 1e-3)
 
 

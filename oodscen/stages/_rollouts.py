@@ -1,0 +1,195 @@
+"""Rollouts of the actions from a decision, by drivers who react sooner or later."""
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from oodscen.data._episode import LONGEST_REACTION_S, ActionOutcome
+from oodscen.data._scene import Scene
+from oodscen.driving import action_driver
+from oodscen.driving._motion.actions import is_available
+from oodscen.driving._motion.rollouts import Variation
+from oodscen.driving._trace import Course, Trace
+from oodscen.errors import UsageError
+from oodscen.protocols import Control, Observation, Simulator, State
+
+JERK_S = 0.2
+"""Interval over which a change of acceleration is measured, in seconds."""
+FRICTIONS = (1.0, 0.9)
+"""Shares of the road's friction."""
+SPEEDS = (0.95, 1.0, 1.05)
+"""Shares of the ego's speed at the decision."""
+
+
+class Trials(NamedTuple):
+    """The drivers who try every action."""
+
+    middle: float
+    """Reaction time of the driver whose drive is recorded, s."""
+    others: tuple[Variation, ...]
+    """The other drivers and roads, from easy to hard."""
+    collisions_only: bool = False
+    """Leaving the road neither is unsafe nor ends a drive."""
+
+    @classmethod
+    def of(cls, reactions: Sequence[float], collisions_only: bool = False) -> Self:
+        """Return the drivers with these reaction times, s.
+
+        Raises:
+            UsageError: If there is none, or one is negative or longer than `LONGEST_REACTION_S`.
+        """
+        ordered = sorted(set(reactions))
+        if not ordered or not all(0.0 <= one <= LONGEST_REACTION_S for one in ordered):
+            raise UsageError(
+                f"reaction: give one or more times from 0 to {LONGEST_REACTION_S:g} s, not {reactions!r}"
+            )
+        middle = ordered[(len(ordered) - 1) // 2]
+        if collisions_only:
+            return cls(middle, (), True)
+        grid = [
+            Variation(reaction, friction, speed)
+            for reaction in ordered
+            for friction in FRICTIONS
+            for speed in SPEEDS
+        ]
+        return cls(middle, tuple(one for one in grid if one != Variation(middle)))
+
+    def differing(self, action: str, passed: bool) -> Iterator[Variation]:
+        """Yield the other variations of an action, those first whose outcome most likely differs.
+
+        Args:
+            action: The action; who keeps the speed has nothing to react to.
+            passed: Whether the middle driver passed.
+        """
+        for one in reversed(self.others) if passed else self.others:
+            if action != "keep_speed" or one.reaction_s == self.middle:
+                yield one
+
+
+class Rollouts:
+    """Executes actions from one decision point, by snapshot or by replaying the approach."""
+
+    def __init__(
+        self,
+        simulator: Simulator,
+        scene: Scene,
+        seed: int,
+        controls: Sequence[Control],
+        trace: str,
+        course: Course,
+        trials: Trials,
+    ) -> None:
+        self.simulator = simulator
+        self.scene = scene
+        self.seed = seed
+        self.controls = controls
+        self.trace = trace
+        self.course = course
+        self.trials = trials
+        self.rehearse = getattr(simulator, "rehearse", None)
+        self.restore = getattr(simulator, "restore", None)
+        snapshot = getattr(simulator, "snapshot", None)
+        self.snapshot = snapshot() if snapshot and self.restore else None
+
+    def outcome(self, action: str) -> tuple[ActionOutcome, Trace | None, bool]:
+        """Return the outcome and trace of an action, and whether the approach was the same as before."""
+        first, same = self._rewind()
+        observation = self.simulator.observe()
+        if not is_available(action, observation):
+            return ActionOutcome(safe=False, unavailable=True), None, same
+        states = self._executed(action, self.trials.middle, observation)
+        trace = Trace.measured([first, *states], self.course)
+        outcome = _judged(states, trace, self.trials.collisions_only)
+        passed = {outcome.safe}
+        for variation in self.trials.differing(action, outcome.safe):
+            if len(passed) > 1:
+                break
+            if self.rehearse is None and variation != Variation(variation.reaction_s):
+                continue
+            fate, again = self._passes(action, variation)
+            same &= again
+            passed.add(fate)
+        if len(passed) > 1:
+            outcome = outcome.model_copy(update={"safe": False, "marginal": True})
+        return outcome, trace, same
+
+    def _passes(self, action: str, variation: Variation) -> tuple[bool, bool]:
+        """Return whether a driver passes, and whether the approach was the same as before."""
+        _, same = self._rewind()
+        if self.rehearse is not None:
+            seconds = self.scene.horizon_s
+            return bool(self.rehearse(action, seconds, **variation._asdict())), same
+        last = self._executed(action, variation.reaction_s, self.simulator.observe())[-1]
+        return not last.contacts and (self.trials.collisions_only or not last.off_road), same
+
+    def _executed(self, action: str, reaction_s: float, observation: Observation) -> list[State]:
+        """Drive to the scene's horizon, or until a collision or leaving the road."""
+        simulator, driver = self.simulator, action_driver(action, reaction_s)
+        states: list[State] = []
+        for _ in range(max(1, round(self.scene.horizon_s / simulator.dt))):
+            state = simulator.step(driver.act(observation))
+            states.append(state)
+            if state.contacts or (state.off_road and not self.trials.collisions_only):
+                break
+            observation = simulator.observe()
+        return states
+
+    def _rewind(self) -> tuple[State, bool]:
+        if self.restore is not None and self.snapshot is not None:
+            return self.restore(self.snapshot), True
+        states = [self.simulator.reset(self.scene, self.seed)]
+        states += [self.simulator.step(control) for control in self.controls]
+        return states[-1], fingerprint(states) == self.trace
+
+
+def _judged(states: Sequence[State], trace: Trace, collisions_only: bool = False) -> ActionOutcome:
+    """Return the outcome of an action, with margins from the first step on."""
+    last = states[-1]
+    margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
+    met = trace.summary().values()
+    return ActionOutcome(
+        safe=not last.contacts and (collisions_only or not last.off_road),
+        margin_m=None if margin == float("inf") else _millimetres(margin),
+        min_ttc_s=min((one.min_ttc_s for one in met if one.min_ttc_s is not None), default=None),
+        pet_s=min((one.pet_s for one in met if one.pet_s is not None), default=None),
+        contacts=last.contacts,
+        off_road=last.off_road,
+        final_speed=round(float(last.speeds[0]), 3),
+        peak_deceleration=peak_deceleration(trace),
+        peak_jerk=peak_jerk(trace),
+    )
+
+
+def _millimetres(gap: float) -> float:
+    """Round a gap in metres to millimetres; only contact becomes 0."""
+    return max(round(gap, 3), 0.001) if gap > 0.0 else 0.0
+
+
+def peak_deceleration(trace: Trace) -> float:
+    """Return the ego's hardest braking, m/s^2, never negative."""
+    return max(0.0, round(-float(trace["acceleration"][:, 0].min()), 3))
+
+
+def peak_jerk(trace: Trace) -> float | None:
+    """Return the largest change rate of the ego's acceleration along its path, m/s^3.
+
+    Differences are taken over `JERK_S`, since within one step every change looks infinite; `None` for shorter
+    traces.
+    """
+    time = trace["time"][:, 0]
+    along = trace["acceleration"][1:, 0]
+    steps = max(1, round(JERK_S / float(time[1] - time[0]))) if len(time) > 1 else 1
+    if len(along) <= steps:
+        return None
+    changes = np.abs(along[steps:] - along[:-steps]) / (time[steps] - time[0])
+    return round(float(changes.max()), 3)
+
+
+def fingerprint(states: Sequence[State]) -> str:
+    """Return the SHA-256 of consecutive states."""
+    digest = hashlib.sha256()
+    for state in states:
+        digest.update(state.fingerprint())
+    return digest.hexdigest()
