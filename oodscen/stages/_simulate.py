@@ -136,7 +136,7 @@ def _simulated(
     protocol: str,
 ) -> Simulated:
     is_paper = protocol == "paper"
-    can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
+    can_go_back = scene.is_ordinary and not is_paper and _Snapshots.can(simulator)
     going_back = _Snapshots(simulator) if can_go_back else None
     states, controls, fired = approach(scene, simulator, seed, going_back)
     fingerprint, decision_s = _fingerprint(states), round(states[-1].time, 6)
@@ -287,7 +287,7 @@ def _shows_hazard(
 ) -> bool | None:
     """Return whether a frame shows the hazard; `None` without frames or in a twin."""
     hazard = scene.hazard
-    if not frames or scene.is_twin:
+    if not frames or scene.is_ordinary:
         return None
     if not hazard.actors:
         return hazard.weather is not None and is_noticeable(scene.weather, hazard.weather)
