@@ -14,8 +14,8 @@ from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
 from oodscen.data._episode import Episode
-from oodscen.data._scene import Scene
 from oodscen.data._pairing import demand_id, twin_id
+from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
@@ -209,9 +209,7 @@ def _lost(job: Job, episode: Episode) -> list[SweepResult]:
     names += [demand_id(episode.id)] if job.demands else []
     error = f"its scene could not be run: {episode.error}"
     return [
-        SweepResult(
-            episode.model_copy(update={"id": name, "scene_id": name, "error": error})
-        )
+        SweepResult(episode.model_copy(update={"id": name, "scene_id": name, "error": error}))
         for name in names
     ]
 

@@ -7,8 +7,8 @@ from typing import Literal
 from oodscen._display import escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
-from oodscen.data._sighting import Sighting
 from oodscen.data._pairing import is_ordinary, is_twin
+from oodscen.data._sighting import Sighting
 
 ACTIONS = (
     "keep_speed",

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, has_enough_margin
-from oodscen.data._scenario import Scenario
 from oodscen.data._pairing import scene_of
+from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.opinions import is_open
 

@@ -12,9 +12,9 @@ from oodscen._pipeline.steps.scenes import simulate_whole
 from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode
 from oodscen.data._messages import Image
+from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._verdict import Protocol, Verdict, verdict_id
 from oodscen.errors import DataError
 from oodscen.judging._aspects.opinions import (

@@ -9,9 +9,9 @@ from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
+from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, as_offered
-from oodscen.data._scenario import Scenario
 from oodscen.data._pairing import is_ordinary
+from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._items import AnswerColumns, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Leaderboard

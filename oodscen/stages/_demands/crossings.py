@@ -136,7 +136,7 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
 
 def zebra(at: Setting, rng: np.random.Generator) -> Draft | None:
     """Return people who cross the road on a zebra crossing."""
-    if not at.has("urban", "residential") or at.has("junction") and not at.has("roundabout"):
+    if not at.has("urban", "residential") or (at.has("junction") and not at.has("roundabout")):
         return None
     row: list[Actor] = []
     if at.has("roundabout"):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.data._scene import Actor
-from oodscen.stages._demands.setting import PEOPLE, FRONT_M, Draft, Setting, actor, claims
+from oodscen.stages._demands.setting import FRONT_M, PEOPLE, Draft, Setting, actor, claims
 
 _CALM = 3.6
 """Deceleration that a standing vehicle may ask of the ego, m/s^2."""

@@ -66,9 +66,7 @@ KINDS: tuple[DemandKind, ...] = (
     DemandKind("cyclist", cyclist, 1.0, 1.4, (), ("cyclist",)),
     DemandKind("refuse_lorry", refuse_lorry, 8.0, 0.9, ("garbage_truck", "wheelie_bin")),
     DemandKind("bus_stop", bus_stop, 8.0, 1.0, ("bus", "school_bus")),
-    DemandKind(
-        "works", works, 1.5, 0.8, ("excavator", "road_roller", "worker"), ("work_zone",)
-    ),
+    DemandKind("works", works, 1.5, 0.8, ("excavator", "road_roller", "worker"), ("work_zone",)),
     DemandKind("zebra", zebra, 1.0, 1.4, (), ("pedestrian",), _CROSSES),
     DemandKind(
         "ambulance", ambulance, 5.0, 0.4, ("ambulance", "police_car", "fire_truck", "tow_truck")
@@ -88,10 +86,7 @@ def in_turn(scene: Scene, at: Setting, rng: np.random.Generator) -> list[DemandK
     fitting = [kind for kind in KINDS if not kind.is_like(unusual, at.catalogue)]
     waits = {
         kind.id: float(rng.exponential())
-        / (
-            kind.weight
-            * math.exp(-_SHARPNESS * abs(math.log(kind.size_m2 / at.area_m2)))
-        )
+        / (kind.weight * math.exp(-_SHARPNESS * abs(math.log(kind.size_m2 / at.area_m2))))
         for kind in fitting
     }
     return sorted(fitting, key=lambda kind: waits[kind.id])

@@ -54,7 +54,9 @@ class Setting:
     """Frontal area of that body."""
 
     @classmethod
-    def of(cls, scene: Scene, catalogue: Catalogue, trace: Trace, drawn: Sketch | None) -> "Setting":
+    def of(
+        cls, scene: Scene, catalogue: Catalogue, trace: Trace, drawn: Sketch | None
+    ) -> "Setting":
         """Return the setting of a scene that was run.
 
         Args:
@@ -211,9 +213,7 @@ def actor(
 def claims(subject: str, quote: str, *more: tuple[Kind, str]) -> list[Claim]:
     """Return the claims that a thing is there, and whatever else is said of it."""
     told: list[tuple[Kind, str]] = [("thing", "present"), *more]
-    return [
-        Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in told
-    ]
+    return [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in told]
 
 
 def named(asset: str) -> str:
