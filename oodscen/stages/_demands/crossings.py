@@ -8,8 +8,8 @@ from oodscen.stages._demands.setting import CARS, FRONT_M, PEOPLE, Draft, Settin
 
 _FIRM = 4.0
 """Deceleration that a crossing may ask of the ego, m/s^2."""
-_LANE_M = 3.25
-"""Width of one piece of a zebra crossing, m."""
+_APART_M = (0.0, 1.0, -1.0)
+"""Places of people along the road on a crossing, m from its middle."""
 
 
 def red_light(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -69,17 +69,14 @@ def _stripes(at: Setting, ahead: float) -> list[Actor]:
     ]
 
 
-def _walkers(
-    at: Setting, rng: np.random.Generator, ahead: float, count: int, *, first: bool
-) -> list[Actor]:
-    """Return people on a crossing at the decision.
+def _walkers(at: Setting, rng: np.random.Generator, ahead: float, count: int) -> list[Actor]:
+    """Return people on a crossing at the decision; the first is in the way when the ego would arrive.
 
     Args:
         at: The setting.
         rng: Random generator.
         ahead: Place of the crossing, from the ego's start, m.
         count: Number of people.
-        first: Whether the first is in the ego's lane then.
     """
     low, high = -at.edge(ahead) - 0.6, at.edge(ahead, 1) + 0.6
     row = []
@@ -89,21 +86,22 @@ def _walkers(
             return []
         speed = float(rng.uniform(1.1, 1.5))
         side = 1 if rng.random() < 0.6 else -1
-        there = float(rng.uniform(-0.9, 0.9)) if first and number == 1 else None
-        there = float(rng.uniform(low + 1.0, high - 1.0)) if there is None else there
+        there, when = float(rng.uniform(low + 1.0, high - 1.0)), at.decision_s
+        if number == 1:
+            there, when = float(rng.uniform(-0.9, 0.9)), when + (ahead - at.at_m) / at.speed
         start, end = (low, high) if side > 0 else (high, low)
         lag = abs(there - start) / speed + 0.3
-        if lag > at.decision_s:
-            start, lag = there - side * speed * max(0.0, at.decision_s - 0.3), at.decision_s
+        if lag > when:
+            start, lag = there - side * speed * max(0.0, when - 0.3), when
         row.append(
             actor(
                 f"walker-{number}",
                 who,
-                ahead + float(rng.uniform(-1.0, 1.0)),
+                ahead + _APART_M[number - 1] + float(rng.uniform(-0.2, 0.2)),
                 offset=start,
                 heading=90.0 * side,
                 does="cross_road",
-                start=at.decision_s - lag,
+                start=when - lag,
                 speed=speed,
                 distance=min(60.0, abs(end - start) + 0.5),
             )
@@ -122,7 +120,7 @@ def _pelican(at: Setting, rng: np.random.Generator) -> Draft | None:
     if at.lanes > 1 and not at.road.oncoming_lanes:
         place = other + 0.6
         row.append(actor("light-2", "traffic_light", ahead - 2.6, offset=place, state="red"))
-    row += _walkers(at, rng, ahead, int(rng.integers(1, 4)), first=True)
+    row += _walkers(at, rng, ahead, int(rng.integers(1, 4)))
     for lane in range(-at.lane, at.lanes - at.lane):
         if lane and rng.random() < 0.6:
             asset = at.choose(rng, *CARS)
@@ -156,7 +154,7 @@ def zebra(at: Setting, rng: np.random.Generator) -> Draft | None:
     else:
         ahead = at.at_m + max(at.gap_m, FRONT_M + 3.5 + at.room(_FIRM))
         row = _stripes(at, ahead)
-    people = _walkers(at, rng, ahead, int(rng.integers(1, 4)), first=True)
+    people = _walkers(at, rng, ahead, int(rng.integers(1, 4)))
     if not people:
         return None
     quote = "someone crosses the road on the zebra crossing ahead"

@@ -98,7 +98,7 @@ def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
     row = _line(at, rng, stop, at.choose(rng, *CARS), 2)
     quote = f"{with_article(noun)} ahead slows down"
     told = claims(noun, quote, ("motion", "braking"), ("place", "ahead"))
-    return Draft([lead, *row], f"{quote} behind a queue of cars", told)
+    return Draft([lead, *row], f"{quote} behind a queue of vehicles", told)
 
 
 def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
@@ -142,6 +142,6 @@ def cyclist(at: Setting, rng: np.random.Generator) -> Draft | None:
             actor("rider-2", "cyclist", behind, offset=aside - 0.1, does="follow_lane", speed=speed)
         )
     noun = {"e_scooter": "person on an electric scooter"}.get(asset, "cyclist")
-    quote = f"a {noun} rides ahead at the right of the lane"
+    quote = f"a {noun} rides ahead in the lane"
     about = {"e_scooter": "electric scooter"}.get(asset, "cyclist")
     return Draft(riders, quote, claims(about, quote, ("motion", "moving"), ("place", "ahead")))

@@ -34,7 +34,7 @@ def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
     for number in range(1, int(rng.integers(2, 5))):
         who = at.choose(rng, *PEOPLE)
         if who:
-            along = ahead + 3.2 - 1.3 * number + float(rng.uniform(-0.2, 0.2))
+            along = ahead + 3.2 - 1.7 * number + float(rng.uniform(-0.2, 0.2))
             out = kerb + 0.7 + float(rng.uniform(0.0, 0.5))
             heading = float(rng.uniform(50.0, 120.0))
             row.append(actor(f"passenger-{number}", who, along, offset=-out, heading=heading))

@@ -52,7 +52,7 @@ class DemandKind(NamedTuple):
 
 KINDS: tuple[DemandKind, ...] = (
     DemandKind("queue", queue, 3.0, 0.8, ("temporary_light",), (), ("stand", *_BRAKES)),
-    DemandKind("red_light", red_light, 1.5, 1.2, ("traffic_light", "pedestrian_light")),
+    DemandKind("red_light", red_light, 1.5, 2.2, ("traffic_light", "pedestrian_light")),
     DemandKind("leader", leader, 3.0, 1.3, (), (), _BRAKES),
     DemandKind(
         "slow_vehicle",
@@ -67,7 +67,7 @@ KINDS: tuple[DemandKind, ...] = (
     DemandKind("refuse_lorry", refuse_lorry, 8.0, 0.9, ("garbage_truck", "wheelie_bin")),
     DemandKind("bus_stop", bus_stop, 8.0, 1.0, ("bus", "school_bus")),
     DemandKind("works", works, 1.5, 0.8, ("excavator", "road_roller", "worker"), ("work_zone",)),
-    DemandKind("zebra", zebra, 1.0, 1.4, (), ("pedestrian",), _CROSSES),
+    DemandKind("zebra", zebra, 1.0, 2.4, (), ("pedestrian",), _CROSSES),
     DemandKind(
         "ambulance", ambulance, 5.0, 0.4, ("ambulance", "police_car", "fire_truck", "tow_truck")
     ),
