@@ -30,5 +30,5 @@ def test_places_are_told_as_the_ego_sees_them():
     }
     for where, changes in wheres.items():
         (one,) = seen(**changes)
-        assert (one.what, one.where) == ("large brown cardboard box", where)
+        assert (one.what, one.where) == ("large cardboard box", where)
         assert one.doing == "standing still"

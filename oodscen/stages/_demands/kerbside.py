@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.data._scene import Actor
-from oodscen.stages._demands.setting import FRONT_M, PEOPLE, Draft, Setting, actor, claims
+from oodscen.stages._demands.setting import FRONT_M, Draft, Setting, actor, claims
 
 _CALM = 3.6
 """Deceleration that a standing vehicle may ask of the ego, m/s^2."""
@@ -30,12 +30,12 @@ def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
     row = [actor("bus", "bus", ahead, offset=aside, state="indicate_right")]
     kerb = at.edge(ahead)
     if "bus_stop" in at.assets:
-        row.append(actor("stop", "bus_stop", ahead + 1.0, offset=-kerb - 2.4, heading=180.0))
+        row.append(actor("stop", "bus_stop", ahead + 1.0, offset=-kerb - 2.1, heading=180.0))
     for number in range(1, int(rng.integers(2, 5))):
-        who = at.choose(rng, *PEOPLE)
+        who = at.choose(rng, "adult", "elderly_person", "child")
         if who:
             along = ahead + 3.2 - 1.7 * number + float(rng.uniform(-0.2, 0.2))
-            out = kerb + 0.7 + float(rng.uniform(0.0, 0.5))
+            out = kerb + 0.5 + float(rng.uniform(0.0, 0.3))
             heading = float(rng.uniform(50.0, 120.0))
             row.append(actor(f"passenger-{number}", who, along, offset=-out, heading=heading))
     quote = "a bus stands at its stop with its indicator on"
