@@ -178,7 +178,7 @@ def _replaced(
     decisive: str | None,
     unusual: Mapping[str, Actor | None],
 ) -> dict[str, Actor | None]:
-    """Return the ordinary road user in the place of the decisive hazard, by its id."""
+    """Return the ordinary road user in the place of the decisive hazard, by that one's id."""
     found = next((actor for actor in actors if actor.id == decisive), None)
     known = {asset.id for asset in scene.digest.assets}
     if found is None or found.id not in unusual or not set(one.assets) <= known:

@@ -65,7 +65,7 @@ def _stripes(at: Setting, ahead: float) -> list[Actor]:
     """Return a zebra crossing over all lanes."""
     return [
         actor(f"zebra-{number}", "zebra_crossing", ahead, offset=offset)
-        for number, (offset, _) in enumerate(at.lane_offsets(ahead), start=1)
+        for number, offset in enumerate(at.lane_offsets(ahead), start=1)
     ]
 
 

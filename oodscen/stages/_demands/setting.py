@@ -126,13 +126,9 @@ class Setting:
         own = self.corridor.centre(self.corridor.ego_lanes[self.lane], s)
         return self.corridor.centre(index, s) - own
 
-    def lane_offsets(self, ahead: float) -> list[tuple[float, bool]]:
-        """Return for every driving lane its offset to the left of the ego's, m, and whether it leads the ego's way."""
-        strips = self.corridor.strips
-        return [
-            (self._beside(index, ahead), strips[index].direction > 0)
-            for index in self.corridor.driving
-        ]
+    def lane_offsets(self, ahead: float) -> list[float]:
+        """Return the offset of every driving lane to the left of the ego's, m."""
+        return [self._beside(index, ahead) for index in self.corridor.driving]
 
     def edge(self, ahead: float, side: int = -1) -> float:
         """Return the distance from the middle of the ego's lane to the edge of the asphalt, m.
