@@ -33,7 +33,7 @@ def drive(out: Path, drivers: tuple[str, ...], limit: int | None, as_json: bool)
     driver named here failed on an item; a collision is not a failure.
     """
     from oodscen._registry import driver_maker, make_simulator
-    from oodscen.data._twins import scene_of
+    from oodscen.data._pairing import scene_of
     from oodscen.judging._drives import current, drive_board, remarks
     from oodscen.report._render import write_report
     from oodscen.stages._drive import RuleBasedDriver

@@ -101,6 +101,11 @@ from oodscen.errors import UsageError
     default=None,
     help="Write the ordinary twin of every text.  [default: only with the built-in author]",
 )
+@click.option(
+    "--demands/--no-demands",
+    default=None,
+    help="Run an ordinary demand beside every scene: a queue, a red light ...  [default: --demands]",
+)
 @click.option("--max-paths", type=click.IntRange(min=1), help="Simulate at most this many paths.")
 @click.option(
     "--band",

@@ -12,7 +12,7 @@ from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers
 from oodscen._registry import is_builtin, make_llm
 from oodscen.data._messages import Image, Message
-from oodscen.data._twins import twin_id
+from oodscen.data._pairing import twin_id
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.llm._accounting import Account, accounts

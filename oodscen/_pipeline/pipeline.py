@@ -17,6 +17,7 @@ from oodscen._pipeline.steps.trees import grow, prune, redteam
 from oodscen._redaction import redact
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
+from oodscen.data._pairing import kind_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import RunStopped, StudyError, StudyMismatch
@@ -151,8 +152,9 @@ class Pipeline:
             "texts": {str(size): len(chosen) for size, chosen in texts.sets.items()},
             "scenarios": len(scenarios),
             "scenes": len(scenes),
-            "episodes": sum(e.status == "ok" and not e.is_twin for e in episodes),
+            "episodes": sum(e.status == "ok" and not e.is_ordinary for e in episodes),
             "twins": sum(e.status == "ok" and e.is_twin for e in episodes),
+            "demands": sum(e.status == "ok" and kind_of(e.id) == "demand" for e in episodes),
             "restaged": sum(bool(episode.restaged) for episode in episodes),
             "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
             "below_floor": sum(episode.is_below_floor for episode in episodes),

@@ -1,13 +1,13 @@
 """Sweeps over many scenes in worker processes: picklable jobs go out, bytes come back."""
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 from oodscen._conformance import reason
 from oodscen._files import temporary_folder
@@ -15,13 +15,14 @@ from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
 from oodscen.data._claim import Claim
 from oodscen.data._episode import REACTIONS_S, Episode
+from oodscen.data._pairing import demand_id, twin_id
 from oodscen.data._scene import Scene
-from oodscen.data._twins import twin_id
 from oodscen.driving._trace_table import to_parquet
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import annotate, encode_annotations, semantic_map
 from oodscen.stages._decision_retiming import retimed
+from oodscen.stages._demands.demanding import demanding
 from oodscen.stages._restage import Attempt, Restaging, restaged
 from oodscen.stages._simulate import Simulated, simulate
 from oodscen.stages._video import View, record
@@ -33,6 +34,7 @@ CHUNK = 16
 JPEG_QUALITY = 90
 
 Chunk = tuple[Scene, ...]
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class Job:
     extras: Extras = Extras()
     twins: bool = False
     """Run every scene's ordinary twin right after it, while the map's scenery is built."""
+    demands: bool = False
+    """Make and run every scene's ordinary demand right after its twin."""
     protocol: Literal["ours", "paper"] = "ours"
     """Protocol as in `simulate`; frames of the paper's whole trace are named `whole-<moment>.jpg`."""
     restages: bool = False
@@ -74,7 +78,7 @@ class Job:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """The result of one scene or twin."""
+    """The result of one scene or ordinary drive."""
 
     episode: Episode
     frames: dict[str, bytes] = field(default_factory=dict)
@@ -85,6 +89,8 @@ class SweepResult:
     """The scene that was run instead of the given one."""
     tried: tuple[Attempt, ...] = ()
     """Other stagings that were tried without success."""
+    demand: Scene | None = None
+    """The scene, if this is the result of a demand."""
 
     def save(self, store: Store) -> None:
         """Write the frames and all further files to the paths that the episode names."""
@@ -162,16 +168,9 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
         simulator = make_simulator(job.simulator)
         try:
             while waiting:
-                scene = waiting.pop()
-                result = _run(job, simulator, scene)
-                results.append(result)
-                broke_down = result.episode.error_type == SimulatorCrash.__name__
-                if job.twins and not scene.is_twin:
-                    if result.episode.decision_s is None:
-                        results.append(SweepResult(_twin_of_none(result.episode)))
-                    else:
-                        waiting.append((result.restaged or scene).twin(result.episode.decision_s))
-                if broke_down:
+                found = _run_pair(job, simulator, waiting.pop())
+                results += found
+                if any(one.episode.error_type == SimulatorCrash.__name__ for one in found):
                     break
         finally:
             with suppress(Exception):
@@ -179,18 +178,56 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
     return results
 
 
-def _twin_of_none(episode: Episode) -> Episode:
-    """Return the failed record of a twin whose scene could not be run."""
-    name = twin_id(episode.id)
+def _run_pair(job: Job, simulator: Simulator, scene: Scene) -> list[SweepResult]:
+    """Run a scene, its twin and its demand, as far as the job asks for them."""
+    first, simulated = _run(job, simulator, scene)
+    results = [first]
+    if scene.is_ordinary:
+        return results
+    ran = first.restaged or scene
+    decision_s = first.episode.decision_s
+    if simulated is None or decision_s is None:
+        return results + _lost(job, first.episode)
+    if job.twins:
+        results.append(_run(job, simulator, ran.twin(decision_s))[0])
+    if job.demands:
+        results.append(_demand(job, simulator, ran, simulated))
+    return results
+
+
+def _demand(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
+    """Make and run the demand of a scene that was run."""
+
+    def made() -> tuple[Scene, Simulated]:
+        return demanding(
+            scene, simulated, simulator, job.seed, job.extras.traces, job.camera, job.reaction
+        )
+
+    name = demand_id(scene.id)
+    found = _guarded(job, name, made)
+    if isinstance(found, Episode):
+        return SweepResult(found)
+    demand, run = found
+    result = _guarded(job, name, lambda: _result(job, simulator, demand, run))
+    return SweepResult(result) if isinstance(result, Episode) else replace(result, demand=demand)
+
+
+def _lost(job: Job, episode: Episode) -> list[SweepResult]:
+    """Return the failed records of the ordinary drives of a scene that could not be run."""
+    names = [twin_id(episode.id)] if job.twins else []
+    names += [demand_id(episode.id)] if job.demands else []
     error = f"its scene could not be run: {episode.error}"
-    return episode.model_copy(update={"id": name, "scene_id": name, "error": error})
+    return [
+        SweepResult(episode.model_copy(update={"id": name, "scene_id": name, "error": error}))
+        for name in names
+    ]
 
 
-def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
-    """Return the failed record of a scene."""
+def failed_episode(job: Job, name: str, error: Exception) -> Episode:
+    """Return the failed record of an item."""
     return Episode(
-        id=scene.id,
-        scene_id=scene.id,
+        id=name,
+        scene_id=name,
         status="failed",
         error=str(error),
         error_type=type(error).__name__,
@@ -200,11 +237,24 @@ def failed_episode(job: Job, scene: Scene, error: Exception) -> Episode:
     )
 
 
-def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
+def _guarded(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
+    """Return what `work` gives, or the failed record of an item."""
     try:
-        given, tried = scene, tuple[Attempt, ...]()
+        return work()
+    except MissingExtra:
+        raise
+    except OodscenError as error:
+        return failed_episode(job, name, error)
+    except (Exception, SystemExit) as error:
+        return failed_episode(job, name, SimulatorCrash(job.simulator, reason(error)))
+
+
+def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Simulated | None]:
+    """Run one scene, and re-stage it if the job says so; `None` instead of a run that failed."""
+
+    def run() -> tuple[SweepResult, Simulated]:
         simulated = simulate(
-            scene,
+            given,
             simulator,
             seed=job.seed,
             camera=job.camera,
@@ -213,16 +263,20 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
             reaction=job.reaction,
             horizon=job.horizon,
         )
-        if job.restages and not scene.is_twin:
-            scene, simulated, tried = _improved(job, simulator, scene, simulated)
-        extra = _extra_files(job, simulator, scene, simulated)
-    except MissingExtra:
-        raise
-    except OodscenError as error:
-        return SweepResult(failed_episode(job, scene, error))
-    except (Exception, SystemExit) as error:
-        crash = SimulatorCrash(job.simulator, reason(error))
-        return SweepResult(failed_episode(job, scene, crash))
+        found = Restaging(given, simulated)
+        if job.restages and not given.is_ordinary:
+            found = _improved(job, simulator, given, simulated)
+        result = _result(job, simulator, found.scene, found.simulated)
+        changed = found.scene if found.scene is not given else None
+        return replace(result, restaged=changed, tried=found.tried), found.simulated
+
+    found = _guarded(job, given.id, run)
+    return (SweepResult(found), None) if isinstance(found, Episode) else found
+
+
+def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
+    """Return the result of a run, with its pictures and files."""
+    extra = _extra_files(job, simulator, scene, simulated)
     frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
     prefix = "whole-" if job.protocol == "paper" else ""
     files = {moment: f"frames/{scene.id}/{prefix}{moment}.jpg" for moment in frames}
@@ -234,8 +288,7 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> SweepResult:
             name: hashlib.sha256(data).hexdigest() for name, data in sorted(written.items())
         },
     }
-    changed = scene if scene is not given else None
-    return SweepResult(simulated.episode.model_copy(update=named), frames, extra, changed, tried)
+    return SweepResult(simulated.episode.model_copy(update=named), frames, extra)
 
 
 def _improved(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
@@ -348,7 +401,7 @@ def _recover(job: Job, scenes: Iterable[Scene]) -> Iterator[SweepResult]:
                 yield from pool.submit(run_chunk, job, (scene,)).result()
             except BrokenExecutor as error:
                 crash = SimulatorCrash(job.simulator, str(error), retryable=True)
-                dead = SweepResult(failed_episode(job, scene, crash))
+                dead = SweepResult(failed_episode(job, scene.id, crash))
                 yield dead
-                if job.twins and not scene.is_twin:
-                    yield SweepResult(_twin_of_none(dead.episode))
+                if not scene.is_ordinary:
+                    yield from _lost(job, dead.episode)

@@ -7,8 +7,8 @@ from typing import Literal
 from oodscen._display import escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
+from oodscen.data._pairing import is_ordinary, is_twin
 from oodscen.data._sighting import Sighting
-from oodscen.data._twins import is_twin
 
 ACTIONS = (
     "keep_speed",
@@ -172,9 +172,9 @@ class Episode(Data):
     """Visible pixels of every visible actor, by moment."""
     hazard_visible: bool | None = None
     """True if an unusual actor is visible in one of the frames, or the weather differs from the ordinary one;
-    `None` for twins and without frames."""
+    `None` for ordinary drives and without frames."""
     sighting: Sighting | None = None
-    """The look of the hazard at the decision; `None` for twins, without frames, and where only the weather is
+    """The look of the hazard at the decision; `None` for ordinary drives, without frames, and where only the weather is
     the hazard."""
     trace_sha256: str = ""
     """SHA-256 of all states up to the decision point."""
@@ -200,12 +200,17 @@ class Episode(Data):
     restaged: str = ""
     """The change that made some action safe and another unsafe; empty if the scene was not re-staged."""
     made_from: str = ""
-    """In a study: SHA-256 of the scene as run; its twin has the same value."""
+    """In a study: SHA-256 of the scene as run; its ordinary drives have the same value."""
 
     @property
     def is_twin(self) -> bool:
         """Return whether this is the episode of an ordinary twin."""
         return is_twin(self.scene_id)
+
+    @property
+    def is_ordinary(self) -> bool:
+        """Return whether this is the episode of an ordinary drive: a twin or a demand."""
+        return is_ordinary(self.scene_id)
 
     @property
     def is_below_floor(self) -> bool:

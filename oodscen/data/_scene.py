@@ -16,7 +16,8 @@ from pydantic import (
 )
 
 from oodscen.data._base import Data, IssuesError
-from oodscen.data._twins import is_twin, twin_id
+from oodscen.data._claim import Claim
+from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.errors import Issue
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
@@ -114,6 +115,27 @@ class Hazard(Data):
     """The ordinary weather, where the weather is (part of) the hazard."""
 
 
+class Visible(Data):
+    """The visible part of one unusual thing, apart from its story."""
+
+    what: str = Field(min_length=1, max_length=120)
+    """The thing itself: `cardboard box`."""
+    where: str = Field(default="", max_length=120)
+    """Its place as seen from the ego: `in the ego's lane`, `beside the lane on the right` ..."""
+    doing: str = Field(default="", max_length=120)
+    """Its motion as a few frames can show it: `lying still`, `crossing from the right` ..."""
+
+
+class Demand(Data):
+    """The ordinary event of a demand: what it is, and the text that tells it."""
+
+    kind: str
+    """The kind of demand: `queue`, `red_light`, `cyclist` ..."""
+    text: str
+    claims: tuple[Claim, ...] = ()
+    """Claims of the text, which hold in the scene."""
+
+
 class Scene(Data):
     """Everything a simulator needs to run one scenario."""
 
@@ -133,12 +155,17 @@ class Scene(Data):
     stands_for: dict[str, tuple[str, ...]] = {}
     """Ids of the actors that show a thing of the text, by its name in the claims, where the words alone do not
     tell; `map` is the road itself. An empty mapping is left out of the JSON text."""
+    visible: tuple[Visible, ...] = ()
+    """Everything that can be seen of the hazard; left out of the JSON text if empty."""
+    demand: Demand | None = None
+    """The event of an ordinary demand; left out of the JSON text of other scenes."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
-        if not value.get("stands_for"):
-            value.pop("stands_for", None)
+        for name in ("stands_for", "visible", "demand"):
+            if not value.get(name):
+                value.pop(name, None)
         return value
 
     @field_validator("hazard")
@@ -157,6 +184,11 @@ class Scene(Data):
     def is_twin(self) -> bool:
         """Return whether `twin` created this scene."""
         return is_twin(self.id)
+
+    @property
+    def is_ordinary(self) -> bool:
+        """Return whether this is an ordinary drive: a twin or a demand."""
+        return is_ordinary(self.id)
 
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.
@@ -182,6 +214,7 @@ class Scene(Data):
                 "hazard": {},
                 "decision": {"kind": "time", "value": decision_s},
                 "stands_for": {},
+                "visible": (),
             }
         )
 
@@ -221,7 +254,7 @@ def _misfits(scene: Scene) -> list[Issue]:
             if target not in lasting:
                 path = f"hazard.actors.{key}.behaviour.{field}"
                 issues.append(Issue(path, f"there is no actor {target!r} in the ordinary twin"))
-    if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_twin:
+    if not scene.hazard.actors and scene.hazard.weather is None and not scene.is_ordinary:
         issues.append(Issue("hazard", "name at least one actor, or the ordinary weather"))
     for thing, names in scene.stands_for.items():
         issues += [

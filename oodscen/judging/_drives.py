@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from oodscen._numbers import seed_number
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
+from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._twins import scene_of
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
 from oodscen.statistics._resampling import Resampler

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, has_enough_margin
+from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
-from oodscen.data._twins import scene_of
 from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.opinions import is_open
 
@@ -68,7 +68,7 @@ class Items:
                 "family": [path[2] if len(path) > 3 else "" for path in paths],
                 "path": [path[-1] if len(path) > 2 else "" for path in paths],
             },
-            is_scene=np.array([not episode.is_twin for episode in ran], np.bool_),
+            is_scene=np.array([not episode.is_ordinary for episode in ran], np.bool_),
             safe=safe,
             unsafe=np.array([sum(o.is_unsafe for o in found) for found in outcomes], np.float64),
             has_actions=np.array([bool(found) for found in outcomes], np.bool_),

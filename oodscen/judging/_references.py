@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen.data._base import Data
 from oodscen.data._episode import ACTIONS, Episode, best_action
-from oodscen.data._twins import is_twin, scene_of
+from oodscen.data._pairing import is_ordinary, scene_of
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError, MissingExtra
 from oodscen.protocols import LLM, Completion, Request
@@ -102,7 +102,7 @@ class Oracle(_Direct):
     def judge(self, case: Case) -> Answers:
         """Answer from the ground truth."""
         action = best_action(case.episode.actions) or "emergency_brake"
-        if case.episode.is_twin:
+        if case.episode.is_ordinary:
             return Answers(False, confidence=1.0, choice=NOTHING, action=action)
         label = case.path[-1] if case.path else ""
         return Answers(True, label, 1.0, case.leaf or None, action)
@@ -133,7 +133,7 @@ class Blind(_Direct):
             leaf = leaves.get(scene_of(episode.scene_id), ("", ""))[0]
             self._safe.update(episode.safe_set)
             self._safe_of.setdefault(leaf, Counter()).update(episode.safe_set)
-            self._count[leaf] += not episode.is_twin
+            self._count[leaf] += not episode.is_ordinary
 
     def judge(self, case: Case) -> Answers:
         """Return the same answers everywhere, up to the prior from the other paths."""
@@ -169,7 +169,7 @@ class NoveltyReference(_Direct):
             return
         seen = np.array([features(pictures[name]) for name in names])
         where = np.array([maps[name] for name in names])
-        twins = np.array([is_twin(name) for name in names])
+        twins = np.array([is_ordinary(name) for name in names])
         scores = np.zeros(len(names))
         for one in sorted(set(maps.values())):
             here, ordinary = where == one, twins & (where != one)

@@ -10,9 +10,9 @@ from typing import Any
 
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._pairing import is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Weather
-from oodscen.data._twins import is_twin, twin_id
 from oodscen.data._verdict import Verdict
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
@@ -50,7 +50,7 @@ def payload(found: Material, folder: Path) -> Row:
     leaves, attested = _leaves(found)
     rows = []
     for name in dict.fromkeys((*scenarios, *scenes, *episodes, *failed)):
-        if is_twin(name):
+        if is_ordinary(name):
             continue
         scene = scenes.get(name)
         scenario = scenarios.get(scene.scenario_id if scene else name)

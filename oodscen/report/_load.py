@@ -83,7 +83,7 @@ def read(study: Study) -> Material:
     found.rounds = _rows(store, "redteam", Round, found)
     found.decisions = _rows(store, "pruned", PruneDecision, found)
     found.scenarios = _rows(store, "scenarios", Scenario, found)
-    found.scenes = _rows(store, "scenes", Scene, found)
+    found.scenes = [one for one in _rows(store, "scenes", Scene, found) if not one.is_ordinary]
     found.episodes = _rows(store, "episodes", Episode, found)
     found.verdicts = _rows(store, "verdicts", Verdict, found)
     found.whole = _optional(store, "episodes.paper.jsonl", Episode, found)

@@ -67,7 +67,7 @@ class Followed:
 def context(study: Study, found: Material) -> dict[str, Any]:
     """Return the variables of the template."""
     episodes = [
-        episode for episode in found.episodes if episode.status == "ok" and not episode.is_twin
+        episode for episode in found.episodes if episode.status == "ok" and not episode.is_ordinary
     ]
     scenes = gallery.payload(found, study.folder)
     return {
@@ -174,7 +174,7 @@ def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
 def _counts(found: Material, choices: Sequence[str]) -> Counts:
     tally = Counter(choices)
     return Counts(
-        scenes=sum(not scene.is_twin for scene in found.scenes),
+        scenes=sum(not scene.is_ordinary for scene in found.scenes),
         ran=len(choices),
         failed=sum(failure.stage != "verdicts" for failure in found.failures),
         unanswered=sum(failure.stage == "verdicts" for failure in found.failures),

@@ -36,7 +36,7 @@ def undecided(study: Study, found: Material) -> Variables | None:
     episodes = [
         one
         for one in found.episodes
-        if one.status == "ok" and not one.is_twin and one.actions and not one.is_decidable
+        if one.status == "ok" and not one.is_ordinary and one.actions and not one.is_decidable
     ]
     if not episodes:
         return None

@@ -23,6 +23,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
+from oodscen.stages._visible import visible_of
 
 
 class Augmenter(Brief):
@@ -196,6 +197,14 @@ def scene_of_draft(scenario: Scenario, draft: SceneDraft, catalogue: Catalogue) 
         hazard=draft.hazard,
         decision=decision,
         horizon_s=draft.horizon_s,
+        visible=visible_of(
+            tuple(draft.actors),
+            draft.hazard,
+            draft.weather,
+            (draft.ego.lane, draft.ego.speed),
+            draft.map,
+            catalogue,
+        ),
         stands_for={
             thing: tuple(names)
             for thing, names in draft.stands_for.items()

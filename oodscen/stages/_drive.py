@@ -11,8 +11,8 @@ from oodscen._display import Brief
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen.data._drive_result import DriveResult
+from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
-from oodscen.data._twins import is_twin, twin_id
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due

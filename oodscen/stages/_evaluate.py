@@ -180,7 +180,7 @@ def unjudged(
         error_type=error_type,
         retryable=episode.retryable,
         protocol=protocol,
-        is_twin=episode.is_twin,
+        is_twin=episode.is_ordinary,
     )
 
 
@@ -315,10 +315,10 @@ def _scored(
 ) -> Verdict:
     """Compare the answers with the ground truth."""
     is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
-    if is_ood is not None and not episode.is_twin:
+    if is_ood is not None and not episode.is_ordinary:
         fields["aspect_is_right"] = is_ood and names_aspect(fields["aspect"], path)
     if choice is not None or is_closed_asked:
-        fields["choice_is_right"] = choice == (NOTHING if episode.is_twin else leaf)
+        fields["choice_is_right"] = choice == (NOTHING if episode.is_ordinary else leaf)
     outcome = episode.actions.get(action) if action else None
     if outcome is not None:
         touched = bool(outcome.contacts)
@@ -342,7 +342,7 @@ def _scored(
         error_type=type(error).__name__ if error else "",
         retryable=any(getattr(one, "retryable", False) for one in failures),
         protocol=protocol,
-        is_twin=episode.is_twin,
+        is_twin=episode.is_ordinary,
         **fields,
     )
     if judge is None or not is_open(verdict):

@@ -146,7 +146,7 @@ def _simulated(
     trials: Trials,
 ) -> Simulated:
     is_paper = trials.collisions_only
-    can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
+    can_go_back = scene.is_ordinary and not is_paper and _Snapshots.can(simulator)
     going_back = _Snapshots(simulator) if can_go_back else None
     states, controls, fired = approach(scene, simulator, seed, going_back)
     decided = states[-1]
@@ -319,7 +319,7 @@ def _shows_hazard(
 ) -> bool | None:
     """Return whether a frame shows the hazard; `None` without frames or in a twin."""
     hazard = scene.hazard
-    if not frames or scene.is_twin:
+    if not frames or scene.is_ordinary:
         return None
     if not hazard.actors:
         return hazard.weather is not None and is_noticeable(scene.weather, hazard.weather)

@@ -37,7 +37,7 @@ def sighting(
     Returns:
         The look of the unusual actor or group that is easiest to name; `None` if the hazard has no actors.
     """
-    if not scene.hazard.actors or scene.is_twin:
+    if not scene.hazard.actors or scene.is_ordinary:
         return None
     cast = bodies(scene, catalogue, state.poses)
     if frame.unhidden is None and not frame.ids.any():

@@ -93,6 +93,8 @@ class StudyConfig(Data):
     """Texts written for each one that is kept; of several, the most diverse are kept."""
     twins: bool | None = None
     """Write every text's ordinary twin as well; by default only if the built-in author writes."""
+    demands: bool = True
+    """Make and run an ordinary demand beside every scene and its twin."""
     max_paths: int | None = Field(default=None, ge=1)
     """Maximum number of paths to simulate; all if left out."""
     band: tuple[float, float] | None = None

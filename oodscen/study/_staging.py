@@ -22,6 +22,8 @@ class Staging(Data):
     """The scene that was run instead, if it was re-staged."""
     tried: tuple[dict[str, str], ...] = ()
     """Failed attempts to re-stage the scene, each with `how` and `why`."""
+    demand: Scene | None = None
+    """The scene's ordinary demand; `None` until it has been run, or if none fits."""
 
     @property
     def ran(self) -> Scene:
@@ -38,6 +40,10 @@ class Staging(Data):
             run=run,
             tried=tried,
         )
+
+    def demanding(self, demand: Scene | None) -> "Staging":
+        """Return a copy with the scene's ordinary demand."""
+        return self.model_copy(update={"demand": demand})
 
     def restaging(self) -> dict[str, Any] | None:
         """Return the line of `restaged.jsonl`, or `None` if the scene needed no re-staging."""

@@ -302,8 +302,13 @@ class Study(Brief):
 
     @property
     def scenes(self) -> list[Scene]:
-        """The scenes that were staged."""
-        return self._rows(Scene, "scenes.jsonl")
+        """The rare scenes that were staged."""
+        return [scene for scene in self._rows(Scene, "scenes.jsonl") if not scene.is_ordinary]
+
+    @property
+    def demands(self) -> list[Scene]:
+        """The ordinary demands of the scenes."""
+        return [scene for scene in self._rows(Scene, "scenes.jsonl") if scene.is_ordinary]
 
     @property
     def episodes(self) -> list[Episode]:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from oodscen.data._base import Data
 from oodscen.data._episode import Episode
+from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._twins import scene_of
 from oodscen.tree._labels import same_words
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
 
 
 def _count_episode(count: Counter[str], episode: Episode) -> None:
-    if episode.is_twin:
+    if episode.is_ordinary:
         count["twins"] += episode.status == "ok"
     elif episode.status != "ok":
         count["failed"] += 1

@@ -45,7 +45,9 @@ def moved(**placement):
 
 def test_a_valid_draft_becomes_the_scene_of_the_scenario():
     scene = Augmenter(ScriptedLLM([draft()]), CATALOGUE, claims=False).run(SCENARIO)
-    assert scene == example_scene().model_copy(update={"id": "box-001", "scenario_id": "box-001"})
+    same = {"id": "box-001", "scenario_id": "box-001", "visible": scene.visible}
+    assert scene == example_scene().model_copy(update=same)
+    assert [one.what for one in scene.visible] == ["large cardboard box"]
 
 
 @pytest.mark.parametrize(

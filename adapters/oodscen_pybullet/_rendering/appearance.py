@@ -20,7 +20,7 @@ BRAKING = -1.0
 """Acceleration below which brake lamps are on, m/s^2."""
 _STANDING = 0.05
 """Speed below which a body counts as standing, m/s."""
-_IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "hard_brake", "cut_in", "cut_out"})
+_IN_TRAFFIC = frozenset({"follow_lane", "stop_and_go", "halt", "hard_brake", "cut_in", "cut_out"})
 """Behaviours of drivers who keep a foot on the brake while standing."""
 _FLASHES = 1.5
 """Cycles of a flashing lamp per second; it is lit for two thirds of each."""

@@ -12,9 +12,9 @@ from oodscen._pipeline.steps.scenes import simulate_whole
 from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode
 from oodscen.data._messages import Image
+from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._twins import scene_of, twin_id
 from oodscen.data._verdict import Protocol, Verdict, verdict_id
 from oodscen.errors import DataError
 from oodscen.judging._aspects.opinions import (
@@ -179,7 +179,7 @@ def _models(
             with suppress(DataError):
                 pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
     maps = {scene.id: scene.map for scene in scenes}
-    maps |= {twin_id(name): place for name, place in maps.items()}
+    maps |= {item(name): place for name, place in maps.items() for item in (twin_id, demand_id)}
     models: dict[str, tuple[LLM, int]] = {}
     for name in (*(f"constant:{action}" for action in ACTIONS), "random"):
         models[name] = (run.models.get(name), 1)

@@ -9,16 +9,16 @@ from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
+from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.data._twins import scene_of, twin_id
 from oodscen.driving._sight.staging_advice import AdvisingCheck
 from oodscen.errors import DataError, Issue, LLMError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._staging import Staging
 
 SCENES = "scenes.jsonl"
-"""File with one line per scenario: the scene that was run."""
+"""File with one line per scenario, the scene that was run, followed by its ordinary demand."""
 CLAIMS = "claims.jsonl"
 """File of the claims of every text."""
 STAGED = "staged.jsonl"
@@ -83,7 +83,7 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
     _asked(run, "augment", STAGED, scenarios, work, made_from)
     lines = _lines(run)
     staged = _staged(lines)
-    _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept)
+    _write_scenes(run, lines, {name: one.ran for name, one in staged.items()} | kept, staged)
     return [one.scene for one in staged.values()]
 
 
@@ -111,6 +111,8 @@ def _written(
             continue
         source = f"{run.store.path(SCENES)}, line {number}"
         scene = Scene.parse(line, source=source)
+        if scene.is_ordinary:
+            continue
         if scene.id in found:
             issue = Issue("", f"there are two scenes {scene.id!r}; remove one")
             raise DataError(Scene.noun, [issue], source=source)
@@ -129,13 +131,23 @@ def _is_by_hand(scene: Scene, made: Staging | None) -> bool:
     return made is None or scene not in (made.scene, made.run)
 
 
-def _write_scenes(run: Context, lines: Mapping[str, Line], scenes: Mapping[str, Scene]) -> None:
-    """Write `scenes.jsonl`: every scene, and a failure line for each that was not staged."""
+def _write_scenes(
+    run: Context,
+    lines: Mapping[str, Line],
+    scenes: Mapping[str, Scene],
+    staged: Mapping[str, Staging],
+) -> None:
+    """Write `scenes.jsonl`: every scene with its demand, and a failure line for each that was not staged."""
     failures = {
         name: {key: value for key, value in line.items() if key != "made_from"}
         for name, line in lines.items()
     }
-    run.store.write_lines(SCENES, [scenes.get(name, failure) for name, failure in failures.items()])
+    rows: list[Scene | Line] = []
+    for name, failure in failures.items():
+        rows.append(scenes.get(name, failure))
+        demand = staged[name].demand if name in scenes and name in staged else None
+        rows += [demand] if demand is not None else []
+    run.store.write_lines(SCENES, rows)
 
 
 def _claims(
@@ -197,14 +209,14 @@ def _asked(
 
 
 def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
-    """Run every scene and its ordinary twin in worker processes; only this process writes.
+    """Run every scene, its ordinary twin and its ordinary demand in worker processes; only this process writes.
 
     A scene whose hazard cannot be named at the decision is decided later, if a safe action is left then. Scenes
     in which all or none of the actions are safe do not test a decision, so they are re-staged if that helps. `restaged.jsonl` lists these scenes with their changes and the failed attempts; `scenes.jsonl` then
     holds the scenes that were run. A scene edited there by hand replaces the staged one, and is run.
 
     Returns:
-        The scenes as they were run, and the episodes of scenes and twins.
+        The scenes as they were run, and the episodes of scenes, twins and demands.
     """
     lines = _lines(run)
     staged = _staged(lines)
@@ -223,17 +235,18 @@ def simulate(run: Context) -> tuple[list[Scene], list[Episode]]:
     restagings = [staged[name].restaging() for name in sorted(staged)]
     run.store.write_lines(RESTAGED, filter(None, restagings))
     ran = {name: one.ran for name, one in staged.items()}
-    _write_scenes(run, lines, ran)
+    _write_scenes(run, lines, ran, staged)
     return list(ran.values()), episodes
 
 
 def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
-    """Run the scenes that lack an episode, each with its twin; update `staged` with the outcomes."""
+    """Run the scenes that lack an episode, each with its ordinary drives; update `staged` with the outcomes."""
     job = Job(
         run.config.simulator,
         run.config.seed,
         run.options.extras,
         twins=True,
+        demands=run.config.demands,
         restages=True,
         camera=run.config.camera,
         claims=_claims_of(run.store.lines(CLAIMS)),
@@ -252,8 +265,16 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
                 staged[name] = staged[name].after(result.episode.restaged, result.restaged, tried)
                 made_from[name] = staged[name].ran.digest()
                 run.store.append(STAGED, staged[name])
+            elif result.demand is not None:
+                owner = scene_of(name)
+                staged[owner] = staged[owner].demanding(result.demand)
+                run.store.append(STAGED, staged[owner])
             result.save(run.store)
             yield result.episode
+
+    def items(name: str) -> tuple[str, ...]:
+        demands = (demand_id(name),) if run.config.demands else ()
+        return (name, twin_id(name), *demands)
 
     def is_whole(line: Mapping[str, Any]) -> bool:
         return staged[scene_of(line["id"])].how is not None and _has_files(run, line)
@@ -261,7 +282,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
     found = run.each(
         "simulate",
         "episodes.jsonl",
-        {item: name for name in staged for item in (name, twin_id(name))},
+        {item: name for name in staged for item in items(name)},
         work,
         made_from=lambda item: made_from[scene_of(item)],
         is_whole=is_whole,

@@ -9,6 +9,7 @@ import numpy as np
 
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, named
+from oodscen.author._staging.aside import SHARE, may_be_aside, told_aside
 from oodscen.author._staging.decision_timing import approach
 from oodscen.author._writing.agreement import Agreement, Setting
 from oodscen.author._writing.constructions import (
@@ -132,7 +133,13 @@ class Composer:
             phrases = _shortest(phrases, 0)
             events = self._short(hazard, setting)
         fit = [self._agreement.suits(event, setting) for event in events]
-        event = turns.first(f"event {len(events)}", events, fit) or events[0]
+        aside = [told_aside(event) for event in events] if may_be_aside(hazard) else []
+        if any(aside) and rng.random() < SHARE:
+            suits = [bool(event) and is_fit for event, is_fit in zip(aside, fit, strict=True)]
+            event = turns.first(f"aside {len(aside)}", aside, suits) or ""
+        else:
+            event = ""
+        event = event or turns.first(f"event {len(events)}", events, fit) or events[0]
         details = self._agreement.suiting(hazard.details, setting)
         opening = turns.next("opening", self.knowledge.wording.openings)
         named_place = f"place {place.key} {len(wheres)}"

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.author._knowledge.base import HazardKind, Knowledge
+from oodscen.author._knowledge.base import HazardKind, Knowledge, Recipe
 from oodscen.author._reading.ego_naming import Name, told_by
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, Setting
 from oodscen.author._writing.constructions import KEEPS_ON, nominal, standing
 from oodscen.author._writing.headline import headline
+from oodscen.author._writing.stand_in import stand_in
 from oodscen.errors import LLMError
 from oodscen.prompts._scenario.describe_path import plain
 
@@ -50,8 +51,6 @@ _ANY_ROAD = (
 )
 _OVER = 4
 """Number of words by which an addition may exceed the missing length."""
-_CLEAR = re.compile(r"\b(?:clear|open|free|intact|even|clean|nothing)\b")
-_AHEAD = re.compile(r"\b(?:ahead|in front|behind|follows|gap|waits?|comes the other way)\b")
 _TURNS = re.compile(
     r"\b(?:turn(?:s|ing)?|roundabout|u-turn|merg\w+|ramp|curves?|bends?)\b", re.IGNORECASE
 )
@@ -125,7 +124,7 @@ class OrdinaryAuthor:
         frame = " ".join(part.lead + part.trail for part in kept)
         room = 0 if event.trail else length - len(plain(frame).split())
         setting = self._setting(frame, text, hazard)
-        clause = _not_twice(frame, self._counterpart(hazard, setting))
+        clause = _not_twice(frame, self._counterpart(hazard, setting, text))
         name = _name(text)
         is_line = event.lead.endswith(_LINE)
         last = _worded(event, told_by(headline(clause) if is_line else clause, name))
@@ -185,8 +184,17 @@ class OrdinaryAuthor:
             traffic=traffic.key if traffic else "",
         )
 
-    def _counterpart(self, hazard: HazardKind | None, setting: Setting) -> str:
-        """Return the first suitable ordinary counterpart; it mentions no other road users if there are none."""
+    def _counterpart(self, hazard: HazardKind | None, setting: Setting, text: str) -> str:
+        """Return what the twin's scene shows in place of the hazard, or the first suitable counterpart.
+
+        It mentions no other road users if there are none.
+        """
+        place = self._recogniser.place(text, hazard.places) if hazard else None
+        one = stand_in(hazard, text, place)
+        if one is not None and setting.traffic != _EMPTY:
+            return one.clause
+        if hazard is not None and hazard.stage is not None and _is_removed(hazard.stage):
+            return _ANY_ROAD[1]
         options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
         suiting = self._agreement.suiting(options, setting)
         return suiting[0] if suiting else _ANY_ROAD[0]
@@ -200,15 +208,10 @@ class OrdinaryAuthor:
         rng: np.random.Generator,
     ) -> str:
         """Return an ordinary clause of about the missing length that adds to the existing text."""
-        allowed = {"none", "ahead", "around"}
-        if setting.traffic == _EMPTY:
-            allowed = {"none"}
-        elif _CLEAR.search(clause) or _AHEAD.search(clause) or setting.traffic:
-            allowed = {"none", "around"}
         fitting = [
             phrase
             for driving in self._driving
-            if driving.others in allowed
+            if driving.others == "none"
             and (not driving.places or setting.place in driving.places)
             and (not driving.conditions or set(setting.conditions) & set(driving.conditions))
             for phrase in driving.phrases
@@ -221,6 +224,12 @@ class OrdinaryAuthor:
         said = set(plain(told).split()) - _LITTLE
         fitting.sort(key=lambda phrase: _misfit(phrase, missing, said))
         return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
+
+
+def _is_removed(recipe: Recipe) -> bool:
+    """Return whether the twin's scene has nothing in place of the hazard."""
+    parts = [actor for actor in recipe.actors if actor.hazard]
+    return bool(parts) and all(actor.ordinary == "remove" for actor in parts)
 
 
 def _not_twice(frame: str, clause: str) -> str:

@@ -54,11 +54,12 @@ class Code(IntEnum):
     WANDER = 19
     DART = 20
     BLOWN = 21
-    RUN_RED = 22
-    ROLL_AWAY = 23
-    FALL = 24
-    TOWED = 25
-    OPEN_DOOR = 26
+    HALT = 22
+    RUN_RED = 23
+    ROLL_AWAY = 24
+    FALL = 25
+    TOWED = 26
+    OPEN_DOOR = 27
 
 
 _SLIDING = 0.5
@@ -130,6 +131,13 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
         hurry(w, i, blend, 0.0, 1.2, 0.5 if code == Code.CUT_OUT else -math.inf)
     elif code in (Code.HARD_BRAKE, Code.STALL) and waited >= 0.0:
         keep_lane(w, i, accelerate(w, i, -traits[i, col.DECELERATION]), 0.0, 0.0)
+    elif code == Code.HALT and waited >= 0.0:
+        braking = traits[i, col.DECELERATION]
+        if waited < traits[i, col.GOAL] / braking + traits[i, col.PAUSE]:
+            acceleration = min(-braking, attentive(w, i, desired_speed(w, i), 1.2, -math.inf))
+            keep_lane(w, i, accelerate(w, i, acceleration), 0.0, 0.0)
+        else:
+            cruise(w, i, 0.0, 0.0)
     elif code == Code.STOP_AND_GO and waited >= 0.0:
         cycles = waited / traits[i, col.PERIOD]
         if cycles - math.floor(cycles) >= 0.5:
@@ -142,7 +150,9 @@ def _drive(w: Situation, i: int, code: int, waited: float) -> None:
     elif code == Code.PULL_OUT:
         if waited >= 0.0:
             blend = smooth(waited / traits[i, col.DURATION])
-            acceleration = attentive(w, i, desired_speed(w, i), 1.2, -math.inf)
+            # A driver who leaves a row of parked vehicles means to pass them: only traffic counts.
+            slowest = -math.inf if blend >= 1.0 else 0.5
+            acceleration = attentive(w, i, desired_speed(w, i), 1.2, slowest)
             keep_lane(w, i, accelerate(w, i, min(2.0, acceleration)), blend, 0.0)
     elif code == Code.DRIFT and waited > 0.0:
         cruise(w, i, 0.0, _within_road(w, i, traits[i, col.LATERAL] * waited))

@@ -18,6 +18,7 @@ MOVES_BEFORE_TRIGGER = frozenset(
         "hard_brake",
         "stall",
         "stop_and_go",
+        "halt",
         "swerve",
         "u_turn",
         "wobble",
@@ -103,6 +104,17 @@ BEHAVIOURS: tuple[BehaviourKind, ...] = (
         description="drives in its lane; from the trigger on stops and starts again and again",
         categories=_DRIVERS,
         parameters={**_speed(20, 6), "period": _number(2, 20, 6, "s from stop to stop")},
+    ),
+    BehaviourKind(
+        id="halt",
+        description="drives in its lane; at the trigger slows down smoothly, stands for a while and "
+        "drives on",
+        categories=_DRIVERS,
+        parameters={
+            **_speed(45, 10),
+            "deceleration": _number(0.5, 4, 2, "m/s^2"),
+            "pause": _number(0, 60, 5, "s that it stands"),
+        },
     ),
     BehaviourKind(
         id="reverse",

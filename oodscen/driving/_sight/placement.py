@@ -45,7 +45,7 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         last = len(path) - 1
         moments = dict(zip(MOMENTS, (path[0], path[last // 2], path[last]), strict=True))
         issues = truth_issues(scene, corridor, moments)
-    if issues or scene.is_twin:
+    if issues or scene.is_ordinary:
         return issues
     twin = scene.twin(round(last * DT, 6))
     return [

@@ -96,7 +96,7 @@ def truth_issues(
         camera: The camera that shows them.
     """
     issues = floating(scene, corridor, moments) + overlapping(scene, corridor, moments)
-    if scene.is_twin:
+    if scene.is_ordinary:
         return issues
     hazard = scene.hazard
     if hazard.weather is not None and not is_noticeable(scene.weather, hazard.weather):

@@ -39,7 +39,7 @@ def visibility_issues(
     Returns:
         At most one issue, at the actor that is easiest to name.
     """
-    if scene.is_twin or not scene.hazard.actors:
+    if scene.is_ordinary or not scene.hazard.actors:
         return []
     corridor = load_corridor(scene.map, catalogue)
     world = KinematicWorld(corridor, scene, catalogue, 0)

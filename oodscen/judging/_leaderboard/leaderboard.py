@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import Episode, as_offered
+from oodscen.data._pairing import is_ordinary
 from oodscen.data._scenario import Scenario
-from oodscen.data._twins import is_twin
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._items import AnswerColumns, Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Leaderboard
@@ -190,7 +190,7 @@ def _standing(
         control=_control(study, sheet, rates, replicates["above_chance"]),
         actions=dict(
             Counter(
-                v.action for v in verdicts if v.action and not is_twin(v.scene_id)
+                v.action for v in verdicts if v.action and not is_ordinary(v.scene_id)
             ).most_common()
         ),
         groups=tuple(_group(study, sheet, group, mask) for group, mask in study.groups),
@@ -372,7 +372,7 @@ def _confusions(items: Items, verdicts: Sequence[Verdict]) -> tuple[Confusion, .
     pairs = Counter(
         (items.leaf_of(v.scene_id), v.choice or NOTHING)
         for v in verdicts
-        if v.choice_is_right is False and not is_twin(v.scene_id)
+        if v.choice_is_right is False and not is_ordinary(v.scene_id)
     )
     ordered = sorted(pairs.items(), key=lambda item: (-item[1], item[0]))
     return tuple(Confusion(truth=t, chosen=c, count=count) for (t, c), count in ordered)
@@ -381,7 +381,7 @@ def _confusions(items: Items, verdicts: Sequence[Verdict]) -> tuple[Confusion, .
 def _tallies(items: Items) -> tuple[ActionTally, ...]:
     rows: dict[str, Counter[str]] = {}
     for episode in items.episodes:
-        if episode.is_twin:
+        if episode.is_ordinary:
             continue
         for action, outcome in episode.actions.items():
             rows.setdefault(action, Counter())[outcome.label] += 1

@@ -146,4 +146,13 @@ def flood_water(mesh: MeshBuilder) -> None:
     _foot(mesh, "flood")
 
 
-STILL = (puddle, oil_spill, broken_glass, pothole, flood_water)
+def zebra_crossing(mesh: MeshBuilder) -> None:
+    """The stripes of a zebra crossing over one lane, painted on the road."""
+    for index in range(4):
+        y = -1.22 + 0.81 * index
+        corners = ((-1.6, y - 0.2), (1.6, y - 0.2), (1.6, y + 0.2), (-1.6, y + 0.2))
+        mesh.polygon([(x, y, 0.012) for x, y in corners], "white")
+    _foot(mesh, "white")
+
+
+STILL = (puddle, oil_spill, broken_glass, pothole, flood_water, zebra_crossing)

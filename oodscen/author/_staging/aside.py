@@ -1,0 +1,79 @@
+"""Unusual things beside the ego's lane, which need no reaction: their wording and their place."""
+
+import math
+import re
+from collections.abc import Mapping
+
+from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor
+from oodscen.prompts._digest import AssetLine
+
+SHARE = 0.7
+"""Share of the texts about a thing that may lie beside the lane in which it does."""
+_IN_LANE = re.compile(
+    r"\b(?:right )?(?:in|across|over|on|into) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)\b"
+)
+_CLOSES = re.compile(
+    r"\b(?:block\w*|clos\w+|cover\w*|fill\w*|half|both|middle|hide\w*|stick\w*|hang\w*|dangl\w+|must|"
+    r"stop|spread\w*|rolled|runs?|cuts?|opened|room|reach\w*|lanes)\b"
+)
+"""Words of events that make no sense beside the lane."""
+_ASIDE = "beside the ego's lane"
+_TOLD = re.compile(
+    r"\bbeside (?:my|its|the (?:ego(?: vehicle| car)?)(?:'s)?|ego's) lane\b", re.IGNORECASE
+)
+_HALF_LANE_M = 1.9
+_ROOM_M = (0.35, 0.75)
+"""Room between the edge of the lane and a thing beside it, m."""
+_WIDE = frozenset({"fallen_tree", "fallen_pole", "spilled_logs", "flood_water"})
+"""Assets for which there is no room beside the lane."""
+_SPREAD_M = 1.5
+"""Width of a row up to which there is room for it, m."""
+_INSIDE_M = 1.2
+"""Offset from the lane's centre up to which a thing counts as in the lane, m."""
+
+
+def may_be_aside(hazard: HazardKind) -> bool:
+    """Return whether a hazard is one thing that stands still in the lane and has no ordinary counterpart."""
+    recipe = hazard.stage
+    if recipe is None or not recipe.is_static:
+        return False
+    return all(_is_movable(actor) for actor in recipe.actors) and len(recipe.actors) == 1
+
+
+def _is_movable(actor: RecipeActor) -> bool:
+    is_plain = actor.at == "start" and actor.lane == (0,) and actor.ordinary == "remove"
+    is_small = not _WIDE & set(actor.asset) and abs(actor.spread_offset) * actor.count < _SPREAD_M
+    is_plain = is_plain and is_small
+    return is_plain and max(map(abs, actor.offset)) <= _INSIDE_M and not actor.state
+
+
+def told_aside(event: str) -> str:
+    """Return an event with its thing beside the ego's lane; empty if the wording does not allow it."""
+    found = _IN_LANE.search(event)
+    if found is None:
+        return ""
+    rest = f"{event[: found.start()]}|{event[found.end() :]}"
+    if _CLOSES.search(rest) or "lane" in rest or "path" in rest:
+        return ""
+    return f"{event[: found.start()]}{_ASIDE}{event[found.end() :]}"
+
+
+def moved_aside(recipe: Recipe, text: str, assets: Mapping[str, AssetLine]) -> Recipe:
+    """Return the recipe with its thing to the right of the lane if the text says so."""
+    if not _TOLD.search(text) or len(recipe.actors) != 1 or not _is_movable(recipe.actors[0]):
+        return recipe
+    (actor,) = recipe.actors
+    half = max((_half(actor, assets[one]) for one in actor.asset if one in assets), default=0.5)
+    half += max(actor.spread_offset, 0.0) * (actor.count - 1)
+    low, high = (-(_HALF_LANE_M + half + room) for room in reversed(_ROOM_M))
+    moved = actor.model_copy(update={"offset": (low, high)})
+    return recipe.model_copy(update={"actors": (moved,), "ego_lane": "right", "width": 0.0})
+
+
+def _half(actor: RecipeActor, asset: AssetLine) -> float:
+    """Return the largest half extent across the road, m."""
+    turns = [math.radians(turn) for turn in actor.heading_deg]
+    return max(
+        0.5 * (abs(math.sin(turn)) * asset.length_m + abs(math.cos(turn)) * asset.width_m)
+        for turn in turns
+    )

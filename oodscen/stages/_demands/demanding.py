@@ -1,0 +1,163 @@
+"""The ordinary demand of a scene: drawn, checked like a scene, and run."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from pydantic import ValidationError
+
+from oodscen._seeding import stream
+from oodscen.claims._checking import check_claims, mismatches
+from oodscen.data._episode import REACTIONS_S, Episode
+from oodscen.data._pairing import demand_id
+from oodscen.data._scene import Actor, Demand, Hazard, Scene, Trigger, Weather
+from oodscen.driving import check_scene
+from oodscen.errors import Issue, SceneError
+from oodscen.protocols import Camera, Simulator
+from oodscen.stages._demands.kinds import DemandKind, in_turn
+from oodscen.stages._demands.setting import Draft, Setting
+from oodscen.stages._simulate import VISIBLE_PX, Simulated, simulate
+
+_ATTEMPTS = 3
+"""Attempts per kind; the first keeps the scene's other traffic, the others draw again without it."""
+_SEEN = 4.0
+"""Multiple of the least visible pixels that a demand must show at the decision."""
+_MOVING = frozenset({"follow_lane"})
+
+
+class Demanding(NamedTuple):
+    """A demand that was run."""
+
+    scene: Scene
+    simulated: Simulated
+
+
+def demanding(
+    scene: Scene,
+    simulated: Simulated,
+    simulator: Simulator,
+    seed: int,
+    traces: bool = False,
+    camera: Camera | None = None,
+    reaction: Sequence[float] = REACTIONS_S,
+) -> Demanding:
+    """Return the ordinary demand of a scene, and its run.
+
+    It has the scene's map, ego and ordinary weather, and is decided at the same time. Kinds are tried in an
+    order drawn by their likeness to the hazard, until one is accepted by the checks of a scene, is seen, leaves
+    an action safe, and is unsafe for whoever keeps the speed. One in which some or all drivers may keep the
+    speed is the last resort.
+
+    Args:
+        scene: A scene that was run.
+        simulated: Its run.
+        simulator: The simulator for the trials.
+        seed: Seed of the simulator's random streams.
+        traces: Keep the ground truth of every action's rollout.
+        camera: The camera; by default the ego's dash camera.
+        reaction: Reaction times of the drivers who try every action, s.
+
+    Raises:
+        SceneError: When no kind fits.
+    """
+    catalogue = simulator.catalogue()
+    at = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
+    resort: Demanding | None = None
+    for kind in in_turn(scene, at, stream(seed, "demand", scene.id)):
+        for attempt in range(_ATTEMPTS):
+            rng = stream(seed, "demand", scene.id, kind.id, attempt)
+            draft = kind.draw(at, rng)
+            if draft is None:
+                break
+            one = _staged(scene, at, kind, draft, with_company=attempt == 0)
+            if one is None or check_scene(one, catalogue):
+                continue
+            assert one.demand is not None
+            if mismatches(check_claims(one.demand.claims, one, catalogue)):
+                continue
+            try:
+                run = simulate(
+                    one, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+                )
+            except SceneError:
+                continue
+            if not _is_fair(run.episode, draft):
+                continue
+            if run.episode.label("keep_speed") == "unsafe":
+                return Demanding(one, run)
+            resort = resort or Demanding(one, run)
+            break
+    if resort is None:
+        fault = Issue("demand", "no kind of ordinary demand fits the scene")
+        raise SceneError(demand_id(scene.id), [fault])
+    return resort
+
+
+def _staged(
+    scene: Scene, at: Setting, kind: DemandKind, draft: Draft, *, with_company: bool
+) -> Scene | None:
+    """Return the scene of a draft; `None` if its values are out of range."""
+    company = _company(scene) if with_company else []
+    weather = scene.hazard.weather or scene.weather
+    text = f"{_opening(at, weather)} {draft.event[0].upper()}{draft.event[1:]}."
+    try:
+        told = Demand(kind=kind.id, text=text, claims=tuple(draft.claims))
+        return Scene(
+            id=demand_id(scene.id),
+            scenario_id=scene.scenario_id,
+            map=scene.map,
+            ego=scene.ego,
+            weather=weather,
+            actors=(*draft.actors, *company),
+            hazard=Hazard(),
+            decision=Trigger(kind="time", value=round(at.decision_s, 6)),
+            horizon_s=scene.horizon_s,
+            demand=told,
+        )
+    except ValidationError:
+        return None
+
+
+def _company(scene: Scene) -> list[Actor]:
+    """Return the traffic that drives along in a scene and has nothing to do with its hazard."""
+    return [
+        one
+        for one in scene.actors
+        if one.id not in scene.hazard.actors
+        and one.behaviour.name in _MOVING
+        and one.behaviour.other is None
+    ]
+
+
+def _is_fair(episode: Episode, draft: Draft) -> bool:
+    """Return whether a run is decided, an action is safe, and the demand can be seen."""
+    shown = episode.visible.get("last", {})
+    seen = sum(shown.get(one.id, 0) for one in draft.actors)
+    is_seen = not episode.visible or seen >= _SEEN * VISIBLE_PX
+    is_decided = episode.decision_fired and episode.is_deterministic
+    return is_seen and is_decided and bool(episode.safe_set)
+
+
+_PLACES = (
+    ("tunnel", "a road that runs through a tunnel"),
+    ("bridge", "a road that crosses a bridge"),
+    ("roundabout", "a road that leads to a roundabout"),
+    ("signalised", "an avenue that leads to a junction with traffic lights"),
+    ("t_junction", "a residential street that a side street joins"),
+    ("highway", "a highway"),
+    ("residential", "a residential street"),
+    ("urban", "a city street"),
+    ("rural", "a country road"),
+)
+"""Names of roads by the first trait that a map has."""
+_NIGHT_DEG, _FOG_M = -3.0, 1_000.0
+
+
+def _opening(at: Setting, weather: Weather) -> str:
+    """Return a sentence with place, time and weather."""
+    place = next((name for trait, name in _PLACES if at.has(trait)), "a road")
+    when = " at night" if weather.sun_elevation_deg < _NIGHT_DEG else ""
+    if weather.precipitation != "none":
+        when += " in the rain" if weather.precipitation == "rain" else " while it snows"
+    elif weather.fog_visual_range_m < _FOG_M:
+        when += " in fog"
+    return f"The ego vehicle drives along {place}{when}."

@@ -1,0 +1,147 @@
+"""Demands by traffic ahead in the lane: queues, braking and slow vehicles, cyclists."""
+
+import numpy as np
+
+from oodscen.data._scene import Actor
+from oodscen.stages._demands.setting import (
+    CARS,
+    FRONT_M,
+    LARGE,
+    Draft,
+    Setting,
+    actor,
+    claims,
+    named,
+    with_article,
+)
+
+_LARGE_M2 = 4.5
+"""Frontal area from which the rare body is matched by a lorry, square metres."""
+_FIRM, _CALM, _SOFT = 4.2, 3.6, 2.8
+"""Decelerations that a demand may ask of the ego, m/s^2."""
+
+
+def _like(at: Setting, rng: np.random.Generator) -> str:
+    """Draw a vehicle about as large as the rare scene's body."""
+    return at.choose(rng, *(LARGE if at.area_m2 > _LARGE_M2 else CARS))
+
+
+def _line(
+    at: Setting, rng: np.random.Generator, rear: float, first: str, count: int, lane: int = 0
+) -> list[Actor]:
+    """Return vehicles that stand one behind the other, the last one's tail at `rear`, m."""
+    row, place = [], rear
+    for number in range(1, count + 1):
+        asset = first if number == 1 and not lane else at.choose(rng, *CARS)
+        if not asset:
+            return []
+        place += 0.5 * at.length(asset)
+        name = f"queue-{number}" if not lane else f"beside{lane + 3}-{number}"
+        row.append(actor(name, asset, place, lane=lane, does="follow_lane", speed=0.0))
+        place += 0.5 * at.length(asset) + float(rng.uniform(1.6, 3.0))
+    return row
+
+
+def queue(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return standing traffic: before the light of road works on one lane, or in all lanes."""
+    first = _like(at, rng)
+    if not first:
+        return None
+    gap = max(at.gap_m - 0.5 * at.length(first), FRONT_M + 2.5 + at.room(_CALM))
+    rear = at.at_m + gap
+    row = _line(at, rng, rear, first, int(rng.integers(2, 5)))
+    quote = "a queue of vehicles stands ahead"
+    told = claims("vehicle", quote, ("motion", "stationary"), ("place", "ahead"))
+    if at.lanes == 1:
+        if at.has("tunnel", "roundabout", "junction") or "temporary_light" not in at.assets:
+            return Draft(row, f"{quote} in the lane", told)
+        end = max(one.placement.ahead_m for one in row) + 5.0
+        side = at.edge(end)
+        light = actor("light", "temporary_light", end, offset=-side - 0.6, state="red")
+        row.append(light)
+        if "road_works_sign" in at.assets:
+            near = max(rear - float(rng.uniform(8.0, 14.0)), 8.0)
+            row.append(actor("sign", "road_works_sign", near, offset=-at.edge(near) - 0.6))
+        return Draft(row, f"{quote} in the lane before a temporary light that is red", told)
+    for lane in range(-at.lane, at.lanes - at.lane):
+        if lane:
+            row += _line(at, rng, rear + float(rng.uniform(-3.0, 8.0)), "", 2, lane)
+    return Draft(row, f"{quote} in all lanes", told)
+
+
+def leader(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return a vehicle ahead that brakes smoothly, for the end of a queue or to turn in at the roadside."""
+    asset = _like(at, rng)
+    if not asset:
+        return None
+    hard = float(rng.uniform(2.0, 2.8))
+    since = min(at.decision_s, float(rng.uniform(1.0, 1.8)))
+    speed = at.speed
+    slow = max(0.0, speed - hard * since)
+    reach = 0.5 * at.length(asset)
+    gap = max(at.gap_m, reach + FRONT_M + 3.0 + at.room(_FIRM) - slow * slow / (2.0 * hard))
+    begin = at.at_m + gap - speed * at.decision_s + 0.5 * hard * since * since
+    if begin < reach + FRONT_M + 4.0:
+        return None
+    lead = actor(
+        "leader",
+        asset,
+        begin,
+        does="halt",
+        start=at.decision_s - since,
+        speed=speed,
+        deceleration=hard,
+        pause=12.0,
+    )
+    noun = named(asset)
+    stop = at.at_m + gap + slow * slow / (2.0 * hard) + reach + 3.0
+    row = _line(at, rng, stop, at.choose(rng, *CARS), 2)
+    quote = f"{with_article(noun)} ahead slows down"
+    told = claims(noun, quote, ("motion", "braking"), ("place", "ahead"))
+    return Draft([lead, *row], f"{quote} behind a queue of vehicles", told)
+
+
+def slow_vehicle(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return a vehicle that drives slowly ahead: a tractor in the country, a lorry elsewhere."""
+    if at.lane or at.has("roundabout"):
+        return None
+    if at.has("rural") and not at.has("tunnel", "bridge"):
+        asset, speed = at.choose(rng, "tractor"), min(8.0, 0.55 * at.speed)
+    elif at.has("highway", "rural"):
+        asset = at.choose(rng, "truck", "tanker", "camper", "cement_mixer")
+        speed = 0.65 * at.speed
+    else:
+        asset = at.choose(rng, "garbage_truck", "cement_mixer", "truck")
+        speed = 0.45 * at.speed
+    if not asset:
+        return None
+    gap = max(at.gap_m, 0.5 * at.length(asset) + FRONT_M + 2.0 + at.room(_SOFT, speed))
+    begin = at.at_m + gap - speed * at.decision_s
+    noun = named(asset)
+    quote = f"{with_article(noun)} drives slowly ahead in the lane"
+    told = claims(noun, quote, ("motion", "moving"), ("place", "ahead"), ("place", "in_lane"))
+    return Draft([actor("slow", asset, begin, does="follow_lane", speed=speed)], quote, told)
+
+
+def cyclist(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return one or two cyclists who ride ahead at the right of the lane."""
+    if at.has("highway", "tunnel") or at.lane:
+        return None
+    city = ("cyclist", "cyclist", "cargo_bike", "e_scooter")
+    asset = at.choose(rng, *(("cyclist",) if at.has("rural") else city))
+    if not asset:
+        return None
+    speed = min(float(rng.uniform(4.0, 5.4)), 0.7 * at.speed)
+    gap = max(at.gap_m, 1.0 + FRONT_M + 2.0 + at.room(_SOFT, speed))
+    begin = at.at_m + gap - speed * at.decision_s
+    aside = -float(rng.uniform(0.3, 0.7))
+    riders = [actor("rider-1", asset, begin, offset=aside, does="follow_lane", speed=speed)]
+    if len(at.scene.actors) > 2 and "cyclist" in at.assets:
+        behind = begin + float(rng.uniform(4.0, 7.0))
+        riders.append(
+            actor("rider-2", "cyclist", behind, offset=aside - 0.1, does="follow_lane", speed=speed)
+        )
+    noun = {"e_scooter": "person on an electric scooter"}.get(asset, "cyclist")
+    quote = f"a {noun} rides ahead in the lane"
+    about = {"e_scooter": "electric scooter"}.get(asset, "cyclist")
+    return Draft(riders, quote, claims(about, quote, ("motion", "moving"), ("place", "ahead")))

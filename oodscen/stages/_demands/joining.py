@@ -1,0 +1,131 @@
+"""Demands by vehicles that come into the lane: merging cars, cars that leave the kerb, ambulances."""
+
+import numpy as np
+
+from oodscen.stages._demands.setting import (
+    CARS,
+    FRONT_M,
+    Draft,
+    Setting,
+    actor,
+    claims,
+    named,
+    with_article,
+)
+
+_SOFT = 3.0
+"""Deceleration that a joining vehicle may ask of the ego, m/s^2."""
+_MOVE_S = 3.0
+"""Time that the move into the lane takes, s."""
+_MIRROR_S = 2.0
+"""Least time by which a joining vehicle has begun to move at the decision, s."""
+_PARKED_M = 2.2
+"""Least width of a strip to park on, m."""
+
+
+def merging_car(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return a car that moves over with its indicator on, or leaves the kerb where there is one lane."""
+    if at.lanes == 1:
+        return _leaves_the_kerb(at, rng)
+    side = 1 if at.lane < at.lanes - 1 else -1
+    asset = at.choose(rng, *(("truck", "van") if at.area_m2 > 4.5 else CARS))
+    if not asset or at.decision_s < _MIRROR_S or at.has("junction"):
+        return None
+    speed = 0.7 * at.speed
+    reach = 0.5 * at.length(asset)
+    gap = max(at.gap_m, reach + FRONT_M + 3.0 + at.room(_SOFT, speed))
+    begin = at.at_m + gap - speed * at.decision_s
+    if begin < reach + FRONT_M + 4.0:
+        return None
+    state = "indicate_right" if side > 0 else "indicate_left"
+    car = actor(
+        "merging",
+        asset,
+        begin,
+        lane=side,
+        does="cut_in",
+        start=at.decision_s - float(rng.uniform(1.6, 2.0)),
+        state=state,
+        speed=speed,
+        lanes=-side,
+        duration=_MOVE_S,
+    )
+    noun = named(asset)
+    quote = f"{with_article(noun)} ahead merges into the lane with its indicator on"
+    told = claims(noun, quote, ("motion", "into_lane"), ("place", "ahead"))
+    return Draft([car], quote, told)
+
+
+def _leaves_the_kerb(at: Setting, rng: np.random.Generator) -> Draft | None:
+    since = min(at.decision_s, float(rng.uniform(2.4, 3.2)))
+    asset = at.choose(rng, *CARS)
+    if not asset or since < _MIRROR_S or at.has("junction", "roundabout"):
+        return None
+    end = 0.5 * 1.6 * since * since
+    gap = max(at.gap_m, 0.5 * at.length(asset) + FRONT_M + 4.0 + at.room(_SOFT, 3.5))
+    begin = at.at_m + gap - end
+    strip = at.edge(begin) - at.half_width(begin)
+    if begin < 8.0 or strip < _PARKED_M - 0.2:
+        return None
+    aside = -(at.half_width(begin) + 0.5 * strip)
+    cars = [
+        actor(
+            "leaving",
+            asset,
+            begin,
+            offset=aside,
+            does="pull_out",
+            start=at.decision_s - since,
+            state="indicate_left",
+            speed=min(7.0, 0.9 * at.speed),
+            duration=_MOVE_S,
+        )
+    ]
+    place = begin - 0.5 * at.length(asset)
+    for number in range(1, int(rng.integers(2, 4))):
+        other = at.choose(rng, *CARS)
+        place -= 0.5 * at.length(other) + 1.4
+        if place > 5.0:
+            cars.append(actor(f"parked-{number}", other, place, offset=aside))
+        place -= 0.5 * at.length(other)
+    front = at.choose(rng, *CARS)
+    ahead = begin + 0.5 * (at.length(asset) + at.length(front)) + 3.5
+    cars.append(actor("parked-front", front, ahead, offset=aside))
+    noun = named(asset)
+    quote = f"{with_article(noun)} leaves its parking space ahead with its indicator on"
+    told = claims(noun, quote, ("motion", "moving"), ("place", "ahead"))
+    return Draft(cars, quote, told)
+
+
+def ambulance(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return an ambulance with its blue lights on that passes and moves back ahead of the ego."""
+    if "ambulance" not in at.assets or at.has("junction", "roundabout", "tunnel"):
+        return None
+    if at.decision_s < 2.6 or at.lane >= at.lanes - 1:
+        return None
+    speed = at.speed + 2.5
+    gap = max(min(at.gap_m, 22.0), 11.0)
+    begin = at.at_m + gap - speed * at.decision_s
+    one = actor(
+        "ambulance",
+        "ambulance",
+        begin,
+        lane=1,
+        does="cut_in",
+        start=at.decision_s - float(rng.uniform(1.8, 2.2)),
+        state="beacon",
+        speed=speed,
+        lanes=-1,
+        duration=_MOVE_S,
+    )
+    quote = "an ambulance with its blue lights on passes and moves over ahead of the ego vehicle"
+    told = claims("ambulance", quote, ("state", "beacon"), ("motion", "moving"))
+    slower = at.choose(rng, *CARS)
+    lead = actor(
+        "lead",
+        slower,
+        at.at_m + gap + 16.0 - 0.6 * at.speed * at.decision_s,
+        does="follow_lane",
+        speed=0.6 * at.speed,
+    )
+    return Draft([one, lead], quote, told)

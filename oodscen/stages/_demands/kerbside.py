@@ -1,0 +1,126 @@
+"""Demands at the kerb: buses at their stops, refuse lorries at work, proper road works."""
+
+import numpy as np
+
+from oodscen.data._scene import Actor
+from oodscen.stages._demands.setting import FRONT_M, Draft, Setting, actor, claims
+
+_CALM = 3.6
+"""Deceleration that a standing vehicle may ask of the ego, m/s^2."""
+
+
+def _place(at: Setting, asset: str) -> tuple[float, float]:
+    """Return the place along the road of a vehicle that stands at the kerb, and its offset, m."""
+    reach = 0.5 * at.length(asset)
+    ahead = at.at_m + max(at.gap_m, reach + FRONT_M + 2.0 + at.room(_CALM))
+    aside = at.edge(ahead) - 0.5 * at.assets[asset].width - 0.2
+    return ahead, -min(aside, 0.35)
+
+
+def _is_street(at: Setting) -> bool:
+    """Return whether the road is a plain street with a pavement beside the ego's lane."""
+    return at.has("urban", "residential") and not at.lane and not at.has("junction", "roundabout")
+
+
+def bus_stop(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return a bus at its stop, its indicator on, and people who get on."""
+    if "bus" not in at.assets or not _is_street(at):
+        return None
+    ahead, aside = _place(at, "bus")
+    row = [actor("bus", "bus", ahead, offset=aside, state="indicate_right")]
+    kerb = at.edge(ahead)
+    if "bus_stop" in at.assets:
+        row.append(actor("stop", "bus_stop", ahead + 1.0, offset=-kerb - 2.1, heading=180.0))
+    for number in range(1, int(rng.integers(2, 5))):
+        who = at.choose(rng, "adult", "elderly_person", "child")
+        if who:
+            along = ahead + 3.2 - 1.7 * number + float(rng.uniform(-0.2, 0.2))
+            out = kerb + 0.5 + float(rng.uniform(0.0, 0.3))
+            heading = float(rng.uniform(50.0, 120.0))
+            row.append(actor(f"passenger-{number}", who, along, offset=-out, heading=heading))
+    quote = "a bus stands at its stop with its indicator on"
+    told = claims("bus", quote, ("motion", "stationary"))
+    return Draft(row, f"{quote} ahead in the lane", told)
+
+
+def refuse_lorry(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return a refuse lorry that empties bins, its beacon on."""
+    if not {"garbage_truck", "worker", "wheelie_bin"} <= at.assets.keys() or not _is_street(at):
+        return None
+    ahead, aside = _place(at, "garbage_truck")
+    reach = 0.5 * at.length("garbage_truck")
+    kerb = at.edge(ahead)
+    row = [actor("refuse-lorry", "garbage_truck", ahead, offset=aside, state="beacon")]
+    row.append(actor("loader", "worker", ahead - reach - 0.8, offset=aside - 0.7, heading=90.0))
+    for number in range(1, int(rng.integers(3, 6))):
+        along = ahead - 9.0 + 4.6 * number + float(rng.uniform(-0.6, 0.6))
+        turn = float(rng.uniform(-12.0, 12.0))
+        row.append(actor(f"bin-{number}", "wheelie_bin", along, offset=-kerb - 0.6, heading=turn))
+    quote = "a refuse lorry with its beacon on stands ahead and collects bins from the pavement"
+    told = claims("refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
+    return Draft(row, quote, told)
+
+
+def works(at: Setting, rng: np.random.Generator) -> Draft | None:
+    """Return a proper lane closure: sign, taper, arrow board or shuttle light, machine and worker."""
+    if not {"cone", "road_works_sign", "worker"} <= at.assets.keys():
+        return None
+    if at.has("tunnel", "roundabout", "junction", "bridge"):
+        return None
+    begin = at.at_m + max(at.gap_m, FRONT_M + 1.0 + at.room(_CALM))
+    half = at.half_width(begin)
+    row = _closure_of_one(at, rng, begin, half) if at.lanes == 1 else _closure(at, rng, begin, half)
+    if not row:
+        return None
+    quote = "road works with a sign and a row of cones close the lane ahead"
+    told = claims("cone", quote, ("motion", "stationary"), ("place", "ahead"))
+    return Draft(row, quote, told)
+
+
+def _closure_of_one(
+    at: Setting, rng: np.random.Generator, begin: float, half: float
+) -> list[Actor]:
+    """Close the only lane, with a light for alternate traffic."""
+    if not {"barrier", "temporary_light"} <= at.assets.keys():
+        return []
+    machine = at.choose(rng, "excavator", "road_roller", "generator")
+    side = at.edge(begin)
+    row = [actor("sign", "road_works_sign", max(begin - 26.0, 8.0), offset=-side - 0.6)]
+    for number in range(4):
+        across = -half + 0.3 + (2.0 * half - 0.75) * number / 3.0
+        row.append(actor(f"cone-{number + 1}", "cone", begin + 2.6 * number, offset=across))
+    end = begin + 10.9
+    row.append(actor("barrier", "barrier", end, offset=-0.1))
+    row.append(actor("worker", "worker", end + 2.2, offset=float(rng.uniform(-0.8, 0.6))))
+    if machine:
+        row.append(actor("machine", machine, end + 7.5, offset=-0.2))
+    row.append(actor("light", "temporary_light", begin - 1.5, offset=-side - 0.5, state="red"))
+    return row
+
+
+def _closure(at: Setting, rng: np.random.Generator, begin: float, half: float) -> list[Actor]:
+    """Close the ego's lane where another lane leads the same way."""
+    if "arrow_board" not in at.assets or at.lane not in (0, at.lanes - 1):
+        return []
+    machine = at.choose(rng, "excavator", "truck", "road_roller")
+    towards = 1.0 if at.lane == 0 else -1.0
+    is_fast = at.has("highway")
+    count, gap = (8, 5.0) if is_fast else (6, 3.0)
+    side = at.edge(begin, -1 if at.lane == 0 else 1)
+    row = []
+    if at.lane == 0 or is_fast:
+        near = max(begin - 24.0, 8.0)
+        row.append(actor("sign", "road_works_sign", near, offset=-towards * (side + 0.6)))
+    for number in range(count):
+        across = -towards * (half - 0.3) + towards * (2.0 * half - 0.5) * number / (count - 1)
+        row.append(actor(f"cone-{number + 1}", "cone", begin + gap * number, offset=across))
+    board = begin + gap * (count - 1) + 3.0
+    state = "left" if towards > 0.0 else "right"
+    row.append(actor("board", "arrow_board", board, state=state))
+    for number in range(3):
+        along = board + 4.0 * number + 1.0
+        row.append(actor(f"edge-{number + 1}", "cone", along, offset=towards * (half - 0.15)))
+    row.append(actor("worker", "worker", board + 5.0, offset=-0.4 * towards, heading=90.0))
+    if machine:
+        row.append(actor("machine", machine, board + 12.0, offset=-0.2 * towards))
+    return row

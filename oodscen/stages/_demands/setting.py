@@ -1,0 +1,238 @@
+"""The setting that a demand has to fit: the road, the ego, and the body that the rare scene puts before it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from oodscen.data._bird_sketch import Sketch
+from oodscen.data._catalogue import Asset, Catalogue, RoadMap
+from oodscen.data._claim import Claim, Kind
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import DRIVABLE, Corridor
+from oodscen.driving._trace import Trace
+
+CARS = ("car", "suv", "van", "taxi", "pickup")
+"""Everyday cars, drawn from wherever a kind says no more."""
+LARGE = ("truck", "bus", "van", "tanker")
+PEOPLE = ("adult", "elderly_person", "person_with_stroller", "adult", "child")
+
+FRONT_M = 2.3
+"""Distance from the ego's centre to its bumper, m."""
+_FAR_M = 30.0
+"""Distance of the body where the rare scene has none ahead, m."""
+_IN_LANE_M = 1.7
+
+
+class Draft(NamedTuple):
+    """One drawn demand."""
+
+    actors: Sequence[Actor]
+    event: str
+    """A clause in lower case that tells the event."""
+    claims: Sequence[Claim]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The moment of a rare scene's decision, without its hazard."""
+
+    scene: Scene
+    catalogue: Catalogue
+    at_m: float
+    """Distance from the ego's start to its place at the decision, along the road, m."""
+    speed: float
+    """The ego's speed at the decision, m/s."""
+    decision_s: float
+    gap_m: float
+    """Distance of the nearest body that the rare scene puts in the lane at the decision, m."""
+    area_m2: float
+    """Frontal area of that body."""
+
+    @classmethod
+    def of(
+        cls, scene: Scene, catalogue: Catalogue, trace: Trace, drawn: Sketch | None
+    ) -> "Setting":
+        """Return the setting of a scene that was run.
+
+        Args:
+            scene: The rare scene.
+            catalogue: The catalogue of its simulator.
+            trace: Its approach, up to the decision.
+            drawn: The sketch of its decision.
+        """
+        corridor = load_corridor(scene.map, catalogue)
+        bodies = drawn.bodies if drawn else {}
+        ahead = [(body.x, name) for name, body in bodies.items() if name != "ego" and body.x > 0.0]
+        inside = [one for one in ahead if abs(bodies[one[1]].y) < _IN_LANE_M and one[0] < 80.0]
+        unusual = [one for one in ahead if one[1] in scene.hazard.actors]
+        gap, name = min(inside or unusual, default=(_FAR_M, ""))
+        known = {actor.id: catalogue.asset(actor.asset) for actor in scene.actors}
+        area = known[name].width * known[name].height if name in known else 2.8
+        return cls(
+            scene=scene,
+            catalogue=catalogue,
+            at_m=float(trace["s"][-1, 0]) - corridor.start,
+            speed=float(trace["speed"][-1, 0]),
+            decision_s=float(trace["time"][-1, 0]),
+            gap_m=gap,
+            area_m2=max(area, 0.5),
+        )
+
+    @cached_property
+    def corridor(self) -> Corridor:
+        """The ego's road."""
+        return load_corridor(self.scene.map, self.catalogue)
+
+    @cached_property
+    def road(self) -> RoadMap:
+        """The description of the map."""
+        return find_map(self.scene.map, self.catalogue)
+
+    @property
+    def lane(self) -> int:
+        """The ego's lane, counted from the right."""
+        return self.scene.ego.lane
+
+    @property
+    def lanes(self) -> int:
+        """Lanes in the ego's direction."""
+        return len(self.corridor.ego_lanes)
+
+    @cached_property
+    def assets(self) -> dict[str, Asset]:
+        """The simulator's assets by id."""
+        return {asset.id: asset for asset in self.catalogue.assets}
+
+    def has(self, *traits: str) -> bool:
+        """Return whether the map has one of some traits."""
+        return not set(traits).isdisjoint(self.road.traits)
+
+    def choose(self, rng: np.random.Generator, *options: str) -> str:
+        """Draw one of the assets that the simulator has; empty if it has none of them."""
+        fitting = [one for one in options if one in self.assets]
+        return fitting[int(rng.integers(len(fitting)))] if fitting else ""
+
+    def length(self, asset: str) -> float:
+        """Return the length of an asset, m."""
+        return self.assets[asset].length
+
+    def _beside(self, index: int, ahead: float) -> float:
+        s = self.corridor.start + ahead
+        own = self.corridor.centre(self.corridor.ego_lanes[self.lane], s)
+        return self.corridor.centre(index, s) - own
+
+    def lane_offsets(self, ahead: float) -> list[float]:
+        """Return the offset of every driving lane to the left of the ego's, m."""
+        return [self._beside(index, ahead) for index in self.corridor.driving]
+
+    def edge(self, ahead: float, side: int = -1) -> float:
+        """Return the distance from the middle of the ego's lane to the edge of the asphalt, m.
+
+        Args:
+            ahead: Place along the road, from the ego's start, m.
+            side: -1 for the right edge, 1 for the left one.
+        """
+        corridor, s = self.corridor, self.corridor.start + ahead
+        index = corridor.ego_lanes[self.lane]
+        own = corridor.centre(index, s)
+        sample = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
+        while 0 <= index + side < len(corridor.strips):
+            if corridor.strips[index + side].kind not in DRIVABLE:
+                break
+            index += side
+        strip = corridor.strips[index]
+        edge = strip.right if side < 0 else strip.left
+        return abs(float(edge[sample]) - own)
+
+    def half_width(self, ahead: float) -> float:
+        """Return half the width of the ego's lane, m."""
+        corridor, s = self.corridor, self.corridor.start + ahead
+        strip = corridor.strips[corridor.ego_lanes[self.lane]]
+        sample = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
+        return 0.5 * float(strip.left[sample] - strip.right[sample])
+
+    def room(self, deceleration: float, to_speed: float = 0.0) -> float:
+        """Return the distance in which the ego loses its speed at a deceleration, m."""
+        return max(0.0, self.speed - to_speed) ** 2 / (2.0 * deceleration)
+
+
+def actor(
+    name: str,
+    asset: str,
+    ahead: float,
+    *,
+    lane: int = 0,
+    offset: float = 0.0,
+    heading: float = 0.0,
+    does: str = "stand",
+    start: float = 0.0,
+    state: str = "",
+    **parameters: float,
+) -> Actor:
+    """Return an actor.
+
+    Args:
+        name: Its id.
+        asset: Its asset.
+        ahead: Place along the road, from the ego's start, m.
+        lane: Lanes to the left of the ego's.
+        offset: Offset to the left of that lane's middle, m.
+        heading: Heading against the lane, degrees.
+        does: Its behaviour.
+        start: Time of the behaviour's trigger, s.
+        state: State of the asset.
+        **parameters: Parameters of the behaviour.
+    """
+    return Actor(
+        id=name,
+        asset=asset,
+        placement=Placement(
+            ahead_m=round(ahead, 2),
+            lane=lane,
+            offset_m=round(offset, 2),
+            heading_deg=round(heading, 1),
+        ),
+        behaviour=Behaviour(
+            name=does,
+            trigger=Trigger(kind="time", value=round(max(0.0, start), 2)),
+            parameters={key: round(value, 2) for key, value in parameters.items()},
+        ),
+        state=state,
+    )
+
+
+def claims(subject: str, quote: str, *more: tuple[Kind, str]) -> list[Claim]:
+    """Return the claims that a thing is there, and whatever else is said of it."""
+    told: list[tuple[Kind, str]] = [("thing", "present"), *more]
+    return [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in told]
+
+
+def named(asset: str) -> str:
+    """Return the everyday name of an asset."""
+    return _NAMES.get(asset, asset.replace("_", " "))
+
+
+_NAMES = {
+    "suv": "car",
+    "taxi": "taxi",
+    "pickup": "pickup truck",
+    "truck": "lorry",
+    "tanker": "tanker lorry",
+    "garbage_truck": "refuse lorry",
+    "cement_mixer": "concrete mixer",
+    "camper": "camper van",
+    "adult": "person",
+    "elderly_person": "person",
+    "person_with_stroller": "person",
+    "child": "child",
+}
+
+
+def with_article(noun: str) -> str:
+    """Return a noun after its indefinite article."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

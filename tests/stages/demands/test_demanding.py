@@ -1,0 +1,70 @@
+"""Demands: accepted like scenes, true to their texts, never like the hazard, the same again for the same seed."""
+
+import pytest
+
+from oodscen._seeding import stream
+from oodscen.author._reading.claim_extraction import read_claims
+from oodscen.claims._checking import check_claims, mismatches
+from oodscen.data._scene import Scene
+from oodscen.driving import check_scene
+from oodscen.stages._demands.demanding import demanding
+from oodscen.stages._demands.kinds import KINDS, in_turn
+from oodscen.stages._demands.setting import Setting
+from oodscen.stages._simulate import simulate
+from oodscen.testing._flat import FlatSimulator
+from oodscen.testing._scenes import example_scene
+
+MAPS = ("residential_two_lane", "urban_avenue", "highway", "rural_curve", "roundabout", "tunnel")
+
+
+@pytest.fixture(scope="module")
+def simulator():
+    with FlatSimulator() as one:
+        yield one
+
+
+def placed(road, number=0):
+    scene = example_scene()
+    return Scene.model_validate({**scene.model_dump(), "map": road, "id": f"s-{number}"})
+
+
+@pytest.mark.parametrize("road", MAPS)
+def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, road):
+    scene, catalogue = placed(road), simulator.catalogue()
+    run = simulate(scene, simulator)
+    found = demanding(scene, run, simulator, 0).scene
+    assert found.is_ordinary
+    assert not found.is_twin
+    assert not check_scene(found, catalogue)
+    for told in (found.demand.claims, read_claims(found.demand.text)):
+        assert not mismatches(check_claims(told, found, catalogue))
+    assert (found.map, found.ego) == (scene.map, scene.ego)
+    assert found.decision.value == run.episode.decision_s
+    assert Scene.parse(found.model_dump_json()) == found
+
+
+def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator):
+    scene = placed("urban_avenue")
+    run = simulate(scene, simulator)
+    first, second = (demanding(scene, run, simulator, 3) for _ in range(2))
+    assert first.scene == second.scene
+    assert first.simulated.episode == second.simulated.episode
+    assert first.simulated.episode.safe_set
+
+
+@pytest.mark.parametrize(
+    ("asset", "left_out"),
+    [("cone", "works"), ("cyclist", "cyclist"), ("adult", "zebra"), ("bus", "bus_stop")],
+)
+def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
+    scene = placed("urban_avenue")
+    known = {one.id for one in simulator.catalogue().assets}
+    if asset not in known:
+        pytest.skip(f"the catalogue has no {asset}")
+    (box,) = scene.actors
+    changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
+    run = simulate(scene, simulator)
+    at = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
+    kinds = [kind.id for kind in in_turn(changed, at, stream(0, "x"))]
+    assert left_out not in kinds
+    assert set(kinds) < {kind.id for kind in KINDS}
