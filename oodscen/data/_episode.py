@@ -7,8 +7,8 @@ from typing import Literal
 from oodscen._display import escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._bird_sketch import Sketch
+from oodscen.data._pairing import is_ordinary, is_twin
 from oodscen.data._sighting import Sighting
-from oodscen.data._twins import is_twin
 
 ACTIONS = (
     "keep_speed",
@@ -23,6 +23,27 @@ ACTIONS = (
 
 MOMENTS = ("first", "middle", "last")
 """The three frames of the paper's protocol, in order."""
+
+
+def moments(count: int) -> tuple[str, ...]:
+    """Return the moments of `count` frames at even distances in time, e.g. `first`, `at-33`, `at-67`, `last`.
+
+    The numbers are percents of the time between the first and the last frame.
+    """
+    inner = (round(100 * index / (count - 1)) for index in range(1, count - 1))
+    return ("first", *("middle" if share == 50 else f"at-{share}" for share in inner), "last")
+
+
+def share_of(moment: str) -> float:
+    """Return the time of a moment as a share of the time between the first and the last frame."""
+    named = {"first": 0.0, "middle": 0.5, "last": 1.0}
+    return named[moment] if moment in named else int(moment.removeprefix("at-")) / 100
+
+
+def in_order(found: Iterable[str]) -> tuple[str, ...]:
+    """Return moments in order of time."""
+    return tuple(sorted(found, key=share_of))
+
 
 ENOUGH_M = 0.5
 """The smallest gap with enough margin, m. A vehicle passing in the next lane is about 1 m away."""
@@ -112,6 +133,16 @@ def base_rate(outcomes: Mapping[str, ActionOutcome]) -> float | None:
     return sum(outcome.safe for outcome in outcomes.values()) / len(outcomes)
 
 
+class Follower(Data):
+    """A vehicle close behind the ego."""
+
+    gap_m: float
+    """Distance between the bodies, m."""
+    speed_mps: float
+    what: str
+    """Id of its asset in the catalogue."""
+
+
 class Episode(Data):
     """One run of one scene: the approach to the decision point, and every action from there."""
 
@@ -156,6 +187,12 @@ class Episode(Data):
     """Outcomes by action id."""
     sketch: Sketch | None = None
     """The bird's-eye sketch of the decision point and of every action's outcome."""
+    ego_speed_mps: float | None = None
+    """Speed of the ego at the decision, m/s."""
+    frame_times_s: dict[str, float] = {}
+    """Time of every frame since the start, s, by moment."""
+    follower: Follower | None = None
+    """The nearest of `followers` at the decision."""
     followers: tuple[str, ...] = ()
     """Actors behind the ego in its lane at the decision point, close enough to matter; the front camera
     never shows them."""
@@ -168,6 +205,11 @@ class Episode(Data):
     def is_twin(self) -> bool:
         """Return whether this is the episode of an ordinary twin."""
         return is_twin(self.scene_id)
+
+    @property
+    def is_ordinary(self) -> bool:
+        """Return whether this is the episode of an ordinary drive: a twin or a demand."""
+        return is_ordinary(self.scene_id)
 
     @property
     def is_below_floor(self) -> bool:

@@ -114,6 +114,17 @@ class Hazard(Data):
     """The ordinary weather, where the weather is (part of) the hazard."""
 
 
+class Visible(Data):
+    """The visible part of one unusual thing, apart from its story."""
+
+    what: str = Field(min_length=1, max_length=120)
+    """The thing itself: `cardboard box`."""
+    where: str = Field(default="", max_length=120)
+    """Its place as seen from the ego: `in the ego's lane`, `beside the lane on the right` ..."""
+    doing: str = Field(default="", max_length=120)
+    """Its motion as a few frames can show it: `lying still`, `crossing from the right` ..."""
+
+
 class Scene(Data):
     """Everything a simulator needs to run one scenario."""
 
@@ -133,12 +144,15 @@ class Scene(Data):
     stands_for: dict[str, tuple[str, ...]] = {}
     """Ids of the actors that show a thing of the text, by its name in the claims, where the words alone do not
     tell; `map` is the road itself. An empty mapping is left out of the JSON text."""
+    visible: tuple[Visible, ...] = ()
+    """Everything that can be seen of the hazard; left out of the JSON text if empty."""
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
-        if not value.get("stands_for"):
-            value.pop("stands_for", None)
+        for name in ("stands_for", "visible"):
+            if not value.get(name):
+                value.pop(name, None)
         return value
 
     @field_validator("hazard")
@@ -182,6 +196,7 @@ class Scene(Data):
                 "hazard": {},
                 "decision": {"kind": "time", "value": decision_s},
                 "stands_for": {},
+                "visible": (),
             }
         )
 

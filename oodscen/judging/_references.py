@@ -31,6 +31,12 @@ class AspectOption(Data):
 
     id: str
     label: str
+    leaves: tuple[str, ...] = ()
+    """Ids of the leaves that it stands for, where frames cannot tell several apart; else only `id`."""
+
+    def holds(self, leaf: str) -> bool:
+        """Return whether a leaf is meant."""
+        return leaf == self.id or leaf in self.leaves
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,10 +67,10 @@ class Answers:
 
 @runtime_checkable
 class Reference(Protocol):
-    """An answerer that takes cases instead of prompts."""
+    """An answerer that takes cases instead of prompts: a reference, or a person's recorded answers."""
 
     name: str
-    kind: Literal["reference"]
+    kind: Literal["reference", "model"]
 
     def judge(self, case: Case) -> Answers:
         """Answer both tasks about one case."""
@@ -102,10 +108,11 @@ class Oracle(_Direct):
     def judge(self, case: Case) -> Answers:
         """Answer from the ground truth."""
         action = best_action(case.episode.actions) or "emergency_brake"
-        if case.episode.is_twin:
+        if case.episode.is_ordinary:
             return Answers(False, confidence=1.0, choice=NOTHING, action=action)
         label = case.path[-1] if case.path else ""
-        return Answers(True, label, 1.0, case.leaf or None, action)
+        choice = next((one.id for one in case.options if one.holds(case.leaf)), case.leaf)
+        return Answers(True, label, 1.0, choice or None, action)
 
 
 class Blind(_Direct):
@@ -133,7 +140,7 @@ class Blind(_Direct):
             leaf = leaves.get(scene_of(episode.scene_id), ("", ""))[0]
             self._safe.update(episode.safe_set)
             self._safe_of.setdefault(leaf, Counter()).update(episode.safe_set)
-            self._count[leaf] += not episode.is_twin
+            self._count[leaf] += not episode.is_ordinary
 
     def judge(self, case: Case) -> Answers:
         """Return the same answers everywhere, up to the prior from the other paths."""
@@ -141,7 +148,9 @@ class Blind(_Direct):
         action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
         leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
-        return Answers(True, self._labels.get(leaf, ""), 0.5, leaf or None, action)
+        listed = sorted(one.id for one in case.options if one.id != NOTHING)
+        choice = max(listed, key=lambda name: self._count[name], default=leaf)
+        return Answers(True, self._labels.get(leaf, ""), 0.5, choice or None, action)
 
 
 class NoveltyReference(_Direct):

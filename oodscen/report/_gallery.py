@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen.data._bird_sketch import Sketch
-from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order, share_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Weather
 from oodscen.data._twins import is_twin, twin_id
@@ -187,7 +187,7 @@ def _frames(episode: Episode | None, folder: Path) -> list[Row]:
         return []
     times = _times(episode)
     rows = []
-    for moment in MOMENTS:
+    for moment in in_order(episode.frames or MOMENTS):
         found = picture(folder, episode.frames.get(moment))
         caption = f"{moment} · {times[moment]}" if moment in times else moment
         rows.append(
@@ -197,13 +197,12 @@ def _frames(episode: Episode | None, folder: Path) -> list[Row]:
 
 
 def _times(episode: Episode) -> Mapping[str, str]:
-    """Return the times of the frames: at the start, halfway, and at the decision."""
+    """Return the times of the frames, from the start to the decision."""
     if episode.decision_s is None or episode.dt <= 0:
         return {}
     steps = round(episode.decision_s / episode.dt)
     return {
-        moment: f"{step * episode.dt:.1f} s"
-        for moment, step in zip(MOMENTS, (0, steps // 2, steps), strict=True)
+        moment: f"{int(steps * share_of(moment)) * episode.dt:.1f} s" for moment in episode.frames
     }
 
 

@@ -6,6 +6,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from oodscen.data._claim import Claim
+from oodscen.data._episode import MOMENTS
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import load_corridor
@@ -79,7 +80,14 @@ def retimed(
                 if why := contradiction(claims, scene, variant, simulator.catalogue()):
                     whys.append(f"{distance:g} m away it can be named, but {why}")
                     continue
-                again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
+                again = simulate(
+                    variant,
+                    simulator,
+                    seed=seed,
+                    camera=camera,
+                    traces=traces,
+                    moments=tuple(simulated.frames) or MOMENTS,
+                )
                 if again.episode.is_below_floor:
                     continue
                 how += f"decision {_said(scene.decision)} -> {_said(variant.decision)}"

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from oodscen.claims._checking import check_claims
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._episode import Episode
+from oodscen.data._episode import MOMENTS, Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator
@@ -69,7 +69,14 @@ def restaged(
             if why := why or contradiction(claims, scene, variant, simulator.catalogue()):
                 tried.append(Attempt(how, why))
                 continue
-            again = simulate(variant, simulator, seed=seed, camera=camera, traces=traces)
+            again = simulate(
+                variant,
+                simulator,
+                seed=seed,
+                camera=camera,
+                traces=traces,
+                moments=tuple(simulated.frames) or MOMENTS,
+            )
         except OodscenError as error:
             fault = str(error).strip().splitlines()[-1].strip(" -")
             tried.append(Attempt(how, f"it cannot be run: {fault}"))

@@ -13,7 +13,7 @@ from oodscen._display import Brief, picture, png
 from oodscen._numbers import seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode, share_of
 from oodscen.data._scene import Scene
 from oodscen.driving import action_driver, load_corridor
 from oodscen.driving._motion.actions import Cruise, is_available
@@ -55,9 +55,8 @@ class Simulated(Brief):
     """The catalogue of the simulator that ran it."""
 
     def state_of(self, moment: str) -> State:
-        """Return the state that a frame shows: `first`, `middle` or `last`."""
-        last = len(self.states) - 1
-        return self.states[{"first": 0, "middle": last // 2, "last": last}[moment]]
+        """Return the state that a frame shows: `first`, `middle`, `last` ..."""
+        return self.states[_steps_shown(len(self.states) - 1, (moment,))[moment]]
 
     def _repr_html_(self) -> str:
         """Return the last frame, the decision point from above and all actions, for notebooks."""
@@ -89,6 +88,7 @@ def simulate(
     render: bool = True,
     traces: bool = False,
     protocol: Literal["ours", "paper"] = "ours",
+    moments: Sequence[str] = MOMENTS,
 ) -> Simulated:
     """Run one scene.
 
@@ -109,6 +109,7 @@ def simulate(
         protocol: `paper` shows the first, middle and last frame of the whole trace, on which the blind driver
             continues beyond the decision point until a collision or the horizon, and counts collisions only:
             leaving the road neither is unsafe nor ends the run.
+        moments: The moments of the frames, `first` and `last` among them; see `oodscen.data.moments`.
 
     Raises:
         SceneError: When the simulator refuses the scene.
@@ -121,7 +122,9 @@ def simulate(
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)
     with working("simulator", simulator.name):
-        return _simulated(scene, simulator, seed, camera, actions, render, traces, protocol)
+        return _simulated(
+            scene, simulator, seed, camera, actions, render, traces, protocol, moments
+        )
 
 
 def _simulated(
@@ -133,6 +136,7 @@ def _simulated(
     render: bool,
     traces: bool,
     protocol: str,
+    moments: Sequence[str],
 ) -> Simulated:
     is_paper = protocol == "paper"
     can_go_back = scene.is_twin and not is_paper and _Snapshots.can(simulator)
@@ -142,13 +146,13 @@ def _simulated(
     shown = (camera or Camera()) if render else None
     if is_paper:
         whole = [*controls, *_blind(scene, simulator, states[-1])]
-        frames, states = _shown_again(scene, simulator, seed, whole, shown)
+        frames, states = _shown_again(scene, simulator, seed, whole, shown, moments)
         _, again = _shown_again(scene, simulator, seed, controls, None)
         is_deterministic = _fingerprint(again) == fingerprint
     elif going_back:
-        frames, is_deterministic = going_back.frames(shown), True
+        frames, is_deterministic = going_back.frames(shown, moments), True
     else:
-        frames, again = _shown_again(scene, simulator, seed, controls, shown)
+        frames, again = _shown_again(scene, simulator, seed, controls, shown, moments)
         is_deterministic = _fingerprint(again) == fingerprint
     course = Course.of(scene, simulator.catalogue())
     rollouts = _Rollouts(simulator, scene, seed, controls, fingerprint, course, is_paper)
@@ -219,11 +223,12 @@ def _shown_again(
     seed: int,
     controls: Sequence[Control],
     camera: Camera | None,
+    moments: Sequence[str] = (),
 ) -> tuple[dict[str, Frame], list[State]]:
     """Replay controls and return the frames and the states."""
     frames: dict[str, Frame] = {}
     states: list[State] = []
-    steps = _steps_shown(len(controls))
+    steps = _steps_shown(len(controls), moments)
     for index, control in enumerate([None, *controls]):
         states.append(simulator.step(control) if control else simulator.reset(scene, seed))
         for moment, step in steps.items():
@@ -244,9 +249,9 @@ def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
     return controls
 
 
-def _steps_shown(last: int) -> dict[str, int]:
-    """Return the steps that the three frames show, by moment."""
-    return dict(zip(MOMENTS, (0, last // 2, last), strict=True))
+def _steps_shown(last: int, moments: Sequence[str] = MOMENTS) -> dict[str, int]:
+    """Return the steps that the frames show, by moment."""
+    return {moment: int(last * share_of(moment)) for moment in moments}
 
 
 class _Snapshots:
@@ -265,10 +270,10 @@ class _Snapshots:
         """Take a snapshot of the current step."""
         self.kept.append(self.simulator.snapshot())
 
-    def frames(self, camera: Camera | None) -> dict[str, Frame]:
-        """Return the three frames, and leave the simulator at the last step."""
+    def frames(self, camera: Camera | None, moments: Sequence[str]) -> dict[str, Frame]:
+        """Return the frames, and leave the simulator at the last step."""
         frames = {}
-        for moment, step in _steps_shown(len(self.kept) - 1).items():
+        for moment, step in _steps_shown(len(self.kept) - 1, moments).items():
             self.simulator.restore(self.kept[step])
             if camera:
                 frames[moment] = self.simulator.render(camera)

@@ -8,7 +8,7 @@ from oodscen._pipeline.context import Context, failed
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
-from oodscen.data._episode import Episode
+from oodscen.data._episode import Episode, moments
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of, twin_id
@@ -233,6 +233,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
         twins=True,
         restages=True,
         camera=run.config.camera,
+        moments=moments(run.config.frames),
         claims=_claims_of(run.store.lines(CLAIMS)),
     )
     made_from = {name: one.ran.digest() for name, one in staged.items()}
