@@ -1,7 +1,8 @@
 """The kinds of situation that the closed question offers: possible on the road shown, and told apart by frames."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from oodscen._seeding import stream
 from oodscen.data._scenario import Scenario
@@ -16,15 +17,18 @@ LISTED = 7
 class Kinds:
     """The kinds of a study, and which of them are offered together on which map.
 
-    The lists of a map depend on the map alone, never on the scene, and every kind of the map's scenes is in
-    exactly one of them. So a list tells nothing about which of its kinds is the right one, and a scene and its
-    ordinary drives have the same list. Kinds of one family stand together, so that near kin are offered.
+    The lists of a map depend on the map alone, never on the scene, and every kind of the map's scenes belongs
+    to one of them, which others may borrow to be full. So a list does not tell which of its kinds is the right
+    one, and a scene and its ordinary drives have the same list. Kinds of one family stand together, so that
+    near kin are offered.
     """
 
     kinds: tuple[AspectOption, ...]
     """Every kind once; leaves that frames cannot tell apart are one kind."""
     lists: Mapping[str, tuple[tuple[AspectOption, ...], ...]] = field(default_factory=dict)
     """The lists by map."""
+    homes: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    """The number of the list to which a leaf belongs, by map."""
 
     @classmethod
     def of(
@@ -50,19 +54,26 @@ class Kinds:
                 if kind not in own and kind.holds(leaves.get(scene, "")):
                     own.append(kind)
         anywhere = [kind for kind in kinds if not _places(kind.label)]
-        return cls(
-            tuple(kinds),
-            {
-                place: tuple(_lists(own, anywhere, families, seed, place))
-                for place, own in here.items()
-            },
-        )
+        lists: dict[str, tuple[tuple[AspectOption, ...], ...]] = {}
+        homes: dict[str, dict[str, int]] = {}
+        for place, own in here.items():
+            parts = _parts(sorted(own, key=lambda kind: (families[kind.id], kind.id)))
+            homes[place] = {
+                leaf: number
+                for number, part in enumerate(parts)
+                for kind in part
+                for leaf in kind.leaves
+            }
+            spare = [*own, *(kind for kind in anywhere if kind not in own)]
+            order = stream(seed, "kinds", place).permutation(len(spare))
+            drawn = [spare[int(index)] for index in order]
+            lists[place] = tuple(_filled(part, drawn, families) for part in parts)
+        return cls(tuple(kinds), lists, homes)
 
     def offered(self, leaf: str, place: str) -> tuple[AspectOption, ...]:
         """Return the list that holds a leaf on a map; the first `LISTED` kinds where there is none."""
-        for listed in self.lists.get(place, ()):
-            if any(kind.holds(leaf) for kind in listed):
-                return listed
+        if leaf in self.homes.get(place, {}):
+            return self.lists[place][self.homes[place][leaf]]
         own = [kind for kind in self.kinds if kind.holds(leaf)]
         others = [kind for kind in self.kinds if kind not in own]
         return tuple(own + others)[:LISTED]
@@ -94,21 +105,20 @@ def _places(label: str) -> set[str]:
     return {one.name for one in seen(label).concepts if one.kind == "place"}
 
 
-def _lists(
-    own: Sequence[AspectOption],
-    anywhere: Sequence[AspectOption],
-    families: Mapping[str, object],
-    seed: int,
-    place: str,
-) -> Iterable[tuple[AspectOption, ...]]:
-    """Divide the kinds of a map into lists of near kin, as equal as can be, and fill them."""
-    ordered = sorted(own, key=lambda kind: (str(families[kind.id]), kind.id))
+def _parts(ordered: Sequence[AspectOption]) -> list[Sequence[AspectOption]]:
+    """Divide kinds into as few parts of at most `LISTED` as can be, of equal size up to one."""
     count = -(-len(ordered) // LISTED)
-    spare = [kind for kind in anywhere if kind not in own]
-    order = stream(seed, "kinds", place).permutation(len(spare))
-    spare = [spare[int(index)] for index in order]
-    for number in range(count):
-        listed = ordered[len(ordered) * number // count : len(ordered) * (number + 1) // count]
-        near = {str(families[kind.id]) for kind in listed}
-        fill = sorted(spare, key=lambda kind: str(families[kind.id]) not in near)
-        yield (*listed, *fill[: LISTED - len(listed)])
+    ends = [len(ordered) * number // count for number in range(count + 1)]
+    return [ordered[start:end] for start, end in pairwise(ends)]
+
+
+def _filled(
+    part: Sequence[AspectOption],
+    spare: Sequence[AspectOption],
+    families: Mapping[str, tuple[str, ...]],
+) -> tuple[AspectOption, ...]:
+    """Return a list of `LISTED` kinds, if there are that many: the part, then kin of it, then others."""
+    near = {families[kind.id] for kind in part}
+    rest = [kind for kind in spare if kind not in part]
+    rest.sort(key=lambda kind: families[kind.id] not in near)
+    return (*part, *rest[: LISTED - len(part)])

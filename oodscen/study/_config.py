@@ -184,9 +184,9 @@ class StudyConfig(Data):
         both = tuple(dict.fromkeys((*other.protocols, *self.protocols)))
         vlms = tuple(dict.fromkeys((*other.vlms, *self.vlms)))
         asked = {}
-        for name in (*vlms, *other.people, *self.people):
-            old = other.protocols_of(name) if name in (*other.vlms, *other.people) else ()
-            new = self.protocols_of(name) if name in (*self.vlms, *self.people) else ()
+        for name in vlms:
+            old = other.protocols_of(name) if name in other.vlms else ()
+            new = self.protocols_of(name) if name in self.vlms else ()
             asked[name] = tuple(one for one in both if one in (*old, *new))
         return self.model_copy(
             update={
