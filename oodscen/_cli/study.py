@@ -23,7 +23,7 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import bars, estimated, left_out, say, standings, summary
+from oodscen._cli.output import bars, estimated, left_out, measured_judge, say, standings, summary
 from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.errors import UsageError
@@ -277,7 +277,7 @@ def evaluate(
     if as_json:
         click.echo(board.model_dump_json(indent=2))
     else:
-        say(standings(board))
+        say("\n".join([standings(board), *measured_judge(study.info)]))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     verdicts = study.verdicts
     for line in left_out(verdicts):
