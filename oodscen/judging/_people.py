@@ -68,6 +68,7 @@ class PersonAnswers(Brief):
     _repr_fields = ("name",)
 
     kind: ClassVar[Literal["model"]] = "model"
+    takes_cases: ClassVar[bool] = True
 
     def __init__(self, name: str, items: Mapping[str, QuizAnswer]) -> None:
         self.name = person(name)

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, Literal, Protocol, runtime_checkable
+from typing import ClassVar, Literal, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,12 @@ class Reference(Protocol):
 def is_reference(model: LLM) -> bool:
     """Return whether a model is a reference answerer, built-in or registered."""
     return getattr(model, "kind", "model") == "reference"
+
+
+def takes_cases(model: object) -> TypeGuard[Reference]:
+    """Return whether an answerer takes cases: every reference, and a person's recorded answers."""
+    is_recorded = getattr(model, "kind", "") == "reference" or getattr(model, "takes_cases", False)
+    return bool(is_recorded) and isinstance(model, Reference)
 
 
 class _Direct(Brief):

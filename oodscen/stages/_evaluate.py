@@ -36,7 +36,7 @@ from oodscen.judging._parsing import (
     read_named_aspect,
     reasoning_in,
 )
-from oodscen.judging._references import AspectOption, Case, Reference, is_reference
+from oodscen.judging._references import AspectOption, Case, is_reference, takes_cases
 from oodscen.llm._ask import ask
 from oodscen.prompts import Prompt
 from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction, ChosenAction
@@ -176,7 +176,7 @@ def evaluate(
     truth = Truth(tuple(path), leaf, tuple(visible))
     if protocol == "paper":
         options = ()
-    if isinstance(vlm, Reference):
+    if takes_cases(vlm):
         return _judged_directly(episode, vlm, truth, options, protocol, judge)
     asked = _Asked(vlm, is_chain=chain or protocol == "paper")
     shown = Shown.of(episode, frames, is_present=protocol != "paper")

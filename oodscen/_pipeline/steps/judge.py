@@ -10,7 +10,7 @@ from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.scenes import simulate_whole
 from oodscen.data._base import canonical_json, digest
-from oodscen.data._episode import ACTIONS, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode, moments
 from oodscen.data._messages import Image
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
@@ -29,7 +29,7 @@ from oodscen.judging._aspects.opinions import (
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import PersonAnswers, person
-from oodscen.judging._references import Blind, NoveltyReference, Oracle, Reference, is_reference
+from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference, takes_cases
 from oodscen.judging._selection import chosen
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.limits import JUDGING
@@ -247,15 +247,14 @@ def _questions(
     maps = {scene.id: scene.map for scene in scenes}
     kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
 
-    def images(episode: Episode) -> dict[str, Image]:
+    def images(episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
         """Return the frames; raises `DataError` if one cannot be shown."""
         frames = {
             moment: Image.from_file(run.store.inside(file), file)
             for moment, file in episode.frames.items()
         }
-        lacks = [
-            f"there is no {moment} frame" for moment in ("first", "last") if moment not in frames
-        ]
+        wanted = moments(run.config.frames) if protocol == "ours" else MOMENTS
+        lacks = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
         if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:
             raise DataError("frames", [Issue("", fault) for fault in faults])
         return frames
@@ -274,9 +273,9 @@ def _questions(
         scene = scene_by_id.get(scene_of(episode.scene_id))
         frames: dict[str, Image] = {}
         before = None
-        if not isinstance(model, Reference):
+        if not takes_cases(model):
             try:
-                frames = images(episode)
+                frames = images(episode, item.protocol)
                 if item.protocol == "paper" and episode.scene_id in up_to_decision:
                     earlier = up_to_decision[episode.scene_id]
                     before = Shown.of(earlier, images(earlier))

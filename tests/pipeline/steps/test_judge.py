@@ -103,7 +103,7 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     study = Study.open(out)
     rows = of(study, model.name)
     assert len(rows) == len(study.episodes)
-    assert asked == 6 * len(rows)
+    assert asked == 3 * len(rows)
     for data in pictures[:6]:
         assert cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR).shape == (480, 640, 3)
     episodes = {episode.id: episode for episode in study.episodes}
@@ -306,7 +306,8 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
         questions.append((request.prompt.aspect, request.prompt.path))
         if broken and request.prompt.aspect == "something odd":
             return "?"
-        return {"is_same": request.prompt.aspect == "something odd"}
+        is_odd = request.prompt.aspect == "something odd"
+        return {"is_same_thing": is_odd, "is_same_fault": is_odd}
 
     judge = ScriptedLLM(says, name="judge")
     config = CONFIG.model_copy(update={"judge": "judge", "vlms": ("seen",)})
