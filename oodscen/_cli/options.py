@@ -136,11 +136,6 @@ picture_options = _options(
         type=click.IntRange(48, 4096),
         help=f"Rows of the frames, in pixels.  [default: {Camera.height}]",
     ),
-    click.option(
-        "--frames",
-        type=click.IntRange(3, 8),
-        help="Frames of a drive, at even distances in time.  [default: 3]",
-    ),
 )
 style_option = click.option(
     "--style",

@@ -115,6 +115,11 @@ from oodscen.errors import UsageError
 )
 @extras_options
 @picture_options
+@click.option(
+    "--frames",
+    type=click.IntRange(3, 8),
+    help="Frames of a drive, at even distances in time.  [default: 3]",
+)
 @seed_option
 @click.option("--quick", is_flag=True, help="Run a small but complete study in seconds.")
 @click.option("--retry-failed", is_flag=True, help="Also redo items whose answers were invalid.")

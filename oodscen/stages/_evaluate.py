@@ -362,7 +362,7 @@ class _Asked:
 
 
 class Truth(NamedTuple):
-    """What the first task is about."""
+    """The ground truth of the first task."""
 
     path: tuple[str, ...]
     """Labels from the root to the leaf."""

@@ -23,7 +23,7 @@ GENERAL = frozenset({"vehicle", "person"})
 
 
 class Named(NamedTuple):
-    """How an open answer compares with the truth, in two steps."""
+    """The result of comparing an open answer with the truth, in two steps."""
 
     thing: bool
     """True if it names the thing, or a broader or narrower word for it."""

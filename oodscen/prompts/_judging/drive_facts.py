@@ -13,7 +13,7 @@ Answer = TypeVar("Answer", bound=BaseModel)
 
 
 class DriveFacts(Data):
-    """What a driver knows without looking ahead; anything unknown is left out of the questions."""
+    """The knowledge of a driver who does not look ahead; anything unknown is left out of the questions."""
 
     times_s: tuple[float, ...] = ()
     """Time of every frame since the start of the drive, s."""
@@ -21,7 +21,7 @@ class DriveFacts(Data):
     is_present: bool = True
     """True if the speed is that at the last frame; otherwise that at the moment of the decision."""
     behind: str | None = None
-    """The vehicle that follows close behind, with its article; empty for nobody, `None` if unknown."""
+    """The vehicle that follows close behind, with its article; empty if there is none, `None` if unknown."""
     gap_m: float = 0.0
     follower_speed_mps: float = 0.0
 

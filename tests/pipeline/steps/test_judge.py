@@ -91,10 +91,10 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         model = server.client("gpt-4o")
         config = CONFIG.model_copy(update={"vlms": ("served",)})
-        capped = server.client("gpt-4o", limits=Limits(requests=20))
+        capped = server.client("gpt-4o", limits=Limits(requests=10))
         with pytest.raises(BudgetExceeded):
             run_study(out, config, models={"served": capped})
-        assert 0 < len(server.received) <= 20
+        assert 0 < len(server.received) <= 10
         run_study(out, config, models={"served": model})
         asked = len(server.received)
         pictures = [image for one in server.received for image in one.images]
