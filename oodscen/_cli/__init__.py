@@ -178,6 +178,7 @@ for _command in (
     measuring.score,
     judging.power,
     study.report,
+    study.quiz,
     tree.tree,
     components.plugins,
     components.doctor,

@@ -165,7 +165,17 @@ judging_options = _options(
         type=click.Choice(("ours", "paper")),
         default="ours",
         show_default=True,
-        help="Judging protocol; `paper` adds the paper's own: whole traces, collisions only, no twins.",
+        help="Judging protocol; `paper` is the paper's own: whole traces, collisions only, no ordinary drives.",
+    ),
+    click.option(
+        "--chain/--no-chain",
+        default=None,
+        help="Show a model its own descriptions of the frames before every question.  [default: --no-chain]",
+    ),
+    click.option(
+        "--ordinary",
+        type=click.IntRange(1, 2),
+        help="Ordinary drives asked about per scene: its twin or its demand, or both.  [default: 1]",
     ),
     click.option("--judge", help="Model that judges the open answers."),
 )

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -128,6 +128,15 @@ def _notes(board: "Leaderboard") -> list[str]:
             f"paper: the hazard can be seen in a frame of {board.whole_shown} of {board.whole} scenes"
         )
     return notes
+
+
+def measured_judge(info: Mapping[str, Any]) -> list[str]:
+    """State on how many labelled answers the judge of a study agrees with the person who labelled them."""
+    counts = info.get("counts", {}).get("judged", {})
+    if not counts.get("labelled"):
+        return []
+    agrees, of = counts["agrees"], counts["labelled"]
+    return [f"the judge agrees with a person on {agrees} of {of} labelled answers"]
 
 
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:

@@ -24,8 +24,8 @@ from oodscen._cli.options import (
     simulator_option,
     style_option,
 )
-from oodscen._cli.output import bars, estimated, left_out, say, standings, summary
-from oodscen._cli.paths import READABLE, PathName
+from oodscen._cli.output import bars, estimated, left_out, measured_judge, say, standings, summary
+from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.errors import UsageError
 
@@ -122,6 +122,11 @@ from oodscen.errors import UsageError
 @extras_options
 @picture_options
 @rollout_options
+@click.option(
+    "--frames",
+    type=click.IntRange(3, 8),
+    help="Frames of a drive, at even distances in time.  [default: 3]",
+)
 @seed_option
 @click.option("--quick", is_flag=True, help="Run a small but complete study in seconds.")
 @click.option("--retry-failed", is_flag=True, help="Also redo items whose answers were invalid.")
@@ -207,6 +212,11 @@ def run(
 )
 @judging_options
 @click.option(
+    "--answers",
+    type=READABLE,
+    help="File of a person's answers, as `oodscen quiz` pages save it; adds the row human:NAME.",
+)
+@click.option(
     "--api-base",
     help="Address of an OpenAI-compatible server for the models named here.  [default: the study's]",
 )
@@ -218,6 +228,9 @@ def evaluate(
     vlms: tuple[str, ...],
     dropped: tuple[str, ...],
     protocol: str,
+    chain: bool | None,
+    ordinary: int | None,
+    answers: Path | None,
     judge: str | None,
     api_base: str | None,
     retry_failed: bool,
@@ -232,6 +245,7 @@ def evaluate(
     without a usable answer.
     """
     from oodscen._pipeline import run_study
+    from oodscen._pipeline.answering import add_answers
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.leaderboard import Leaderboard
     from oodscen.study._config import StudyConfig
@@ -239,24 +253,29 @@ def evaluate(
 
     before = Study.open(out)
     click.get_current_context().with_resource(before.store.writing())
-    if not vlms and not dropped and not judge:
+    is_paper, is_wider = protocol == "paper", chain is not None or ordinary is not None
+    if not (vlms or dropped or judge or answers or is_paper or is_wider):
         raise UsageError(
             "name a model to judge (--vlm MODEL), to remove (--drop MODEL), or to score open answers "
-            "(--judge MODEL)"
+            "(--judge MODEL), or a person's answers (--answers FILE)"
         )
     for name, count in drop_models(before, dropped).items() if dropped else ():
         kept = "its answers stay in answers.jsonl and are used if it is judged again"
         say(f"{name} is taken out with {count} verdicts; {kept}", err=True)
     config, known = before.config, {verdict.model for verdict in before.verdicts}
     changes = {
-        "vlms": vlms,
+        "vlms": vlms or (config.vlms if is_paper else ()),
         "protocols": (protocol,),
+        "asked": {},
+        "chain": bool(chain),
+        "ordinary": ordinary or 1,
+        "people": (add_answers(before, answers),) if answers else (),
         "judge": judge,
         "servers": dict.fromkeys(filter(None, (*vlms, judge)), api_base) if api_base else {},
     }
     limits = limits_from(choices)
     study = before
-    if vlms or judge:
+    if vlms or judge or answers or is_paper or is_wider:
         with bars() as progress:
             study = run_study(
                 out,
@@ -270,7 +289,7 @@ def evaluate(
     if as_json:
         click.echo(board.model_dump_json(indent=2))
     else:
-        say(standings(board))
+        say("\n".join([standings(board), *measured_judge(study.info)]))
         click.echo(f"report: {(study.folder / 'report.html').resolve()}")
     verdicts = study.verdicts
     for line in left_out(verdicts):
@@ -287,3 +306,28 @@ def report(out: Path) -> None:
     from oodscen.study._study import Study
 
     click.echo(str(write_report(Study.open(out)).resolve()))
+
+
+@click.command()
+@click.argument("out", type=PathName(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "-o", "--out", "file", type=OutputName(), help="File to write.  [default: quiz.html in OUT]"
+)
+@click.option(
+    "--scenes",
+    type=click.IntRange(1, 1_000),
+    default=20,
+    show_default=True,
+    help="Maximum number of scenes; each comes with its ordinary drives.",
+)
+def quiz(out: Path, file: Path | None, scenes: int) -> None:
+    """Write a page that puts the questions of the study in the folder OUT to a person.
+
+    The page needs no network and holds no answers. It saves a file that `oodscen evaluate OUT --answers FILE`
+    takes as the row human:NAME.
+    """
+    from oodscen.report._quiz import write_quiz
+    from oodscen.study._study import Study
+
+    target = write_quiz(Study.open(out), file, scenes=scenes)
+    click.echo(str(target.resolve()))

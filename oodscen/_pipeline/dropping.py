@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
-from oodscen._pipeline.steps.judge import ALWAYS, judged, outcomes
+from oodscen._pipeline.steps.judge import ALWAYS, OPINIONS, judged, outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._leaderboard.leaderboard import leaderboard
+from oodscen.judging._people import person
 from oodscen.report._render import write_report
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
@@ -37,6 +38,7 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
 def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     config, verdicts = study.config, study.verdicts
     made = {name: _called(name, config) for name in config.vlms}
+    made |= {person(name): person(name) for name in config.people}
     called = {name: other or name for name, other in made.items()}
     known = {*called, *called.values(), *({one.model for one in verdicts} - {*ALWAYS})}
     for name in names:
@@ -59,6 +61,8 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     config = config.model_copy(
         update={
             "vlms": tuple(name for name in config.vlms if name not in gone),
+            "people": tuple(name for name in config.people if person(name) not in models),
+            "asked": {name: found for name, found in config.asked.items() if name not in gone},
             "servers": {
                 name: address
                 for name, address in config.servers.items()
@@ -68,7 +72,11 @@ def _dropped(study: Study, names: Sequence[str]) -> dict[str, int]:
     )
     info = {**study.info, "config": config.model_dump(mode="json")}
     if "counts" in info:
-        numbers = {"verdicts": len(kept), "outcomes": outcomes(kept), **judged(kept)}
+        numbers = {
+            "verdicts": len(kept),
+            "outcomes": outcomes(kept),
+            **judged(kept, study.store.lines(OPINIONS)),
+        }
         info["counts"] = info["counts"] | numbers
     if "failures" in info:
         failed = sum(one.status == "failed" for one in kept)

@@ -11,10 +11,13 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers
 from oodscen._registry import is_builtin, make_llm
+from oodscen.data._episode import moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import DataError, Issue, MissingExtra, StudyMismatch, UnknownComponent
+from oodscen.judging._kinds import LISTED
+from oodscen.judging._selection import ordinary_drives
 from oodscen.llm._accounting import Account, accounts
 from oodscen.llm._prefix import cacheable_share
 from oodscen.llm._remote.limits import Price
@@ -24,6 +27,7 @@ from oodscen.prompts._base import Prompt
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.stages._evaluate import OPTIONS
@@ -36,8 +40,6 @@ CHARACTERS = 4
 
 DESCRIPTION = "word " * 60
 """A text as long as a model's description of a frame."""
-
-_FRAMES = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in ("first", "middle", "last"))
 
 
 def estimate(
@@ -88,11 +90,18 @@ def estimate(
             lines += [
                 model.line(request)
                 for scene in scenes
-                for item in (scene.id, twin_id(scene.id))
+                for item in _items(scene.id, config)
                 if verdict_id(item, name) not in judged
-                for request in _judging()
+                for request in _judging(config)
             ]
     return accounts(lines)
+
+
+def _items(scene_id: str, config: StudyConfig) -> tuple[str, ...]:
+    """Return the items of a scene that models are asked about, as if all of them ran."""
+    if not config.demands:
+        return (scene_id, twin_id(scene_id))
+    return (scene_id, *ordinary_drives(scene_id, seed=config.seed)[: config.ordinary])
 
 
 def _is_asked(name: str) -> bool:
@@ -110,14 +119,20 @@ def _copy(study: Study, target: Path) -> None:
                 raise DataError("study", [issue], source=str(study.folder / name)) from None
 
 
-def _judging() -> Iterator[Request]:
-    """Yield the questions of one scene's evaluation, at their expected length."""
-    seen = (DESCRIPTION,) * 3
+def _judging(config: StudyConfig) -> Iterator[Request]:
+    """Yield the questions about one item, at their expected length."""
+    frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in moments(config.frames))
+    seen = (DESCRIPTION,) * len(frames) if config.chain else ()
+    facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
+    told: dict[str, Any] = {"frames": frames, "descriptions": seen, "facts": facts}
     prompts: tuple[Prompt[Any], ...] = (
-        *(DescribeFrame(frames=_FRAMES[:n], descriptions=seen[: n - 1]) for n in (1, 2, 3)),
-        NameAspect(frames=_FRAMES, descriptions=seen),
-        ChooseAspect(frames=_FRAMES, descriptions=seen, labels=(DESCRIPTION,) * 10),
-        ChooseAction(frames=_FRAMES, descriptions=seen, options=OPTIONS),
+        *(
+            DescribeFrame(frames=frames[: n + 1], descriptions=seen[:n], total=len(frames))
+            for n in range(len(seen))
+        ),
+        NameAspect(**told),
+        ChooseAspect(**told, labels=("word " * 10,) * (LISTED + 1)),
+        ChooseAction(**told, options=OPTIONS),
     )
     for prompt in prompts:
         yield Request(prompt, prompt.messages(), prompt.answer_schema())

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import compare_catalogues
-from oodscen._pipeline.steps.judge import evaluate, judged, outcomes
+from oodscen._pipeline.steps.judge import OPINIONS, evaluate, judged, outcomes
 from oodscen._pipeline.steps.measure import measure
 from oodscen._pipeline.steps.scenes import augment, simulate
 from oodscen._pipeline.steps.texts import describe, describe_sets
@@ -160,7 +160,7 @@ class Pipeline:
             "below_floor": sum(episode.is_below_floor for episode in episodes),
             "verdicts": len(verdicts),
             "outcomes": outcomes(verdicts),
-            **judged(verdicts),
+            **judged(verdicts, self.context.store.lines(OPINIONS)),
         }
 
     def _usage(self) -> list[dict[str, Any]]:

@@ -9,12 +9,15 @@ from itertools import chain
 from pathlib import Path
 from typing import Literal, TypeVar
 
+import numpy as np
+
 from oodscen._conformance import reason
 from oodscen._files import temporary_folder
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._registry import find, make_simulator
+from oodscen._seeding import stream
 from oodscen.data._claim import Claim
-from oodscen.data._episode import REACTIONS_S, Episode
+from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
 from oodscen.data._pairing import demand_id, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
@@ -68,6 +71,8 @@ class Job:
     safe."""
     camera: Camera = field(default_factory=Camera)
     """The camera of the frames."""
+    moments: tuple[str, ...] = MOMENTS
+    """The moments of the frames."""
     claims: Mapping[str, tuple[Claim, ...]] = field(default_factory=dict)
     """The claims of the texts by scenario, which no re-staged scene may contradict."""
     reaction: tuple[float, ...] = REACTIONS_S
@@ -262,6 +267,7 @@ def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Sim
             protocol=job.protocol,
             reaction=job.reaction,
             horizon=job.horizon,
+            moments=job.moments,
         )
         found = Restaging(given, simulated)
         if job.restages and not given.is_ordinary:
@@ -277,7 +283,10 @@ def _run(job: Job, simulator: Simulator, given: Scene) -> tuple[SweepResult, Sim
 def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
     """Return the result of a run, with its pictures and files."""
     extra = _extra_files(job, simulator, scene, simulated)
-    frames = {moment: to_jpeg(frame) for moment, frame in simulated.frames.items()}
+    frames = {
+        moment: to_jpeg(with_sensor_noise(frame, scene.id, moment))
+        for moment, frame in simulated.frames.items()
+    }
     prefix = "whole-" if job.protocol == "paper" else ""
     files = {moment: f"frames/{scene.id}/{prefix}{moment}.jpg" for moment in frames}
     written = extra | {files[moment]: data for moment, data in frames.items()}
@@ -351,6 +360,22 @@ def _extra_files(
             )
             files[f"videos/{scene.id}.mp4"] = path.read_bytes()
     return files
+
+
+NOISE = 2
+"""Largest change of a colour value by the sensor's noise, of 255."""
+
+
+def with_sensor_noise(frame: Frame, item: str, moment: str) -> Frame:
+    """Return a frame with a sensor's noise, which depends on the item and the moment alone.
+
+    Without it the first frames of a scene and of its ordinary drive can be the same bytes. A server that
+    caches, or a reader that remembers, would tell from them which drives belong together.
+    """
+    noise = stream(0, "sensor-noise", item, moment).integers(
+        -NOISE, NOISE, size=frame.rgb.shape, dtype=np.int16, endpoint=True
+    )
+    return replace(frame, rgb=np.clip(frame.rgb + noise, 0, 255).astype(np.uint8))
 
 
 def to_jpeg(frame: Frame, quality: int = JPEG_QUALITY) -> bytes:

@@ -24,6 +24,27 @@ ACTIONS = (
 MOMENTS = ("first", "middle", "last")
 """The three frames of the paper's protocol, in order."""
 
+
+def moments(count: int) -> tuple[str, ...]:
+    """Return the moments of `count` frames at even distances in time, e.g. `first`, `at-33`, `at-67`, `last`.
+
+    The numbers are percents of the time between the first and the last frame.
+    """
+    inner = (round(100 * index / (count - 1)) for index in range(1, count - 1))
+    return ("first", *("middle" if share == 50 else f"at-{share}" for share in inner), "last")
+
+
+def share_of(moment: str) -> float:
+    """Return the time of a moment as a share of the time between the first and the last frame."""
+    named = {"first": 0.0, "middle": 0.5, "last": 1.0}
+    return named[moment] if moment in named else int(moment.removeprefix("at-")) / 100
+
+
+def in_order(found: Iterable[str]) -> tuple[str, ...]:
+    """Return moments in order of time."""
+    return tuple(sorted(found, key=share_of))
+
+
 ENOUGH_M = 0.5
 """The smallest gap with enough margin, m. A vehicle passing in the next lane is about 1 m away."""
 ENOUGH_TTC_S = 1.5

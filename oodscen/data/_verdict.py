@@ -48,19 +48,24 @@ class Verdict(Data):
     is_twin: bool = False
     """True if the item was an ordinary twin, in which nothing is out of the ordinary."""
     descriptions: tuple[str, ...] = ()
-    """Descriptions of the first, middle and last frame; empty for references, which write none."""
+    """Descriptions of the frames in turn; empty unless the questions followed them (`--chain`, or the paper's
+    protocol)."""
     is_ood: bool | None = None
     """Task 1, detection: true if the model calls the scene out of the ordinary."""
     confidence: float | None = Field(default=None, ge=0, le=1)
     """The model's stated confidence in `is_ood`; `None` if it stated none."""
     aspect: str = ""
     """Task 1, identification: the OOD aspect in the model's words."""
+    thing_is_right: bool | None = None
+    """True if the aspect names the right thing, whatever it says is wrong with it; `None` for ordinary drives
+    and without an answer."""
     aspect_is_right: bool | None = None
-    """True if the aspect matches the path's label; `None` for twins and without an answer."""
+    """True if the aspect names the thing and what is wrong with it; `None` for ordinary drives and without an
+    answer."""
     choice: str | None = None
     """Task 1, closed question: id of the chosen leaf, `none` for "nothing unusual"; `None` without an answer."""
     choice_is_right: bool | None = None
-    """True if the choice is the scene's leaf, or `none` for a twin."""
+    """True if the choice stands for the scene's leaf, or is `none` for an ordinary drive."""
     action: str | None = None
     """Task 2: the chosen action."""
     action_is_safe: bool | None = None

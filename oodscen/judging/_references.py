@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, Literal, Protocol, runtime_checkable
+from typing import ClassVar, Literal, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,12 @@ class AspectOption(Data):
 
     id: str
     label: str
+    leaves: tuple[str, ...] = ()
+    """Ids of the leaves that it stands for, where frames cannot tell several apart; else only `id`."""
+
+    def holds(self, leaf: str) -> bool:
+        """Return whether a leaf is meant."""
+        return leaf == self.id or leaf in self.leaves
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,10 +67,10 @@ class Answers:
 
 @runtime_checkable
 class Reference(Protocol):
-    """An answerer that takes cases instead of prompts."""
+    """An answerer that takes cases instead of prompts: a reference, or a person's recorded answers."""
 
     name: str
-    kind: Literal["reference"]
+    kind: Literal["reference", "model"]
 
     def judge(self, case: Case) -> Answers:
         """Answer both tasks about one case."""
@@ -74,6 +80,12 @@ class Reference(Protocol):
 def is_reference(model: LLM) -> bool:
     """Return whether a model is a reference answerer, built-in or registered."""
     return getattr(model, "kind", "model") == "reference"
+
+
+def takes_cases(model: object) -> TypeGuard[Reference]:
+    """Return whether an answerer takes cases: every reference, and a person's recorded answers."""
+    is_recorded = getattr(model, "kind", "") == "reference" or getattr(model, "takes_cases", False)
+    return bool(is_recorded) and isinstance(model, Reference)
 
 
 class _Direct(Brief):
@@ -105,7 +117,8 @@ class Oracle(_Direct):
         if case.episode.is_ordinary:
             return Answers(False, confidence=1.0, choice=NOTHING, action=action)
         label = case.path[-1] if case.path else ""
-        return Answers(True, label, 1.0, case.leaf or None, action)
+        choice = next((one.id for one in case.options if one.holds(case.leaf)), case.leaf)
+        return Answers(True, label, 1.0, choice or None, action)
 
 
 class Blind(_Direct):
@@ -141,7 +154,9 @@ class Blind(_Direct):
         action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
         leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
-        return Answers(True, self._labels.get(leaf, ""), 0.5, leaf or None, action)
+        listed = sorted(one.id for one in case.options if one.id != NOTHING)
+        choice = max(listed, key=lambda name: self._count[name], default=leaf)
+        return Answers(True, self._labels.get(leaf, ""), 0.5, choice or None, action)
 
 
 class NoveltyReference(_Direct):

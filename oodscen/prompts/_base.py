@@ -141,7 +141,13 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=False,
     )
     environment.filters["data"] = data_block
+    environment.filters["seconds"] = "{:.1f} s".format
+    environment.filters["speed"] = _speed
     return environment
+
+
+def _speed(value: float) -> str:
+    return f"{value:.1f} m/s ({3.6 * value:.0f} km/h)"
 
 
 _FENCE = re.compile(r"[<＜﹤‹〈](?=[^\w<]*d[^\w<]*a[^\w<]*t[^\w<]*a)", re.IGNORECASE)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen.data._bird_sketch import Sketch
-from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order
 from oodscen.data._pairing import is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Weather
@@ -188,26 +188,15 @@ def _shown(name: str, scene: Scene | None, episode: Episode | None, folder: Path
 def _frames(episode: Episode | None, folder: Path) -> list[Row]:
     if episode is None or episode.status == "failed":
         return []
-    times = _times(episode)
+    times = episode.frame_times_s
     rows = []
-    for moment in MOMENTS:
+    for moment in in_order(episode.frames or MOMENTS):
         found = picture(folder, episode.frames.get(moment))
-        caption = f"{moment} · {times[moment]}" if moment in times else moment
+        caption = f"{moment} · {times[moment]:.1f} s" if moment in times else moment
         rows.append(
             {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
         )
     return rows
-
-
-def _times(episode: Episode) -> Mapping[str, str]:
-    """Return the times of the frames: at the start, halfway, and at the decision."""
-    if episode.decision_s is None or episode.dt <= 0:
-        return {}
-    steps = round(episode.decision_s / episode.dt)
-    return {
-        moment: f"{step * episode.dt:.1f} s"
-        for moment, step in zip(MOMENTS, (0, steps // 2, steps), strict=True)
-    }
 
 
 def _outcomes(episode: Episode | None, names: Mapping[str, str]) -> list[Row]:

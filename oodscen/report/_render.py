@@ -52,7 +52,7 @@ def render(context: dict[str, Any]) -> str:
     """Return the filled template; everything that is not markup made here is escaped."""
     style, script = _source("style.css"), _source("script.js")
     return (
-        _environment()
+        environment()
         .get_template("page.html.j2")
         .render(
             **{**context, "payload": embedded(context["payload"])},
@@ -73,7 +73,8 @@ def embedded(value: Any) -> Markup:
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
+    """Return the environment of the templates."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("oodscen.report", "templates"),
         undefined=jinja2.StrictUndefined,
@@ -99,7 +100,7 @@ def _environment() -> jinja2.Environment:
 
 def rendered(part: RenderedPart) -> Markup:
     """Return a part of the page; its template sees its own data alone."""
-    template = _environment().get_template(f"parts/{part.template}.html.j2")
+    template = environment().get_template(f"parts/{part.template}.html.j2")
     return Markup(template.render(part.data))
 
 

@@ -6,7 +6,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from oodscen.data._claim import Claim
-from oodscen.data._episode import REACTIONS_S
+from oodscen.data._episode import MOMENTS, REACTIONS_S
 from oodscen.data._scene import Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving import load_corridor
@@ -85,7 +85,13 @@ def retimed(
                     whys.append(f"{distance:g} m away it can be named, but {why}")
                     continue
                 again = simulate(
-                    variant, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+                    variant,
+                    simulator,
+                    seed=seed,
+                    camera=camera,
+                    traces=traces,
+                    moments=tuple(simulated.frames) or MOMENTS,
+                    reaction=reaction,
                 )
                 if again.episode.is_below_floor:
                     continue

@@ -1,14 +1,17 @@
 """Evaluation of a model on an episode: the paper's two tasks (section V-C), with further questions."""
 
+import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import BaseModel
 
 from oodscen._seeding import stream
-from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._episode import ACTIONS, Episode, in_order
 from oodscen.data._messages import Image
+from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import (
     AnswerError,
@@ -19,7 +22,7 @@ from oodscen.errors import (
     ModelSkipped,
     OodscenError,
 )
-from oodscen.judging._aspects.matching import names_aspect
+from oodscen.judging._aspects.matching import names_aspect, naming
 from oodscen.judging._aspects.opinions import is_open, opinion, rescored
 from oodscen.judging._parsing import (
     ParsedAnswer,
@@ -33,12 +36,13 @@ from oodscen.judging._parsing import (
     read_named_aspect,
     reasoning_in,
 )
-from oodscen.judging._references import AspectOption, Case, Reference, is_reference
+from oodscen.judging._references import AspectOption, Case, is_reference, takes_cases
 from oodscen.llm._ask import ask
 from oodscen.prompts import Prompt
 from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction, ChosenAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect, ChosenAspect
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
+from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.prompts._judging.name_aspect import NameAspect, OodAspect
 from oodscen.prompts._judging.name_ood_aspect import NamedAspect, NameOodAspect
 from oodscen.protocols import LLM
@@ -76,18 +80,56 @@ ATTEMPTS = 2
 """Maximum number of attempts per question; an unreadable answer is asked for once more."""
 
 
-def aspect_options(leaves: Mapping[str, str], *, seed: int, item: str) -> tuple[AspectOption, ...]:
-    """Return the options of the closed question: the leaves and "nothing", shuffled for one item.
+def aspect_options(
+    kinds: Mapping[str, str] | Sequence[AspectOption], *, seed: int, item: str
+) -> tuple[AspectOption, ...]:
+    """Return the options of the closed question: the kinds and "nothing", shuffled for one item.
 
     Args:
-        leaves: Labels by id.
+        kinds: The kinds to choose from, or their labels by id; see `oodscen.judging._kinds`.
         seed: Seed of the study.
-        item: Id of the scene or twin; each has its own order.
+        item: Id of the scene or of its ordinary drive; each has its own order.
     """
-    options = [AspectOption(id=name, label=label) for name, label in sorted(leaves.items())]
-    options.append(NOTHING_UNUSUAL)
+    if isinstance(kinds, Mapping):
+        kinds = [AspectOption(id=name, label=label) for name, label in sorted(kinds.items())]
+    options = [*kinds, NOTHING_UNUSUAL]
     order = stream(seed, "aspect-options", item).permutation(len(options))
     return tuple(options[int(index)] for index in order)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The frames of one drive in order, and its facts, as a model is told."""
+
+    images: tuple[Image, ...]
+    facts: DriveFacts = field(default_factory=DriveFacts)
+
+    @classmethod
+    def of(cls, episode: Episode, frames: Mapping[str, Image], *, is_present: bool = True) -> Self:
+        """Return the frames of an episode with what it records of speed, times and follower.
+
+        Args:
+            episode: The episode.
+            frames: The images by moment.
+            is_present: True if the last frame shows the decision.
+        """
+        order = in_order(frames)
+        times = tuple(episode.frame_times_s.get(moment, math.nan) for moment in order)
+        follower, behind = episode.follower, None
+        if follower is not None:
+            what = re.sub(r"[\W_]+", " ", follower.what).strip()
+            behind = f"{'an' if what[:1] in set('aeiou') else 'a'} {what}"
+        elif episode.ego_speed_mps is not None:
+            behind = ""
+        facts = DriveFacts(
+            times_s=() if any(map(math.isnan, times)) else times,
+            ego_speed_mps=episode.ego_speed_mps,
+            is_present=is_present,
+            behind=behind,
+            gap_m=follower.gap_m if follower else 0.0,
+            follower_speed_mps=follower.speed_mps if follower else 0.0,
+        )
+        return cls(tuple(frames[moment] for moment in order), facts)
 
 
 def evaluate(
@@ -100,69 +142,61 @@ def evaluate(
     options: Sequence[AspectOption] = (),
     protocol: Protocol = "ours",
     judge: LLM | None = None,
+    chain: bool = False,
+    before: Shown | None = None,
+    visible: Sequence[Visible] = (),
 ) -> Verdict:
     """Ask a model about one episode; a failure of the model is a verdict, not an exception.
 
-    The model describes the frames in turn. Task one: it says whether anything is out of the ordinary, with a
-    confidence, and names it (open), then chooses it among `options` (closed). Task two: it chooses one of the
-    discrete actions, whose outcome in the simulator is known. An unreadable answer (see
+    Task one: the model says whether anything is out of the ordinary, with a confidence, and names it (open),
+    then chooses it among `options` (closed). Task two: it chooses one of the discrete actions, whose outcome in
+    the simulator is known. Every question shows all frames with the ego's speed, the times of the frames and
+    who follows, and nothing of the model's other answers. An unreadable answer (see
     `oodscen.judging._parsing`) is asked for once more and then counted separately; the other questions are
     asked in any case.
 
     Args:
-        episode: The episode, with the outcome of every action. The ids of twins mark them.
+        episode: The episode, with the outcome of every action. The ids of ordinary drives mark them.
         frames: The images by moment.
         vlm: The model to judge. A `Reference` is asked directly.
         path: Labels from the root to the leaf: the ground truth of task one.
         leaf: Id of that leaf.
         options: Options of the closed question, which is skipped without them and in the paper's protocol.
         protocol: `paper` asks as the paper did: which aspect is OOD, without mentioning how likely that is
-            and without a confidence; no closed question, collisions only.
+            and without a confidence, always as a `chain`; no closed question, collisions only. The action is
+            asked first, about the drive up to the decision.
         judge: Decides whether an open aspect is right, for references too, instead of the documented matcher.
             If it gives no usable answer, the matcher decides and `judge_error` records the reason.
+        chain: The model describes the frames in turn first, and every question follows its descriptions, as in
+            the paper.
+        before: The drive up to the decision, for the action in the paper's protocol; by default the frames
+            before the last, since the last shows the outcome.
+        visible: Everything that can be seen of the hazard, which names it as well as the path's label does.
     """
+    truth = Truth(tuple(path), leaf, tuple(visible))
     if protocol == "paper":
         options = ()
-    if is_reference(vlm) and isinstance(vlm, Reference):
-        return _judged_directly(episode, vlm, path, leaf, options, protocol, judge)
-    asked = _Asked(vlm)
-    images = tuple(frames[moment] for moment in MOMENTS)
+    if takes_cases(vlm):
+        return _judged_directly(episode, vlm, truth, options, protocol, judge)
+    asked = _Asked(vlm, is_chain=chain or protocol == "paper")
+    shown = Shown.of(episode, frames, is_present=protocol != "paper")
     fields: dict[str, Any] = {}
     try:
-        descriptions: tuple[str, ...] = ()
-        for count in range(1, len(images) + 1):
-            seen = asked.put(
-                DescribeFrame(frames=images[:count], descriptions=descriptions),
-                read_description,
-                lambda raw, said: FrameDescription(description=said),
-                "the description, in words",
-            )
-            said = seen.description[:KEPT_DESCRIPTION] if seen else NO_DESCRIPTION
-            descriptions = (*descriptions, said)
-            fields["descriptions"] = descriptions
-        fields |= asked.aspect(images, descriptions, protocol)
+        if protocol == "paper":
+            decided = before or Shown(shown.images[:-1], DriveFacts())
+            fields |= asked.action(decided, asked.described(decided), protocol)
+        descriptions = asked.described(shown)
+        fields["descriptions"] = descriptions
+        fields |= asked.aspect(shown, descriptions, protocol)
         if options:
-            fields["choice"] = asked.choice(images, descriptions, tuple(options))
-        chosen = asked.put(
-            ChooseAction(
-                frames=images,
-                descriptions=descriptions,
-                options=OPTIONS,
-                is_whole_trace=protocol == "paper",
-            ),
-            lambda raw: read_action(raw, ACTIONS),
-            lambda raw, name: ChosenAction(action=name, reasoning=reasoning_in(raw)),
-            f'"action": exactly one of {", ".join(ACTIONS)}',
-        )
-        if chosen:
-            fields["action"] = chosen.action
-            fields["reasoning"] = chosen.reasoning[:KEPT_REASONING]
-            fields["contradiction"] = contradiction(chosen.reasoning, chosen.action, ACTIONS)
+            fields["choice"] = asked.choice(shown, descriptions, tuple(options))
+        if protocol != "paper":
+            fields |= asked.action(shown, descriptions, protocol)
     except LLMError as error:
         asked.failures.append(error)
     fields["notes"] = tuple(asked.notes)
     fields["prompts"] = asked.versions
-    return _scored(episode, vlm, path, leaf, fields, protocol, asked.failures, judge)
+    return _scored(episode, vlm, truth, options, fields, protocol, asked.failures, judge)
 
 
 def unjudged(
@@ -192,6 +226,8 @@ class _Asked:
     """Asks the questions about one item, and keeps failures and notes on how answers were read."""
 
     llm: LLM
+    is_chain: bool = False
+    """True if the model describes the frames before the questions."""
     notes: list[str] = field(default_factory=list)
     failures: list[OodscenError] = field(default_factory=list)
     versions: dict[str, str] = field(default_factory=dict)
@@ -230,13 +266,30 @@ class _Asked:
             self.failures.append(error)
             return None
 
+    def described(self, shown: Shown) -> tuple[str, ...]:
+        """Ask for a description of every frame in turn; none unless the questions follow them.
+
+        A frame without a usable description gets `NO_DESCRIPTION`, so that the others keep their places.
+        """
+        said: tuple[str, ...] = ()
+        total = len(shown.images)
+        for count in range(1, total + 1) if self.is_chain else ():
+            seen = self.put(
+                DescribeFrame(frames=shown.images[:count], descriptions=said, total=max(3, total)),
+                read_description,
+                lambda raw, text: FrameDescription(description=text),
+                "the description, in words",
+            )
+            said = (*said, seen.description[:KEPT_DESCRIPTION] if seen else NO_DESCRIPTION)
+        return said
+
     def aspect(
-        self, images: tuple[Image, ...], descriptions: tuple[str, ...], protocol: Protocol
+        self, shown: Shown, descriptions: tuple[str, ...], protocol: Protocol
     ) -> dict[str, Any]:
         """Ask the first task and return the verdict's fields about it, empty without an answer."""
         if protocol == "paper":
             named = self.put(
-                NameOodAspect(frames=images, descriptions=descriptions),
+                NameOodAspect(frames=shown.images, descriptions=descriptions, facts=shown.facts),
                 read_named_aspect,
                 lambda raw, aspect: NamedAspect(aspect=aspect),
                 '"aspect": one short noun phrase',
@@ -246,7 +299,7 @@ class _Asked:
             is_ood = not names_nothing(named.aspect)
             return {"is_ood": is_ood, "aspect": named.aspect[:500] if is_ood else ""}
         found = self.put(
-            NameAspect(frames=images, descriptions=descriptions),
+            NameAspect(frames=shown.images, descriptions=descriptions, facts=shown.facts),
             read_aspect,
             lambda raw, found: OodAspect(
                 is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
@@ -262,36 +315,71 @@ class _Asked:
         }
 
     def choice(
-        self,
-        images: tuple[Image, ...],
-        descriptions: tuple[str, ...],
-        options: tuple[AspectOption, ...],
+        self, shown: Shown, descriptions: tuple[str, ...], options: tuple[AspectOption, ...]
     ) -> str | None:
         """Ask the closed question and return the id of the chosen option."""
         labels = {option.id: option.label for option in options}
         names = list(labels)
         answer = self.put(
-            ChooseAspect(frames=images, descriptions=descriptions, labels=tuple(labels.values())),
+            ChooseAspect(
+                frames=shown.images,
+                descriptions=descriptions,
+                facts=shown.facts,
+                labels=tuple(labels.values()),
+            ),
             lambda raw: read_choice(raw, labels),
             lambda raw, name: ChosenAspect(choice=names.index(name) + 1),
             f'"choice": one number from 1 to {len(names)}',
         )
         return names[answer.choice - 1] if answer else None
 
+    def action(
+        self, shown: Shown, descriptions: tuple[str, ...], protocol: Protocol
+    ) -> dict[str, Any]:
+        """Ask the second task and return the verdict's fields about it, empty without an answer."""
+        chosen = self.put(
+            ChooseAction(
+                frames=shown.images,
+                descriptions=descriptions,
+                facts=shown.facts,
+                options=OPTIONS,
+                is_collision_only=protocol == "paper",
+            ),
+            lambda raw: read_action(raw, ACTIONS),
+            lambda raw, name: ChosenAction(action=name, reasoning=reasoning_in(raw)),
+            f'"action": exactly one of {", ".join(ACTIONS)}',
+        )
+        if chosen is None:
+            return {}
+        return {
+            "action": chosen.action,
+            "reasoning": chosen.reasoning[:KEPT_REASONING],
+            "contradiction": contradiction(chosen.reasoning, chosen.action, ACTIONS),
+        }
+
 
 # ------------------------------------------------------------------ scoring
+
+
+class Truth(NamedTuple):
+    """The ground truth of the first task."""
+
+    path: tuple[str, ...]
+    """Labels from the root to the leaf."""
+    leaf: str
+    visible: tuple[Visible, ...] = ()
+    """Everything that can be seen of the hazard."""
 
 
 def _judged_directly(
     episode: Episode,
     reference: Any,
-    path: Sequence[str],
-    leaf: str,
+    truth: Truth,
     options: Sequence[AspectOption],
     protocol: Protocol,
     judge: LLM | None,
 ) -> Verdict:
-    said = reference.judge(Case(episode, path, leaf, options, episode.frames))
+    said = reference.judge(Case(episode, truth.path, truth.leaf, options, episode.frames))
     fields = {
         "is_ood": said.is_ood,
         "aspect": said.aspect,
@@ -299,14 +387,14 @@ def _judged_directly(
         "choice": said.choice if options else None,
         "action": said.action,
     }
-    return _scored(episode, reference, path, leaf, fields, protocol, [], judge, bool(options))
+    return _scored(episode, reference, truth, options, fields, protocol, [], judge, bool(options))
 
 
 def _scored(
     episode: Episode,
     model: LLM,
-    path: Sequence[str],
-    leaf: str,
+    truth: Truth,
+    options: Sequence[AspectOption],
     fields: dict[str, Any],
     protocol: Protocol,
     failures: Sequence[OodscenError],
@@ -316,9 +404,12 @@ def _scored(
     """Compare the answers with the ground truth."""
     is_ood, action, choice = fields.get("is_ood"), fields.get("action"), fields.get("choice")
     if is_ood is not None and not episode.is_ordinary:
-        fields["aspect_is_right"] = is_ood and names_aspect(fields["aspect"], path)
+        named = naming(fields["aspect"] if is_ood else "", truth.path, truth.visible)
+        fields |= {"thing_is_right": named.thing, "aspect_is_right": named.right}
     if choice is not None or is_closed_asked:
-        fields["choice_is_right"] = choice == (NOTHING if episode.is_ordinary else leaf)
+        right = NOTHING if episode.is_ordinary else truth.leaf
+        right = next((one.id for one in options if one.holds(right)), right)
+        fields["choice_is_right"] = choice == right
     outcome = episode.actions.get(action) if action else None
     if outcome is not None:
         touched = bool(outcome.contacts)
@@ -347,8 +438,8 @@ def _scored(
     )
     if judge is None or not is_open(verdict):
         return verdict
-    found = opinion(judge, verdict.aspect, path)
-    return rescored(verdict, path, {found.id: found}, found.judge)
+    found = opinion(judge, verdict.aspect, truth.path, truth.visible)
+    return rescored(verdict, truth.path, {found.id: found}, found.judge, truth.visible)
 
 
 def _outcome(error: OodscenError | None) -> Outcome:

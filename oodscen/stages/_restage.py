@@ -7,7 +7,7 @@ from typing import NamedTuple
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._episode import REACTIONS_S, Episode
+from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene
 from oodscen.errors import OodscenError
 from oodscen.protocols import Camera, Simulator
@@ -72,7 +72,13 @@ def restaged(
                 tried.append(Attempt(how, why))
                 continue
             again = simulate(
-                variant, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+                variant,
+                simulator,
+                seed=seed,
+                camera=camera,
+                traces=traces,
+                moments=tuple(simulated.frames) or MOMENTS,
+                reaction=reaction,
             )
         except OodscenError as error:
             fault = str(error).strip().splitlines()[-1].strip(" -")

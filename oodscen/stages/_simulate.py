@@ -13,7 +13,15 @@ from oodscen._display import Brief, picture, png
 from oodscen._numbers import seed_number
 from oodscen.data._bird_sketch import sketch
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, ActionOutcome, Episode, Follower
+from oodscen.data._episode import (
+    ACTIONS,
+    MOMENTS,
+    REACTIONS_S,
+    ActionOutcome,
+    Episode,
+    Follower,
+    share_of,
+)
 from oodscen.data._scene import Scene
 from oodscen.driving import load_corridor
 from oodscen.driving._motion.actions import Cruise
@@ -54,9 +62,8 @@ class Simulated(Brief):
     """The catalogue of the simulator that ran it."""
 
     def state_of(self, moment: str) -> State:
-        """Return the state that a frame shows: `first`, `middle` or `last`."""
-        last = len(self.states) - 1
-        return self.states[{"first": 0, "middle": last // 2, "last": last}[moment]]
+        """Return the state that a frame shows: `first`, `middle`, `last` ..."""
+        return self.states[_steps_shown(len(self.states) - 1, (moment,))[moment]]
 
     def _repr_html_(self) -> str:
         """Return the last frame, the decision point from above and all actions, for notebooks."""
@@ -90,6 +97,7 @@ def simulate(
     protocol: Literal["ours", "paper"] = "ours",
     reaction: Sequence[float] = REACTIONS_S,
     horizon: float | None = None,
+    moments: Sequence[str] = MOMENTS,
 ) -> Simulated:
     """Run one scene.
 
@@ -117,6 +125,7 @@ def simulate(
             leaving the road neither is unsafe nor ends the run, and there is one driver, who reacts at once.
         reaction: Reaction times of the drivers, s.
         horizon: Time for which an action is watched, s; by default the scene's.
+        moments: The moments of the frames, `first` and `last` among them; see `oodscen.data.moments`.
 
     Raises:
         SceneError: When the simulator refuses the scene.
@@ -132,7 +141,7 @@ def simulate(
     if horizon is not None:
         scene = Scene.model_validate({**scene.model_dump(), "horizon_s": horizon})
     with working("simulator", simulator.name):
-        return _simulated(scene, simulator, seed, camera, actions, render, traces, trials)
+        return _simulated(scene, simulator, seed, camera, actions, render, traces, trials, moments)
 
 
 def _simulated(
@@ -144,6 +153,7 @@ def _simulated(
     render: bool,
     traces: bool,
     trials: Trials,
+    moments: Sequence[str],
 ) -> Simulated:
     is_paper = trials.collisions_only
     can_go_back = scene.is_ordinary and not is_paper and _Snapshots.can(simulator)
@@ -154,13 +164,13 @@ def _simulated(
     shown = (camera or Camera()) if render else None
     if is_paper:
         whole = [*controls, *_blind(scene, simulator, states[-1])]
-        frames, states = _shown_again(scene, simulator, seed, whole, shown)
+        frames, states = _shown_again(scene, simulator, seed, whole, shown, moments)
         _, again = _shown_again(scene, simulator, seed, controls, None)
         is_deterministic = fingerprint(again) == digest
     elif going_back:
-        frames, is_deterministic = going_back.frames(shown), True
+        frames, is_deterministic = going_back.frames(shown, moments), True
     else:
-        frames, again = _shown_again(scene, simulator, seed, controls, shown)
+        frames, again = _shown_again(scene, simulator, seed, controls, shown, moments)
         is_deterministic = fingerprint(again) == digest
     course = Course.of(scene, simulator.catalogue())
     rollouts = Rollouts(simulator, scene, seed, controls, digest, course, trials)
@@ -206,8 +216,7 @@ def _simulated(
         ego_speed_mps=round(decided.speeds[0].item(), 3),
         frame_times_s={
             moment: round(states[step].time, 6)
-            for moment, step in _steps_shown(len(states) - 1).items()
-            if moment in frames
+            for moment, step in _steps_shown(len(states) - 1, tuple(frames)).items()
         },
         followers=behind,
         follower=_follower(scene, trace, behind),
@@ -252,11 +261,12 @@ def _shown_again(
     seed: int,
     controls: Sequence[Control],
     camera: Camera | None,
+    moments: Sequence[str] = (),
 ) -> tuple[dict[str, Frame], list[State]]:
     """Replay controls and return the frames and the states."""
     frames: dict[str, Frame] = {}
     states: list[State] = []
-    steps = _steps_shown(len(controls))
+    steps = _steps_shown(len(controls), moments)
     for index, control in enumerate([None, *controls]):
         states.append(simulator.step(control) if control else simulator.reset(scene, seed))
         for moment, step in steps.items():
@@ -277,9 +287,9 @@ def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
     return controls
 
 
-def _steps_shown(last: int) -> dict[str, int]:
-    """Return the steps that the three frames show, by moment."""
-    return dict(zip(MOMENTS, (0, last // 2, last), strict=True))
+def _steps_shown(last: int, moments: Sequence[str] = MOMENTS) -> dict[str, int]:
+    """Return the steps that the frames show, by moment."""
+    return {moment: int(last * share_of(moment)) for moment in moments}
 
 
 class _Snapshots:
@@ -298,10 +308,10 @@ class _Snapshots:
         """Take a snapshot of the current step."""
         self.kept.append(self.simulator.snapshot())
 
-    def frames(self, camera: Camera | None) -> dict[str, Frame]:
-        """Return the three frames, and leave the simulator at the last step."""
+    def frames(self, camera: Camera | None, moments: Sequence[str]) -> dict[str, Frame]:
+        """Return the frames, and leave the simulator at the last step."""
         frames = {}
-        for moment, step in _steps_shown(len(self.kept) - 1).items():
+        for moment, step in _steps_shown(len(self.kept) - 1, moments).items():
             self.simulator.restore(self.kept[step])
             if camera:
                 frames[moment] = self.simulator.render(camera)

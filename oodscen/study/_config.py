@@ -38,6 +38,14 @@ class StudyConfig(Data):
     """Vision-language models to judge; reference answerers always run."""
     protocols: tuple[Literal["ours", "paper"], ...] = ("ours",)
     """Judging protocols: `paper` adds the paper's protocol to ours."""
+    asked: dict[str, tuple[Literal["ours", "paper"], ...]] = Field(default_factory=dict)
+    """Judging protocols by model, where they differ from `protocols`."""
+    chain: bool = False
+    """Show a judged model its own descriptions of the frames before every question, as the paper does."""
+    ordinary: int = Field(default=1, ge=1, le=2)
+    """Number of ordinary drives that go with a scene: its twin or its demand, or both."""
+    people: tuple[str, ...] = ()
+    """Names of the people whose answers to the quiz are judged."""
     judge: str | None = None
     """Model that decides whether an open aspect is right; the documented matcher if left out."""
     context: int | None = Field(default=None, ge=2_048)
@@ -109,6 +117,8 @@ class StudyConfig(Data):
     """Reaction times of the drivers who try every action, s."""
     horizon: float | None = Field(default=None, gt=0.0, le=60.0)
     """Time for which an action is watched, s; each scene's own if left out."""
+    frames: int = Field(default=3, ge=3, le=8)
+    """Number of frames of a drive, at even distances in time."""
     seed: int = Field(default=0, ge=0, le=MAX_SEED)
 
     @model_validator(mode="after")
@@ -156,6 +166,10 @@ class StudyConfig(Data):
         """The camera of the frames."""
         return Camera(width=self.width, height=self.height)
 
+    def protocols_of(self, model: str) -> tuple[Literal["ours", "paper"], ...]:
+        """Return the protocols that a model is judged by."""
+        return self.asked.get(model, self.protocols)
+
     @property
     def models(self) -> tuple[str, ...]:
         """The names of all models that the study may ask."""
@@ -171,11 +185,26 @@ class StudyConfig(Data):
         return tuple(name for name in self.catalogues if name != self.simulator)
 
     def judging_too(self, other: Self) -> Self:
-        """Return this configuration plus everything about another's judging; its own judge wins."""
+        """Return this configuration plus everything about another's judging; its own judge wins.
+
+        Every model keeps the protocols that it was judged by, and gets those of this configuration if that
+        names it.
+        """
+        both = tuple(dict.fromkeys((*other.protocols, *self.protocols)))
+        vlms = tuple(dict.fromkeys((*other.vlms, *self.vlms)))
+        asked = {}
+        for name in vlms:
+            old = other.protocols_of(name) if name in other.vlms else ()
+            new = self.protocols_of(name) if name in self.vlms else ()
+            asked[name] = tuple(one for one in both if one in (*old, *new))
         return self.model_copy(
             update={
-                "vlms": tuple(dict.fromkeys((*other.vlms, *self.vlms))),
-                "protocols": tuple(dict.fromkeys((*other.protocols, *self.protocols))),
+                "vlms": vlms,
+                "protocols": both,
+                "asked": {name: found for name, found in asked.items() if found != both},
+                "chain": self.chain or other.chain,
+                "ordinary": max(self.ordinary, other.ordinary),
+                "people": tuple(dict.fromkeys((*other.people, *self.people))),
                 "judge": self.judge or other.judge,
                 "servers": other.servers | self.servers,
             }
@@ -190,7 +219,16 @@ class StudyConfig(Data):
         }
 
 
-JUDGING = ("vlms", "protocols", "judge", "servers")
+JUDGING = (
+    "vlms",
+    "protocols",
+    "asked",
+    "chain",
+    "ordinary",
+    "people",
+    "judge",
+    "servers",
+)
 """Fields that may change in a finished study: the judge, the judged models and how they are judged."""
 
 Status = Literal["running", "stopped", "success", "incomplete"]

@@ -30,6 +30,7 @@ from oodscen.errors import (
 from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._drives import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._people import PEOPLE, QuizAnswers
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
 from oodscen.stages._prune.decisions import PruneDecision
@@ -125,6 +126,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "episodes.paper.jsonl": Episode,
     "verdicts.jsonl": Verdict,
     "opinions.jsonl": Opinion,
+    PEOPLE: QuizAnswers,
     "calls.jsonl": Call,
 }
 """Types of the lines of every file that a run resumes from, besides the text sets."""
@@ -141,6 +143,7 @@ _OTHERS = (
     "drives.jsonl",
     "answers.jsonl",
     "report.html",
+    "quiz.html",
 )
 _FOLDERS = ("frames", "traces", "videos")
 _TEXTS = re.compile(r"texts\.diverse\.\d+\.jsonl")

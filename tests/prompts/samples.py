@@ -2,10 +2,12 @@
 
 from oodscen.data._claim import Claim
 from oodscen.data._messages import Image
+from oodscen.data._scene import Visible
 from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest, MapLine
 from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.describe_frame import DescribeFrame
+from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.prompts._judging.judge_aspect import JudgeAspect
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
@@ -59,6 +61,14 @@ NODES = (
 )
 
 FRAMES = tuple(Image(name=f"{name}.jpg", sha256=f"{name:0<64}") for name in ("a", "b", "c"))
+FACTS = DriveFacts(
+    times_s=(0.0, 1.5, 3.0),
+    ego_speed_mps=13.9,
+    is_present=False,
+    behind="a lorry",
+    gap_m=9.5,
+    follower_speed_mps=14.2,
+)
 SEEN = ("An empty street.", "A deer beside the street.", "A deer on the street.")
 PATH = ("Out of distribution", "Interactional", "Animals", "Deer on the road")
 EXAMPLES = GiveExamples(shown=("A deer crosses.", "Thick fog."), count=2)
@@ -98,22 +108,28 @@ SAMPLES = (
         roads=("avenue",),
         catalogue=DIGEST,
     ),
-    DescribeFrame(frames=FRAMES, descriptions=SEEN[:2]),
-    NameAspect(frames=FRAMES, descriptions=SEEN),
-    NameOodAspect(frames=FRAMES, descriptions=SEEN),
+    DescribeFrame(frames=FRAMES, descriptions=SEEN[:2], total=5),
+    NameAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS),
+    NameOodAspect(frames=FRAMES, descriptions=SEEN, facts=FACTS),
     ChooseAspect(
         frames=FRAMES,
         descriptions=SEEN,
+        facts=FACTS,
         labels=("Deer on the road", "Nothing is out of the ordinary"),
     ),
-    JudgeAspect(aspect="a stag", path=PATH[1:]),
+    JudgeAspect(
+        aspect="a stag",
+        path=PATH[1:],
+        visible=(Visible(what="stag", where="in the ego's lane", doing="standing"),),
+    ),
     ChooseAction(
         frames=FRAMES,
         descriptions=SEEN,
+        facts=FACTS,
         options=(
             ActionOption(id="stop", description="brake to a stop"),
             ActionOption(id="keep_speed", description="drive on"),
         ),
-        is_whole_trace=True,
+        is_collision_only=True,
     ),
 )

@@ -7,12 +7,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from oodscen import evaluate
-from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode, Follower, moments
 from oodscen.data._messages import Image
 from oodscen.data._verdict import Verdict
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
-from oodscen.stages._evaluate import aspect_options, names_aspect
+from oodscen.stages._evaluate import Shown, aspect_options, names_aspect
 from oodscen.testing import ScriptedLLM
 
 PATH = ("OOD", "Environmental", "Overturned vehicles", "Overturned vehicle ahead")
@@ -45,7 +45,8 @@ def answers(aspect="an overturned truck", action="stop"):
 def test_both_tasks_are_scored(frames):
     verdict = evaluate(EPISODE, frames, ScriptedLLM(answers()), path=PATH)
     assert verdict.id == "x-001@scripted"
-    assert verdict.descriptions == ("frame 1", "frame 2", "frame 3")
+    assert verdict.descriptions == ()
+    assert verdict.thing_is_right
     assert verdict.aspect_is_right
     assert verdict.action_is_safe
     wrong = ScriptedLLM(answers("a deer", "keep_speed"))
@@ -56,7 +57,8 @@ def test_both_tasks_are_scored(frames):
 
 def test_frames_are_shown_in_turn_with_what_was_said_about_the_earlier_ones(frames):
     llm = ScriptedLLM(answers())
-    evaluate(EPISODE, frames, llm, path=PATH)
+    verdict = evaluate(EPISODE, frames, llm, path=PATH, chain=True)
+    assert verdict.descriptions == ("frame 1", "frame 2", "frame 3")
     pictures = [
         [image.name for message in request.messages for image in message.images]
         for request in llm.requests
@@ -66,16 +68,75 @@ def test_frames_are_shown_in_turn_with_what_was_said_about_the_earlier_ones(fram
     assert "frame 2" in llm.requests[2].messages[-2].text
 
 
+def test_questions_stand_alone_and_state_what_no_frame_shows(frames):
+    follower = Follower(gap_m=9.6, speed_mps=14.0, what="delivery_van")
+    known = {
+        "ego_speed_mps": 13.9,
+        "frame_times_s": dict(zip(MOMENTS, (0.0, 1.2, 2.4), strict=True)),
+    }
+    for behind in (follower, None):
+        llm = ScriptedLLM(answers())
+        episode = EPISODE.model_copy(update=known | {"follower": behind})
+        evaluate(episode, frames, llm, path=PATH)
+        assert [request.prompt.purpose for request in llm.requests] == [
+            "name-aspect",
+            "choose-action",
+        ]
+        for request in llm.requests:
+            (question,) = (one for one in request.messages if one.role == "user")
+            assert len(question.images) == len(MOMENTS)
+            assert "0.0 s, 1.2 s, 2.4 s after the start" in question.text
+            assert "drives at 13.9 m/s (50 km/h)" in question.text
+            assert ("a delivery van follows" in question.text) == (behind is not None)
+            assert ("Nobody follows" in question.text) == (behind is None)
+
+
+def test_of_what_is_unknown_nothing_is_said(frames):
+    llm = ScriptedLLM(answers())
+    evaluate(EPISODE, frames, llm, path=PATH)
+    assert "follow" not in llm.requests[0].messages[-1].text
+    assert "m/s" not in llm.requests[0].messages[-1].text
+
+
+def test_five_frames_are_shown_in_order_of_time(tmp_path):
+    shown = {}
+    for moment in reversed(moments(5)):
+        path = tmp_path / f"{moment}.jpg"
+        path.write_bytes(moment.encode())
+        shown[moment] = Image.from_file(path, moment)
+    llm = ScriptedLLM(answers())
+    evaluate(EPISODE, shown, llm, path=PATH)
+    names = [image.name for image in llm.requests[0].messages[-1].images]
+    assert names == ["first", "at-25", "middle", "at-75", "last"]
+
+
+def test_in_the_paper_s_protocol_the_action_is_asked_before_the_outcome_is_shown(frames):
+    said = {**answers(), "name-ood-aspect": {"aspect": "an overturned truck"}}
+    said["describe-frame"] = {"description": "a road"}
+    llm = ScriptedLLM(said)
+    evaluate(EPISODE, frames, llm, path=PATH, protocol="paper")
+    asked = [request.prompt.purpose for request in llm.requests]
+    assert asked.index("choose-action") < asked.index("name-ood-aspect")
+    before = llm.requests[: asked.index("choose-action") + 1]
+    seen = {image.name for one in before for message in one.messages for image in message.images}
+    assert not any("last" in name for name in seen)
+    llm = ScriptedLLM(said)
+    decided = Shown(tuple(frames.values()))
+    evaluate(EPISODE, frames, llm, path=PATH, protocol="paper", before=decided)
+    action = next(one for one in llm.requests if one.prompt.purpose == "choose-action")
+    assert action.prompt.frames == decided.images
+
+
 def test_a_model_that_fails_is_a_verdict_with_what_was_seen_so_far(frames):
     def answer(request):
         if request.prompt.purpose == "describe-frame":
             return {"description": "a road"}
         raise LLMError("out of credit")
 
-    verdict = evaluate(EPISODE, frames, ScriptedLLM(answer), path=PATH)
+    verdict = evaluate(EPISODE, frames, ScriptedLLM(answer), path=PATH, chain=True)
     assert verdict.status == "failed"
-    assert "out of credit" in verdict.error
     assert len(verdict.descriptions) == 3
+    assert "out of credit" in verdict.error
 
 
 def test_an_action_that_is_not_offered_is_sent_back(frames):
@@ -218,7 +279,7 @@ def test_the_closed_question_is_scored_by_its_leaf_and_shuffled_by_item(frames):
 
 
 def test_a_judge_model_is_recorded_with_its_prompt(frames):
-    judge = ScriptedLLM({"judge-aspect": {"is_same": True}})
+    judge = ScriptedLLM({"judge-aspect": {"is_same_thing": True, "is_same_fault": True}})
     verdict = evaluate(
         EPISODE, frames, ScriptedLLM(answers("a flipped van")), path=PATH, judge=judge
     )
@@ -278,6 +339,7 @@ def test_of_endless_words_a_beginning_is_kept(frames):
 
 def test_the_paper_s_protocol_asks_which_aspect_and_hints_at_no_ordinary_drives(frames):
     said = {**answers(), "name-ood-aspect": {"aspect": "an overturned truck"}}
+    said["describe-frame"] = {"description": "a road"}
     del said["name-aspect"]
     llm = ScriptedLLM(said)
     verdict = evaluate(EPISODE, frames, llm, path=PATH, protocol="paper")

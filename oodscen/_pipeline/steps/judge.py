@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -10,13 +10,14 @@ from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.scenes import simulate_whole
 from oodscen.data._base import canonical_json, digest
-from oodscen.data._episode import ACTIONS, MOMENTS, Episode
+from oodscen.data._episode import ACTIONS, MOMENTS, Episode, moments
 from oodscen.data._messages import Image
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Scene, Visible
 from oodscen.data._verdict import Protocol, Verdict, verdict_id
-from oodscen.errors import DataError
+from oodscen.errors import DataError, Issue
+from oodscen.judging._aspects.labelled import agreement, labelled_answers
 from oodscen.judging._aspects.opinions import (
     Opinion,
     is_open,
@@ -25,14 +26,17 @@ from oodscen.judging._aspects.opinions import (
     opinion_id,
     rescored,
 )
+from oodscen.judging._kinds import Kinds
 from oodscen.judging._leaderboard.leaderboard import leaderboard
-from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference
+from oodscen.judging._people import PersonAnswers, person
+from oodscen.judging._references import Blind, NoveltyReference, Oracle, is_reference, takes_cases
+from oodscen.judging._selection import chosen
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.limits import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._questions import prompt_versions
 from oodscen.protocols import LLM
-from oodscen.stages._evaluate import aspect_options, unjudged
+from oodscen.stages._evaluate import Shown, aspect_options, unjudged
 from oodscen.stages._evaluate import evaluate as judge_episode
 
 ALWAYS = (*(f"constant:{action}" for action in ACTIONS), "random", "blind", "novelty", "oracle")
@@ -56,9 +60,9 @@ def evaluate(
     scenarios: Sequence[Scenario],
     scenes: Sequence[Scene],
 ) -> list[Verdict]:
-    """Judge the reference answerers and every named model on scenes and twins.
+    """Judge the reference answerers and every named model on scenes and ordinary drives.
 
-    Scenes whose hazard cannot be named at the decision are left out together with their twins.
+    Scenes whose hazard cannot be named at the decision are left out together with their ordinary drives.
 
     Writes `verdicts.jsonl` and, from it, `leaderboard.json`. At the end a judge model scores the open aspects
     of all verdicts, including those of earlier runs and of references; `opinions.jsonl` holds its answers.
@@ -69,24 +73,31 @@ def evaluate(
     """
     unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
     episodes = [episode for episode in episodes if scene_of(episode.scene_id) not in unseen]
+    judged_ones = chosen(episodes, count=run.config.ordinary, seed=run.config.seed)
     scenes = [scene for scene in scenes if scene.id not in unseen]
     models = _models(run, episodes, scenarios, scenes)
-    shown: dict[Protocol, Sequence[Episode]] = {"ours": episodes}
+    shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_ones}
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
     items: dict[str, Item] = {}
     for protocol, found in shown.items():
         for name, (model, _) in models.items():
+            if protocol not in _protocols(run, name, model):
+                continue
             for episode in found:
+                if isinstance(model, PersonAnswers) and episode.scene_id not in model.items:
+                    continue
                 if not is_reference(model) or (episode.status == "ok" and episode.frames):
                     key = verdict_id(episode.scene_id, model.name, protocol)
                     items[key] = Item(episode, name, protocol)
-    ask_about = _questions(run, scenarios)
-    truths = _truths(shown, scenarios)
+    ask_about = _questions(run, scenarios, scenes, episodes)
+    truths = _truths(shown, scenarios, scenes, run.config.chain)
 
     def made_from(name: str) -> str:
         episode, model, protocol = items[name]
-        return truths[protocol, "" if is_reference(models[model][0]) else episode.scene_id]
+        answerer = models[model][0]
+        told = truths[protocol, "" if is_reference(answerer) else episode.scene_id]
+        return digest([told, answerer.sha256]) if isinstance(answerer, PersonAnswers) else told
 
     earlier = run.fitting("verdicts.jsonl", items, made_from)
     limits = run.models.limits
@@ -107,7 +118,7 @@ def evaluate(
 
     rows = run.each("evaluate", "verdicts.jsonl", items, work, made_from=made_from)
     kept = [Verdict.parse(row) for row in rows]
-    verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios)]
+    verdicts = [_dated(verdict) for verdict in _judged(run, kept, scenarios, scenes)]
     if verdicts != kept:
         run.store.write_lines("verdicts.jsonl", verdicts)
     board = leaderboard(
@@ -118,7 +129,10 @@ def evaluate(
 
 
 def _truths(
-    shown: Mapping[Protocol, Sequence[Episode]], scenarios: Sequence[Scenario]
+    shown: Mapping[Protocol, Sequence[Episode]],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
+    is_chain: bool,
 ) -> dict[tuple[Protocol, str], str]:
     """Return the digests of everything that verdicts depend on, by protocol and item.
 
@@ -127,12 +141,15 @@ def _truths(
     """
     texts = {one.id: [one.leaf, one.path] for one in scenarios}
     leaves = sorted({(one.leaf, *one.path[-1:]) for one in scenarios})
+    maps = sorted((one.id, one.map) for one in scenes)
+    visible = {one.id: [seen.model_dump() for seen in one.visible] for one in scenes}
     found: dict[tuple[Protocol, str], str] = {}
     for protocol, episodes in shown.items():
         for one in episodes:
             # The pixels count, not the bytes that hold them.
             content = one.model_dump(mode="json", exclude={"file_sha256"})
-            told = [digest(content), texts.get(scene_of(one.scene_id)), leaves]
+            scene = scene_of(one.scene_id)
+            told = [digest(content), texts.get(scene), leaves, maps, visible.get(scene), is_chain]
             found[protocol, one.scene_id] = digest(told)
         found[protocol, ""] = digest(list(found.values()))
     return found
@@ -156,12 +173,26 @@ def outcomes(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
     return {name: dict(sorted((+count).items())) for name, count in counts.items()}
 
 
-def judged(verdicts: Sequence[Verdict]) -> dict[str, dict[str, int]]:
-    """Count the open aspects scored by a judge model, and those left to the matcher after it failed."""
+def judged(
+    verdicts: Sequence[Verdict], opinions: Iterable[Mapping[str, Any]] = ()
+) -> dict[str, dict[str, int]]:
+    """Count the open aspects scored by a judge model, and those left to the matcher after it failed.
+
+    `labelled` counts the labelled answers that the judge was measured by, `agrees` those on which it agrees
+    with the person who labelled them.
+
+    Args:
+        verdicts: The verdicts of a study.
+        opinions: The lines of `opinions.jsonl`.
+    """
     counts = {
         "judged": sum(bool(verdict.judge) for verdict in verdicts),
         "matched": sum(bool(verdict.judge_error) for verdict in verdicts),
     }
+    label = next((verdict.judge for verdict in verdicts if verdict.judge), "")
+    if label:
+        said = [Opinion.parse(line) for line in opinions]
+        counts["agrees"], counts["labelled"] = agreement(said, label)
     return {"judged": counts} if any(counts.values()) else {}
 
 
@@ -191,13 +222,42 @@ def _models(
             models[name] = (model, 1)
         else:
             models[name] = (CircuitBreakerLLM(model), run.models.limits.concurrency)
+    for name in run.config.people:
+        models[person(name)] = (PersonAnswers.load(run.store, name, episodes), 1)
     return models
 
 
-def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, LLM], Verdict]:
+def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:
+    """Return the protocols that an answerer is judged by: references by all, people by ours."""
+    if isinstance(model, PersonAnswers):
+        return ("ours",)
+    return run.config.protocols_of(name) if name in run.config.vlms else ("ours", "paper")
+
+
+def _questions(
+    run: Context,
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
+    episodes: Sequence[Episode],
+) -> Callable[[Item, LLM], Verdict]:
     """Return the function that judges one item."""
     by_id = {scenario.id: scenario for scenario in scenarios}
-    leaves = {one.leaf: one.path[-1] for one in scenarios if one.leaf and one.path}
+    scene_by_id = {scene.id: scene for scene in scenes}
+    up_to_decision = {episode.scene_id: episode for episode in episodes}
+    maps = {scene.id: scene.map for scene in scenes}
+    kinds = Kinds.of(scenarios, maps, seed=run.config.seed)
+
+    def images(episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
+        """Return the frames; raises `DataError` if one cannot be shown."""
+        frames = {
+            moment: Image.from_file(run.store.inside(file), file)
+            for moment, file in episode.frames.items()
+        }
+        wanted = moments(run.config.frames) if protocol == "ours" else MOMENTS
+        lacks = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
+        if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:
+            raise DataError("frames", [Issue("", fault) for fault in faults])
+        return frames
 
     def ask_about(item: Item, model: LLM) -> Verdict:
         episode = item.episode
@@ -210,49 +270,69 @@ def _questions(run: Context, scenarios: Sequence[Scenario]) -> Callable[[Item, L
                 item.protocol,
             )
         scenario = by_id.get(scene_of(episode.scene_id))
+        scene = scene_by_id.get(scene_of(episode.scene_id))
         frames: dict[str, Image] = {}
-        if not is_reference(model):
+        before = None
+        if not takes_cases(model):
             try:
-                for moment, file in episode.frames.items():
-                    frames[moment] = Image.from_file(run.store.inside(file), file)
+                frames = images(episode, item.protocol)
+                if item.protocol == "paper" and episode.scene_id in up_to_decision:
+                    earlier = up_to_decision[episode.scene_id]
+                    before = Shown.of(earlier, images(earlier))
             except (OSError, DataError) as error:
                 return unjudged(episode, model, str(error), type(error).__name__, item.protocol)
-            lacks = [f"there is no {moment} frame" for moment in MOMENTS if moment not in frames]
-            if faults := [*lacks, *filter(None, (image.fault() for image in frames.values()))]:
-                return unjudged(episode, model, "; ".join(faults), "DataError", item.protocol)
+        leaf = scenario.leaf if scenario else ""
         return judge_episode(
             episode,
             frames,
             model,
             path=scenario.path if scenario else (),
-            leaf=scenario.leaf if scenario else "",
-            options=aspect_options(leaves, seed=run.config.seed, item=episode.scene_id),
+            leaf=leaf,
+            options=aspect_options(
+                kinds.offered(leaf, scene.map if scene else ""),
+                seed=run.config.seed,
+                item=episode.scene_id,
+            ),
             protocol=item.protocol,
+            chain=run.config.chain,
+            before=before,
+            visible=scene.visible if scene else (),
         )
 
     return ask_about
 
 
 def _judged(
-    run: Context, verdicts: Sequence[Verdict], scenarios: Sequence[Scenario]
+    run: Context,
+    verdicts: Sequence[Verdict],
+    scenarios: Sequence[Scenario],
+    scenes: Sequence[Scene],
 ) -> list[Verdict]:
     """Score every open aspect with the judge, or with the matcher if there is no judge."""
     paths = {scenario.id: scenario.path for scenario in scenarios}
+    shown = {scene.id: scene.visible for scene in scenes}
 
-    def path_of(verdict: Verdict) -> tuple[str, ...]:
-        return paths.get(scene_of(verdict.scene_id), ())
+    def truth(verdict: Verdict) -> tuple[tuple[str, ...], tuple[Visible, ...]]:
+        scene = scene_of(verdict.scene_id)
+        return paths.get(scene, ()), shown.get(scene, ())
 
     label, opinions = "", dict[str, Opinion]()
     if run.config.judge:
         judge = CircuitBreakerLLM(run.models.get(run.config.judge))
         label = judge_label(judge)
         items = {
-            opinion_id(label, one.aspect, path_of(one)): (one.aspect, path_of(one))
+            opinion_id(label, one.aspect, *truth(one)): (one.aspect, *truth(one))
             for one in verdicts
             if is_open(one)
         }
+        items |= {
+            opinion_id(label, one.answer, one.path): (one.answer, one.path, ())
+            for one in labelled_answers()
+        }
 
-        def work(todo: Mapping[str, tuple[str, tuple[str, ...]]]) -> Iterator[Opinion]:
+        def work(
+            todo: Mapping[str, tuple[str, tuple[str, ...], tuple[Visible, ...]]],
+        ) -> Iterator[Opinion]:
             threads = run.models.threads(run.config.judge or "")
             limits = run.models.limits
             with limits.lenient(JUDGING):
@@ -266,7 +346,8 @@ def _judged(
 
         rows = run.each("judge", OPINIONS, items, work)
         opinions = {row["id"]: Opinion.parse(row) for row in rows}
-    return [rescored(verdict, path_of(verdict), opinions, label) for verdict in verdicts]
+    rescore = [(verdict, *truth(verdict)) for verdict in verdicts]
+    return [rescored(one, path, opinions, label, visible) for one, path, visible in rescore]
 
 
 def _dated(verdict: Verdict) -> Verdict:

@@ -8,7 +8,7 @@ from oodscen._pipeline.context import Context, failed
 from oodscen._pipeline.sweep import Job, sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
-from oodscen.data._episode import Episode
+from oodscen.data._episode import Episode, moments
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
@@ -249,6 +249,7 @@ def _simulated(run: Context, staged: dict[str, Staging]) -> list[Episode]:
         demands=run.config.demands,
         restages=True,
         camera=run.config.camera,
+        moments=moments(run.config.frames),
         claims=_claims_of(run.store.lines(CLAIMS)),
         reaction=run.config.reaction,
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib import resources
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
 """The kinds of concept; `concepts.toml` explains them."""
@@ -49,8 +49,7 @@ def concepts() -> Mapping[str, Concept]:
     Raises:
         ValueError: If an entry refers to a concept that is not in the table.
     """
-    source = resources.files("oodscen.judging._aspects").joinpath("concepts.toml")
-    table = tomllib.loads(source.read_text(encoding="utf-8"))
+    table = _table()
     kinds: tuple[Kind, ...] = get_args(Kind)
     found = {
         name: Concept(
@@ -64,10 +63,43 @@ def concepts() -> Mapping[str, Concept]:
         for name, expressions in table[kind].items()
     }
     named = {*table["wider"], *table["implied"], *table["implied"].values()}
+    named |= set(table["unseen"]["concepts"])
     unknown = named.union(*table["wider"].values()) - set(found)
     if unknown:
         raise ValueError(f"no such concept: {', '.join(sorted(unknown))}")
     return found
+
+
+@cache
+def _table() -> dict[str, dict[str, Any]]:
+    source = resources.files("oodscen.judging._aspects").joinpath("concepts.toml")
+    return tomllib.loads(source.read_text(encoding="utf-8"))
+
+
+@cache
+def seen_label(label: str) -> str:
+    """Return a label without the words for what no frame shows: "Sudden police checkpoint" loses "Sudden"."""
+    words = sorted(_table()["unseen"]["words"], key=len, reverse=True)
+    pattern = r"\b(?:" + "|".join(map(re.escape, words)) + r")\b,?"
+    left = " ".join(re.sub(pattern, " ", label, flags=re.IGNORECASE).split())
+    return left[:1].upper() + left[1:] if re.search(r"\w", left) else label
+
+
+@lru_cache(maxsize=4096)
+def seen(text: str) -> "Naming":
+    """Return what a label names that frames can show.
+
+    A concept that cannot be seen gives way to what it is a kind of: an angry person to a person.
+    """
+    whole, hidden = named(text), set(_table()["unseen"]["concepts"])
+
+    def shown(found: Sequence[Concept]) -> tuple[Concept, ...]:
+        names: list[str] = []
+        for one in found:
+            names += one.wider if one.name in hidden else [one.name]
+        return tuple(concepts()[name] for name in dict.fromkeys(names))
+
+    return Naming(shown(whole.concepts), shown(whole.heads), whole.words, whole.rest)
 
 
 @cache
@@ -157,7 +189,13 @@ def _heads(
     ends = [i for i, word in enumerate(words) if i > first and i not in used and word in _LINKS]
     ends += [start for start, one in told if start > first and one.kind in ("state", "act")]
     end = min(ends, default=len(words))
-    yield from (one for start, one in things if start < end)
+    starts = {start for start, _ in things}
+    # In "truck tyre" the truck only says which tyre.
+    yield from (
+        one
+        for start, one in things
+        if start < end and (one.kind == "odd" or start + 1 not in starts)
+    )
 
 
 _LINKS = frozenset(

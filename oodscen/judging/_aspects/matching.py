@@ -2,9 +2,18 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from oodscen._text import stem
-from oodscen.judging._aspects.concepts import Concept, Naming, concepts, named, widened
+from oodscen.data._scene import Visible
+from oodscen.judging._aspects.concepts import (
+    Concept,
+    Naming,
+    concepts,
+    named,
+    seen,
+    widened,
+)
 
 MOST_THINGS = 6
 """The most parts an answer may list; a longer list names nothing in particular."""
@@ -13,12 +22,27 @@ GENERAL = frozenset({"vehicle", "person"})
 """Things too common for an ordinary act, such as standing, to single them out."""
 
 
-def names_aspect(aspect: str, path: Sequence[str]) -> bool:
-    """Return whether an open answer names what a path is about.
+class Named(NamedTuple):
+    """The result of comparing an open answer with the truth, in two steps."""
 
-    The leaf's label decides. Both texts are read as concepts of `concepts.toml`: odd and ordinary
-    things, states and acts. The label's heads are the things it is about. An answer is right in any
-    of these cases:
+    thing: bool
+    """True if it names the thing, or a broader or narrower word for it."""
+    right: bool
+    """True if it also names what is wrong with the thing, as far as that can be seen."""
+
+
+def names_aspect(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> bool:
+    """Return whether an open answer names what a path is about; see `naming`."""
+    return naming(aspect, path, visible).right
+
+
+def naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> Named:
+    """Compare an open answer with what a path is about, as far as it can be seen.
+
+    The leaf's label decides, or what can be seen of the hazard in this scene; an answer that fits either is
+    right. Texts are read as concepts of `concepts.toml`: odd and ordinary things, states and acts. A label's
+    heads are the things it is about. Concepts that no frame shows (a temper, a cause) give way to what they are
+    a kind of. An answer is right in any of these cases:
 
     1. It is the label itself.
     2. It names a head that is odd in itself, or a broader word for it ("an animal" for a dog) and
@@ -29,7 +53,7 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
        act or a place is enough.
     4. The label has no state and no other odd thing, and the answer names its head together with an
        act, a place or another word of the label. For a head in `GENERAL`, it must name a place of
-       the label if the label has any.
+       the label if the label has any, unless both say that it stands in a lane.
     5. None of the label's words are in the table, and the answer contains the label's head word.
 
     Denied concepts do not count, and an answer that lists more than `MOST_THINGS` things matches
@@ -38,18 +62,38 @@ def names_aspect(aspect: str, path: Sequence[str]) -> bool:
     Args:
         aspect: The answer.
         path: Labels from the root to the leaf.
+        visible: Everything that can be seen of the hazard.
     """
     if not path or not aspect.strip():
-        return False
+        return Named(thing=False, right=False)
     if is_same_wording(aspect, path[-1]):
-        return True
+        return Named(thing=True, right=True)
     if len(_parts(aspect)) > MOST_THINGS:
-        return False
-    said, label = named(aspect), named(path[-1])
+        return Named(thing=False, right=False)
+    said = named(aspect)
+    truths = [(path[-1], named(path[-1])), (path[-1], seen(path[-1]))]
+    truths += [(one.what, named(text)) for one in visible if (text := _told(one))]
+    right = any(_fits(said, aspect, text, label) for text, label in truths)
+    return Named(right or any(_names_thing(said, label) for _, label in truths), right)
+
+
+def _told(one: Visible) -> str:
+    return " ".join(filter(None, (one.what, one.doing, one.where)))
+
+
+def _fits(said: Naming, aspect: str, text: str, label: Naming) -> bool:
     heads = label.heads or _implied(label.concepts)
     if not heads:
-        return _names_state(said, label) or _names_word(aspect, path[-1])
+        return _names_state(said, label) or _names_word(aspect, text)
     return any(_names_oddity(said, head) or _names_case(said, label, head) for head in heads)
+
+
+def _names_thing(said: Naming, label: Naming) -> bool:
+    """Return whether an answer names a head of the label, or a broader or narrower word for one."""
+    things = {one.name for one in _things(said)}
+    given = {name for thing in things for name in widened(thing)}
+    heads = {one.name for one in label.heads or _implied(label.concepts)}
+    return bool(heads & given) or any(things & widened(head) for head in heads)
 
 
 def is_same_wording(aspect: str, label: str) -> bool:
@@ -95,7 +139,10 @@ def _names_case(said: Naming, label: Naming, head: Concept) -> bool:
     if not is_narrow:
         return len(shared) >= ENOUGH_SHARED
     if head.name in GENERAL:
-        return _is_just(things, head) and _names_circumstance(shared, mere, places, words, head)
+        is_standing = {"stopped", "on the road"} <= given and "stopped" in mere
+        return _is_just(things, head) and (
+            is_standing or _names_circumstance(shared, mere, places, words, head)
+        )
     return bool(shared) or not (mere | places | words)
 
 

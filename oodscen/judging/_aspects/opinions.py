@@ -6,9 +6,10 @@ from typing import ClassVar, Literal
 
 from oodscen._redaction import redact
 from oodscen.data._base import Data, canonical_json
+from oodscen.data._scene import Visible
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
-from oodscen.judging._aspects.matching import is_same_wording, names_aspect
+from oodscen.judging._aspects.matching import is_same_wording, naming
 from oodscen.llm._ask import ask
 from oodscen.prompts._judging.judge_aspect import JudgeAspect
 from oodscen.protocols import LLM
@@ -27,8 +28,10 @@ class Opinion(Data):
     path: tuple[str, ...]
     """Labels from the root to the leaf."""
     status: Literal["ok", "failed"] = "ok"
+    is_thing: bool | None = None
+    """True if the aspect names the right thing; `None` if the judge gave no usable answer."""
     is_same: bool | None = None
-    """True if the aspect names the leaf; `None` if the judge gave no usable answer."""
+    """True if the aspect names the thing and what is wrong with it; `None` if the judge gave no usable answer."""
     reasoning: str = ""
     error: str | None = None
     error_type: str = ""
@@ -45,12 +48,17 @@ def is_open(verdict: Verdict) -> bool:
     return not verdict.is_twin and verdict.is_ood is True and bool(verdict.aspect.strip())
 
 
-def opinion_id(label: str, aspect: str, path: Sequence[str]) -> str:
-    """Return the id of a judge's opinion; equal answers about equal paths share one."""
-    return hashlib.sha256(canonical_json([label, aspect, list(path)]).encode()).hexdigest()[:20]
+def opinion_id(
+    label: str, aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()
+) -> str:
+    """Return the id of a judge's opinion; equal answers about equal truths share one."""
+    truth = [list(path), *([[one.model_dump() for one in visible]] if visible else [])]
+    return hashlib.sha256(canonical_json([label, aspect, *truth]).encode()).hexdigest()[:20]
 
 
-def opinion(judge: LLM, aspect: str, path: Sequence[str]) -> Opinion:
+def opinion(
+    judge: LLM, aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()
+) -> Opinion:
     """Ask a judge whether an aspect names what a path is about.
 
     An aspect that repeats the leaf's label word for word names it, so the judge is not asked. If the judge gives
@@ -60,15 +68,17 @@ def opinion(judge: LLM, aspect: str, path: Sequence[str]) -> Opinion:
         judge: The judge model.
         aspect: The answer to score.
         path: Labels from the root to the leaf.
+        visible: Everything that can be seen of the hazard.
     """
     label = judge_label(judge)
     blank = Opinion(
-        id=opinion_id(label, aspect, path), judge=label, aspect=aspect, path=tuple(path)
+        id=opinion_id(label, aspect, path, visible), judge=label, aspect=aspect, path=tuple(path)
     )
     if path and is_same_wording(aspect, path[-1]):
-        return blank.model_copy(update={"is_same": True})
+        return blank.model_copy(update={"is_thing": True, "is_same": True})
+    question = JudgeAspect(aspect=aspect, path=blank.path[1:] or blank.path, visible=tuple(visible))
     try:
-        answer = ask(judge, JudgeAspect(aspect=aspect, path=blank.path[1:] or blank.path))
+        answer = ask(judge, question)
     except LLMError as error:
         failure = {
             "status": "failed",
@@ -77,11 +87,20 @@ def opinion(judge: LLM, aspect: str, path: Sequence[str]) -> Opinion:
             "retryable": bool(getattr(error, "retryable", False)),
         }
         return blank.model_copy(update=failure)
-    return blank.model_copy(update={"is_same": answer.is_same, "reasoning": answer.reasoning[:600]})
+    said = {
+        "is_thing": answer.is_same_thing,
+        "is_same": answer.is_same_thing and answer.is_same_fault,
+        "reasoning": answer.reasoning[:600],
+    }
+    return blank.model_copy(update=said)
 
 
 def rescored(
-    verdict: Verdict, path: Sequence[str], opinions: Mapping[str, Opinion], label: str
+    verdict: Verdict,
+    path: Sequence[str],
+    opinions: Mapping[str, Opinion],
+    label: str,
+    visible: Sequence[Visible] = (),
 ) -> Verdict:
     """Return a verdict with its open aspect scored by a judge, or by the matcher without one.
 
@@ -90,16 +109,24 @@ def rescored(
         path: Labels from the root to the leaf of its scene.
         opinions: The judge's opinions, by id.
         label: The judge's label; empty for the matcher alone.
+        visible: Everything that can be seen of the hazard.
     """
     if not is_open(verdict):
         return verdict
-    found = opinions.get(opinion_id(label, verdict.aspect, path)) if label else None
+    found = opinions.get(opinion_id(label, verdict.aspect, path, visible)) if label else None
     if found is not None and found.is_same is not None:
-        update = {"aspect_is_right": found.is_same, "judge": label, "judge_error": ""}
+        update = {
+            "thing_is_right": found.is_thing,
+            "aspect_is_right": found.is_same,
+            "judge": label,
+            "judge_error": "",
+        }
     else:
         error = "" if not label else (found.error if found else None) or "it was not asked"
+        by_rule = naming(verdict.aspect, path, visible)
         update = {
-            "aspect_is_right": names_aspect(verdict.aspect, path),
+            "thing_is_right": by_rule.thing,
+            "aspect_is_right": by_rule.right,
             "judge": "",
             "judge_error": error,
         }

@@ -5,10 +5,8 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
-from oodscen.prompts._base import Prompt
-from oodscen.prompts._judging.describe_frame import DescribeFrame, frame_turns
+from oodscen.prompts._judging.drive_facts import DriveQuestion
 
 
 class ChosenAspect(Brief, BaseModel):
@@ -18,23 +16,15 @@ class ChosenAspect(Brief, BaseModel):
     choice: int = Field(ge=1, description="number of one option")
 
 
-class ChooseAspect(Prompt[ChosenAspect]):
-    """Choose among the leaves of a tree and "nothing unusual" for a drive of three frames."""
+class ChooseAspect(DriveQuestion[ChosenAspect]):
+    """Choose among kinds of situations and "nothing unusual" for a drive."""
 
     purpose: ClassVar[str] = "choose-aspect"
     template: ClassVar[str] = "choose_aspect.md"
     answer: ClassVar[type[BaseModel]] = ChosenAspect
-    follows = (DescribeFrame,)
 
-    frames: tuple[Image, ...]
-    descriptions: tuple[str, ...]
-    """The model's descriptions of the frames."""
     labels: tuple[str, ...]
     """Labels in the order in which they are shown. Shuffle them, so that position confers no advantage."""
-
-    def earlier(self) -> tuple[Message, ...]:
-        """Return the turns about the frames."""
-        return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: ChosenAspect) -> list[Issue]:
         """Return a fault if the number is not that of an option."""

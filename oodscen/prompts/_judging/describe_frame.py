@@ -17,7 +17,7 @@ class FrameDescription(Brief, BaseModel):
 
 
 class DescribeFrame(Prompt[FrameDescription]):
-    """Describe one of the three frames, zero-shot chain of thought (paper, section V-C)."""
+    """Describe one of the frames, zero-shot chain of thought (paper, section V-C)."""
 
     purpose: ClassVar[str] = "describe-frame"
     template: ClassVar[str] = "describe_frame.md"
@@ -27,6 +27,8 @@ class DescribeFrame(Prompt[FrameDescription]):
     """The frames so far, in order; the last one is to be described."""
     descriptions: tuple[str, ...] = ()
     """Descriptions of the earlier frames."""
+    total: int = 3
+    """Number of frames of the drive."""
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the earlier frames."""
@@ -47,7 +49,9 @@ def frame_turns(frames: tuple[Image, ...], descriptions: tuple[str, ...]) -> tup
     """Render the conversation about the frames described so far."""
     turns: list[Message] = []
     for index, description in enumerate(descriptions):
-        prompt = DescribeFrame(frames=frames[: index + 1], descriptions=descriptions[:index])
+        prompt = DescribeFrame(
+            frames=frames[: index + 1], descriptions=descriptions[:index], total=max(3, len(frames))
+        )
         turns.append(Message(role="user", text=prompt.question(), images=prompt.images()))
         answer = FrameDescription(description=description)
         turns.append(Message(role="assistant", text=answer.model_dump_json()))

@@ -5,10 +5,8 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
-from oodscen.prompts._base import Prompt
-from oodscen.prompts._judging.describe_frame import DescribeFrame, frame_turns
+from oodscen.prompts._judging.drive_facts import DriveQuestion
 
 
 class OodAspect(Brief, BaseModel):
@@ -19,24 +17,17 @@ class OodAspect(Brief, BaseModel):
     confidence: float | None = Field(
         default=None, ge=0, le=1, description="how sure you are of is_ood, from 0.5 to 1"
     )
-    aspect: str = Field(default="", description="the unusual aspect, as a short noun phrase")
+    aspect: str = Field(
+        default="", description="the thing and what is wrong with it, as a short noun phrase"
+    )
 
 
-class NameAspect(Prompt[OodAspect]):
-    """Name the OOD characteristic of a drive of three frames (paper, section V-C, first task)."""
+class NameAspect(DriveQuestion[OodAspect]):
+    """Name the OOD characteristic of a drive (paper, section V-C, first task)."""
 
     purpose: ClassVar[str] = "name-aspect"
     template: ClassVar[str] = "name_aspect.md"
     answer: ClassVar[type[BaseModel]] = OodAspect
-    follows = (DescribeFrame,)
-
-    frames: tuple[Image, ...]
-    descriptions: tuple[str, ...]
-    """The model's descriptions of the frames."""
-
-    def earlier(self) -> tuple[Message, ...]:
-        """Return the turns about the frames."""
-        return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: OodAspect) -> list[Issue]:
         """Return a fault if the aspect repeats the dots of the question."""

@@ -5,10 +5,8 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
-from oodscen.prompts._base import Prompt
-from oodscen.prompts._judging.describe_frame import DescribeFrame, frame_turns
+from oodscen.prompts._judging.drive_facts import DriveQuestion
 
 
 class NamedAspect(Brief, BaseModel):
@@ -18,7 +16,7 @@ class NamedAspect(Brief, BaseModel):
     aspect: str = Field(description="the OOD aspect, as a short noun phrase")
 
 
-class NameOodAspect(Prompt[NamedAspect]):
+class NameOodAspect(DriveQuestion[NamedAspect]):
     """Name the OOD aspect of a drive that has one (paper, section V-C, first task).
 
     The question asks for neither a likelihood nor a confidence: the paper shows no ordinary drives.
@@ -27,16 +25,6 @@ class NameOodAspect(Prompt[NamedAspect]):
     purpose: ClassVar[str] = "name-ood-aspect"
     template: ClassVar[str] = "name_ood_aspect.md"
     answer: ClassVar[type[BaseModel]] = NamedAspect
-    follows = (DescribeFrame,)
-
-    frames: tuple[Image, ...]
-    """The first, middle and last frame of the whole trace."""
-    descriptions: tuple[str, ...]
-    """The model's descriptions of the frames."""
-
-    def earlier(self) -> tuple[Message, ...]:
-        """Return the turns about the frames."""
-        return frame_turns(self.frames, self.descriptions)
 
     def check(self, answer: NamedAspect) -> list[Issue]:
         """Return a fault if the aspect repeats the dots of the question."""

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from oodscen._seeding import stream
 from oodscen.claims._checking import check_claims, mismatches
-from oodscen.data._episode import REACTIONS_S, Episode
+from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
 from oodscen.data._pairing import demand_id
 from oodscen.data._scene import Actor, Demand, Hazard, Scene, Trigger, Weather
 from oodscen.driving import check_scene
@@ -76,7 +76,13 @@ def demanding(
                 continue
             try:
                 run = simulate(
-                    one, simulator, seed=seed, camera=camera, traces=traces, reaction=reaction
+                    one,
+                    simulator,
+                    seed=seed,
+                    camera=camera,
+                    traces=traces,
+                    reaction=reaction,
+                    moments=tuple(simulated.frames) or MOMENTS,
                 )
             except SceneError:
                 continue

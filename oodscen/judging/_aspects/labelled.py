@@ -1,0 +1,43 @@
+"""Answers of a vision-language model that a person has labelled, to measure a judge by."""
+
+import json
+from collections.abc import Iterable
+from functools import cache
+from importlib import resources
+
+from oodscen.data._base import Data
+from oodscen.judging._aspects.opinions import Opinion, opinion_id
+
+
+class LabelledAnswer(Data):
+    """An open answer, and whether it names what its path is about."""
+
+    answer: str
+    path: tuple[str, ...]
+    """Labels from the root to the leaf."""
+    is_right: bool
+    """True if it names the thing and what is wrong with it, or lacks only what cannot be seen."""
+
+
+@cache
+def labelled_answers() -> tuple[LabelledAnswer, ...]:
+    """Return the shipped answers."""
+    source = resources.files("oodscen.judging._aspects").joinpath("labelled.jsonl")
+    lines = source.read_text(encoding="utf-8").splitlines()
+    return tuple(LabelledAnswer.model_validate(json.loads(line)) for line in lines)
+
+
+def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
+    """Return how many labelled answers a judge sees as the person did, and how many it gave an opinion on.
+
+    Args:
+        opinions: Opinions, those on labelled answers among them.
+        judge: The judge's label.
+    """
+    said = {one.id: one.is_same for one in opinions if one.is_same is not None}
+    pairs = [
+        said[name] == one.is_right
+        for one in labelled_answers()
+        if (name := opinion_id(judge, one.answer, one.path)) in said
+    ]
+    return sum(pairs), len(pairs)

@@ -1,0 +1,127 @@
+"""Answers of people to the quiz, as rows beside those of models."""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+
+from pydantic import Field, StringConstraints
+
+from oodscen._display import Brief
+from oodscen.data._base import Data, canonical_json, digest
+from oodscen.data._episode import ACTIONS, Episode
+from oodscen.errors import DataError, Issue, LLMError
+from oodscen.judging._references import Answers, Case
+from oodscen.protocols import Completion, Request
+
+if TYPE_CHECKING:
+    from oodscen.study._store import Store
+
+PEOPLE = "people.jsonl"
+"""File with one line of answers per person."""
+
+Name = Annotated[str, StringConstraints(pattern=r"^[\w.-]([\w .-]{0,38}[\w.-])?$")]
+
+
+class QuizAnswer(Data):
+    """A person's answers about one drive."""
+
+    item: str = Field(max_length=64)
+    """The drive's token; see `token`."""
+    is_ood: bool
+    confidence: float | None = Field(default=None, ge=0.5, le=1.0)
+    aspect: str = Field(default="", max_length=500)
+    choice: str | None = Field(default=None, max_length=200)
+    """Id of the chosen option."""
+    action: Literal[ACTIONS] | None = None  # type: ignore[valid-type]  # The ids are listed once.
+
+
+class QuizAnswers(Data):
+    """The file that the quiz saves."""
+
+    noun: ClassVar[str] = "answers to a quiz"
+
+    schema_version: Literal[1] = 1
+    id: Name
+    """The person's name."""
+    answers: tuple[QuizAnswer, ...] = Field(min_length=1, max_length=100_000)
+
+
+def token(episode: Episode) -> str:
+    """Return the name of a drive in a quiz, which tells nothing about what the drive shows."""
+    pictures = [episode.file_sha256.get(file, "") for file in sorted(episode.frames.values())]
+    return digest(["quiz", episode.scene_id, pictures])[:16]
+
+
+def person(name: str) -> str:
+    """Return the name of a person's row."""
+    return f"human:{name}"
+
+
+class PersonAnswers(Brief):
+    """Answers drives as a person did; it takes cases, not prompts.
+
+    Args:
+        name: The person's name.
+        items: The answers by id of the scene or ordinary drive.
+    """
+
+    _repr_fields = ("name",)
+
+    kind: ClassVar[Literal["model"]] = "model"
+    takes_cases: ClassVar[bool] = True
+
+    def __init__(self, name: str, items: Mapping[str, QuizAnswer]) -> None:
+        self.name = person(name)
+        self.items = dict(items)
+        said = {item: answer.model_dump() for item, answer in sorted(self.items.items())}
+        self.sha256 = hashlib.sha256(canonical_json(said).encode()).hexdigest()
+
+    @classmethod
+    def matched(cls, given: QuizAnswers, episodes: Iterable[Episode]) -> "PersonAnswers":
+        """Return the answers of a file to the drives of a study.
+
+        Raises:
+            DataError: If an answer is about no drive of the study, or two are about one.
+        """
+        items = {token(episode): episode.scene_id for episode in episodes if episode.frames}
+        issues, found = [], dict[str, QuizAnswer]()
+        for index, answer in enumerate(given.answers):
+            if answer.item not in items:
+                issues.append(Issue(f"answers[{index}]", "it is about no drive of this study"))
+            elif items[answer.item] in found:
+                issues.append(Issue(f"answers[{index}]", "this drive has two answers"))
+            else:
+                found[items[answer.item]] = answer
+        if issues:
+            raise DataError(QuizAnswers.noun, issues, source=given.id)
+        return cls(given.id, found)
+
+    @classmethod
+    def load(cls, store: "Store", name: str, episodes: Iterable[Episode]) -> "PersonAnswers":
+        """Return a person's answers in a study; those about drives that have changed are left out."""
+        lines = {line["id"]: line for line in store.lines(PEOPLE)}
+        if name not in lines:
+            raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}")])
+        given = QuizAnswers.parse(lines[name], source=f"{PEOPLE}, {name}")
+        items = {token(episode): episode.scene_id for episode in episodes if episode.frames}
+        return cls(name, {items[one.item]: one for one in given.answers if one.item in items})
+
+    def judge(self, case: Case) -> Answers:
+        """Answer as the person did."""
+        said = self.items[case.episode.scene_id]
+        listed = {option.id for option in case.options}
+        return Answers(
+            said.is_ood,
+            said.aspect if said.is_ood else "",
+            said.confidence,
+            said.choice if said.choice in listed else None,
+            said.action,
+        )
+
+    def complete(self, request: Request) -> Completion:
+        """Refuse to answer a prompt.
+
+        Raises:
+            LLMError: Always.
+        """
+        raise LLMError(f"{self.name} has answered whole drives, no questions in words")

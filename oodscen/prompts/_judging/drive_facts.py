@@ -1,0 +1,54 @@
+"""The facts of a drive that pictures do not show, and the questions that state them."""
+
+from typing import TypeVar
+
+from pydantic import BaseModel
+
+from oodscen.data._base import Data
+from oodscen.data._messages import Image, Message
+from oodscen.prompts._base import Prompt
+from oodscen.prompts._judging.describe_frame import DescribeFrame, frame_turns
+
+Answer = TypeVar("Answer", bound=BaseModel)
+
+
+class DriveFacts(Data):
+    """The knowledge of a driver who does not look ahead; anything unknown is left out of the questions."""
+
+    times_s: tuple[float, ...] = ()
+    """Time of every frame since the start of the drive, s."""
+    ego_speed_mps: float | None = None
+    is_present: bool = True
+    """True if the speed is that at the last frame; otherwise that at the moment of the decision."""
+    behind: str | None = None
+    """The vehicle that follows close behind, with its article; empty if there is none, `None` if unknown."""
+    gap_m: float = 0.0
+    follower_speed_mps: float = 0.0
+
+    @property
+    def when(self) -> str:
+        """The moment of the speed, in words."""
+        return "In the last frame" if self.is_present else "At the moment of the decision"
+
+
+class DriveQuestion(Prompt[Answer]):
+    """A question about the frames of one drive.
+
+    With `descriptions` it follows the model's own descriptions of the frames, as in the paper (section V-C);
+    without, it stands alone and shows all frames.
+    """
+
+    follows = (DescribeFrame,)
+
+    frames: tuple[Image, ...]
+    descriptions: tuple[str, ...] = ()
+    """The model's descriptions of the frames."""
+    facts: DriveFacts = DriveFacts()
+
+    def earlier(self) -> tuple[Message, ...]:
+        """Return the turns about the frames."""
+        return frame_turns(self.frames, self.descriptions)
+
+    def images(self) -> tuple[Image, ...]:
+        """Return the frames, unless earlier turns show them."""
+        return () if self.descriptions else self.frames

@@ -1,0 +1,34 @@
+"""The labelled answers of a real model: the matcher agrees with them, and a judge is measured by them."""
+
+from typing import Any
+
+import pytest
+
+from oodscen.judging._aspects.labelled import agreement, labelled_answers
+from oodscen.judging._aspects.matching import naming
+from oodscen.judging._aspects.opinions import judge_label, opinion
+from oodscen.testing import ScriptedLLM
+
+
+def test_the_matcher_counts_right_answers_and_hardly_a_wrong_one():
+    found = [(one.is_right, naming(one.answer, one.path).right) for one in labelled_answers()]
+    right = [counted for is_right, counted in found if is_right]
+    wrong = [counted for is_right, counted in found if not is_right]
+    assert sum(right) >= 0.9 * len(right)
+    assert sum(wrong) <= 0.02 * len(wrong)
+
+
+@pytest.mark.parametrize("is_contrary", [False, True])
+def test_a_judge_s_agreement_is_the_share_on_which_it_sees_what_the_person_saw(is_contrary):
+    truth = {(one.answer, one.path[1:]): one.is_right for one in labelled_answers()}
+
+    def judges(request: Any) -> dict[str, bool]:
+        seen = truth[request.prompt.aspect, request.prompt.path] is not is_contrary
+        return {"is_same_thing": True, "is_same_fault": seen}
+
+    judge = ScriptedLLM(judges)
+    opinions = [opinion(judge, one.answer, one.path) for one in labelled_answers()]
+    agrees, of = agreement(opinions, judge_label(judge))
+    assert of == len(labelled_answers()) == 40
+    assert agrees == (0 if is_contrary else of)
+    assert agreement(opinions, "another") == (0, 0)

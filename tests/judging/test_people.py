@@ -1,0 +1,63 @@
+"""Answers of people: tokens that tell nothing, files of other studies refused, rows like those of models."""
+
+import pytest
+
+from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
+from oodscen.errors import DataError
+from oodscen.judging._people import PersonAnswers, QuizAnswers, token
+from oodscen.judging._references import AspectOption
+from oodscen.stages._evaluate import evaluate
+
+
+def episode(name: str, sha: str = "a") -> Episode:
+    file = f"frames/{name}/last.jpg"
+    return Episode(
+        id=name,
+        scene_id=name,
+        status="ok",
+        frames={"last": file},
+        file_sha256={file: sha},
+        actions={one: ActionOutcome(safe=one == "stop") for one in ACTIONS},
+    )
+
+
+EPISODES = (episode("deer-001"), episode("deer-001~twin"))
+
+
+def given(*items: str, name: str = "Ada", **more: object) -> QuizAnswers:
+    said = {"is_ood": True, "confidence": 0.8, "aspect": "a deer", "action": "stop", **more}
+    return QuizAnswers.parse({"id": name, "answers": [{"item": item, **said} for item in items]})
+
+
+def test_a_person_is_judged_like_a_model():
+    answers = PersonAnswers.matched(given(token(EPISODES[0]), choice="deer"), EPISODES)
+    assert set(answers.items) == {"deer-001"}
+    options = (AspectOption(id="deer", label="Deer on the road"),)
+    path = ("OOD", "Animals", "Deer on the road")
+    verdict = evaluate(EPISODES[0], {}, answers, path=path, leaf="deer", options=options)
+    assert (verdict.model, verdict.kind) == ("human:Ada", "model")
+    assert verdict.is_ood
+    assert verdict.aspect_is_right
+    assert verdict.choice_is_right
+    assert verdict.action_is_safe
+
+
+def test_tokens_tell_nothing_and_depend_on_the_pictures():
+    names = [token(one) for one in (*EPISODES, episode("deer-001", "b"))]
+    assert len(set(names)) == 3
+    assert not any("deer" in name or "twin" in name for name in names)
+
+
+@pytest.mark.parametrize("items", [("unknown",), (token(EPISODES[0]),) * 2])
+def test_answers_about_no_drive_of_the_study_or_twice_about_one_are_refused(items):
+    with pytest.raises(DataError):
+        PersonAnswers.matched(given(*items), EPISODES)
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [{"name": "../x"}, {"name": ""}, {"action": "fly"}, {"confidence": 0.1}, {"more": 1}],
+)
+def test_a_malformed_file_is_refused(fault):
+    with pytest.raises(DataError):
+        given(token(EPISODES[0]), **fault)

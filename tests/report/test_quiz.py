@@ -1,0 +1,67 @@
+"""The quiz: one page without a network, an answer or an id, whose file a study takes."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from oodscen import Study
+from oodscen._pipeline.answering import add_answers
+from oodscen.errors import DataError
+from oodscen.judging._people import PEOPLE
+from oodscen.report._quiz import write_quiz
+from tests.report.conftest import build_study
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return build_study(tmp_path_factory.mktemp("quiz") / "study", with_twins=True)
+
+
+@pytest.fixture(scope="module")
+def page(study: Study) -> str:
+    return write_quiz(study).read_text(encoding="utf-8")
+
+
+def payload(page: str) -> dict[str, Any]:
+    found = re.search(r'id="payload">(.*?)</script>', page, re.DOTALL)
+    assert found
+    return json.loads(found[1])
+
+
+def test_the_page_needs_no_network_and_gives_nothing_away(study: Study, page: str):
+    assert not re.search(r"https?://|<link [^>]*stylesheet|@import", page)
+    items = payload(page)["items"]
+    assert items
+    for episode in study.episodes:
+        assert episode.scene_id not in page
+    for item in items:
+        assert set(item) == {"item", "frames", "times", "facts", "questions", "options"}
+        assert all(url.startswith("data:image/") for url in item["frames"])
+        assert "none" in [name for name, _ in item["options"]]
+        assert len(item["questions"]) == 3
+        assert not any("JSON" in question for question in item["questions"])
+
+
+def test_a_scene_comes_with_its_ordinary_drive_and_the_number_is_kept(study: Study, tmp_path: Path):
+    first, again = (write_quiz(study, tmp_path / name, scenes=1).read_bytes() for name in "ab")
+    assert first == again
+    assert len(payload(first.decode())["items"]) == 2
+
+
+def test_the_file_that_it_saves_is_taken_once_per_name(study: Study, page: str, tmp_path: Path):
+    file = tmp_path / "answers.json"
+    for action in ("stop", "keep_speed"):
+        answers = [
+            {"item": one["item"], "is_ood": False, "confidence": 0.7, "action": action}
+            for one in payload(page)["items"]
+        ]
+        file.write_text(json.dumps({"schema_version": 1, "id": "Ada", "answers": answers}))
+        assert add_answers(study, file) == "Ada"
+    (kept,) = study.store.lines(PEOPLE)
+    assert {one["action"] for one in kept["answers"]} == {"keep_speed"}
+    file.write_text(json.dumps({"id": "Bob", "answers": [{"item": "x", "is_ood": True}]}))
+    with pytest.raises(DataError):
+        add_answers(study, file)
