@@ -30,11 +30,13 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
+from oodscen.metrics._rarity.anchors import Rate, load_rates, published_rates
+from oodscen.metrics._rarity.estimates import Rarity, estimated
 from oodscen.metrics._report import BaselineBatch, Report, baseline_batch, report
-from oodscen.metrics._selection import Band, Method, Selection, band, select
+from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
 from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import Space
-from oodscen.protocols import Encoder
+from oodscen.protocols import LLM, Encoder
 
 if TYPE_CHECKING:
     from oodscen.metrics._table import Table
@@ -87,6 +89,37 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         return oodness(self._space, check_texts(texts), _paths(texts), definition)
+
+    def rarity(
+        self,
+        texts: Texts,
+        llm: LLM | None = None,
+        *,
+        anchors: Sequence[Rate] | str | Path | None = None,
+        draws: int = 3,
+    ) -> Rarity:
+        """Return the expected kilometres between two meetings with each kind of situation, with intervals.
+
+        Args:
+            texts: At least one string or scenario.
+            llm: The model to ask; by default the shipped offline head estimates.
+            anchors: Rates to calibrate the figures on: a file for `load_rates`, or `published` for the
+                shipped ones. By default figures are those of the head or model.
+            draws: Independent draws of a model, whose median counts.
+
+        Raises:
+            DataError: If there is no text, one is blank, or the anchors are no valid rates.
+            EncoderError: If the encoder fails.
+            LLMError: If the model cannot be reached; answers without a figure are flagged instead.
+        """
+        plain = check_texts(texts)
+        rates = _rates(anchors)
+        if llm is None:
+            return estimated(self._space, plain, rates)
+        from oodscen.llm._rarity import asked
+
+        model = conforming("llm", llm)
+        return asked(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
 
     def diversity(self, texts: Texts) -> Diversity:
         """Return how much texts differ from one another, by both definitions.
@@ -227,15 +260,16 @@ class Metrics(Brief):
         low: float,
         high: float,
         *,
-        definition: Measure = "tabulated",
+        definition: BandMeasure = "tabulated",
     ) -> Band:
-        """Return the texts whose OOD-ness lies in [low, high] (Remark 1 of the paper).
+        """Return the texts whose OOD-ness or rarity lies in [low, high] (Remark 1 of the paper).
 
         Args:
             texts: At least one.
             low: Lower bound; `-math.inf` for none.
             high: Upper bound; `math.inf` for none.
-            definition: Definition of OOD-ness.
+            definition: Definition of OOD-ness; or `rarity`, with bounds as decimal logarithms of kilometres:
+                4 to 7.5 keeps what is rare but real. A text whose rarity cannot be told is outside.
 
         Raises:
             UsageError: If the bounds are not numbers in order.
@@ -405,3 +439,11 @@ def _paths(texts: Texts) -> tuple[str, ...] | None:
     """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
     paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None
+
+
+def _rates(anchors: Sequence[Rate] | str | Path | None) -> tuple[Rate, ...] | None:
+    if anchors is None:
+        return None
+    if anchors == "published":
+        return published_rates()
+    return load_rates(anchors) if isinstance(anchors, str | Path) else tuple(anchors)

@@ -9,7 +9,7 @@ from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Definition
 from oodscen.metrics._report import Report
 from oodscen.metrics._table import Table, paper_table
-from oodscen.protocols import Encoder
+from oodscen.protocols import LLM, Encoder
 
 
 def score_file(
@@ -19,9 +19,11 @@ def score_file(
     encoder: Encoder | None = None,
     band: tuple[float, float] | None = None,
     definition: Definition = "tabulated",
+    llm: LLM | None = None,
+    anchors: str | Path | None = None,
     seed: int = 0,
 ) -> Report:
-    """Return the OOD-ness and diversity of the texts in a file.
+    """Return rarity, OOD-ness and diversity of the texts in a file.
 
     Args:
         path: Plain lines, JSON lines with `text` (and `path` or `leaf`, if known), a JSON list, or
@@ -30,6 +32,8 @@ def score_file(
         encoder: By default all-MiniLM-L6-v2.
         band: Bounds of OOD-ness; only the texts inside are reported.
         definition: Definition of OOD-ness.
+        llm: The model that estimates rarity; by default the shipped offline head.
+        anchors: Rates that calibrate rarity; see `Metrics.rarity`.
         seed: Seed of the bootstrap.
 
     Raises:
@@ -37,9 +41,12 @@ def score_file(
         UsageError: If no text lies inside the band.
         EncoderError: If the encoder fails.
     """
-    return score_records(
-        Metrics(encoder, baseline, seed=seed), path, band=band, definition=definition
-    )
+    metrics = Metrics(encoder, baseline, seed=seed)
+    report = score_records(metrics, path, band=band, definition=definition)
+    if llm is None and anchors is None:
+        return report
+    texts = report.band.texts if report.band else [one.text for one in read_records(path)]
+    return report.model_copy(update={"rarity": metrics.rarity(texts, llm, anchors=anchors)})
 
 
 def score_records(
@@ -56,9 +63,10 @@ def score_records(
         return metrics.report(texts, _groups(records), definition=definition)
     kept = metrics.band(texts, *band, definition=definition)
     if not kept.texts:
+        told = [value for value in kept.scores if value is not None]
         raise UsageError(
             f"none of the {len(texts)} texts has an OOD-ness in [{band[0]}, {band[1]}]; "
-            f"theirs lie in [{min(kept.scores):.3f}, {max(kept.scores):.3f}]"
+            f"theirs lie in [{min(told):.3f}, {max(told):.3f}]"
         )
     records = [records[index] for index in kept.indices]
     report = metrics.report(kept.texts, _groups(records), definition=definition)

@@ -25,12 +25,14 @@ from oodscen._numbers import finite_number
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Measure
+from oodscen.metrics._rarity.estimates import estimated
 from oodscen.metrics._vectors.similarity import Vectors
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space
 
 Method = Literal["max-min", "determinantal"]
+BandMeasure = Measure | Literal["rarity"]
 _GONE = np.float32(1e-5)
 
 
@@ -50,8 +52,8 @@ class Band(Data):
     """The texts inside the band, bounds included, in their order."""
     indices: tuple[int, ...]
     """Their indices in the set."""
-    scores: tuple[float, ...]
-    """OOD-ness of every text of the set."""
+    scores: tuple[float | None, ...]
+    """OOD-ness or rarity of every text of the set; `None` where rarity cannot be told."""
     below: int
     """Number of texts that are more ordinary than `low`."""
     above: int
@@ -76,7 +78,7 @@ class Selection(Data):
 
 
 def band(
-    space: "Space", texts: Sequence[str], low: float, high: float, definition: Measure
+    space: "Space", texts: Sequence[str], low: float, high: float, definition: BandMeasure
 ) -> Band:
     """Return the texts whose OOD-ness lies in [low, high]; see `Metrics.band`."""
     for name, bound in (("low", low), ("high", high)):
@@ -84,16 +86,21 @@ def band(
             finite_number(name, bound)
     if not low <= high:
         raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
-    values: list[float] = space.scores(texts, definition).tolist()
-    inside = tuple(i for i, value in enumerate(values) if low <= value <= high)
+    values: list[float | None] = (
+        [one.best for one in estimated(space, texts).per_text]
+        if definition == "rarity"
+        else space.scores(texts, definition).tolist()
+    )
+    told = [(i, value) for i, value in enumerate(values) if value is not None]
+    inside = tuple(i for i, value in told if low <= value <= high)
     return Band(
         low=low if math.isfinite(low) else None,
         high=high if math.isfinite(high) else None,
         texts=tuple(texts[i] for i in inside),
         indices=inside,
         scores=tuple(values),
-        below=sum(value < low for value in values),
-        above=sum(value > high for value in values),
+        below=sum(value < low for _, value in told),
+        above=sum(value > high for _, value in told),
     )
 
 
