@@ -153,7 +153,9 @@ def estimated(
         if found.near[place] < head.nearest:
             flags.append("far")
         values = (found.low[place], found.best[place], found.high[place])
-        low, best, high = (None,) * 3 if UNTOLD & set(flags) else map(float, values)
+        low, best, high = (
+            (None,) * 3 if UNTOLD & set(flags) else (round(float(one), 2) for one in values)
+        )
         per_text.append(TextRarity(low=low, best=best, high=high, flags=_in_order(flags)))
     own = [] if anchors is None else anchor_estimates(space, anchors)
     return gathered(per_text, name if head.uses_vectors else "words", anchors, own)

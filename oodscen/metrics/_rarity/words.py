@@ -42,7 +42,7 @@ class Words:
             row[[self._place[stem] for stem in stems(text) if stem in self._place]] = 1.0
         found *= self._weights
         length = np.linalg.norm(found, axis=1, keepdims=True)
-        return found / np.maximum(length, np.float32(1e-9))
+        return np.asarray(found / np.maximum(length, 1e-9), np.float32)
 
     def known(self, text: str) -> float:
         """Return the share of a text's words, of any alphabet, whose stems are known."""
