@@ -50,24 +50,18 @@ def score(
     as_json: bool,
 ) -> None:
     """Measure rarity, OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
-    from oodscen import make_encoder, make_llm
-    from oodscen.metrics._score import score_file, table_of_file
+    from oodscen import Metrics, make_encoder, make_llm
+    from oodscen.baselines._texts import read_records
 
     report: Any
+    if table and band is not None:
+        raise UsageError("--table measures all texts; do not combine it with --band")
+    if table and (llm is not None or anchors is not None):
+        raise UsageError("--table has no rarity; do not combine it with --llm or --anchors")
+    metrics = Metrics(make_encoder(encoder), baseline, seed=seed)
     if table:
-        if band is not None:
-            raise UsageError("--table measures all texts; do not combine it with --band")
-        if llm is not None or anchors is not None:
-            raise UsageError("--table has no rarity; do not combine it with --llm or --anchors")
-        report = table_of_file(texts, baseline=baseline, encoder=make_encoder(encoder), seed=seed)
+        report = metrics.paper_table([record.text for record in read_records(texts)])
     else:
-        report = score_file(
-            texts,
-            baseline=baseline,
-            encoder=make_encoder(encoder),
-            band=band,
-            llm=make_llm(llm, seed=seed, api_base=api_base) if llm else None,
-            anchors=anchors,
-            seed=seed,
-        )
+        model = make_llm(llm, seed=seed, api_base=api_base) if llm else None
+        report = metrics.score_file(texts, band=band, llm=model, anchors=anchors)
     click.echo(report.model_dump_json(indent=2) if as_json else str(report))

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen import Metrics
 from oodscen.llm._rarity import asked
-from oodscen.testing import FunctionLLM
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 
 TEXTS = ["A red light.", "A sofa lies in the lane.", "Whisk two eggs."]
@@ -30,7 +30,7 @@ def good(request):
 
 
 def test_the_median_of_draws_counts_and_the_interval_holds_all():
-    found = asked(FunctionLLM(good), TEXTS)
+    found = asked(ScriptedLLM(good), TEXTS)
     light, sofa, eggs = found.per_text
     assert light.draws == pytest.approx((0.5, 0.6, 0.7))
     assert light.best == pytest.approx(0.6)
@@ -56,13 +56,13 @@ def test_the_median_of_draws_counts_and_the_interval_holds_all():
     ],
 )
 def test_nonsense_is_flagged_and_never_a_figure(bad):
-    found = asked(FunctionLLM(lambda _: bad), TEXTS, draws=1)
+    found = asked(ScriptedLLM(lambda _: bad), TEXTS, draws=1)
     assert [one.flags for one in found.per_text] == [("not answered",)] * 3
     assert found.median is None
 
 
 def test_one_failed_draw_leaves_the_others():
-    found = asked(FunctionLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS)
+    found = asked(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS)
     assert len(found.per_text[0].draws) == 2
 
 
@@ -72,10 +72,10 @@ def test_many_texts_are_asked_in_parts_and_keep_their_order():
         return {"estimates": [entry(n, float(t.split()[1])) for n, t in enumerate(texts, 1)]}
 
     texts = [f"text {n / 10}" for n in range(45)]
-    found = asked(FunctionLLM(answer), texts, draws=1, per_call=7)
+    found = asked(ScriptedLLM(answer), texts, draws=1, per_call=7)
     assert [one.best for one in found.per_text] == [n / 10 for n in range(45)]
 
 
 def test_metrics_take_a_model():
     metrics = Metrics(HashEncoder(64), ["A car."])
-    assert metrics.rarity(TEXTS, FunctionLLM(good)).per_text[1].best == pytest.approx(5.9)
+    assert metrics.rarity(TEXTS, ScriptedLLM(good)).per_text[1].best == pytest.approx(5.9)

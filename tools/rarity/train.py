@@ -18,9 +18,8 @@ import numpy as np
 
 from oodscen.baselines import load_controls
 from oodscen.baselines._texts import bundled
-from oodscen.encoders import CachedEncoder
 from oodscen.encoders._all_minilm import all_minilm
-from oodscen.encoders._cached import cache_folder
+from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
 from oodscen.metrics._rarity.head import Head, inducing_points, kernel
 from oodscen.metrics._rarity.words import Words, stems
