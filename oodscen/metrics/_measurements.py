@@ -15,12 +15,12 @@ from oodscen import _paper as paper
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
+from oodscen.encoders._similarity import Vectors
 from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise
 from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._report import BaselineBatch, MetricsReport
 from oodscen.metrics._vectors.axes import principal_axes
-from oodscen.metrics._vectors.similarity import Vectors
 from oodscen.statistics._auroc import Auroc, auroc_interval
 
 BEST: Final[Measure] = "events"

@@ -31,6 +31,7 @@ from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
 from oodscen.metrics._rarity.anchors import Rate, load_rates, published_rates
+from oodscen.metrics._rarity.asking import asked
 from oodscen.metrics._rarity.estimates import Rarity, estimated
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._score import score_records
@@ -115,8 +116,6 @@ class Metrics(Brief):
         rates = _rates(anchors)
         if llm is None:
             return estimated(self._space, plain, rates)
-        from oodscen.llm._rarity import asked
-
         model = conforming("llm", llm)
         return asked(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
 

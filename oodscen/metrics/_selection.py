@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from oodscen._numbers import finite_number
 from oodscen.data._base import Data
+from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._rarity.estimates import estimated
-from oodscen.metrics._vectors.similarity import Vectors
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space

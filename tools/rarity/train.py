@@ -21,9 +21,9 @@ from oodscen.baselines._texts import bundled
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
+from oodscen.encoders._similarity import unit
 from oodscen.metrics._rarity.head import Head, inducing_points, kernel
 from oodscen.metrics._rarity.words import Words, stems
-from oodscen.metrics._vectors.similarity import unit
 from oodscen.protocols import Encoder
 from oodscen.statistics._auroc import auroc
 

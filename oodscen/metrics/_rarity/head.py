@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen.encoders._similarity import Vectors
 from oodscen.metrics._rarity.words import Words
-from oodscen.metrics._vectors.similarity import Vectors
 
 Values = NDArray[np.float64]
 MINILM = "all-MiniLM-L6-v2@"

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen import Metrics
-from oodscen.llm._rarity import asked
+from oodscen.metrics._rarity.asking import asked
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 
