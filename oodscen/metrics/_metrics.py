@@ -33,6 +33,7 @@ from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
 from oodscen.metrics._rarity.anchors import Rate, load_rates, published_rates
 from oodscen.metrics._rarity.asking import asked
 from oodscen.metrics._rarity.estimates import Rarity, estimated
+from oodscen.metrics._rarity.exposure import Exposure, exposure
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._score import score_records
 from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
@@ -118,6 +119,31 @@ class Metrics(Brief):
             return estimated(self._space, plain, rates)
         model = conforming("llm", llm)
         return asked(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
+
+    def exposure(
+        self,
+        texts: Texts,
+        chosen: Sequence[bool],
+        llm: LLM | None = None,
+        *,
+        anchors: Sequence[Rate] | str | Path | None = None,
+    ) -> Exposure | None:
+        """Return the share of all meetings with the texts' kinds that the chosen ones make up.
+
+        Args:
+            texts: Texts or labels of kinds, each kind once.
+            chosen: One truth value per text.
+            llm: As for `rarity`.
+            anchors: As for `rarity`.
+
+        Returns:
+            `None` if no rarity can be told.
+
+        Raises:
+            UsageError: If there is not one choice per text.
+            DataError: As for `rarity`; it raises the same errors otherwise, too.
+        """
+        return exposure(self.rarity(texts, llm, anchors=anchors).per_text, chosen)
 
     def diversity(self, texts: Texts) -> Diversity:
         """Return how much texts differ from one another, by both definitions.
@@ -211,17 +237,18 @@ class Metrics(Brief):
         low: float = -math.inf,
         high: float = math.inf,
         method: Method = "max-min",
-        definition: Measure = "tabulated",
+        definition: BandMeasure = "tabulated",
     ) -> Selection:
-        """Return the n texts that differ most from one another, among those inside a band of OOD-ness.
+        """Return n texts inside a band: those that differ most, or those that are met most or least often.
 
         Args:
             texts: Candidates; 100,000 take seconds once they are encoded.
             n: Number of texts to choose.
-            low: Lower bound of OOD-ness.
-            high: Upper bound of OOD-ness.
-            method: `max-min` or `determinantal`; see `oodscen.metrics._selection`.
-            definition: Definition of OOD-ness.
+            low: Lower bound of OOD-ness or rarity.
+            high: Upper bound of OOD-ness or rarity.
+            method: `max-min` or `determinantal` for variety, `commonest` for the greatest exposure, `rarest` against
+                exposure; see `oodscen.metrics._selection`.
+            definition: As for `band`.
 
         Raises:
             UsageError: If fewer than n texts lie inside the band.

@@ -1,4 +1,4 @@
-r"""Selection of texts: those inside a band of OOD-ness, and the n most diverse of them.
+r"""Selection of texts: those inside a band of OOD-ness or rarity, and n of them by variety or by exposure.
 
     max-min         greedy: the next text is the one whose nearest chosen text is farthest. Within a factor
                     of 2 of the best smallest distance (Gonzalez, 1985). Prefers the rim: outliers come first.
@@ -7,7 +7,10 @@ r"""Selection of texts: those inside a band of OOD-ness, and the n most diverse 
                     determinantal point process*, 2018). Spans directions; once as many texts as dimensions
                     are chosen, it falls back to max-min.
 
-Both are deterministic: the first text is the one farthest from the mean of all, and ties go to the
+    commonest       by exposure: the texts that drivers meet most often, by the offline rarity.
+    rarest          against exposure. Texts whose rarity cannot be told are never chosen by either.
+
+All are deterministic. For variety the first text is the one farthest from the mean of all, and ties go to the
 first in order. Time grows with n times the number of candidates, memory with the number of
 candidates times the smaller of n and d. Duplicates of a chosen text are taken last.
 
@@ -31,7 +34,7 @@ from oodscen.metrics._rarity.estimates import estimated
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space
 
-Method = Literal["max-min", "determinantal"]
+Method = Literal["max-min", "determinantal", "commonest", "rarest"]
 BandMeasure = Measure | Literal["rarity"]
 _GONE = np.float32(1e-5)
 
@@ -61,7 +64,7 @@ class Band(Data):
 
 
 class Selection(Data):
-    """The most diverse texts among the candidates; see `oodscen.metrics._selection`."""
+    """The chosen texts among the candidates; see `oodscen.metrics._selection`."""
 
     noun: ClassVar[str] = "selection"
 
@@ -105,17 +108,20 @@ def band(
 
 
 def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
-    """Return the n texts of a band that differ most from one another.
+    """Return n texts of a band by variety or by exposure; see `Metrics.select`.
 
     Raises:
-        UsageError: If fewer lie inside.
+        UsageError: If fewer lie inside, or the rarity of fewer can be told.
     """
     if not n <= len(inside.indices):
         raise UsageError(
             f"{n} texts cannot be chosen: {len(inside.indices)} of {len(inside.scores)} lie inside the band; "
             "widen it, or choose fewer"
         )
-    chosen = most_diverse(space.vectors(inside.texts), n, method)
+    if method in ("commonest", "rarest"):
+        chosen = _by_exposure(space, inside.texts, n, is_rarest=method == "rarest")
+    else:
+        chosen = most_diverse(space.vectors(inside.texts), n, method)
     return Selection(
         texts=tuple(inside.texts[place] for place in chosen),
         indices=tuple(inside.indices[place] for place in chosen),
@@ -125,6 +131,18 @@ def select(space: "Space", inside: Band, n: int, method: Method) -> Selection:
         inside=len(inside.indices),
         candidates=len(inside.scores),
     )
+
+
+def _by_exposure(
+    space: "Space", texts: Sequence[str], n: int, *, is_rarest: bool
+) -> NDArray[np.int64]:
+    found = [one.best for one in estimated(space, texts).per_text]
+    told = [
+        (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
+    ]
+    if len(told) < n:
+        raise UsageError(f"{n} texts cannot be chosen: the rarity of {len(told)} can be told")
+    return np.array([place for _, place in sorted(told)[:n]], np.int64)
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
@@ -141,7 +159,9 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
     if not 0 < n <= len(vectors):
         raise UsageError(f"{n} texts cannot be chosen from {len(vectors)}")
     if method not in ("max-min", "determinantal"):
-        raise UsageError(f"there is no selection {method!r}; choose max-min or determinantal")
+        raise UsageError(
+            f"there is no selection {method!r}; choose max-min, determinantal, commonest or rarest"
+        )
     rows = np.ascontiguousarray(vectors, np.float32)
     first = int((rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32)).argmin())
     if method == "max-min":

@@ -65,13 +65,23 @@ def asked(
     return rarity.model_copy(update={"population": population, **usage})
 
 
+def questions(
+    texts: Sequence[str], per_call: int = PER_CALL, population: str = POPULATION
+) -> list[EstimateRarity]:
+    """Return the questions about texts, several texts in each."""
+    shown = [text[:LONGEST] for text in texts]
+    return [
+        EstimateRarity(texts=tuple(shown[first : first + per_call]), population=population)
+        for first in range(0, len(shown), per_call)
+    ]
+
+
 def _drawn(
     llm: LLM, texts: Sequence[str], draws: int, per_call: int, population: str
 ) -> list[TextRarity]:
     answers: list[list[RarityEstimate]] = [[] for _ in texts]
-    for first in range(0, len(texts), per_call):
-        block = tuple(text[:LONGEST] for text in texts[first : first + per_call])
-        prompt = EstimateRarity(texts=block, population=population)
+    for block, prompt in enumerate(questions(texts, per_call, population)):
+        first = block * per_call
         for sample in range(draws):
             try:
                 found = ask(llm, prompt, sample)

@@ -8,9 +8,12 @@ import numpy as np
 from pydantic import Field, computed_field, model_validator
 
 from oodscen.data._base import Data
+from oodscen.encoders._check import encode
+from oodscen.encoders._similarity import Vectors, unit
 from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
 from oodscen.metrics._rarity.head import Head, head_for, load_head
 from oodscen.metrics._rarity.words import stems
+from oodscen.protocols import Encoder
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import Space
@@ -23,6 +26,7 @@ FLAGS: tuple[Flag, ...] = get_args(Flag)
 UNTOLD: Final = frozenset[Flag]({"no driving", "language", "far", "impossible", "not answered"})
 """Flags of texts that get no figure."""
 
+_NONE: Vectors = np.empty((0, 0), np.float32)
 _LONG = 1_000
 _FEWEST_KNOWN = 0.4
 _RARE = 4.5
@@ -109,7 +113,11 @@ class Rarity(Data):
             f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
             f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
         )
-        return line + (f"; cannot be told for {self.untold} of {n}" if self.untold else "")
+        line += f"; cannot be told for {self.untold} of {n}" if self.untold else ""
+        if not self.input_tokens + self.output_tokens:
+            return line
+        cost = "price not known" if self.cost_usd is None else f"{self.cost_usd:.2f} USD"
+        return f"{line}; {self.input_tokens + self.output_tokens:,} tokens, {cost}"
 
 
 def gathered(
@@ -159,6 +167,25 @@ def estimated(
         per_text.append(TextRarity(low=low, best=best, high=high, flags=_in_order(flags)))
     own = [] if anchors is None else anchor_estimates(space, anchors)
     return gathered(per_text, name if head.uses_vectors else "words", anchors, own)
+
+
+def estimated_km(encoder: Encoder | None, text: str) -> float | None:
+    """Return the kilometres between two meetings with a text's kind by the offline head, two digits.
+
+    Args:
+        encoder: The encoder of the head; without one the head uses stems alone.
+        text: The text.
+
+    Returns:
+        `None` where the head cannot tell.
+    """
+    name = "" if encoder is None else encoder.name
+    head, vectors = head_for(name, lambda: unit(encode(encoder, [text])) if encoder else _NONE)
+    found = head.estimate([text], vectors)
+    flags = flags_of(text, load_head("words"), float(found.known[0]))
+    if UNTOLD & set(flags) or found.near[0] < head.nearest:
+        return None
+    return float(f"{10.0 ** found.best[0]:.1e}")
 
 
 def anchor_estimates(space: "Space", anchors: Sequence[Rate]) -> list[float]:
