@@ -12,7 +12,7 @@ from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import Vectors, unit
 from oodscen.metrics._rarity.anchors import Calibration, Rate, calibrate
 from oodscen.metrics._rarity.head import Head, head_for, load_head
-from oodscen.metrics._rarity.words import stems
+from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
 from oodscen.protocols import Encoder
 
 if TYPE_CHECKING:
@@ -30,14 +30,7 @@ _NONE: Vectors = np.empty((0, 0), np.float32)
 _LONG = 1_000
 _FEWEST_KNOWN = 0.4
 _RARE = 4.5
-_SENTENCE = re.compile(r"(?<=[.!?])\s+")
 _ASCII_LETTER, _LETTER = re.compile(r"[A-Za-z]"), re.compile(r"[^\W\d_]")
-_IMPOSSIBLE = frozenset(
-    stems(
-        "alien ghost unicorn dragon zombie wizard teleports spaceship starship ufo mermaid werewolf vampire "
-        "levitates timewarp godzilla sorcerer antigravity dematerialises dematerializes"
-    )
-)
 
 
 class TextRarity(Data):
@@ -210,14 +203,14 @@ def flags_of(text: str, lines: Head, known: float) -> list[Flag]:
         flags.append("no driving")
     elif known < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
         flags.append("language")
-    if _IMPOSSIBLE & set(stems(text)):
+    if is_impossible(text):
         flags.append("impossible")
     if len(text) > _LONG:
         flags.append("long")
-    sentences = [one for one in _SENTENCE.split(text[:20_000]) if len(one.split()) > 3]
-    if len(sentences) > 1:
-        best = lines.estimate(sentences).best
-        if int((best >= _RARE).sum()) > 1:
+    said = parts(text)
+    if len(said) > 1:
+        best = lines.estimate(said).best
+        if sum(names_event(one) or x >= _RARE for one, x in zip(said, best, strict=True)) > 1:
             flags.append("several events")
     return flags
 

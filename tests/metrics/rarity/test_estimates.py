@@ -50,6 +50,10 @@ def test_what_cannot_be_told_has_no_figure(text, flag):
 
 def test_long_texts_and_several_events_keep_their_figure_and_are_flagged():
     assert "long" in one("The ego car follows a van in the lane. " * 260).flags
+    sequel = "A bridge collapses. Then a tanker explodes on the road."
+    assert "several events" in one(sequel).flags
+    joined = "A sofa lies in the lane, and then a plane lands on the motorway."
+    assert "several events" in one(joined).flags
     twice = "A truck burns on the motorway. A bridge has collapsed onto the road."
     assert "several events" in one(twice).flags
     assert one(twice).best is not None
