@@ -1,11 +1,14 @@
 """Measures rarity: separation, ranks, coverage, agreement of draws, anchors, speed, and style.
 
 Usage: python benchmarks/rarity.py [--json] [--only PART ...] [--held-out FILE ...] [--recordings FOLDER] [--encoder NAME]
+       python benchmarks/rarity.py --prepare FOLDER
+       python benchmarks/rarity.py --picture FILE
 
 Parts: controls, held_out, coverage, model, anchors, speed, style. `--held-out` names lines of `text`, `kind` (`ordinary` or
 `ood`) and `log10_km` by hands that had no part in the training. `--recordings` holds a model's recorded
 answers: `draw1.jsonl`, `draw2.jsonl`, `phrased.jsonl`, `shuffled.jsonl`, each with lines of `text` and
-`log10_km`. Rated texts are found through the environment variable OODSCEN_CORPORA. Rows without their data are `not run`.
+`log10_km`. `--prepare` writes the four questions (`draw1.md` ...) about 60 texts, one for each blind reader, who
+answers into the file of the same name. Rated texts are found through the environment variable OODSCEN_CORPORA. Rows without their data are `not run`.
 """
 
 import argparse
@@ -23,8 +26,10 @@ import numpy as np
 from oodscen import Metrics, make_encoder
 from oodscen.baselines import load_controls
 from oodscen.metrics._rarity.anchors import calibrate, left_out, published_rates
-from oodscen.metrics._rarity.estimates import anchor_estimates
+from oodscen.metrics._rarity.estimates import POPULATION, anchor_estimates
 from oodscen.metrics._rarity.head import head_for, load_head
+from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
+from oodscen.report._charts.sets import Cloud, scatter
 from oodscen.statistics._auroc import auroc, auroc_interval
 
 PARTS = ("controls", "held_out", "coverage", "model", "anchors", "speed", "style")
@@ -238,6 +243,45 @@ def style(bench: Bench) -> list[Row]:
     return [*rows, row(f"{name}, {len(told)} texts", gap, "decades", target, gap <= 0.5)]
 
 
+def picture(bench: Bench, file: Path) -> None:
+    """Draw the head's estimates against the published rates, by kind."""
+    rates = published_rates()
+    own = anchor_estimates(bench.metrics._space, rates)
+    clouds = [
+        Cloud(
+            kind, [(x, one.log10_km) for x, one in zip(own, rates, strict=True) if one.kind == kind]
+        )
+        for kind in ("own", "met", "occurring")
+    ]
+    axes = ("estimate of the head, log10 km", "published rate, log10 km")
+    scatter(clouds, "Estimates and published rates", axes).figure().savefig(
+        file, metadata={"Date": None}
+    )
+
+
+PHRASED = (
+    "For each text, think of 10^8 km that passenger cars in Europe and North America drive. How often does a driver there come upon what matters in it?\n"
+    "Answer with the decimal logarithm of the kilometres between two such occasions (3: once in 1,000 km); null for no driving."
+)
+
+
+def prepare(folder: Path) -> None:
+    """Write the questions for four blind readers, each about the same 60 texts."""
+    pairs = Path(__file__).parents[1] / "tools/rarity/pairs.tsv"
+    lines = [line.split("\t") for line in pairs.read_text(encoding="utf-8").splitlines()]
+    draws = np.random.default_rng(0)
+    texts = [lines[n][1 + 2 * (k % 2)] for k, n in enumerate(draws.permutation(len(lines))[:60])]
+    folder.mkdir(parents=True, exist_ok=True)
+    asked = EstimateRarity(texts=tuple(texts), population=POPULATION).messages()[0].text
+    asked = asked[asked.index("You estimate") :].partition("\n- Where a text")[0]
+    for name in ("draw1", "draw2", "phrased", "shuffled"):
+        shown = [texts[n] for n in draws.permutation(60)] if name == "shuffled" else texts
+        told = PHRASED if name == "phrased" else asked
+        end = f'Write {name}.jsonl beside this file, a line {{"text": ..., "log10_km": ...}} for every text, copied exactly.'
+        body = "\n".join(f"- {text}" for text in shown)
+        (folder / f"{name}.md").write_text(f"{told}\n\n{end}\n\n{body}\n", encoding="utf-8")
+
+
 def _gaps(first: dict[str, float | None], second: dict[str, float | None]) -> float | None:
     both = [(first[text], second[text]) for text in first if text in second]
     found = [abs(a - b) for a, b in both if a is not None and b is not None]
@@ -257,9 +301,17 @@ def main() -> int:
     parser.add_argument("--held-out", nargs="+", type=Path, default=[])
     parser.add_argument("--recordings", type=Path)
     parser.add_argument("--encoder", default="minilm")
+    parser.add_argument("--prepare", type=Path)
+    parser.add_argument("--picture", type=Path)
     asked = parser.parse_args()
+    if asked.prepare is not None:
+        prepare(asked.prepare)
+        return 0
     os.environ.setdefault("HF_HUB_OFFLINE", "1")
     bench = Bench(asked)
+    if asked.picture is not None:
+        picture(bench, asked.picture)
+        return 0
     rows = [found for part in asked.only for found in globals()[part](bench)]
     if asked.json:
         print(json.dumps(rows))
