@@ -58,7 +58,7 @@ def entry_points(group: str) -> EntryPoints:
 @lru_cache(maxsize=1)
 def _installed(places: tuple[tuple[str, int], ...]) -> EntryPoints:
     """Return all entry points of packages in folders with these times of change."""
-    return metadata.entry_points()
+    return cast(EntryPoints, metadata.entry_points())  # mypy reads the signature of Python 3.10.
 
 
 def names(kind: str) -> dict[str, EntryPoint]:

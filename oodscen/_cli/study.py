@@ -39,6 +39,9 @@ from oodscen.errors import UsageError
     help="Context window of --llm in tokens, e.g. 4096; longer questions are shortened.",
 )
 @click.option("--fallback", help="Model to ask if the others give no answer.")
+@click.option(
+    "--rarity-llm", help="Model that also estimates the rarity of the texts.  [default: none]"
+)
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @judging_options
 @limit_options

@@ -78,7 +78,10 @@ def restored(study: Study, found: Material) -> Variables | None:
     ranking = restoration(found.decisions)
     labels = {one.id: one.path[-1] if one.path else one.id for one in found.decisions}
     rows = restoration_rows(ranking, labels, limit=_MOST_ADDITIONS)
-    return {"ranking": ranking, "rows": rows} if rows else None
+    dropped = {one.id for one in found.decisions if not one.keep}
+    paths = found.metrics.paths if found.metrics is not None else None
+    exposure = paths.of(dropped) if paths is not None else None
+    return {"ranking": ranking, "rows": rows, "exposure": exposure} if rows else None
 
 
 def covered(study: Study, found: Material) -> Variables | None:
@@ -86,7 +89,14 @@ def covered(study: Study, found: Material) -> Variables | None:
     tree = found.trees.get("simulatable")
     if tree is None or not found.scenarios:
         return None
-    report = coverage(tree, texts=found.scenarios, scenes=found.scenes, episodes=found.episodes)
+    paths = found.metrics.paths if found.metrics is not None else None
+    report = coverage(
+        tree,
+        texts=found.scenarios,
+        scenes=found.scenes,
+        episodes=found.episodes,
+        per_km=paths.per_km() if paths is not None else None,
+    )
     holes = [
         (words, [row.label for row in report.holes if row.lacks == lack])
         for lack, words in LACKS.items()
@@ -94,4 +104,5 @@ def covered(study: Study, found: Material) -> Variables | None:
     return {
         "rows": [row for row in report.rows if row.kind != "leaf"],
         "holes": [(words, labels) for words, labels in holes if labels],
+        "exposed_holes": report.exposed_holes,
     }

@@ -32,6 +32,7 @@ from oodscen.judging._drives import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
+from oodscen.metrics._rarity.exposure import TreeRarity
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
@@ -264,6 +265,12 @@ class Study(Brief):
     def metrics(self) -> dict[str, Any]:
         """Content of `metrics.json`; empty if there is none yet."""
         return self.store.read("metrics.json") if self.store.has("metrics.json") else {}
+
+    @property
+    def exposure(self) -> dict[str, float]:
+        """Estimated meetings per kilometre by leaf of the diverse tree; empty before the texts are measured."""
+        found = self.metrics.get("paths")
+        return TreeRarity.parse(found, source="metrics.json").per_km() if found else {}
 
     def tree(self, name: str) -> ScenarioTree:
         """Return the `initial`, `diverse` or `simulatable` tree."""
