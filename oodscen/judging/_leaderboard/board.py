@@ -1,7 +1,7 @@
 """The data of a leaderboard: rates, figures and comparisons."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from oodscen._display import html_table
 from oodscen.data._base import Data
@@ -9,15 +9,18 @@ from oodscen.data._verdict import Protocol
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._tests import PairedTest
 
-if TYPE_CHECKING:
-    from oodscen.judging._leaderboard.findings import Finding
-
 Task = Literal["detection", "open", "closed", "control"]
 TASKS: tuple[Task, ...] = ("detection", "open", "closed", "control")
 """The tasks in which answerers are compared; Holm's correction treats each as one family."""
 
 PRIVILEGED = "oracle"
 """The reference that is told the truth: a ceiling, never a baseline to beat."""
+
+
+WITHHELD = "{} without pictures"
+"""Name of the row of a model that was asked without the pictures."""
+BLIND = ("constant:", "random", "blind")
+"""Beginnings of the names of references that see no picture."""
 
 
 class Rate(Data):
@@ -57,7 +60,11 @@ class Detection(Data):
     sensitivity: Rate = Rate()
     """Scenes that were called out of the ordinary."""
     specificity: Rate = Rate()
-    """Twins that were not called out of the ordinary."""
+    """Ordinary drives that were not called out of the ordinary."""
+    alarms: Rate = Rate()
+    """Ordinary drives that were called out of the ordinary."""
+    alarms_by_kind: dict[str, Rate] = {}
+    """`alarms` by kind of ordinary drive (`twin` ...)."""
     balanced_accuracy: Estimate = Estimate()
     """Mean of sensitivity and specificity; 0.5 for an answerer that always says the same."""
     worst: Estimate = Estimate()
@@ -108,6 +115,37 @@ class ActionScore(Data):
     """Over the twins in which keeping the speed is safe with enough margin
     (`oodscen.data._episode.has_enough_margin`): the action braked hard, stopped or pulled over.
     """
+    needless_by_kind: dict[str, Rate] = {}
+    """`needless` by kind of ordinary drive."""
+
+
+class Gain(Data):
+    """The lead over another answerer on the same items."""
+
+    noun: ClassVar[str] = "gain"
+
+    against: str
+    """Model of the other row."""
+    figure: Literal["notice", "act"]
+    """The figure of `PairedScores`."""
+    difference: Estimate
+
+
+class PairedScores(Data):
+    """The main figures: right about a scene and about the ordinary drives that go with it."""
+
+    noun: ClassVar[str] = "paired score"
+
+    notice: Rate = Rate()
+    """Scenes that are called out of the ordinary while none of their ordinary drives is."""
+    act: Rate = Rate()
+    """Scenes with a safe action whose ordinary drives all have a safe action that is not needless."""
+    drop: Estimate = Estimate()
+    """Share of safe actions in the ordinary drives minus that in their scenes, in [-1, 1]."""
+    over_blind: tuple[Gain, ...] = ()
+    """Lead over the best answerer without the pictures: a constant, `random` or `blind`."""
+    over_withheld: tuple[Gain, ...] = ()
+    """Lead over the same model with the pictures withheld, the row named `WITHHELD.format(model)`."""
 
 
 class SceneGroup(Data):
@@ -154,6 +192,7 @@ class LeaderboardRow(Data):
     """Answers whose reasoning contradicts them."""
     outdated: int = 0
     """Answers to other versions of the questions than those of the last run."""
+    paired: PairedScores = PairedScores()
     detection: Detection = Detection()
     identification: Identification = Identification()
     control: ActionScore = ActionScore()
@@ -224,28 +263,31 @@ class Leaderboard(Data):
     """Scenes among `whole` whose hazard is visible in one of the three frames."""
     actions: tuple[ActionTally, ...] = ()
     standings: tuple[LeaderboardRow, ...] = ()
-    """Models first, then references, each sorted by safe actions."""
+    """Models first, then references, each sorted by acting rightly in both halves, then by safe actions."""
+    shortcut: LeaderboardRow | None = None
+    """The best shortcut, which tells rare from ordinary without understanding anything (`oodscen audit`);
+    `None` without scenes and ordinary drives of two paths."""
     comparisons: tuple[ModelComparison, ...] = ()
     level: float = 0.95
     seed: int = 0
 
     def _repr_html_(self) -> str:
-        """Return the main score of every task with its interval, one row per answerer, for notebooks."""
+        """Return the main scores with their intervals, one row per answerer, for notebooks."""
         rows = (
             (
                 row.model,
                 row.kind,
                 row.protocol,
-                _cell(row.detection.balanced_accuracy),
+                _cell(row.paired.notice),
+                _cell(row.paired.act),
                 _cell(row.identification.open),
-                _cell(row.identification.closed),
                 _cell(row.control.safe),
             )
             for row in self.standings
         )
         return html_table(
             rows,
-            head=("", "", "protocol", "detection", "open", "closed", "safe actions"),
+            head=("", "", "protocol", "notices, both", "acts, both", "names it", "safe actions"),
             caption=f"{self.scenes:,} scenes and {self.twins:,} twins of {self.paths:,} paths",
         )
 
@@ -253,21 +295,15 @@ class Leaderboard(Data):
         """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
 
-    def findings(self) -> "list[Finding]":
-        """Return three findings per model: it notices, it names, it acts."""
-        from oodscen.judging._leaderboard.findings import findings
-
-        return findings(self)
-
     def answer(self) -> list[str]:
-        """Return a few sentences on which model to trust with what, and how certainly."""
+        """Return a few sentences: the main figures of every model beside the reference to beat."""
         from oodscen.judging._leaderboard.findings import answer
 
         return answer(self)
 
     def floor(self, task: Task) -> LeaderboardRow | None:
         """Return the best reference in a task that does not know the truth."""
-        return best_floor(self.standings, task)
+        return best_floor([*self.standings, *([self.shortcut] if self.shortcut else [])], task)
 
 
 def _cell(found: Rate | Estimate) -> str:

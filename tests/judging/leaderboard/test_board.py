@@ -115,4 +115,4 @@ def test_a_new_row_has_counted_and_measured_nothing(kind):
 
 def test_tasks_are_those_that_are_ranked():
     assert get_args(board.Task) == TASKS
-    assert len(ROWS_OF_THE_BOARD) == 11
+    assert len(ROWS_OF_THE_BOARD) == 13
