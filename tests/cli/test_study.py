@@ -105,6 +105,27 @@ def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_o
     assert invoke("evaluate", study).exit_code == 2
 
 
+def test_a_requirement_is_graded_by_the_exit_code(study) -> None:
+    assert invoke("evaluate", study, "--require", "sane>=1").exit_code == 2
+    none = invoke("evaluate", study, "--require", "safe>=0")
+    assert none.exit_code == 5
+    file = study / "verdicts.jsonl"
+    rows = [json.loads(line) for line in file.read_text().splitlines()]
+    mine = [
+        {**row, "model": "mine", "kind": "model", "id": f"{row['scene_id']}@mine"}
+        for row in rows
+        if row["model"] == "oracle"
+    ]
+    file.write_text("".join(json.dumps(row) + "\n" for row in [*rows, *mine]))
+    for text, code, word in (("safe>=0", 0, "meets"), ("safe>=0.9", 5, "more scenes")):
+        for command in ("evaluate", "report"):
+            found = invoke(command, study, "--require", text)
+            assert (found.exit_code, word in found.output) == (code, True), found.output
+    found = invoke("evaluate", study, "--require", "safe>=0.9", "--json")
+    assert json.loads(found.stdout)["requirements"][0]["grade"] == "cannot tell yet"
+    assert "Against the requirement safe&gt;=0.9" in (study / "report.html").read_text()
+
+
 def test_items_that_were_not_asked_are_told_per_model() -> None:
     verdict = Verdict(
         id="x@m",

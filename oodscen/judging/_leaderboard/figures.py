@@ -37,8 +37,9 @@ class PairColumns:
         rows = np.flatnonzero(items.owners >= 0)
         owner = items.owners[rows]
         count = np.bincount(owner, minlength=n).astype(np.float64)
+        right_here: Floats = np.where(needless, 0.0, sheet.safe).astype(np.float64)
         quiet = _sums(owner, sheet.called[rows], n)
-        right = _sums(owner, np.where(needless, 0.0, sheet.safe)[rows], n)
+        right = _sums(owner, right_here[rows], n)
         safe = _sums(owner, sheet.safe[rows], n)
         share = np.divide(safe, count, out=np.full(n, np.nan), where=count > 0)
         neutral = sheet.is_neutral | (_sums(owner, sheet.is_neutral[rows] * 1.0, n) > 0)

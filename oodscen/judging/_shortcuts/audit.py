@@ -249,7 +249,7 @@ def _scored(
     resampler: Resampler,
 ) -> ShortcutScore:
     area = auroc_of_items(guess.score, is_rare, resampler)
-    calls = guess.is_called * 1.0
+    calls: Floats = guess.is_called.astype(np.float64)
     sides = [Ratio(calls, is_rare), Ratio(1.0 - calls, ~is_rare)]
     above, below = (
         np.stack([getattr(side, name) for side in sides], axis=1) for name in ("above", "below")

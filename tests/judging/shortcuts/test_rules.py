@@ -61,7 +61,7 @@ def test_noise_is_told_no_better_than_by_guessing():
     )
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(st.integers(0, 2**32))
 def test_the_shortcut_of_a_board_is_the_floor_and_does_not_depend_on_the_order(seed):
     case = Case(paths=6, per_path=2)
@@ -76,7 +76,12 @@ def test_the_shortcut_of_a_board_is_the_floor_and_does_not_depend_on_the_order(s
     assert board.floor("control") is None
     rng = random.Random(seed)
     shuffled = [rng.sample(found, len(found)) for found in (rows, case.episodes, case.scenarios)]
-    assert leaderboard(*shuffled).shortcut == board.shortcut
+    again = leaderboard(*shuffled).shortcut
+    hits = [
+        (row.model, row.paired.notice.hits, row.detection.alarms.hits)
+        for row in (again, board.shortcut)
+    ]
+    assert hits[0] == hits[1]
 
 
 def test_scenes_without_ordinary_drives_and_single_paths_are_not_audited():
