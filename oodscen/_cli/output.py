@@ -88,7 +88,7 @@ def _cacheable(rows: Sequence["Account"]) -> str:
 
 def standings(board: "Leaderboard") -> str:
     """Tabulate the results, one line per model and protocol, with the floor and ceiling references below."""
-    head = ("", "notices, both", "acts, both", "safe", "needless", "false alarms", "incomplete")
+    head = ("", "notices, both", "acts, both", "safe", "false alarms", "names it", "incomplete")
     rows = [head]
     for one in board.standings:
         if one.kind == "reference" and (one.protocol == "paper" or one.model not in _BESIDE):
@@ -100,8 +100,8 @@ def standings(board: "Leaderboard") -> str:
                 _share(one.paired.notice),
                 _share(one.paired.act),
                 _share(safe),
-                _share(one.control.needless),
                 _share(one.detection.alarms),
+                _share(one.identification.open),
                 f"{one.asked - one.outcomes.get('answered', 0) - one.outcomes.get('unavailable', 0)} of {one.asked}",
             )
         )

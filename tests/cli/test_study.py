@@ -52,7 +52,7 @@ def test_a_model_that_nobody_knows_leaves_the_study_as_it_was(study) -> None:
 def test_a_run_that_goes_on_keeps_who_was_judged_and_how(study) -> None:
     found = invoke("evaluate", study, "--vlm", "constant:stop", "--protocol", "paper")
     assert found.exit_code == 0
-    assert "balanced accuracy" in found.output
+    assert "notices, both" in found.output
     verdicts = (study / "verdicts.jsonl").read_bytes()
     assert invoke("run", study, *ORDER, SMALL.baseline).exit_code == 0
     assert (study / "verdicts.jsonl").read_bytes() == verdicts
@@ -189,7 +189,7 @@ def test_a_signal_interrupts_and_the_next_one_ends_at_once(tmp_path, monkeypatch
 
 
 def test_a_signal_that_shall_be_ignored_is(tmp_path, monkeypatch) -> None:
-    def hang_up(study):
+    def hang_up(study, bars):
         os.kill(os.getpid(), signal.SIGHUP)
         return tmp_path
 

@@ -42,7 +42,9 @@ class PairColumns:
         right = _sums(owner, right_here[rows], n)
         safe = _sums(owner, sheet.safe[rows], n)
         share = np.divide(safe, count, out=np.full(n, np.nan), where=count > 0)
-        neutral = sheet.is_neutral | (_sums(owner, sheet.is_neutral[rows] * 1.0, n) > 0)
+        neutral = sheet.is_neutral | (
+            _sums(owner, sheet.is_neutral[rows].astype(np.float64), n) > 0
+        )
         return cls(
             mask=count > 0,
             notice=np.where(

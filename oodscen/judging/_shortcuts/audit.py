@@ -10,6 +10,7 @@ from oodscen.data._base import Data, digest
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
+from oodscen.data._twins import scene_of
 from oodscen.errors import MissingExtra, StudyError
 from oodscen.judging._items import Items, Mask, Ratio
 from oodscen.judging._leaderboard.board import Estimate
@@ -96,8 +97,14 @@ def _cell(found: Estimate, digits: int) -> str:
 
 
 def source(episodes: Iterable[Episode]) -> str:
-    """Return the digest of the episodes that an audit depends on."""
-    rows = sorted((one.id, one.status, one.trace_sha256, one.made_from) for one in episodes)
+    """Return the digest of the episodes that an audit depends on: those that are judged."""
+    found = list(episodes)
+    unseen = {one.scene_id for one in found if one.is_below_floor}
+    rows = sorted(
+        (one.id, one.status, one.trace_sha256, one.made_from)
+        for one in found
+        if scene_of(one.scene_id) not in unseen
+    )
     return digest(rows)
 
 
