@@ -15,6 +15,7 @@ from oodscen._cli.options import (
     extras_options,
     json_option,
     judging_options,
+    limit_options,
     limits_from,
     llm_options,
     picture_options,
@@ -23,7 +24,6 @@ from oodscen._cli.options import (
     seed_option,
     simulator_option,
     style_option,
-    traffic_options,
 )
 from oodscen._cli.output import bars, estimated, graded, left_out, say, standings, summary
 from oodscen._cli.paths import READABLE, PathName
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 @click.option("--fallback", help="Model to ask if the others give no answer.")
 @click.option("--vlm", "vlms", multiple=True, help="Vision-language model to judge; repeatable.")
 @judging_options
-@traffic_options
+@limit_options
 @simulator_option
 @click.option(
     "--catalogue",
@@ -210,7 +210,7 @@ def run(
 )
 @click.option("--retry-failed", is_flag=True, help="Ask again where the last answer was unusable.")
 @require_option
-@traffic_options
+@limit_options
 @json_option
 def evaluate(
     out: Path,

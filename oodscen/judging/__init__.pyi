@@ -3,6 +3,4 @@ from ._drives import drive_board as drive_board
 from ._leaderboard.leaderboard import leaderboard as leaderboard
 from ._leaderboard.paper_example import paper_example as paper_example
 from ._leaderboard.power import scenes_needed as scenes_needed
-from ._leaderboard.requirements import parse_requirement as parse_requirement
-from ._leaderboard.requirements import requirements as requirements
 from ._parsing import read_action as read_action

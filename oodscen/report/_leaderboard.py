@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.data._verdict import NOTHING, Verdict
-from oodscen.judging._leaderboard.board import PRIVILEGED
 from oodscen.judging._leaderboard.findings import answer
 from oodscen.judging._leaderboard.leaderboard import (
     Leaderboard,
@@ -16,6 +15,7 @@ from oodscen.judging._leaderboard.leaderboard import (
     paper_example,
 )
 from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
+from oodscen.judging._leaderboard.scores import PRIVILEGED
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material

@@ -12,8 +12,8 @@ from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.llm._accounting import Account, account, accounts
 from oodscen.report import _gallery as gallery
 from oodscen.report import _leaderboard as models
-from oodscen.report import _measures as measures
 from oodscen.report import _sections as parts
+from oodscen.report import _text_metrics as measures
 from oodscen.report._charts import rounds as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline

@@ -12,6 +12,7 @@ from pydantic import ConfigDict
 from oodscen._display import Brief, escaped, html_table
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
+from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
@@ -37,7 +38,8 @@ from oodscen.judging._leaderboard.requirements import (
 from oodscen.judging._shortcuts.audit import FILE as AUDIT
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._call_log import Call
-from oodscen.stages._prune.pruner import PruneDecision
+from oodscen.metrics._measurements import Measurements
+from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
@@ -52,8 +54,6 @@ from oodscen.tree._scenario_tree import ScenarioTree
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
-
-    from oodscen.data._drive_result import DriveResult
 
 Row = TypeVar("Row", bound=Data)
 
@@ -108,10 +108,10 @@ class _Restaged(Data):
     scene: Scene | None = None
 
 
-class _Dry(Data):
-    """A line of `dry.jsonl`."""
+class _ShortPath(Data):
+    """A line of `short_paths.jsonl`."""
 
-    noun: ClassVar[str] = "path that ran dry"
+    noun: ClassVar[str] = "short path"
 
     file: str
     leaf: str
@@ -123,7 +123,7 @@ _KINDS: Mapping[str, type[Data]] = {
     "edits.jsonl": TreeEdit,
     "pruned.jsonl": PruneDecision,
     "scenarios.jsonl": Scenario,
-    "dry.jsonl": _Dry,
+    "short_paths.jsonl": _ShortPath,
     "claims.jsonl": _Told,
     "staged.jsonl": Staging,
     "scenes.jsonl": Scene,
@@ -135,6 +135,9 @@ _KINDS: Mapping[str, type[Data]] = {
     "calls.jsonl": Call,
 }
 """Types of the lines of every file that a run resumes from, besides the text sets."""
+
+_WHOLE: Mapping[str, type[Data]] = {"metrics.json": Measurements, CATALOGUES: CatalogueComparison}
+"""Types of the files of one value that a run resumes from, besides trees."""
 
 _OTHERS = (
     "study.json",
@@ -238,6 +241,8 @@ class Study(Brief):
             kind = Scenario if _TEXTS.fullmatch(name) else _KINDS.get(name)
             if kind is not None:
                 self._rows(kind, name)
+            if name in _WHOLE:
+                _WHOLE[name].parse(self.store.read(name), source=str(self.folder / name))
         for name in TREES:
             file = f"tree.{name}.json"
             if file in names and self.store.path(file).stat().st_size:
@@ -319,10 +324,8 @@ class Study(Brief):
         return self._rows(Verdict, "verdicts.jsonl")
 
     @property
-    def drives(self) -> "list[DriveResult]":
+    def drives(self) -> list[DriveResult]:
         """The results of `oodscen drive`."""
-        from oodscen.data._drive_result import DriveResult
-
         return self._rows(DriveResult, "drives.jsonl")
 
     def leaderboard(self) -> Leaderboard:

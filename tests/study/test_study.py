@@ -6,6 +6,7 @@ import pytest
 
 from oodscen import Scenario, Study
 from oodscen.errors import DataError, OodscenError, StudyError, UnknownComponent
+from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._store import Store
 
@@ -92,3 +93,22 @@ def test_a_study_with_a_pipe_in_it_is_refused_by_every_reader(tmp_path, name):
     os.mkfifo(tmp_path / name)
     with pytest.raises(DataError, match=f"(?s){name}:.*is no "):
         Study.open(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["metrics.json", "catalogues.json"])
+@pytest.mark.parametrize(
+    "content", [b"", b"null", b"[]", b'{"lines":1}', b"\xef\xbb\xbf{}", b"\xff"]
+)
+def test_a_broken_file_of_one_value_is_found_before_anything_is_written(study, name, content):
+    study.store.path(name).write_bytes(content)
+    before = sorted(path.name for path in study.folder.iterdir())
+    with pytest.raises(DataError, match=name):
+        study.check()
+    assert sorted(path.name for path in study.folder.iterdir()) == before
+
+
+def test_a_comparison_has_one_decision_for_each_catalogue():
+    side = {"keep": False, "match": None, "reason": ""}
+    line = {"id": "n1", "path": ["a", "b"], "sides": [side]}
+    with pytest.raises(DataError, match="one entry for each catalogue"):
+        CatalogueComparison.parse({"catalogues": [], "tallies": [], "lines": [line]})

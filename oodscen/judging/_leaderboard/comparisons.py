@@ -7,14 +7,14 @@ import numpy as np
 
 from oodscen.data._verdict import Protocol
 from oodscen.judging._items import AnswerColumns, Items
-from oodscen.judging._leaderboard.board import (
+from oodscen.judging._leaderboard.scores import (
     TASKS,
     LeaderboardRow,
     ModelComparison,
     Task,
     best_floor,
 )
-from oodscen.statistics._tests import holm, paired
+from oodscen.statistics._significance import holm, paired
 
 Key = tuple[str, Protocol]
 """Model and protocol."""

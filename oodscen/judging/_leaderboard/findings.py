@@ -1,15 +1,19 @@
 """A leaderboard in a few sentences: the main figures of every model beside the reference to beat."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from oodscen.judging._leaderboard.board import Estimate, Gain, Leaderboard, LeaderboardRow, Rate
+from oodscen.judging._leaderboard.scores import Estimate, Gain, LeaderboardRow, Rate
+
+if TYPE_CHECKING:
+    from oodscen.judging._leaderboard.board import Leaderboard
 
 _GAP = "\N{NO-BREAK SPACE}"
 _TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 """A dash without a line break around it."""
 
 
-def answer(board: Leaderboard) -> list[str]:
+def answer(board: "Leaderboard") -> list[str]:
     """Return a few sentences: the main figures of every model beside the reference to beat."""
     models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
     if not models:
@@ -73,7 +77,7 @@ def _gain(gains: Sequence[Gain], figure: str) -> str:
     return ""
 
 
-def _unfinished(board: Leaderboard, row: LeaderboardRow) -> str:
+def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     """Return the sentence on the items that stayed unanswered."""
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
@@ -89,7 +93,7 @@ def _unfinished(board: Leaderboard, row: LeaderboardRow) -> str:
     return f"{row.model} {' and '.join(parts)}." if parts else ""
 
 
-def _without_models(board: Leaderboard) -> list[str]:
+def _without_models(board: "Leaderboard") -> list[str]:
     sentences = ["No vision-language model was judged in this study."]
     floor = board.floor("control")
     if floor is not None and floor.control.safe.value is not None:

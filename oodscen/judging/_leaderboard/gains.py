@@ -7,8 +7,8 @@ import numpy as np
 
 from oodscen.data._verdict import Protocol
 from oodscen.judging._items import AnswerColumns, Items, Ratio
-from oodscen.judging._leaderboard.board import BLIND, WITHHELD, Estimate, Gain, LeaderboardRow
 from oodscen.judging._leaderboard.figures import PairColumns
+from oodscen.judging._leaderboard.scores import BLIND, WITHHELD, Estimate, Gain, LeaderboardRow
 from oodscen.statistics._intervals import percentiles
 from oodscen.statistics._resampling import Resampler
 

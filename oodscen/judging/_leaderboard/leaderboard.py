@@ -12,14 +12,18 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._twins import is_twin
 from oodscen.data._verdict import NOTHING, Verdict
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
-from oodscen.judging._leaderboard.board import (
+from oodscen.judging._leaderboard.board import Leaderboard
+from oodscen.judging._leaderboard.comparisons import Key, comparisons
+from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures
+from oodscen.judging._leaderboard.gains import mean_of, with_gains
+from oodscen.judging._leaderboard.paper_example import paper_example
+from oodscen.judging._leaderboard.scores import (
     ActionScore,
     ActionTally,
     Confusion,
     Detection,
     Estimate,
     Identification,
-    Leaderboard,
     LeaderboardRow,
     ModelComparison,
     PairedScores,
@@ -28,10 +32,6 @@ from oodscen.judging._leaderboard.board import (
     Task,
     score,
 )
-from oodscen.judging._leaderboard.comparisons import Key, comparisons
-from oodscen.judging._leaderboard.figures import FAULTS, PairColumns, figures
-from oodscen.judging._leaderboard.gains import mean_of, with_gains
-from oodscen.judging._leaderboard.paper_example import paper_example
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.judging._shortcuts.calls import rule_calls, shortcut_verdicts
 from oodscen.statistics._answers import above_chance, d_prime, intraclass

@@ -13,7 +13,7 @@ from oodscen.data._scene import Scene
 from oodscen.data._twins import scene_of
 from oodscen.errors import MissingExtra, StudyError
 from oodscen.judging._items import Items, Mask, Ratio
-from oodscen.judging._leaderboard.board import Estimate
+from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._shortcuts import facts
 from oodscen.judging._shortcuts.facts import KEEPING
 from oodscen.judging._shortcuts.rules import Guess, audited, folds_of

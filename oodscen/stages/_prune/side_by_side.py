@@ -1,11 +1,13 @@
 """Comparisons of one tree pruned for several simulators."""
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, Literal, get_args
+from typing import ClassVar, Literal, Self, get_args
+
+from pydantic import model_validator
 
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue, Category
-from oodscen.stages._prune.pruner import Match, PruneDecision, alike, fates
+from oodscen.stages._prune.decisions import Match, PruneDecision, alike, fates
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -74,6 +76,13 @@ class CatalogueComparison(Data):
     tallies: tuple[CatalogueTally, ...]
     lines: tuple[LeafDecisions, ...]
     """One line for every leaf, in tree order."""
+
+    @model_validator(mode="after")
+    def _agree(self) -> Self:
+        count = len(self.catalogues)
+        if len(self.tallies) != count or any(len(line.sides) != count for line in self.lines):
+            raise ValueError("tallies and lines must have one entry for each catalogue")
+        return self
 
     def rows(self) -> list[dict[str, str]]:
         """Return a table with one row per leaf: `branch`, then the decision of each catalogue.
