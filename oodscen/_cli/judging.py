@@ -103,8 +103,8 @@ def audit(out: Path, as_json: bool) -> None:
     """Measure how well shortcuts tell rare from ordinary in the study in the folder OUT.
 
     Rules on what the simulator knows, simple classifiers on small pictures, sizes of files, map and weather
-    learn on some paths and are tested on the others. Writes audit.json and the report. The best of them is the
-    floor that a model has to beat in noticing.
+    learn on some paths and are tested on the others. Writes audit.json and the report. The best on bodies or
+    pictures is the floor that a model has to beat in noticing.
     """
     from oodscen.data._base import canonical_json
     from oodscen.judging._shortcuts.audit import FILE

@@ -30,7 +30,7 @@ def shortcuts(study: Study, found: Material) -> Variables | None:
             *((one.low, one.high) if (one := row.balanced_accuracy.interval) else (value, value)),
         )
         for row in found.audit.rows
-        if (value := row.balanced_accuracy.value) is not None
+        if (value := row.balanced_accuracy.value) is not None and row.needs != "outcomes"
     ]
     return {
         "audit": found.audit,

@@ -93,7 +93,7 @@ def leaderboard(
         scenarios: The scenarios, which give the path of each scene.
         whole: Episodes of the paper's protocol, which tell whether its frames show the hazard.
         audit: The audit of these episodes, whose best shortcut is the one to beat; without one it is the best
-            rule on what the simulator knows.
+            rule on the bodies that the simulator knows.
         seed: Seed of the resampling.
     """
     found = list(episodes)

@@ -15,7 +15,6 @@ from oodscen.errors import MissingExtra, StudyError
 from oodscen.judging._items import Items, Mask, Ratio
 from oodscen.judging._leaderboard.scores import Estimate
 from oodscen.judging._shortcuts import facts
-from oodscen.judging._shortcuts.facts import KEEPING
 from oodscen.judging._shortcuts.rules import Guess, audited, folds_of
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import Floats, percentiles
@@ -24,7 +23,12 @@ from oodscen.statistics._resampling import Resampler
 FILE = "audit.json"
 """Name of the audit in the study's folder."""
 
-Needs = Literal["ground truth", "pictures", "settings"]
+Needs = Literal["ground truth", "pictures", "settings", "outcomes"]
+_FLOOR: tuple[Needs, ...] = ("ground truth", "pictures")
+"""Needs of the shortcuts that can be the floor: bodies and pictures.
+
+Outcomes of actions are reported apart: going on fails in a scene because scenes are made so.
+"""
 
 
 class ShortcutScore(Data):
@@ -53,8 +57,9 @@ class Audit(Data):
     """Number of ordinary drives by kind."""
     paths: int
     rows: tuple[ShortcutScore, ...]
+    """Best first; those that need the outcomes of actions come last."""
     best: str
-    """The shortcut with the highest balanced accuracy: the floor to beat."""
+    """The shortcut on bodies or pictures with the highest balanced accuracy: the floor to beat."""
     calls: dict[str, bool]
     """By item: whether the best shortcut calls it out of the ordinary."""
     made_from: str
@@ -144,7 +149,10 @@ def audit(
         _scored(guess, needs, method, task.is_rare, kinds, resampler)
         for guess, needs, method in guesses
     ]
-    best = max(guesses, key=lambda one: one[0].balanced(task.is_rare))[0]
+    best = max(
+        (guess for guess, needs, _ in guesses if needs in _FLOOR),
+        key=lambda guess: guess.balanced(task.is_rare),
+    )
     sizes = [float(_size(folder, one)) for one in ran]
     place = {one.scene_id: at for at, one in enumerate(ran)}
     owners = np.array(
@@ -155,7 +163,12 @@ def audit(
         scenes=int(task.is_rare.sum()),
         ordinary={kind: int((kinds == kind).sum()) for kind in sorted(set(kinds.tolist()) - {""})},
         paths=resampler.units,
-        rows=tuple(sorted(table, key=lambda row: -(row.balanced_accuracy.value or 0.0))),
+        rows=tuple(
+            sorted(
+                table,
+                key=lambda row: (row.needs == "outcomes", -(row.balanced_accuracy.value or 0.0)),
+            )
+        ),
         best=best.name,
         calls={one.scene_id: bool(call) for one, call in zip(ran, best.is_called, strict=True)},
         made_from=source(episodes),
@@ -173,9 +186,11 @@ def _guesses(
     found: list[Made] = [
         (task.rule(n, values), "ground truth", "rule") for n, values in known.items()
     ]
-    together = np.stack([v for n, v in known.items() if n != KEEPING], axis=1)
+    together = np.stack(list(known.values()), axis=1)
     name = "distances, counts and pixels together"
     found.append((task.boosted(name, together), "ground truth", "gradient boosting"))
+    for name, values in facts.action_priors(ran).items():
+        found.append((task.rule(name, values), "outcomes", "rule"))
     for name, columns in facts.settings(ran, scenes).items():
         found.append((task.linear(name, columns), "settings", "logistic regression"))
     for moment in ("last", "first"):

@@ -11,7 +11,7 @@ Calls = tuple[str, Mapping[str, bool]]
 
 
 def rule_calls(items: Items) -> Calls | None:
-    """Return the calls of the best rule on what the simulator knows; `None` without two paths."""
+    """Return the calls of the best rule on the bodies that the simulator knows; `None` without two paths."""
     found = best_rule(items)
     if found is None:
         return None

@@ -64,7 +64,7 @@ def keeping_fails(episode: Episode) -> float:
 
 
 def ground_truth(episodes: Sequence[Episode]) -> dict[str, Floats]:
-    """Return the facts that the simulator knows, by name: [n] each."""
+    """Return the facts about bodies that the simulator knows, by name: [n] each."""
     seen = [episode.visible.get("last", {}) for episode in episodes]
     lane = [lane_distance(one.sketch) for one in episodes]
     rows = {
@@ -74,9 +74,16 @@ def ground_truth(episodes: Sequence[Episode]) -> dict[str, Floats]:
         "number of actors": [len(one.sketch.bodies) - 1 if one.sketch else 0 for one in episodes],
         "number of visible actors": [len(one) for one in seen],
         "pixels of visible actors": [sum(one.values()) for one in seen],
-        KEEPING: [keeping_fails(one) for one in episodes],
     }
     return {name: np.array(values, np.float64) for name, values in rows.items()}
+
+
+def action_priors(episodes: Sequence[Episode]) -> dict[str, Floats]:
+    """Return what the outcomes of the actions tell, by name: [n] each.
+
+    A scene is made so that going on fails, so this is next to the truth itself and no floor.
+    """
+    return {KEEPING: np.array([keeping_fails(one) for one in episodes], np.float64)}
 
 
 def settings(episodes: Sequence[Episode], scenes: Mapping[str, Scene]) -> dict[str, Floats]:

@@ -73,7 +73,7 @@ def audited(items: Items) -> Mask:
 
 
 def best_rule(items: Items) -> tuple[Guess, Mask] | None:
-    """Return the best rule on what the simulator knows, over the audited items; `None` without two paths."""
+    """Return the best rule on the bodies that the simulator knows, over the audited items; `None` without two paths."""
     there = audited(items)
     rows: list[int] = np.flatnonzero(there).tolist()
     clusters = [items.clusters[row] for row in rows]

@@ -65,10 +65,13 @@ def test_noise_is_told_no_better_than_by_guessing():
 @given(st.integers(0, 2**32))
 def test_the_shortcut_of_a_board_is_the_floor_and_does_not_depend_on_the_order(seed):
     case = Case(paths=6, per_path=2)
+    for at, one in enumerate(case.episodes):
+        seen = {} if one.is_twin else {"last": {"thing": 900}}
+        case.episodes[at] = one.model_copy(update={"visible": seen})
     rows = case.verdicts("m", knows)
     board = leaderboard(rows, case.episodes, case.scenarios)
-    # In these scenes keeping the speed is safe in twins alone.
-    assert board.shortcut.model == "shortcut: keeping the speed fails"
+    # Keeping the speed is safe in twins alone, too, but the outcome of an action is no floor.
+    assert board.shortcut.model == "shortcut: number of visible actors"
     assert (
         board.shortcut.paired.notice.value == board.shortcut.detection.balanced_accuracy.value == 1
     )
