@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen.data._verdict import NOTHING, Verdict
-from oodscen.judging._leaderboard.findings import answer
 from oodscen.judging._leaderboard.leaderboard import (
     Leaderboard,
     LeaderboardRow,
@@ -16,6 +15,7 @@ from oodscen.judging._leaderboard.leaderboard import (
 )
 from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
 from oodscen.judging._leaderboard.scores import PRIVILEGED
+from oodscen.judging._leaderboard.sentences import sentences
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._load import Material
@@ -57,7 +57,7 @@ def context(found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
     rows = [*board.standings, *([board.shortcut] if board.shortcut else [])]
     return {
         "board": board,
-        "answer": answer(board),
+        "sentences": sentences(board),
         "bars": ", ".join(map(str, bars)),
         "grades": requirements(
             found.verdicts, found.episodes, found.scenarios, bars, seed=board.seed

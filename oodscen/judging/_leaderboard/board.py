@@ -4,7 +4,6 @@ from typing import ClassVar, Literal
 
 from oodscen._display import html_table
 from oodscen.data._base import Data
-from oodscen.judging._leaderboard.findings import answer
 from oodscen.judging._leaderboard.scores import (
     ActionTally,
     Estimate,
@@ -14,6 +13,7 @@ from oodscen.judging._leaderboard.scores import (
     Task,
     best_floor,
 )
+from oodscen.judging._leaderboard.sentences import sentences
 
 
 class Leaderboard(Data):
@@ -24,7 +24,8 @@ class Leaderboard(Data):
     schema_version: Literal[1] = 1
     scenes: int = 0
     """Scenes that ran."""
-    twins: int = 0
+    ordinary: int = 0
+    """Ordinary drives that ran."""
     paths: int = 0
     decidable: int = 0
     """Scenes in which one action is safe and another is not."""
@@ -67,16 +68,16 @@ class Leaderboard(Data):
         return html_table(
             rows,
             head=("", "", "protocol", "notices, both", "acts, both", "names it", "safe actions"),
-            caption=f"{self.scenes:,} scenes and {self.twins:,} twins of {self.paths:,} paths",
+            caption=f"{self.scenes:,} scenes and {self.ordinary:,} ordinary drives of {self.paths:,} paths",
         )
 
     def standing(self, model: str) -> LeaderboardRow | None:
         """Return the row of a model, or `None`."""
         return next((row for row in self.standings if row.model == model), None)
 
-    def answer(self) -> list[str]:
+    def sentences(self) -> list[str]:
         """Return a few sentences: the main figures of every model beside the reference to beat."""
-        return answer(self)
+        return sentences(self)
 
     def floor(self, task: Task) -> LeaderboardRow | None:
         """Return the best reference in a task that does not know the truth."""

@@ -84,7 +84,7 @@ def leaderboard(
 
     Intervals resample whole paths (`oodscen.statistics._intervals.share_bounds`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer counts as
-    missing, never as wrong; `Rate.worst` gives the score with all of them counted as wrong. Open aspects
+    missing, never as wrong; `Rate.with_missing_wrong` gives the score with all of them counted as wrong. Open aspects
     scored by different judges are not compared.
 
     Args:
@@ -111,8 +111,8 @@ def leaderboard(
         key=lambda row: (
             row.kind == "reference",
             row.protocol,
-            -(row.paired.act.worst or 0),
-            -(row.control.safe.worst or 0),
+            -(row.paired.act.with_missing_wrong or 0),
+            -(row.control.safe.with_missing_wrong or 0),
             row.model,
         ),
     )
@@ -127,7 +127,7 @@ def leaderboard(
     likeness = [_likeness(items, sheets[row.model, row.protocol]) for row in real]
     return Leaderboard(
         scenes=items.count(items.is_scene),
-        twins=items.count(~items.is_scene),
+        ordinary=items.count(~items.is_scene),
         paths=len(set(items.clusters)),
         decidable=items.count(items.is_decidable),
         all_safe=items.count(items.is_scene & items.has_actions & (items.unsafe == 0)),
@@ -169,7 +169,7 @@ def _standing(
         "open_shown": Ratio(sheet.open, scene & study.shown & (protocol == "paper")),
         "collision_free": Ratio(sheet.success, scene),
         "decidable": Ratio(sheet.safe, items.is_decidable, is_neutral=sheet.is_neutral),
-        "twin_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
+        "ordinary_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
         "above_chance": Ratio(sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance),
     }
     found = _resampled(study.resampler, list(columns.values()))
@@ -279,7 +279,7 @@ def _rate(
         n=n,
         missing=missing,
         value=round(hits / n, 6) if n else None,
-        worst=round(least / (n + missing), 6) if n + missing else None,
+        with_missing_wrong=round(least / (n + missing), 6) if n + missing else None,
         interval=share_bounds(hits, n, units, replicates),
         paths=units,
     )
@@ -308,7 +308,7 @@ def _control(
             n=decidable.n,
             interval=percentiles(replicates, study.resampler.count(reach)),
         ),
-        twin_safe=rates["twin_safe"],
+        ordinary_safe=rates["ordinary_safe"],
         needless=rates["needless"],
         needless_by_kind=_by_kind(
             study, sheet, sheet.cautious, ~items.is_scene & items.keeping_is_safe
@@ -349,7 +349,7 @@ def _detection(
             n=n if both else 0,
             interval=percentiles(balanced, units) if both else None,
         ),
-        worst=_worst_balanced(study, sheet, sensitivity, specificity),
+        with_missing_wrong=_worst_balanced(study, sheet, sensitivity, specificity),
         auroc=Estimate(
             value=area[0] if area else None,
             n=int(np.isfinite(sheet.p_ood).sum()) if area else 0,
@@ -370,7 +370,7 @@ def _worst_balanced(
     study: _SharedValues, sheet: AnswerColumns, sensitivity: Rate, specificity: Rate
 ) -> Estimate:
     """Return the balanced accuracy with every missing answer counted as wrong."""
-    if sensitivity.worst is None or specificity.worst is None:
+    if sensitivity.with_missing_wrong is None or specificity.with_missing_wrong is None:
         return Estimate()
     items, resampler = study.items, study.resampler
     right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
@@ -380,7 +380,7 @@ def _worst_balanced(
     ]
     replicates = _resampled(resampler, columns).mean(axis=1)
     return Estimate(
-        value=(sensitivity.worst + specificity.worst) / 2,
+        value=(sensitivity.with_missing_wrong + specificity.with_missing_wrong) / 2,
         n=int(sheet.was_asked.sum()),
         interval=percentiles(replicates, resampler.count(sheet.was_asked)),
     )

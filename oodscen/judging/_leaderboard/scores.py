@@ -34,7 +34,7 @@ class Rate(Data):
     """Items without an answer: refused, not understood, timed out or failed."""
     value: float | None = None
     """In [0, 1]; `None` if `n` is 0."""
-    worst: float | None = None
+    with_missing_wrong: float | None = None
     """The share with every missing answer counted as wrong; `None` if nothing was asked."""
     interval: Interval | None = None
     paths: int = 0
@@ -66,7 +66,7 @@ class Detection(Data):
     """`alarms` by kind of ordinary drive (`twin` ...)."""
     balanced_accuracy: Estimate = Estimate()
     """Mean of sensitivity and specificity; 0.5 for an answerer that always says the same."""
-    worst: Estimate = Estimate()
+    with_missing_wrong: Estimate = Estimate()
     """Balanced accuracy with every missing answer counted as wrong."""
     auroc: Estimate = Estimate()
     """Probability that a scene is rated above a twin by the stated confidence; 0.5 is chance."""
@@ -108,7 +108,7 @@ class ActionScore(Data):
     """The score of a random action on those decidable scenes."""
     above_chance: Estimate = Estimate()
     """`decidable` corrected for chance: 0 is a random choice, 1 is always safe."""
-    twin_safe: Rate = Rate()
+    ordinary_safe: Rate = Rate()
     """Over the ordinary twins: a safe action was chosen."""
     needless: Rate = Rate()
     """Over the twins in which keeping the speed is safe with enough margin
@@ -268,7 +268,11 @@ def score(row: LeaderboardRow, task: Task) -> float | None:
 
 def worst_score(row: LeaderboardRow, task: Task) -> float | None:
     """Return the figure that ranks a task, with every missing answer counted as wrong."""
-    return row.detection.worst.value if task == "detection" else rates(row, task)[0].worst
+    return (
+        row.detection.with_missing_wrong.value
+        if task == "detection"
+        else rates(row, task)[0].with_missing_wrong
+    )
 
 
 def missing_share(row: LeaderboardRow, task: Task) -> float:

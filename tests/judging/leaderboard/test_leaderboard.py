@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from oodscen.data._episode import Episode
 from oodscen.data._verdict import Verdict
-from oodscen.judging._leaderboard.findings import answer
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.sentences import sentences
 from tests.judging.cases import Case
 
 
@@ -59,7 +59,7 @@ def test_who_knows_scores_all_and_a_constant_what_it_must() -> None:
     assert constant.control.safe.value == 1
     assert constant.control.needless.value == 1
     assert constant.confusions[0].count == 4
-    assert (found.scenes, found.twins, found.paths, found.decidable) == (24, 24, 6, 24)
+    assert (found.scenes, found.ordinary, found.paths, found.decidable) == (24, 24, 6, 24)
     assert found.chance == pytest.approx(2 / 7)
     assert {(a.action, a.safe, a.unavailable) for a in found.actions} >= {
         ("stop", 24, 0),
@@ -95,9 +95,13 @@ def test_a_model_that_answers_only_what_is_easy_is_ranked_by_its_worst_case() ->
     found = board(case, case.verdicts("picky", picky), case.verdicts("fair", fair))
     assert found.standings[0].model == "fair"
     row = found.standings[1]
-    assert (row.control.safe.value, row.control.safe.worst) == (1, 0.5)
-    assert (row.paired.act.value, row.paired.act.worst, row.paired.act.missing) == (1, 0.5, 24)
-    assert "counted as wrong: 50" in " ".join(answer(found))
+    assert (row.control.safe.value, row.control.safe.with_missing_wrong) == (1, 0.5)
+    assert (row.paired.act.value, row.paired.act.with_missing_wrong, row.paired.act.missing) == (
+        1,
+        0.5,
+        24,
+    )
+    assert "counted as wrong: 50" in " ".join(sentences(found))
 
 
 @given(st.integers(0, 2**16 - 1), st.integers(0, 2**16 - 1))
@@ -116,10 +120,14 @@ def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wr
         return fields
 
     shy, sure = (board(case, case.verdicts("m", says(one))).standings[0] for one in (False, True))
-    assert shy.control.safe.worst == sure.control.safe.value == sure.control.safe.worst
-    assert shy.identification.closed.worst == sure.identification.closed.value
-    assert shy.detection.worst.value == sure.detection.balanced_accuracy.value
-    assert shy.control.needless.worst == pytest.approx(
+    assert (
+        shy.control.safe.with_missing_wrong
+        == sure.control.safe.value
+        == sure.control.safe.with_missing_wrong
+    )
+    assert shy.identification.closed.with_missing_wrong == sure.identification.closed.value
+    assert shy.detection.with_missing_wrong.value == sure.detection.balanced_accuracy.value
+    assert shy.control.needless.with_missing_wrong == pytest.approx(
         (shy.control.needless.hits + shy.control.needless.missing) / 16
     )
 
@@ -229,7 +237,7 @@ def test_the_answer_says_what_was_not_answered_and_not_asked() -> None:
         for v in verdicts[:3]
     ]
     found = board(case, [*mute, *verdicts[3:-1]])
-    words = " ".join(answer(found))
+    words = " ".join(sentences(found))
     assert f"m was asked about {len(verdicts) - 1} of the {len(verdicts)}" in words
     assert f"left a question unanswered in 3 of {len(verdicts) - 1}" in words
 
@@ -282,15 +290,15 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
     row = found.standings[0]
     paired = row.paired
     assert 0 <= (paired.notice.value or 0) <= (row.detection.sensitivity.value or 0)
-    assert (paired.act.worst or 0) <= 1
+    assert (paired.act.with_missing_wrong or 0) <= 1
     assert paired.act.missing == 0  # an action that scores neither way is not a missing answer
     assert paired.drop.value is None or -1 <= paired.drop.value <= 1
     assert set(row.control.needless_by_kind) == {"twin", kind}
-    assert found.twins == len(case.episodes) - found.scenes
+    assert found.ordinary == len(case.episodes) - found.scenes
 
 
 def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:
     case = Case()
     verdicts = [v for v in case.verdicts("m", knows) if not v.is_twin]
-    words = " ".join(answer(board(case, verdicts)))
+    words = " ".join(sentences(board(case, verdicts)))
     assert "whoever always says so" in words

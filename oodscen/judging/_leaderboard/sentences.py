@@ -13,16 +13,16 @@ _TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 """A dash without a line break around it."""
 
 
-def answer(board: "Leaderboard") -> list[str]:
+def sentences(board: "Leaderboard") -> list[str]:
     """Return a few sentences: the main figures of every model beside the reference to beat."""
     models = [row for row in board.standings if row.kind == "model" and row.protocol == "ours"]
     if not models:
         return _without_models(board)
-    sentences = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
-    sentences.append(
+    found = [sentence for row in models for sentence in (_main(row), _unfinished(board, row))]
+    found.append(
         f"This rests on {board.scenes} scenes of {board.paths} kinds. Brackets hold 95{_GAP}% intervals."
     )
-    return [sentence for sentence in sentences if sentence]
+    return [sentence for sentence in found if sentence]
 
 
 def percent(value: float | None) -> str:
@@ -60,8 +60,8 @@ def _main(row: LeaderboardRow) -> str:
         return f"{row.model} gave no answer that can be scored."
     missing = paired.notice.missing + paired.act.missing
     worst = (
-        f" With its missing answers counted as wrong: {percent(paired.notice.worst)} and "
-        f"{percent(paired.act.worst)}."
+        f" With its missing answers counted as wrong: {percent(paired.notice.with_missing_wrong)} and "
+        f"{percent(paired.act.with_missing_wrong)}."
         if missing
         else ""
     )
@@ -82,7 +82,7 @@ def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
     silent = sum(row.outcomes.values()) - sum(
         row.outcomes.get(name, 0) for name in ("answered", "unavailable")
     )
-    items = board.scenes + board.twins
+    items = board.scenes + board.ordinary
     parts = []
     if row.asked < items and row.detection.specificity.n:
         parts.append(f"was asked about {row.asked} of the {items} drives so far")
@@ -94,17 +94,17 @@ def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
 
 
 def _without_models(board: "Leaderboard") -> list[str]:
-    sentences = ["No vision-language model was judged in this study."]
+    found = ["No vision-language model was judged in this study."]
     floor = board.floor("control")
     if floor is not None and floor.control.safe.value is not None:
         what = f"“{floor.model}”"
         if floor.model.startswith("constant:"):
             action = floor.model.removeprefix("constant:").replace("_", " ")
             what = f"always choosing “{action}”, whatever is seen,"
-        sentences.append(
+        found.append(
             f"One must beat: {what} is safe in {percent(floor.control.safe.value)}"
             f"{spread(floor.control.safe)} of the scenes"
             + ("" if board.chance is None else f", a random action in {percent(board.chance)}")
             + f". Brackets hold a 95{_GAP}% interval."
         )
-    return sentences
+    return found
