@@ -6,6 +6,7 @@ from typing import Any
 from oodscen.data._sighting import TO_NAME
 from oodscen.judging._drives import drive_board, remarks
 from oodscen.report._charts.rounds import saturation_chart
+from oodscen.report._charts.scores import intervals
 from oodscen.report._load import Material
 from oodscen.stages._prune.restoration import restoration, restoration_rows
 from oodscen.stages._redteam.saturation import saturation
@@ -16,6 +17,26 @@ _MOST_ADDITIONS = 15
 _MOST_SCENES = 200
 
 Variables = Mapping[str, Any]
+
+
+def shortcuts(study: Study, found: Material) -> Variables | None:
+    """Return the audit of shortcuts with its picture; without an audit, nothing."""
+    if found.audit is None:
+        return None
+    rows = [
+        (
+            row.name,
+            value,
+            *((one.low, one.high) if (one := row.balanced_accuracy.interval) else (value, value)),
+        )
+        for row in found.audit.rows
+        if (value := row.balanced_accuracy.value) is not None and row.needs != "outcomes"
+    ]
+    return {
+        "audit": found.audit,
+        "is_current": found.audit.best_calls(found.episodes) is not None,
+        "chart": intervals(rows, "Balanced accuracy of shortcuts"),
+    }
 
 
 def driving(study: Study, found: Material) -> Variables | None:

@@ -30,6 +30,13 @@ from oodscen.errors import (
 from oodscen.judging._aspects.opinions import Opinion
 from oodscen.judging._drives import DriveBoard, drive_board
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.requirements import (
+    RequirementResult,
+    parse_requirement,
+    requirements,
+)
+from oodscen.judging._shortcuts.audit import FILE as AUDIT
+from oodscen.judging._shortcuts.audit import Audit
 from oodscen.llm._call_log import Call
 from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.exposure import TreeRarity
@@ -139,6 +146,7 @@ _OTHERS = (
     CATALOGUES,
     "leaderboard.json",
     "metrics.json",
+    AUDIT,
     "drives.jsonl",
     "answers.jsonl",
     "report.html",
@@ -331,7 +339,31 @@ class Study(Brief):
         """Return the leaderboard of the study's verdicts."""
         whole = self._rows(Episode, "episodes.paper.jsonl")
         return leaderboard(
-            self.verdicts, self.episodes, self.scenarios, whole=whole, seed=self.config.seed
+            self.verdicts,
+            self.episodes,
+            self.scenarios,
+            whole=whole,
+            audit=self.audit,
+            seed=self.config.seed,
+        )
+
+    @property
+    def audit(self) -> Audit | None:
+        """The audit of shortcuts (`oodscen audit`); `None` if there is none."""
+        return Audit.load(self.folder / AUDIT) if self.store.has(AUDIT) else None
+
+    def requirements(self, text: str) -> list[RequirementResult]:
+        """Return the grade of every model against a requirement such as `safe>=0.9,needless<=0.05`.
+
+        Raises:
+            UsageError: If the text is malformed, or names an unknown figure.
+        """
+        return requirements(
+            self.verdicts,
+            self.episodes,
+            self.scenarios,
+            parse_requirement(text),
+            seed=self.config.seed,
         )
 
     def drive_board(self) -> DriveBoard:
