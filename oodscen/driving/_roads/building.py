@@ -61,7 +61,7 @@ def load_corridor(road_map: RoadMap) -> Corridor:
         DataError: With every fault of the file, or if start or route are not on the road.
     """
     return _corridor(
-        _read(road_map.file),
+        read_map(road_map.file),
         road_map.road,
         road_map.start_m,
         road_map.forward,
@@ -89,7 +89,7 @@ def find_map(name: str, catalogue: Catalogue) -> RoadMap:
         except KeyError:
             known = [road.id for road in catalogue.maps]
             raise UnknownComponent("map", name, known) from None
-    return _describe(_read(name), name)
+    return _describe(read_map(name), name)
 
 
 @lru_cache(maxsize=16)
@@ -164,7 +164,7 @@ def _open_leg(legs: Sequence[Leg], at: float) -> tuple[int, float] | None:
     return found
 
 
-def _read(file: str) -> bytes:
+def read_map(file: str) -> bytes:
     """Return the content of `package:path/inside.xodr` or of a path."""
     package, _, inside = file.partition(":")
     is_packaged = inside and all(part.isidentifier() for part in package.split("."))

@@ -1,0 +1,179 @@
+"""The courses of all bodies of a scene, as files can hold them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from oodscen._display import Brief
+from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._scene import Scene, Trigger
+from oodscen.driving import Cruise, KinematicSimulator, action_driver, find_map, load_corridor
+from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._roads.corridor import Corridor
+from oodscen.errors import SimulatorError
+from oodscen.protocols import Camera, Driver, Frame, Simulator, State
+from oodscen.stages._simulate import approach
+
+Floats = NDArray[np.float64]
+
+AFTER_S = 12.0
+"""Duration of a reactive file beyond the nominal decision, s."""
+_NEVER_S = 500.0
+_DIFFERS_M = 1e-3
+"""Distance between two courses of an actor above which it minds the ego, m."""
+
+
+class UnrenderedSimulator(KinematicSimulator):
+    """The kinematic world of a catalogue without pictures."""
+
+    name = "unrendered"
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        super().__init__()
+        self._catalogue = catalogue
+
+    def catalogue(self) -> Catalogue:
+        """Return the catalogue that it was given."""
+        return self._catalogue
+
+    def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
+        """Do nothing: there is no scenery."""
+
+    def spawn(
+        self, actor_id: str, asset: Asset, state: str, pose: tuple[float, float, float, float]
+    ) -> None:
+        """Do nothing: bodies are only boxes of the world."""
+
+    def place(self, poses: Floats, speeds: Floats) -> None:
+        """Do nothing: poses are only those of the world."""
+
+    def draw(self, camera: Camera) -> Frame:
+        """Refuse.
+
+        Raises:
+            SimulatorError: Always.
+        """
+        raise SimulatorError("this simulator has no pictures")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Brief):
+    """The states of one run as arrays, with the time of the decision."""
+
+    ids: tuple[str, ...]
+    """`ego`, then the actors in the scene's order."""
+    time: Floats
+    """[n], s."""
+    poses: Floats
+    """[n, bodies, 4] x, y, z and yaw of the footprints' centres."""
+    speeds: Floats
+    """[n, bodies] along the headings, m/s."""
+    places: Floats
+    """[n, bodies, 2] s and t on the corridor, m."""
+    decision_s: float | None = None
+    """Time of the decision; `None` if it never came."""
+
+    @classmethod
+    def of(
+        cls, states: Sequence[State], corridor: Corridor, decision_s: float | None = None
+    ) -> "Recording":
+        """Collect states."""
+        poses = np.array([state.poses for state in states])
+        if states[0].places is None:
+            s, t = corridor.locate_all(poses[:, :, 0].ravel(), poses[:, :, 1].ravel())
+            places = np.stack([s, t], axis=1).reshape(*poses.shape[:2], 2)
+        else:
+            places = np.array([state.places for state in states])
+        return cls(
+            states[0].ids,
+            np.array([state.time for state in states]),
+            poses,
+            np.array([state.speeds for state in states]),
+            places,
+            decision_s,
+        )
+
+    @property
+    def dt(self) -> float:
+        """Seconds per step."""
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 0.05
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reactions(Brief):
+    """What a reactive file needs: courses without triggers, courses after them, and who minds the ego."""
+
+    nominal: Recording
+    """The run with the blind ego, to its end."""
+    quiet: Recording
+    """The same run without any trigger: the courses before the reactions."""
+    triggered: dict[str, int]
+    """Step at which each actor's trigger fired in the nominal run."""
+    mindful: frozenset[str]
+    """Actors whose courses depend on the ego before any trigger."""
+
+
+def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Recording:
+    """Record the approach and one action up to the horizon, a contact or the road's edge."""
+    states, _, _ = approach(scene, simulator, seed)
+    decision_s = states[-1].time
+    driver = action_driver(action)
+    for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
+        if states[-1].contacts or states[-1].off_road:
+            break
+        states.append(simulator.step(driver.act(simulator.observe())))
+    return Recording.of(states, _corridor(scene, simulator), decision_s)
+
+
+def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
+    """Record what a reactive file needs."""
+    simulator = UnrenderedSimulator(catalogue)
+    corridor = _corridor(scene, simulator)
+    first, _, _ = approach(scene, simulator, seed)
+    steps = round((first[-1].time + AFTER_S) / simulator.dt)
+    states = driven(scene, simulator, Cruise, steps, seed)
+    fired = {name: simulator.world.motion(name).triggered for name in states[0].ids[1:]}
+    triggered = {name: round(time / simulator.dt) for name, time in fired.items() if time >= 0.0}
+    nominal = Recording.of(states, corridor, first_due(scene.decision, states, corridor))
+    calm = _calm(scene)
+    quiet = Recording.of(driven(calm, simulator, Cruise, steps, seed), corridor)
+    braking = driven(calm, simulator, lambda: action_driver("stop"), steps, seed)
+    stopped = Recording.of(braking, corridor)
+    apart = np.abs(quiet.poses[:, :, :2] - stopped.poses[:, :, :2]).max(axis=(0, 2))
+    mindful = {name for name, far in zip(quiet.ids, apart, strict=True) if far > _DIFFERS_M}
+    return Reactions(nominal, quiet, triggered, frozenset(mindful - {"ego"}))
+
+
+def driven(
+    scene: Scene,
+    simulator: Simulator,
+    make: Callable[[], Driver],
+    steps: int,
+    seed: int,
+) -> list[State]:
+    """Return the states of a drive of so many steps, contacts or not."""
+    states, driver = [simulator.reset(scene, seed)], make()
+    for _ in range(steps):
+        states.append(simulator.step(driver.act(simulator.observe())))
+    return states
+
+
+def first_due(decision: Trigger, states: Sequence[State], corridor: Corridor) -> float | None:
+    """Return the time of the first state in which a decision's trigger fires; `None` if it never does."""
+    return next((one.time for one in states if is_due(decision, None, one, corridor)), None)
+
+
+def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
+    return load_corridor(find_map(scene.map, simulator.catalogue()))
+
+
+def _calm(scene: Scene) -> Scene:
+    """Return the scene with triggers that never fire."""
+    never = Trigger(kind="time", value=_NEVER_S)
+    actors = tuple(
+        one.model_copy(update={"behaviour": one.behaviour.model_copy(update={"trigger": never})})
+        for one in scene.actors
+    )
+    return scene.model_copy(update={"actors": actors})

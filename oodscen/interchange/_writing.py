@@ -1,0 +1,169 @@
+"""Scenes as OpenSCENARIO XML files."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from lxml import etree
+
+from oodscen._display import Brief
+from oodscen._files import replace
+from oodscen.data._catalogue import Catalogue
+from oodscen.data._scene import Scene
+from oodscen.driving import find_map, load_corridor
+from oodscen.errors import SceneError, UnknownComponent
+from oodscen.interchange._elements import Element, child
+from oodscen.interchange._entities import entities, write_entity
+from oodscen.interchange._properties import (
+    DIGEST,
+    SCENE,
+    content_digest,
+    described,
+    facts,
+    write_properties,
+)
+from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._roads import RoadFile, road_file
+from oodscen.interchange._storyboard import (
+    approximate,
+    strip_ego,
+    write_reactive,
+    write_replay,
+)
+from oodscen.protocols import Simulator
+
+Mode = Literal["replay", "reactive"]
+Target = Literal["generic", "esmini"]
+MODES: tuple[Mode, ...] = ("replay", "reactive")
+TARGETS: tuple[Target, ...] = ("generic", "esmini")
+
+_DATE = "2026-01-01T00:00:00"
+"""Date in every header: the same scene gives the same bytes."""
+_ESMINI_LINES = ("plineInterpolation", "segment")
+"""The property by which esmini follows polylines straight from vertex to vertex."""
+
+
+@dataclass(frozen=True, repr=False)
+class ScenarioFile(Brief):
+    """One OpenSCENARIO file with the OpenDRIVE file that it refers to."""
+
+    name: str
+    """File name without its suffix: the scene's id."""
+    xosc: bytes = field(repr=False)
+    road: RoadFile = field(repr=False)
+    notes: tuple[str, ...] = ()
+    """What the file says of its own exactness."""
+
+    def save(self, folder: str | Path) -> Path:
+        """Write both files into a folder and return the path of the scenario."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        road = place / self.road.name
+        if not road.exists() or road.read_bytes() != self.road.content:
+            replace(road, self.road.content)
+        path = place / f"{self.name}.xosc"
+        replace(path, self.xosc)
+        return path
+
+
+def to_openscenario(
+    scene: Scene,
+    catalogue: Catalogue,
+    *,
+    mode: Mode = "replay",
+    target: Target = "generic",
+    action: str = "keep_speed",
+    ego: bool = True,
+    seed: int = 0,
+    properties: Mapping[str, str] | None = None,
+    simulator: Simulator | None = None,
+) -> ScenarioFile:
+    """Return a scene as OpenSCENARIO XML 1.2 with its OpenDRIVE map.
+
+    `replay` has every body's course as rolled out. `reactive` has triggers as conditions on the ego, and recorded
+    reactions that start with them; actors whose course cannot be exact for every ego are named in the notes.
+
+    Args:
+        scene: The scene or twin to write.
+        catalogue: The catalogue of its assets and maps.
+        mode: `replay` or `reactive`.
+        target: The player: `esmini` adds the property by which it follows polylines exactly.
+        action: The ego's action after the decision, in a replay.
+        ego: Write the ego's course; without it, the ego only stands at its start.
+        seed: Seed of the scene's random streams.
+        properties: What else is known of the scene, by name; by default its ids and hazard.
+        simulator: The simulator whose run is replayed; by default the kinematic world of the catalogue.
+
+    Raises:
+        UnknownComponent: If there is no such mode, target or action.
+        SceneError: If the catalogue or the road refuses the scene.
+    """
+    for kind, name, known in (("mode", mode, MODES), ("target", target, TARGETS)):
+        if name not in known:
+            raise UnknownComponent(kind, str(name), known)
+    issues = catalogue.check(scene)
+    if issues:
+        raise SceneError(scene.id, issues)
+    road = road_file(scene, catalogue)
+    root = etree.Element("OpenSCENARIO")
+    header = child(root, "FileHeader")
+    child(root, "CatalogLocations")
+    child(child(root, "RoadNetwork"), "LogicFile", filepath=road.name)
+    bodies = entities(scene, catalogue)
+    holder = child(root, "Entities")
+    for one in bodies:
+        _add_properties(write_entity(holder, one), one.state, target)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    notes: tuple[str, ...]
+    if mode == "replay":
+        played = simulator or UnrenderedSimulator(catalogue)
+        recording = replayed(scene, played, action, seed)
+        write_replay(root, scene, bodies, recording, corridor)
+        notes = (
+            f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from "
+            f"{recording.decision_s or 0.0:.2f} s on.",
+        )
+    else:
+        run = reactions(scene, catalogue, seed)
+        write_reactive(root, scene, bodies, run, corridor)
+        inexact = approximate(scene, run)
+        notes = (
+            f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego.",
+            *(f"Not exact for every ego: {name} {why}." for name, why in inexact.items()),
+        )
+    if not ego:
+        strip_ego(root)
+    if target == "esmini":
+        notes = (*notes, "Play it in esmini with --traj_filter 0.")
+    known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
+    _complete_header(header, root, scene, known, described(scene, mode, notes))
+    etree.indent(root)
+    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return ScenarioFile(scene.id, text, road, notes)
+
+
+def _add_properties(holder: Element, state: str, target: Target) -> None:
+    if state:
+        write_properties(holder, {"state": state})
+    if target == "esmini":
+        child(holder, "Property", name=_ESMINI_LINES[0], value=_ESMINI_LINES[1])
+
+
+def _complete_header(
+    header: Element, root: Element, scene: Scene, known: Mapping[str, str], description: str
+) -> None:
+    """Fill in the header, with the scene itself and the digest of the rest of the file."""
+    for name, value in (
+        ("revMajor", "1"),
+        ("revMinor", "2"),
+        ("date", _DATE),
+        ("description", description),
+        ("author", "oodscen"),
+    ):
+        header.set(name, value)
+    etree.indent(root)
+    holder = child(header, "Properties")
+    write_properties(holder, known)
+    child(holder, "Property", name=SCENE, value=scene.to_json())
+    child(holder, "Property", name=DIGEST, value=content_digest(root))
