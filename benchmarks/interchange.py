@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -24,22 +24,18 @@ from lxml import etree
 from oodscen import Scene, Study, make_catalogue
 from oodscen.data import Catalogue
 from oodscen.driving import Cruise, find_map, load_corridor
-from oodscen.interchange import to_openscenario
+from oodscen.driving._motion.triggers import is_due
+from oodscen.interchange import to_openscenario, twin_of
 from oodscen.interchange._entities import entities
-from oodscen.interchange._init import write_start
 from oodscen.interchange._recording import (
-    AFTER_S,
     Recording,
     UnrenderedSimulator,
-    driven,
-    first_due,
     reactions,
     replayed,
 )
 from oodscen.interchange._storyboard import Storyboard, followers, write_course
 from oodscen.interchange._trajectories import phases, reference_poses
-from oodscen.protocols import Observation
-from oodscen.stages._simulate import approach
+from oodscen.protocols import Driver, Observation, Simulator, State
 
 _CHECK = """
 import json, logging, sys
@@ -101,23 +97,22 @@ def main() -> None:
 
 
 def with_twins(scenes: list[Scene], catalogue: Catalogue) -> Iterator[Scene]:
-    simulator = UnrenderedSimulator(catalogue)
     for scene in scenes:
         yield scene
-        states, _, _ = approach(scene, simulator, 0)
-        yield scene.twin(round(states[-1].time, 6))
+        yield twin_of(scene, catalogue)
 
 
 def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool) -> None:
     items = list(with_twins(scenes, catalogue))
     for mode in ("replay", "reactive"):
-        begun = time.perf_counter()
+        begun, busy = time.perf_counter(), time.process_time()
         sizes = [
             to_openscenario(one, catalogue, mode=mode).save(folder / mode).stat().st_size
             for one in items
         ]
         spent = time.perf_counter() - begun
-        print(f"{mode}: {len(sizes)} files in {spent:.1f} s, mean {np.mean(sizes) / 1e3:.0f} kB")
+        worked = time.process_time() - busy
+        print(f"{mode}: {len(sizes)} files in {spent:.1f} s ({worked:.1f} s of CPU), mean {np.mean(sizes) / 1e3:.0f} kB")
         if checks and (interpreter := os.environ.get("ASAM_PYTHON")):
             check(interpreter, sorted((folder / mode).iterdir()))
 
@@ -147,7 +142,9 @@ def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
         far, high, turned = errors(run.poses, run.names, truth)
         worst.append((far.max(), high.max(), turned.max()))
         if far.max() > 1e-3 or high.max() > 1e-3 or turned.max() > 1.0:
-            misses.append(f"{scene.id}: {far.max():.4f} m, {high.max():.4f} m up, {turned.max():.2f} deg")
+            misses.append(
+                f"{scene.id}: {far.max():.4f} m, {high.max():.4f} m up, {turned.max():.2f} deg"
+            )
     most = np.max(worst, axis=0)
     print(
         f"replays in esmini: {len(scenes) - len(misses)} of {len(scenes)} within 1 mm and 1 degree; worst "
@@ -175,14 +172,11 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
         corridor = load_corridor(find_map(scene.map, catalogue))
         steps = len(run.nominal.time) - 1
         for label, make in EGOS.items():
-            states = driven(scene, simulator, make, steps, 0)
-            ours = {
-                name: simulator.world.motion(name).triggered for name in states[0].ids[1:]
-            }
+            states = driven(scene, simulator, make, steps)
+            ours = {name: simulator.world.motion(name).triggered for name in states[0].ids[1:]}
             contact = next((one.step for one in states if one.contacts), steps)
-            truth = Recording.of(
-                states, corridor, first_due(scene.decision, states, corridor)
-            )
+            due = (one.time for one in states if is_due(scene.decision, None, one, corridor))
+            truth = Recording.of(states, corridor, next(due, None))
             path = written.save(folder)
             path.write_bytes(with_ego(written.xosc, scene, catalogue, truth))
             found = played(path, truth.dt, contact)
@@ -198,9 +192,22 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
                 through += int(overlaps(scene, catalogue, found.poses, ego, row, name))
     total = fired["same"] + fired["other"]
     print(f"reactive in esmini: {fired['same']} of {total} triggers at the same step")
-    print(f"  hazards within 1 cm at the decision: {near['same']} of {near['same'] + near['other']}")
+    print(
+        f"  hazards within 1 cm at the decision: {near['same']} of {near['same'] + near['other']}"
+    )
     print(f"  followers that touch the ego before it touches anything: {through}")
     print(*misses, sep="\n  ")
+
+
+def driven(
+    scene: Scene, simulator: Simulator, make: Callable[[], Driver], steps: int
+) -> list[State]:
+    """Return the states of a drive of so many steps, contacts or not."""
+    first, driver = simulator.reset(scene, 0), make()
+    return [
+        first,
+        *(simulator.step(driver.act(simulator.observe())) for _ in range(steps)),
+    ]
 
 
 def judge(

@@ -19,7 +19,5 @@ def write_start(actions: Element, name: str, pose: NDArray[np.float64], speed: f
 def write_speed(action: Element, speed: float) -> None:
     """Append an immediate change of speed."""
     holder = within(action, "LongitudinalAction", "SpeedAction")
-    child(
-        holder, "SpeedActionDynamics", dynamicsShape="step", dynamicsDimension="time", value=0.0
-    )
+    child(holder, "SpeedActionDynamics", dynamicsShape="step", dynamicsDimension="time", value=0.0)
     child(child(holder, "SpeedActionTarget"), "AbsoluteTargetSpeed", value=float(speed))

@@ -134,7 +134,11 @@ def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
             )
             level = ahead * math.cos(pitch)
             x, y = x + level * math.cos(heading), y + level * math.sin(heading)
-            yield time, cell(f"#{body} Entity_Name [-]"), (x, y, z - ahead * math.sin(pitch), heading)
+            yield (
+                time,
+                cell(f"#{body} Entity_Name [-]"),
+                (x, y, z - ahead * math.sin(pitch), heading),
+            )
 
 
 def _number(text: str | None, where: str, name: str, source: str) -> float:

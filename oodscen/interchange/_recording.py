@@ -1,7 +1,7 @@
 """The courses of all bodies of a scene, as files can hold them."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +10,11 @@ from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving import Cruise, KinematicSimulator, action_driver, find_map, load_corridor
-from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Driver, Frame, Simulator, State
-from oodscen.stages._simulate import approach
+from oodscen.stages._simulate import MAX_APPROACH_S, approach
 
 Floats = NDArray[np.float64]
 
@@ -130,39 +130,65 @@ def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Reco
 def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     """Record what a reactive file needs."""
     simulator = UnrenderedSimulator(catalogue)
-    corridor = _corridor(scene, simulator)
-    first, _, _ = approach(scene, simulator, seed)
-    steps = round((first[-1].time + AFTER_S) / simulator.dt)
-    states = driven(scene, simulator, Cruise, steps, seed)
-    fired = {name: simulator.world.motion(name).triggered for name in states[0].ids[1:]}
-    triggered = {name: round(time / simulator.dt) for name, time in fired.items() if time >= 0.0}
-    nominal = Recording.of(states, corridor, first_due(scene.decision, states, corridor))
-    calm = _calm(scene)
-    quiet = Recording.of(driven(calm, simulator, Cruise, steps, seed), corridor)
-    braking = driven(calm, simulator, lambda: action_driver("stop"), steps, seed)
-    stopped = Recording.of(braking, corridor)
-    apart = np.abs(quiet.poses[:, :, :2] - stopped.poses[:, :, :2]).max(axis=(0, 2))
-    mindful = {name for name, far in zip(quiet.ids, apart, strict=True) if far > _DIFFERS_M}
+    nominal = _driven(scene, simulator, Cruise, seed)
+    world, steps = simulator.world, len(nominal.time) - 1
+    fired = {name: world.motion(name).triggered for name in nominal.ids[1:]}
+    triggered = {name: round(time / nominal.dt) for name, time in fired.items() if time >= 0.0}
+    reacting = {one.id for one in scene.actors if one.behaviour.trigger.kind != "time"}
+    drivers = {one.id for one in scene.actors if one.behaviour.name in MOVES_BEFORE_TRIGGER}
+    carried = {one.id for one in scene.actors if one.behaviour.other is not None}
+    calm, quiet = _calm(scene), nominal
+    if reacting and drivers | carried:
+        quiet = _driven(calm, simulator, Cruise, seed, steps)
+    elif reacting:
+        quiet = _resting(nominal, reacting)
+    mindful = set()
+    if drivers:
+        stopped = _driven(calm, simulator, lambda: action_driver("stop"), seed, steps)
+        apart = np.abs(quiet.poses[:, :, :2] - stopped.poses[:, :, :2]).max(axis=(0, 2))
+        mindful = {name for name, far in zip(quiet.ids, apart, strict=True) if far > _DIFFERS_M}
     return Reactions(nominal, quiet, triggered, frozenset(mindful - {"ego"}))
 
 
-def driven(
+def _driven(
     scene: Scene,
-    simulator: Simulator,
+    simulator: UnrenderedSimulator,
     make: Callable[[], Driver],
-    steps: int,
     seed: int,
-) -> list[State]:
-    """Return the states of a drive of so many steps, contacts or not."""
-    states, driver = [simulator.reset(scene, seed)], make()
-    for _ in range(steps):
-        states.append(simulator.step(driver.act(simulator.observe())))
-    return states
+    steps: int | None = None,
+) -> Recording:
+    """Record a drive of so many steps, contacts or not; by default to `AFTER_S` beyond the decision."""
+    simulator.reset(scene, seed)
+    world, driver = simulator.world, make()
+    seen, time = [world.publish()], [0.0]
+    decision_s: float | None = None
+    last = steps if steps is not None else round((MAX_APPROACH_S + AFTER_S) / simulator.dt)
+    while len(seen) <= last:
+        if decision_s is None and world.is_due(scene.decision):
+            decision_s = world.time
+            if steps is None:
+                last = min(last, world.step_count + round(AFTER_S / simulator.dt))
+        world.step(driver.act(world.observe()))
+        seen.append(world.publish())
+        time.append(world.time)
+    return Recording(
+        world.ids,
+        np.array(time),
+        np.array([one.poses for one in seen]),
+        np.array([one.speeds for one in seen]),
+        np.array([one.places for one in seen]),
+        decision_s,
+    )
 
 
-def first_due(decision: Trigger, states: Sequence[State], corridor: Corridor) -> float | None:
-    """Return the time of the first state in which a decision's trigger fires; `None` if it never does."""
-    return next((one.time for one in states if is_due(decision, None, one, corridor)), None)
+def _resting(recording: Recording, names: Collection[str]) -> Recording:
+    """Return a recording in which some actors never leave their start."""
+    rows = [row for row, name in enumerate(recording.ids) if name in names]
+    poses, speeds, places = (
+        array.copy() for array in (recording.poses, recording.speeds, recording.places)
+    )
+    poses[:, rows], speeds[:, rows], places[:, rows] = poses[:1, rows], 0.0, places[:1, rows]
+    return replace(recording, poses=poses, speeds=speeds, places=places)
 
 
 def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
@@ -177,3 +203,9 @@ def _calm(scene: Scene) -> Scene:
         for one in scene.actors
     )
     return scene.model_copy(update={"actors": actors})
+
+
+def twin_of(scene: Scene, catalogue: Catalogue, *, seed: int = 0) -> Scene:
+    """Return a scene's ordinary twin, judged at the time of the scene's own decision."""
+    states, _, _ = approach(scene, UnrenderedSimulator(catalogue), seed)
+    return scene.twin(round(states[-1].time, 6))

@@ -24,4 +24,6 @@ def road_file(scene: Scene, catalogue: Catalogue) -> RoadFile:
         DataError: If the file cannot be read.
     """
     road_map = find_map(scene.map, catalogue)
-    return RoadFile(PurePath(road_map.file.partition(":")[2] or road_map.file).name, read_map(road_map.file))
+    return RoadFile(
+        PurePath(road_map.file.partition(":")[2] or road_map.file).name, read_map(road_map.file)
+    )

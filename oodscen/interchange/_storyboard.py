@@ -41,9 +41,7 @@ class Storyboard:
 
     def maneuver(self, name: str) -> Element:
         """Append a maneuver of one entity."""
-        group = child(
-            self.act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1
-        )
+        group = child(self.act, "ManeuverGroup", name=f"group_{name}", maximumExecutionCount=1)
         actors = child(group, "Actors", selectTriggeringEntities=False)
         child(actors, "EntityRef", entityRef=name)
         return child(group, "Maneuver", name=f"maneuver_{name}")
@@ -72,9 +70,7 @@ def write_replay(
 ) -> None:
     """Append a storyboard that repeats a recording; the ego's group is the last."""
     board = Storyboard(parent, scene, "replay")
-    courses = [
-        reference_poses(recording, row, one, corridor) for row, one in enumerate(entities)
-    ]
+    courses = [reference_poses(recording, row, one, corridor) for row, one in enumerate(entities)]
     for row, one in enumerate(entities):
         write_start(board.actions, one.name, courses[row][0], float(recording.speeds[0, row]))
     for row in [*range(1, len(entities)), 0]:

@@ -83,9 +83,7 @@ class EgoConditions:
 
     def _distance(self, condition: Element, value: float, row: int, stands: bool) -> None:
         if stands:
-            near = child(
-                condition, "DistanceCondition", value=value, rule="lessOrEqual", **_ALONG
-            )
+            near = child(condition, "DistanceCondition", value=value, rule="lessOrEqual", **_ALONG)
             self._place(near, row)
             return
         child(

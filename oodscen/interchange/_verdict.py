@@ -147,4 +147,3 @@ def _until_harm(states: Sequence[State]) -> list[State]:
         if state.contacts or state.off_road:
             return list(states[: index + 1])
     return list(states)
-
