@@ -1,5 +1,7 @@
 from ._poses import PlayedPoses as PlayedPoses
 from ._poses import read_poses as read_poses
+from ._reading import ImportedScene as ImportedScene
+from ._reading import read_openscenario as read_openscenario
 from ._recording import twin_of as twin_of
 from ._verdict import PlayedVerdict as PlayedVerdict
 from ._verdict import verdict as verdict
