@@ -14,8 +14,17 @@ _CLEAR_M = 10_000.0
 _CLOUDS = {"free": 0.0, "skyOff": 0.0, "cloudy": 0.5, "overcast": 1.0, "rainy": 1.0}
 """Cloud cover by the cloud states of version 1.0 and 1.1."""
 _HEAVIEST_MM_H = 100.0
-_TYPICAL = {"car": "car", "van": "van", "truck": "truck", "bus": "bus", "bicycle": "cyclist"}
-"""Assets for categories, where the catalogue has them and sizes do not decide."""
+_TYPICAL = {
+    "car": "car",
+    "van": "van",
+    "truck": "truck",
+    "bus": "bus",
+    "bicycle": "cyclist",
+    "pedestrian": "adult",
+}
+"""Assets for categories, where the catalogue has them and their sizes agree."""
+_ALIKE_M = 2.0
+"""Difference of length and width together up to which sizes agree, m."""
 
 
 def cast(entity: Node, catalogue: Catalogue) -> Asset | None:
@@ -44,12 +53,14 @@ def cast(entity: Node, catalogue: Catalogue) -> Asset | None:
     words = set(re.findall(r"[a-z]+", f"{body.get('name')} {entity.get('name')}".lower()))
     order = {one.id: index for index, one in enumerate(kin)}
 
-    def unlike(one: Asset) -> tuple[bool, float, bool, int]:
+    def unlike(one: Asset) -> tuple[bool, bool, float, int]:
         far = 0.0
         if size is not None:
             far = abs(size.number("length") - one.length) + abs(size.number("width") - one.width)
         same = bool(words.intersection(one.id.split("_")))
-        return not same, round(far, 1), one.id != _TYPICAL.get(category), order[one.id]
+        agrees = far < _ALIKE_M or body.name == "Pedestrian"
+        is_typical = one.id == _TYPICAL.get(category) and agrees
+        return not same, not is_typical, round(far, 1), order[one.id]
 
     return min(kin, key=unlike)
 

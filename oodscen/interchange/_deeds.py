@@ -93,7 +93,7 @@ class Actions:
         elif target < _STANDS and before >= _STANDS:
             values = {"deceleration": _deceleration(node, before)}
             self._add(name, Deed("brake", node, trigger, values))
-        elif before < _STANDS:
+        elif before < _STANDS <= target:
             self._add(name, Deed("start", node, trigger, {"speed": target}))
         else:
             node.leave_out(f"no behaviour changes the speed from {before:.1f} to {target:.1f} m/s")
@@ -128,7 +128,8 @@ class Actions:
         lanes = target - own.lane
         if target * own.lane < 0:
             lanes -= 1 if lanes > 0 else -1
-        lanes = lanes if own.lane < 0 else -lanes
+        ego = self.positions.known.get(self.ego, own)
+        lanes = lanes if ego.lane <= 0 else -lanes
         if lanes == 0:
             node.leave_out("it is in that lane already")
             return
@@ -247,7 +248,7 @@ def behaviour(
     """
     is_driver = asset.category in ("vehicle", "cyclist")
     order = {"lane_change": 0, "brake": 1, "course": 2, "start": 3}
-    ranked = sorted(deeds, key=lambda deed: order[deed.kind])
+    ranked = sorted(deeds, key=lambda deed: (order[deed.kind], "speed" not in deed.values))
     if not is_driver:
         ranked = [one for one in ranked if one.kind in ("course", "start")]
     for one in deeds:
@@ -323,9 +324,7 @@ def _is_start(trigger: Trigger) -> bool:
 
 def _aside(point: Pose, start: Pose, heading: float) -> float:
     """Return how far a point is beside a straight line, m."""
-    return abs(
-        (point.y - start.y) * math.cos(heading) - (point.x - start.x) * math.sin(heading)
-    )
+    return abs((point.y - start.y) * math.cos(heading) - (point.x - start.x) * math.sin(heading))
 
 
 def _deceleration(node: Node, speed: float) -> float:

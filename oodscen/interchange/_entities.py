@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
-from oodscen.interchange._elements import Element, child
+from oodscen.interchange._elements import Element, Value, child
 
 Kind = Literal["Vehicle", "Pedestrian", "MiscObject"]
 
@@ -73,11 +73,8 @@ def write_entity(parent: Element, one: Entity) -> Element:
     asset = one.asset
     category = f"{one.kind[0].lower()}{one.kind[1:]}Category"
     holder = child(parent, "ScenarioObject", name=one.name)
-    body = child(
-        holder,
-        one.kind,
-        **{"name": asset.id, category: one.category, "mass": _MASS_KG[one.kind]},
-    )
+    attributes: dict[str, Value] = {category: one.category, "mass": _MASS_KG[one.kind]}
+    body = child(holder, one.kind, name=asset.id, **attributes)
     box = child(body, "BoundingBox")
     child(box, "Center", x=one.ahead_m, y=0.0, z=0.5 * asset.height)
     child(box, "Dimensions", width=asset.width, length=asset.length, height=asset.height)

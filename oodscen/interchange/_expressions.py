@@ -22,6 +22,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "ceil": math.ceil,
     "sqrt": math.sqrt,
     "abs": abs,
+    "sign": lambda value: math.copysign(1.0, value) if value else 0.0,
+    "pow": math.pow,
     "min": min,
     "max": max,
     "sin": math.sin,

@@ -61,8 +61,7 @@ class MappedRoads:
         """
         found = self.network.roads.get(road)
         if found is None:
-            node.fail(f"the map has no road {road[:40]!r}")
-            raise AssertionError
+            raise node.fault(f"the map has no road {road[:40]!r}")
         s = min(max(s, 0.0), found.length)
         point = road_point(found, s)
         t = _lane_centre(node, found, s, lane) + offset
@@ -96,7 +95,7 @@ def _lane_centre(node: Node, road: Road, s: float, lane: int) -> float:
     side = 1 if lane > 0 else -1
     widths = {one.id: piecewise(one.widths, s - section.s) for one in section.lanes}
     if lane not in widths:
-        node.fail(f"road {road.id[:40]!r} has no lane {lane} at {s:g} m")
+        raise node.fault(f"road {road.id[:40]!r} has no lane {lane} at {s:g} m")
     inner = sum(width for one, width in widths.items() if one * side in range(1, abs(lane)))
     return base + side * (inner + 0.5 * widths[lane])
 
@@ -104,8 +103,15 @@ def _lane_centre(node: Node, road: Road, s: float, lane: int) -> float:
 class Positions:
     """Reads positions, also those relative to entities whose poses are known."""
 
-    def __init__(self, roads: Roads) -> None:
+    def __init__(self, roads: Roads, *, is_mirrored: bool = False) -> None:
+        """Start without entities.
+
+        Args:
+            roads: Where lanes are.
+            is_mirrored: True if world positions have y to the right, as those for CARLA may.
+        """
         self.roads = roads
+        self.side = -1.0 if is_mirrored else 1.0
         self.known: dict[str, Pose] = {}
 
     def read(self, holder: Node) -> Pose | None:
@@ -120,7 +126,8 @@ class Positions:
     def _pose(self, node: Node) -> Pose | None:
         kind = node.name
         if kind == "WorldPosition":
-            return Pose(node.number("x"), node.number("y"), node.number("h", 0.0))
+            y, heading = self.side * node.number("y"), self.side * node.number("h", 0.0)
+            return Pose(node.number("x"), y, heading)
         if kind == "LanePosition":
             return self._lane(node, node.get("roadId"), int(node.number("laneId")))
         if kind == "RoadPosition":

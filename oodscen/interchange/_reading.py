@@ -16,11 +16,13 @@ from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._casting import cast, weather
 from oodscen.interchange._deeds import Actions, behaviour
-from oodscen.interchange._places import LANE_M, MappedRoads, Pose, Positions, Roads, StraightRoad
+from oodscen.interchange._places import MappedRoads, Pose, Positions, Roads, StraightRoad
 from oodscen.interchange._properties import DIGEST, SCENE, content_digest
 from oodscen.interchange._tree import NOUN, Node, ScenarioTree
 
 _EGO_NAMES = ("ego", "hero", "ego_vehicle", "egovehicle")
+_MIRRORED = "CARLA:"
+"""Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
 _NEAR_M, _FAR_M = -150.0, 300.0
 """Where actors may stand before and behind the ego, m."""
@@ -70,8 +72,7 @@ def _own_scene(tree: ScenarioTree) -> Scene | None:
     """Return the scene that a file says it is, unless somebody changed the file."""
     header = tree.root.first("FileHeader")
     if header is None:
-        tree.root.fail("has no FileHeader")
-        raise AssertionError
+        raise tree.root.fault("has no FileHeader")
     said = {
         one.element.get("name"): one.element.get("value", "")
         for one in header.all("Properties", "Property")
@@ -98,23 +99,27 @@ class _Assembly:
         self.root = tree.root
         self.catalogue = catalogue
         self.hazards = hazards
-        self.entities = {one.get("name"): one for one in self.root.all("Entities", "ScenarioObject")}
+        self.entities = {
+            one.get("name"): one for one in self.root.all("Entities", "ScenarioObject")
+        }
         self.ego = self._ego_name()
         self.map = road or self._own_map()
         is_mapped = road is None
         roads: Roads = StraightRoad()
         if is_mapped:
             roads = MappedRoads(read_network(read_map(self.map), source=self.map))
-        self.positions = Positions(roads)
+        header = self.root.first("FileHeader")
+        is_mirrored = header is not None and header.get("description").startswith(_MIRRORED)
+        self.positions = Positions(roads, is_mirrored=is_mirrored)
         self.actions = Actions(self.root, self.positions, self.ego)
         self._place_entities()
         self.actions.read()
         start = self.positions.known.get(self.ego)
         if start is None:
-            self.entities[self.ego].fail("the ego has no start that can be read")
-            raise AssertionError
+            raise self.entities[self.ego].fault("the ego has no start that can be read")
         self.start = start
-        self.corridor = self._corridor(start) if is_mapped else None
+        self.is_mapped = is_mapped
+        self.corridor = self._corridor(start) if is_mapped else self._other_corridor()
 
     def scene(self) -> Scene:
         """Return the scene.
@@ -159,17 +164,17 @@ class _Assembly:
         for name in self.entities:
             self.root.leave_out(f"no entity is called ego; {name} is taken to be it")
             return name
-        self.root.fail("has no entities")
-        raise AssertionError
+        raise self.root.fault("has no entities")
 
     def _own_map(self) -> str:
         node = self.root.first("RoadNetwork", "LogicFile")
         if node is None:
-            self.root.fail("names no OpenDRIVE file; give a map instead")
-            raise AssertionError
+            raise self.root.fault("names no OpenDRIVE file; give a map instead")
         path = self.tree.path.parent / node.get("filepath")
         if path.suffix != ".xodr" or not path.is_file():
-            node.fail(f"there is no OpenDRIVE file {node.get('filepath')!r}; give a map instead")
+            raise node.fault(
+                f"there is no OpenDRIVE file {node.get('filepath')!r}; give a map instead"
+            )
         return str(path.resolve())
 
     def _place_entities(self) -> None:
@@ -206,14 +211,26 @@ class _Assembly:
         )
         return load_corridor(described)
 
+    def _other_corridor(self) -> Corridor:
+        return load_corridor(find_map(self.map, self.catalogue))
+
+    def _ego_strip(self) -> int:
+        """Return the strip in which the ego starts: the rightmost on a map that is not the file's own."""
+        road = self.corridor
+        lanes = road.ego_lanes
+        if not self.is_mapped:
+            return lanes[0]
+        strip = road.strip_at(*road.locate(self.start.x, self.start.y))
+        return strip if strip in lanes else lanes[0]
+
     def _ego(self) -> Ego:
         speed = min(self.actions.speeds.get(self.ego, 0.0), 45.0)
-        lane = 0
-        if self.corridor is not None:
-            strip = self.corridor.strip_at(*self.corridor.locate(self.start.x, self.start.y))
-            lanes = self.corridor.ego_lanes
-            lane = lanes.index(strip) if strip in lanes else 0
-        return Ego(speed=round(speed, 3), lane=lane)
+        if speed == 0.0:
+            speed = round(self.corridor.speed_limit, 2)
+            self.entities[self.ego].leave_out(
+                f"the ego has no speed at the start; {speed:g} m/s is the limit of its road"
+            )
+        return Ego(speed=round(speed, 3), lane=self.corridor.ego_lanes.index(self._ego_strip()))
 
     # ------------------------------------------------------------------ actors
 
@@ -238,32 +255,22 @@ class _Assembly:
         return Actor(id=_identifier(name), asset=asset.id, placement=placed, behaviour=does)
 
     def _placement(self, pose: Pose) -> Placement:
-        if self.corridor is None:
-            return self._relative(pose)
-        road = self.corridor
-        s, t = road.locate(pose.x, pose.y)
-        driving = road.driving
-        own = road.strip_at(*road.locate(self.start.x, self.start.y))
-        own = own if own in driving else road.ego_lanes[0]
+        """Return a pose relative to the ego along the road."""
+        road, own = self.corridor, self._ego_strip()
+        if self.is_mapped:
+            s, t = road.locate(pose.x, pose.y)
+            turn = pose.heading - road.heading(s)
+        else:
+            ahead, left = _relative(pose, self.start)
+            s = road.start + ahead
+            t, turn = road.centre(own, s) + left, pose.heading - self.start.heading
         strip = road.strip_at(s, t)
-        strip = strip if strip in driving else own
-        assert strip is not None and own is not None
-        turn = pose.heading - road.heading(s) + (math.pi if road.strips[strip].direction < 0 else 0)
-        return _clamped(
-            s - road.start,
-            driving.index(strip) - driving.index(own),
-            t - road.centre(strip, s),
-            turn,
-        )
-
-    def _relative(self, pose: Pose) -> Placement:
-        """Return a placement beside the ego as if the road were straight."""
-        cos, sin = math.cos(self.start.heading), math.sin(self.start.heading)
-        dx, dy = pose.x - self.start.x, pose.y - self.start.y
-        left = dy * cos - dx * sin
-        lane = round(left / LANE_M)
-        turn = pose.heading - self.start.heading
-        return _clamped(dx * cos + dy * sin, lane, left - lane * LANE_M, turn)
+        if strip is None or strip not in road.driving:
+            strip = own
+        if road.strips[strip].direction < 0:
+            turn += math.pi
+        lanes = road.driving.index(strip) - road.driving.index(own)
+        return _placed(s - road.start, lanes, t - road.centre(strip, s), turn)
 
     def _decision(self, hazard: Actor) -> Trigger:
         """Return the moment of choice: soon after the hazard acts, or when it is near."""
@@ -288,13 +295,18 @@ def _identifier(name: str) -> str:
     return plain or "entity"
 
 
-def _clamped(ahead: float, lane: int, offset: float, turn: float) -> Placement:
-    heading = math.degrees(math.remainder(turn, math.tau))
+def _relative(pose: Pose, start: Pose) -> tuple[float, float]:
+    """Return how far a pose is ahead and to the left of another, m."""
+    cos, sin = math.cos(start.heading), math.sin(start.heading)
+    dx, dy = pose.x - start.x, pose.y - start.y
+    return dx * cos + dy * sin, dy * cos - dx * sin
+
+
+def _placed(ahead: float, lane: int, offset: float, turn: float) -> Placement:
+    """Return a placement whose distances are not checked yet."""
     return Placement.model_construct(
         ahead_m=round(ahead, 3),
         lane=min(max(lane, -6), 6),
         offset_m=round(offset, 3),
-        heading_deg=round(heading, 3),
+        heading_deg=round(math.degrees(math.remainder(turn, math.tau)), 3),
     )
-
-

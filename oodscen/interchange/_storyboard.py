@@ -1,6 +1,7 @@
 """Storyboard: what every entity does, recorded (replay) or in answer to the ego (reactive)."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from lxml import etree
@@ -122,7 +123,7 @@ def write_reactive(
         if actor.id in behind:
             _write_following(board.maneuver(actor.id), actor.id, _gap(entities, run, row))
         else:
-            writer.write(lambda name=actor.id: board.maneuver(name), row, actor)
+            writer.write(partial(board.maneuver, actor.id), row, actor)
     course = reference_poses(run.nominal, 0, entities[0], corridor)
     if spans := phases(course):
         write_course(board.maneuver("ego"), "ego", run.nominal.time, course, spans)

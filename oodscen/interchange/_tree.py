@@ -36,7 +36,7 @@ class ScenarioTree:
         self._catalogues: dict[str, etree._Element] | None = None
         self.root = Node(self, element, {})
         if self.root.first("Storyboard") is None:
-            self.root.fail("has no Storyboard: it is a catalogue or a distribution")
+            raise self.root.fault("has no Storyboard: it is a catalogue or a distribution")
 
     def entry(self, reference: "Node", depth: int) -> "Node":
         """Return the catalogue entry that a reference names, with its parameters assigned.
@@ -45,11 +45,11 @@ class ScenarioTree:
             DataError: If there is no such catalogue or entry.
         """
         if depth > _DEEPEST:
-            reference.fail(f"catalogue references are nested more than {_DEEPEST} deep")
+            raise reference.fault(f"catalogue references are nested more than {_DEEPEST} deep")
         name = reference.get("entryName")
         found = self._entries().get(name)
         if found is None:
-            reference.fail(f"no catalogue has an entry {name[:60]!r}")
+            raise reference.fault(f"no catalogue has an entry {name[:60]!r}")
         given = {}
         for one in reference.element.iter():
             if name_of(one) == "ParameterAssignment":
@@ -129,13 +129,10 @@ class Node:
         """The line and the element, for messages."""
         return f"line {self.element.sourceline}: {self.name}"
 
-    def fail(self, message: str) -> "None":
-        """Refuse the file.
-
-        Raises:
-            DataError: Always.
-        """
-        raise DataError(NOUN, [Issue(self.where, message)], source=str(self.tree.path))
+    def fault(self, message: str, attribute: str = "") -> DataError:
+        """Return the error that refuses the file for a fault here."""
+        where = f"{self.where} @{attribute}" if attribute else self.where
+        return DataError(NOUN, [Issue(where, message)], source=str(self.tree.path))
 
     def leave_out(self, why: str) -> None:
         """Record that a scene cannot hold this element."""
@@ -155,8 +152,7 @@ class Node:
         try:
             return substituted(text, self.scope)
         except ValueError as error:
-            issue = Issue(f"{self.where} @{name}", str(error))
-            raise DataError(NOUN, [issue], source=str(self.tree.path)) from None
+            raise self.fault(str(error), name) from None
 
     def number(self, name: str, default: float | None = None) -> float:
         """Return a finite attribute.
@@ -172,8 +168,7 @@ class Node:
         except ValueError:
             value = math.nan
         if not abs(value) <= _LARGEST:
-            issue = Issue(f"{self.where} @{name}", f"{text[:40]!r} is not a number within +-1e9")
-            raise DataError(NOUN, [issue], source=str(self.tree.path))
+            raise self.fault(f"{text[:40]!r} is not a number within +-1e9", name)
         return value
 
     def children(self) -> Iterator["Node"]:

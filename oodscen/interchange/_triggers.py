@@ -6,12 +6,16 @@ import numpy as np
 
 from oodscen.data._scene import Trigger
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._elements import Element, child, within
+from oodscen.interchange._elements import Element, Value, child, within
 from oodscen.interchange._entities import Entity
 from oodscen.interchange._recording import Recording
 from oodscen.interchange._trajectories import world_position
 
-_ALONG = {"freespace": False, "coordinateSystem": "road", "relativeDistanceType": "longitudinal"}
+_ALONG: dict[str, Value] = {
+    "freespace": False,
+    "coordinateSystem": "road",
+    "relativeDistanceType": "longitudinal",
+}
 _STANDS_M = 1e-6
 _EARLY_S = 0.001
 """How much earlier than its step a time condition holds, against rounding in players, s."""

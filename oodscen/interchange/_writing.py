@@ -99,9 +99,9 @@ def to_openscenario(
         UnknownComponent: If there is no such mode, target or action.
         SceneError: If the catalogue or the road refuses the scene.
     """
-    for kind, name, known in (("mode", mode, MODES), ("target", target, TARGETS)):
-        if name not in known:
-            raise UnknownComponent(kind, str(name), known)
+    for kind, name, offered in (("mode", mode, MODES), ("target", target, TARGETS)):
+        if name not in offered:
+            raise UnknownComponent(kind, str(name), offered)
     issues = catalogue.check(scene)
     if issues:
         raise SceneError(scene.id, issues)
