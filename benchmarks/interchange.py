@@ -112,7 +112,9 @@ def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool
         ]
         spent = time.perf_counter() - begun
         worked = time.process_time() - busy
-        print(f"{mode}: {len(sizes)} files in {spent:.1f} s ({worked:.1f} s of CPU), mean {np.mean(sizes) / 1e3:.0f} kB")
+        print(
+            f"{mode}: {len(sizes)} files in {spent:.1f} s ({worked:.1f} s of CPU), mean {np.mean(sizes) / 1e3:.0f} kB"
+        )
         if checks and (interpreter := os.environ.get("ASAM_PYTHON")):
             check(interpreter, sorted((folder / mode).iterdir()))
 
@@ -266,6 +268,9 @@ def with_ego(xosc: bytes, scene: Scene, catalogue: Catalogue, truth: Recording) 
     board = Storyboard(etree.Element("parent"), scene, "other")
     write_course(board.maneuver("ego"), "ego", truth.time, course, phases(course))
     act = root.find("Storyboard/Story/Act")
+    for group in act.findall("ManeuverGroup"):
+        if group.get("name") == "group_ego":
+            act.remove(group)
     act.insert(len(act.findall("ManeuverGroup")), board.act[0])
     return etree.tostring(root)
 

@@ -12,12 +12,14 @@ from oodscen._cli.options import json_option, seed_option, simulator_option
 from oodscen._cli.output import read_lines, say, tracked
 from oodscen._cli.paths import READABLE, PathName
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._claim import Claim
 from oodscen.data._episode import ACTIONS
 from oodscen.data._scene import Scene
+from oodscen.data._twins import is_twin, scene_of
 from oodscen.errors import OodscenError, UsageError
 
 if TYPE_CHECKING:
-    from oodscen.interchange import PlayedVerdict
+    from oodscen.interchange._verdict import PlayedVerdict
     from oodscen.study._study import Study
 
 _PLACE = PathName(exists=True, path_type=Path)
@@ -45,7 +47,7 @@ _FOLDER = PathName(file_okay=False, path_type=Path)
 @click.option(
     "--for",
     "target",
-    type=click.Choice(("generic", "esmini", "carla-scenario-runner")),
+    type=click.Choice(("generic", "esmini")),
     default="generic",
     show_default=True,
     help="Player for which the files are written.",
@@ -105,7 +107,8 @@ def export(
                 file.save(out)
                 written += 1
                 if logical and not item.is_twin:
-                    write_logical(item, catalogue, out, seed=seed)
+                    claims = known.claims(item)
+                    write_logical(item, catalogue, out, claims=claims, seed=seed)
         except OodscenError as error:
             say(f"{scene.id}: {error}", err=True)
             failed += 1
@@ -195,7 +198,8 @@ def verdict(
 
 
 @click.command()
-@click.argument("scenes", metavar="SCENES", type=READABLE)
+@click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
+@click.option("--scene", "wanted", help="Vary only the scene with this id.")
 @click.option(
     "-n",
     "count",
@@ -206,18 +210,22 @@ def verdict(
 )
 @seed_option
 @simulator_option
-def vary(scenes: Path, count: int, seed: int, simulator: str) -> None:
+def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str) -> None:
     """Draw variants of scenes from the ranges of their parameters, one scene per line.
 
-    Each variant is checked like any other scene. The exit code is 1 if some scene has fewer variants than asked for.
+    Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
+    code is 1 if some scene has fewer variants than asked for.
     """
-    from oodscen import make_simulator
     from oodscen.interchange import vary as draw
 
-    catalogue = make_simulator(simulator).catalogue()
+    scenes, catalogue, known = _scenes(place, simulator)
+    if wanted is not None:
+        scenes = [scene for scene in scenes if scene.id == wanted]
+        if not scenes:
+            raise UsageError(f"there is no scene {wanted!r}")
     short = 0
-    for scene in read_lines(Scene, scenes):
-        variants = draw(scene, catalogue, count, seed=seed)
+    for scene in scenes:
+        variants = draw(scene, catalogue, count, claims=known.claims(scene), seed=seed)
         for one in variants:
             click.echo(one.to_json())
         if len(variants) < count:
@@ -235,12 +243,19 @@ class _Known:
     def __init__(self, study: "Study | None") -> None:
         self.scenarios = {one.id: one for one in study.scenarios} if study else {}
         self.episodes = {one.scene_id: one for one in study.episodes} if study else {}
+        is_told = study is not None and "claims.jsonl" in study.own()
+        rows = study.store.lines("claims.jsonl") if study and is_told else ()
+        self._claims = {row["id"]: row["claims"] for row in rows}
+
+    def claims(self, scene: Scene) -> list[Claim]:
+        """Return the claims of a scene's text."""
+        return [Claim.parse(one) for one in self._claims.get(scene_of(scene.id), [])]
 
     def __call__(self, scene: Scene) -> dict[str, str]:
         from oodscen.interchange._properties import facts
 
         text, run = self.scenarios.get(scene.scenario_id), self.episodes.get(scene.id)
-        return facts(scene, text, (), run)
+        return facts(scene, text, self.claims(scene), run)
 
 
 def _scenes(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, _Known]:
@@ -264,7 +279,6 @@ def _with_twin(scene: Scene, catalogue: Catalogue, seed: int) -> Iterator[Scene]
 
 
 def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed: int) -> Scene:
-    from oodscen.data._twins import is_twin, scene_of
     from oodscen.interchange import twin_of
 
     if name in by_id:
@@ -276,7 +290,6 @@ def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed:
 
 def _enter(place: Path, found: "list[PlayedVerdict]") -> None:
     """Enter the drives into the study's table and write its report again."""
-    from oodscen.data._twins import scene_of
     from oodscen.judging._drives import current
     from oodscen.report._render import write_report
     from oodscen.study._study import Study

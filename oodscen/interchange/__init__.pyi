@@ -1,9 +1,9 @@
+from ._logical import write_logical as write_logical
 from ._poses import PlayedPoses as PlayedPoses
 from ._poses import read_poses as read_poses
-from ._reading import ImportedScene as ImportedScene
+from ._ranges import ranges as ranges
+from ._ranges import vary as vary
 from ._reading import read_openscenario as read_openscenario
 from ._recording import twin_of as twin_of
-from ._verdict import PlayedVerdict as PlayedVerdict
 from ._verdict import verdict as verdict
-from ._writing import ScenarioFile as ScenarioFile
 from ._writing import to_openscenario as to_openscenario

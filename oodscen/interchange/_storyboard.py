@@ -4,7 +4,6 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from lxml import etree
 from numpy.typing import NDArray
 
 from oodscen.data._scene import Actor, Scene
@@ -48,7 +47,11 @@ class Storyboard:
         return child(group, "Maneuver", name=f"maneuver_{name}")
 
     def end(self, time_s: float) -> None:
-        """Append the triggers of the act and of the storyboard's end."""
+        """Append the triggers of the act and of the storyboard's end; an act has at least one group."""
+        if not len(self.act):
+            group = self.maneuver("ego").getparent()
+            assert group is not None
+            group.remove(group[-1])
         at_time(self.act, "StartTrigger", "act_start", 0.0)
         at_time(self.root, "StopTrigger", "end", time_s, "greaterThan")
 
@@ -245,10 +248,8 @@ class _ReactionWriter:
 
 
 def strip_ego(root: Element) -> None:
-    """Remove the ego's maneuver group, so that another controller drives it."""
+    """Remove the ego's maneuvers, so that another controller drives it; its empty group stays."""
     for group in root.iter("ManeuverGroup"):
         if group.get("name") == "group_ego":
-            parent = group.getparent()
-            assert isinstance(parent, etree._Element)
-            parent.remove(group)
-            return
+            for maneuver in group.findall("Maneuver"):
+                group.remove(maneuver)

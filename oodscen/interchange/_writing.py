@@ -38,7 +38,7 @@ Target = Literal["generic", "esmini"]
 MODES: tuple[Mode, ...] = ("replay", "reactive")
 TARGETS: tuple[Target, ...] = ("generic", "esmini")
 
-_DATE = "2026-01-01T00:00:00"
+DATE = "2026-01-01T00:00:00"
 """Date in every header: the same scene gives the same bytes."""
 _ESMINI_LINES = ("plineInterpolation", "segment")
 """The property by which esmini follows polylines straight from vertex to vertex."""
@@ -157,7 +157,7 @@ def _complete_header(
     for name, value in (
         ("revMajor", "1"),
         ("revMinor", "2"),
-        ("date", _DATE),
+        ("date", DATE),
         ("description", description),
         ("author", "oodscen"),
     ):
