@@ -114,7 +114,7 @@ class _Assembly:
         self.actions = Actions(self.root, self.positions, self.ego)
         self._place_entities()
         self.actions.read()
-        start = self.positions.known.get(self.ego)
+        start = self._centre(self.ego)
         if start is None:
             raise self.entities[self.ego].fault("the ego has no start that can be read")
         self.start = start
@@ -192,6 +192,17 @@ class _Assembly:
             if waiting and len(self.tree.left_out) > before:
                 del self.tree.left_out[before:]
 
+    def _centre(self, name: str) -> Pose | None:
+        """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
+        pose = self.positions.known.get(name)
+        middle = next(self.entities[name].within("Center"), None)
+        if pose is None or middle is None:
+            return pose
+        ahead, left = middle.number("x", 0.0), middle.number("y", 0.0)
+        centre = pose.moved(ahead, left)
+        side = -1 if pose.lane > 0 else 1
+        return centre._replace(road=pose.road, lane=pose.lane, s=pose.s + side * ahead)
+
     def _corridor(self, start: Pose) -> Corridor:
         """Return the corridor on which the ego starts in the file."""
         roads = self.positions.roads
@@ -236,7 +247,7 @@ class _Assembly:
 
     def _actor(self, name: str, entity: Node) -> Actor | None:
         asset = cast(entity, self.catalogue)
-        pose = self.positions.known.get(name)
+        pose = self._centre(name)
         if asset is None or pose is None:
             entity.leave_out("has no start that can be read")
             return None
