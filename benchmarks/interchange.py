@@ -1,6 +1,9 @@
 """Exports of a study's scenes and twins, judged by esmini, ASAM's checkers and our own reader.
 
-usage: interchange.py STUDY [--every N] [--checks]
+usage: interchange.py [STUDY] [--every N] [--json] [--skip PART ...]
+
+Without a study, the thirty scenes of the tests are taken. The results are printed as they come, with `--json` as one
+object at the end.
 
 `ESMINI_LIB` is the path of esmini's library; without it nothing is played. `ASAM_PYTHON` is an interpreter with
 `asam-qc-openscenarioxml` and `asam-qc-opendrive`; without it nothing is checked.
@@ -14,18 +17,25 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 from _esmini import LIBRARY, played
 from lxml import etree
 
-from oodscen import Scene, Study, make_catalogue
+from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
 from oodscen.driving import Cruise, find_map, load_corridor
+from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
-from oodscen.interchange import to_openscenario, twin_of
+from oodscen.interchange import (
+    PlayedPoses,
+    read_openscenario,
+    to_openscenario,
+    twin_of,
+    verdict,
+)
 from oodscen.interchange._entities import entities
 from oodscen.interchange._recording import (
     Recording,
@@ -35,7 +45,9 @@ from oodscen.interchange._recording import (
 )
 from oodscen.interchange._storyboard import Storyboard, followers, write_course
 from oodscen.interchange._trajectories import phases, reference_poses
+from oodscen.interchange._verdict import PlayedVerdict
 from oodscen.protocols import Driver, Observation, Simulator, State
+from oodscen.stages._simulate import simulate
 
 _CHECK = """
 import json, logging, sys
@@ -76,24 +88,54 @@ class _Faster(_Slower):
     change = 1.5
 
 
+SAMPLE = Path(__file__).parents[1] / "tests" / "interchange" / "scenes.jsonl"
 EGOS = {"blind": Cruise, "slower": _Slower, "faster": _Faster}
+
+
+PARTS = ("export", "checks", "round", "replay", "reactive")
+FOUND: dict[str, object] = {}
+"""The results by name."""
+
+
+def tell(name: str, value: object, misses: Sequence[str] = ()) -> None:
+    FOUND[name] = value
+    print(f"{name}: {value}", *misses, sep="\n  ", file=sys.stderr)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("study", type=Path)
+    parser.add_argument("study", type=Path, nargs="?")
     parser.add_argument("--every", type=int, default=1)
-    parser.add_argument("--skip", nargs="*", default=(), choices=("replay", "reactive", "checks"))
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--skip", nargs="*", default=(), choices=PARTS)
     given = parser.parse_args()
-    study = Study.open(given.study)
-    catalogue = make_catalogue(study.config.simulator)
-    scenes = study.scenes[:: given.every]
-    with tempfile.TemporaryDirectory() as folder:
-        export(scenes, catalogue, Path(folder), "checks" not in given.skip)
+    if given.study is None:
+        lines = SAMPLE.read_text("utf-8").splitlines()
+        scenes, catalogue = [Scene.parse(line) for line in lines], make_catalogue("pybullet")
+    else:
+        study = Study.open(given.study)
+        scenes, catalogue = study.scenes, make_catalogue(study.config.simulator)
+    scenes = scenes[:: given.every]
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        if "export" not in given.skip:
+            export(scenes, catalogue, folder, "checks" not in given.skip)
+        if "round" not in given.skip:
+            round_trips(scenes, catalogue, folder / "round")
         if LIBRARY and "replay" not in given.skip:
-            replays(scenes, catalogue, Path(folder) / "played")
+            replays(scenes, catalogue, folder / "played")
         if LIBRARY and "reactive" not in given.skip:
-            reactive(scenes, catalogue, Path(folder) / "played")
+            reactive(scenes, catalogue, folder / "played")
+    if given.json:
+        print(json.dumps(FOUND))
+
+
+def round_trips(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
+    same = 0
+    for scene in scenes:
+        path = to_openscenario(scene, catalogue, mode="reactive").save(folder)
+        same += read_openscenario(path, catalogue).scene == scene
+    tell("scenes that come back equal", f"{same} of {len(scenes)}")
 
 
 def with_twins(scenes: list[Scene], catalogue: Catalogue) -> Iterator[Scene]:
@@ -112,14 +154,15 @@ def export(scenes: list[Scene], catalogue: Catalogue, folder: Path, checks: bool
         ]
         spent = time.perf_counter() - begun
         worked = time.process_time() - busy
-        print(
-            f"{mode}: {len(sizes)} files in {spent:.1f} s ({worked:.1f} s of CPU), mean {np.mean(sizes) / 1e3:.0f} kB"
+        size = np.mean(sizes) / 1e3
+        tell(
+            mode, f"{len(sizes)} files in {spent:.1f} s, {worked:.1f} s of CPU, {size:.0f} kB each"
         )
         if checks and (interpreter := os.environ.get("ASAM_PYTHON")):
-            check(interpreter, sorted((folder / mode).iterdir()))
+            check(mode, interpreter, sorted((folder / mode).iterdir()))
 
 
-def check(interpreter: str, paths: list[Path]) -> None:
+def check(mode: str, interpreter: str, paths: list[Path]) -> None:
     found, total = [], 0
     for first in range(0, len(paths), 400):
         names = list(map(str, paths[first : first + 400]))
@@ -128,11 +171,11 @@ def check(interpreter: str, paths: list[Path]) -> None:
         )
         count, issues = json.loads(done.stdout.splitlines()[-1])
         total, found = total + count, found + issues
-    print(f"  ASAM's checkers: {len(found)} issues in {total} files", *found[:5], sep="\n    ")
+    tell(f"issues of ASAM's checkers, {mode}", f"{len(found)} in {total} files", found[:5])
 
 
 def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
-    simulator, worst, misses = UnrenderedSimulator(catalogue), [], []
+    simulator, worst, misses, agreed = UnrenderedSimulator(catalogue), [], [], 0
     for scene in scenes:
         path = to_openscenario(scene, catalogue, target="esmini", action="stop").save(folder)
         truth = replayed(scene, simulator, "stop", 0)
@@ -141,6 +184,9 @@ def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
         if run.error or len(run.time) != len(truth.time):
             misses.append(f"{scene.id}: {run.error or 'ended early'}")
             continue
+        ours = simulate(scene, simulator, actions=("stop",), render=False).episode
+        its = verdict(scene, PlayedPoses(run.names, run.time, run.poses), catalogue)
+        agreed += agree(its, ours)
         far, high, turned = errors(run.poses, run.names, truth)
         worst.append((far.max(), high.max(), turned.max()))
         if far.max() > 1e-3 or high.max() > 1e-3 or turned.max() > 1.0:
@@ -148,11 +194,28 @@ def replays(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
                 f"{scene.id}: {far.max():.4f} m, {high.max():.4f} m up, {turned.max():.2f} deg"
             )
     most = np.max(worst, axis=0)
-    print(
-        f"replays in esmini: {len(scenes) - len(misses)} of {len(scenes)} within 1 mm and 1 degree; worst "
-        f"{1e3 * most[0]:.3f} mm, {1e3 * most[1]:.3f} mm in height, {most[2]:.3f} deg"
+    tell(
+        "replays in esmini within 1 mm and 1 degree",
+        f"{len(scenes) - len(misses)} of {len(scenes)}; worst {1e3 * most[0]:.3f} mm, {1e3 * most[1]:.3f} mm in "
+        f"height, {most[2]:.3f} deg",
+        misses,
     )
-    print(*misses, sep="\n  ")
+    tell("verdicts from the poses of esmini equal to ours", f"{agreed} of {len(scenes)}")
+
+
+def agree(its: PlayedVerdict, ours: Episode) -> bool:
+    """Return whether two verdicts on the same run are the same."""
+    outcome = ours.actions["stop"]
+    margins = (its.outcome.margin_m or 0.0, outcome.margin_m or 0.0)
+    return (
+        its.is_complete
+        and its.decision_s == ours.decision_s
+        and its.decision_fired == ours.decision_fired
+        and its.outcome.safe == outcome.safe
+        and its.outcome.contacts == outcome.contacts
+        and its.outcome.off_road == outcome.off_road
+        and abs(margins[0] - margins[1]) <= 0.01
+    )
 
 
 def errors(poses: np.ndarray, names: tuple[str, ...], truth: Recording) -> list[np.ndarray]:
@@ -192,13 +255,10 @@ def reactive(scenes: list[Scene], catalogue: Catalogue, folder: Path) -> None:
             ego = found.names.index("ego")
             for row, name in zip(rows, behind, strict=True):
                 through += int(overlaps(scene, catalogue, found.poses, ego, row, name))
-    total = fired["same"] + fired["other"]
-    print(f"reactive in esmini: {fired['same']} of {total} triggers at the same step")
-    print(
-        f"  hazards within 1 cm at the decision: {near['same']} of {near['same'] + near['other']}"
-    )
-    print(f"  followers that touch the ego before it touches anything: {through}")
-    print(*misses, sep="\n  ")
+    total, decisions = sum(fired.values()), sum(near.values())
+    tell("triggers in esmini at the same step", f"{fired['same']} of {total}", misses)
+    tell("hazards within 1 cm at the decision", f"{near['same']} of {decisions}")
+    tell("followers through the ego", through)
 
 
 def driven(
@@ -247,8 +307,6 @@ def judge(
 def overlaps(
     scene: Scene, catalogue: Catalogue, poses: np.ndarray, ego: int, row: int, name: str
 ) -> bool:
-    from oodscen.driving._motion.boxes import Box, gap
-
     sizes = {one.name: one.asset for one in entities(scene, catalogue)}
     for its, own in zip(poses[:, row], poses[:, ego], strict=True):
         boxes = [

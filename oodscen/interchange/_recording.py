@@ -106,9 +106,9 @@ class Reactions(Brief):
     """What a reactive file needs: courses without triggers, courses after them, and who minds the ego."""
 
     nominal: Recording
-    """The run with the blind ego, to its end."""
+    """The run with the blind ego, to its end; whoever is ahead of it does not mind it."""
     quiet: Recording
-    """The same run without any trigger: the courses before the reactions."""
+    """The same run without triggers on the ego: the courses before the reactions."""
     triggered: dict[str, int]
     """Step at which each actor's trigger fired in the nominal run."""
     mindful: frozenset[str]
@@ -147,6 +147,14 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
         stopped = _driven(calm, simulator, lambda: action_driver("stop"), seed, steps)
         apart = np.abs(quiet.poses[:, :, :2] - stopped.poses[:, :, :2]).max(axis=(0, 2))
         mindful = {name for name, far in zip(quiet.ids, apart, strict=True) if far > _DIFFERS_M}
+        # A blind ego drives through whatever is ahead, which would then mind it.
+        ahead = [
+            row
+            for row, s in enumerate(quiet.places[0, :, 0])
+            if quiet.ids[row] in mindful and s > quiet.places[0, 0, 0]
+        ]
+        free = [row for row in ahead if quiet.ids[row] not in reacting]
+        nominal, quiet = _replaced(nominal, stopped, free), _replaced(quiet, stopped, ahead)
     return Reactions(nominal, quiet, triggered, frozenset(mindful - {"ego"}))
 
 
@@ -181,6 +189,16 @@ def _driven(
     )
 
 
+def _replaced(recording: Recording, other: Recording, rows: Sequence[int]) -> Recording:
+    """Return a recording with the courses of some bodies from another."""
+    poses, speeds, places = (
+        array.copy() for array in (recording.poses, recording.speeds, recording.places)
+    )
+    poses[:, rows], speeds[:, rows] = other.poses[:, rows], other.speeds[:, rows]
+    places[:, rows] = other.places[:, rows]
+    return replace(recording, poses=poses, speeds=speeds, places=places)
+
+
 def _resting(recording: Recording, names: Collection[str]) -> Recording:
     """Return a recording in which some actors never leave their start."""
     rows = [row for row, name in enumerate(recording.ids) if name in names]
@@ -196,10 +214,14 @@ def _corridor(scene: Scene, simulator: Simulator) -> Corridor:
 
 
 def _calm(scene: Scene) -> Scene:
-    """Return the scene with triggers that never fire."""
+    """Return the scene with triggers on the ego that never fire."""
     never = Trigger(kind="time", value=_NEVER_S)
     actors = tuple(
-        one.model_copy(update={"behaviour": one.behaviour.model_copy(update={"trigger": never})})
+        one
+        if one.behaviour.trigger.kind == "time"
+        else one.model_copy(
+            update={"behaviour": one.behaviour.model_copy(update={"trigger": never})}
+        )
         for one in scene.actors
     )
     return scene.model_copy(update={"actors": actors})

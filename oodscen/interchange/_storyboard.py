@@ -153,7 +153,7 @@ def approximate(scene: Scene, run: Reactions) -> dict[str, str]:
         if name in behind:
             said[name] = "keeps its initial distance behind the ego instead of following it freely"
         else:
-            said[name] = "minds the ego; its course is that of a run with a blind ego"
+            said[name] = "would mind an ego in its way; its course does not"
     for actor in scene.actors:
         if actor.behaviour.name == "overtake":
             said[actor.id] = "passes the ego on a recorded course from its trigger on"

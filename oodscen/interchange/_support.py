@@ -72,7 +72,9 @@ def element_table() -> str:
 
 def behaviour_table() -> str:
     """Return as a Markdown table in which form a reactive file has each behaviour."""
-    return _table(("behaviour", "in a reactive file"), [(f"`{b.id}`", _form(b)) for b in BEHAVIOURS])
+    return _table(
+        ("behaviour", "in a reactive file"), [(f"`{b.id}`", _form(b)) for b in BEHAVIOURS]
+    )
 
 
 def _form(kind: BehaviourKind) -> str:

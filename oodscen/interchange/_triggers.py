@@ -16,7 +16,8 @@ _ALONG: dict[str, Value] = {
     "coordinateSystem": "road",
     "relativeDistanceType": "longitudinal",
 }
-_STANDS_M = 1e-6
+_STANDS_M = 0.05
+"""Way along the road up to which an actor counts as standing there, as one that crosses does, m."""
 _EARLY_S = 0.001
 """How much earlier than its step a time condition holds, against rounding in players, s."""
 
@@ -78,8 +79,8 @@ class EgoConditions:
         who = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
         child(who, "EntityRef", entityRef="ego")
         condition = child(holder, "EntityCondition")
-        course = self.nominal.poses[: step + 1, row]
-        stands = bool(np.abs(course - course[0]).max() <= _STANDS_M)
+        along = self.nominal.places[: step + 1, row, 0]
+        stands = bool(np.abs(along - along[0]).max() <= _STANDS_M)
         if trigger.kind == "distance":
             self._distance(condition, trigger.value, row, stands)
         else:

@@ -16,9 +16,7 @@ def issues(path: Path) -> list[str]:
     settings, result = Configuration(), Result()
     settings.set_config_param("InputFile", str(path))
     settings.register_checker_bundle(checker_bundle_name=name)
-    result.register_checker_bundle(
-        name=name, build_date="", description="", version="", summary=""
-    )
+    result.register_checker_bundle(name=name, build_date="", description="", version="", summary="")
     result.set_result_version("1")
     checks.run_checks(settings, result)
     return [

@@ -1,3 +1,5 @@
+from contextlib import suppress
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,10 +19,8 @@ def test_arithmetic_is_that_of_numbers(one, other):
 
 @given(st.text(max_size=40))
 def test_any_text_is_read_or_refused(text):
-    try:
+    with suppress(ValueError):
         assert isinstance(substituted(text, {"a": "$b", "b": "1"}), str)
-    except ValueError as error:
-        assert str(error)
 
 
 @pytest.mark.parametrize("text", ["$a", "${$a + 1}"])
