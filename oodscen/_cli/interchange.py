@@ -47,7 +47,7 @@ _FOLDER = PathName(file_okay=False, path_type=Path)
 @click.option(
     "--for",
     "target",
-    type=click.Choice(("generic", "esmini")),
+    type=click.Choice(("generic", "esmini", "carla-scenario-runner")),
     default="generic",
     show_default=True,
     help="Player for which the files are written.",

@@ -12,7 +12,7 @@ from oodscen._files import replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving import find_map, load_corridor
-from oodscen.errors import SceneError, UnknownComponent
+from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._elements import Element, child
 from oodscen.interchange._entities import entities, write_entity
 from oodscen.interchange._properties import (
@@ -25,6 +25,7 @@ from oodscen.interchange._properties import (
 )
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
 from oodscen.interchange._roads import RoadFile, road_file
+from oodscen.interchange._scenario_runner import empty_document, write_for_scenario_runner
 from oodscen.interchange._storyboard import (
     approximate,
     strip_ego,
@@ -34,9 +35,9 @@ from oodscen.interchange._storyboard import (
 from oodscen.protocols import Simulator
 
 Mode = Literal["replay", "reactive"]
-Target = Literal["generic", "esmini"]
+Target = Literal["generic", "esmini", "carla-scenario-runner"]
 MODES: tuple[Mode, ...] = ("replay", "reactive")
-TARGETS: tuple[Target, ...] = ("generic", "esmini")
+TARGETS: tuple[Target, ...] = ("generic", "esmini", "carla-scenario-runner")
 
 DATE = "2026-01-01T00:00:00"
 """Date in every header: the same scene gives the same bytes."""
@@ -88,7 +89,8 @@ def to_openscenario(
         scene: The scene or twin to write.
         catalogue: The catalogue of its assets and maps.
         mode: `replay` or `reactive`.
-        target: The player: `esmini` adds the property by which it follows polylines exactly.
+        target: The player: `esmini` adds the property by which it follows polylines exactly;
+            `carla-scenario-runner` gives version 1.0 with named actions, in mode `reactive` only.
         action: The ego's action after the decision, in a replay.
         ego: Write the ego's course; without it, the ego only stands at its start.
         seed: Seed of the scene's random streams.
@@ -97,7 +99,8 @@ def to_openscenario(
 
     Raises:
         UnknownComponent: If there is no such mode, target or action.
-        SceneError: If the catalogue or the road refuses the scene.
+        SceneError: If the catalogue, the road or the player refuses the scene.
+        UsageError: If the player has no such mode.
     """
     for kind, name, offered in (("mode", mode, MODES), ("target", target, TARGETS)):
         if name not in offered:
@@ -105,6 +108,8 @@ def to_openscenario(
     issues = catalogue.check(scene)
     if issues:
         raise SceneError(scene.id, issues)
+    if target == "carla-scenario-runner":
+        return _for_scenario_runner(scene, catalogue, mode, seed)
     road = road_file(scene, catalogue)
     root = etree.Element("OpenSCENARIO")
     header = child(root, "FileHeader")
@@ -138,6 +143,23 @@ def to_openscenario(
         notes = (*notes, "Play it in esmini with --traj_filter 0.")
     known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
     _complete_header(header, root, scene, known, described(scene, mode, notes))
+    etree.indent(root)
+    text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return ScenarioFile(scene.id, text, road, notes)
+
+
+def _for_scenario_runner(scene: Scene, catalogue: Catalogue, mode: Mode, seed: int) -> ScenarioFile:
+    if mode != "reactive":
+        raise UsageError("ScenarioRunner follows no recorded courses; write mode reactive for it")
+    run, road = reactions(scene, catalogue, seed), road_file(scene, catalogue)
+    notes = (
+        "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight "
+        "line.",
+    )
+    root = empty_document(described(scene, mode, notes), "oodscen", DATE, road.name)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    bodies = entities(scene, catalogue)
+    write_for_scenario_runner(root, scene, bodies, run, corridor)
     etree.indent(root)
     text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return ScenarioFile(scene.id, text, road, notes)

@@ -3,9 +3,10 @@ import pytest
 from lxml import etree
 
 from oodscen.driving import BEHAVIOURS
-from oodscen.errors import SceneError, UnknownComponent
+from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._scenario_runner import PLAYED
 from oodscen.interchange._support import ELEMENTS
 from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
@@ -96,6 +97,28 @@ def test_what_cannot_be_written_is_refused():
     odd = SCENES[0].model_copy(update={"map": "nowhere"})
     with pytest.raises(SceneError):
         to_openscenario(odd, catalogue())
+
+
+@pytest.mark.parametrize("scene", [*SCENES[::2], *DOINGS], ids=lambda one: one.id)
+def test_scenario_runner_gets_its_own_actions_or_a_reason_for_each_actor(scene):
+    options = {"mode": "reactive", "target": "carla-scenario-runner"}
+    try:
+        root = etree.fromstring(to_openscenario(scene, catalogue(), **options).xosc)
+    except SceneError as error:
+        assert all(issue.path.startswith("actors[") for issue in error.issues)
+        behind = [actor for actor in scene.actors if actor.placement.ahead_m < 0]
+        assert behind or {actor.behaviour.name for actor in scene.actors} - PLAYED
+        return
+    assert root.find("FileHeader").get("revMinor") == "0"
+    assert not list(root.iter("FollowTrajectoryAction"))
+    assert set(names(root, "Event", "priority")) <= {"overwrite"}
+    assert set(names(root, "SimulationTimeCondition", "rule")) == {"greaterThan"}
+    assert {actor.behaviour.name for actor in scene.actors} <= PLAYED
+
+
+def test_scenario_runner_plays_no_recorded_courses():
+    with pytest.raises(UsageError):
+        to_openscenario(SCENES[0], catalogue(), target="carla-scenario-runner")
 
 
 def test_the_checkers_of_asam_have_no_issue(tmp_path):
