@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from oodscen._seeding import stream
@@ -54,9 +55,9 @@ def ranges(
     def holds(path: Path, value: float) -> bool:
         return is_sound(changed(scene, {path: value}), catalogue, claims)
 
-    found = []
+    found: list[ParameterRange] = []
     for name, path, value, low, high in _parameters(scene, catalogue):
-        ends = [_end(value, end, lambda x, path=path: holds(path, x)) for end in (low, high)]
+        ends = [_end(value, end, partial(holds, path)) for end in (low, high)]
         if ends[0] < ends[1]:
             found.append(
                 ParameterRange(name=name, path=path, value=value, low=ends[0], high=ends[1])

@@ -1,5 +1,6 @@
 """The elements of OpenSCENARIO XML that are written and read, as the table of the documentation."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from oodscen.data._catalogue import BehaviourKind
@@ -88,6 +89,6 @@ def _form(kind: BehaviourKind) -> str:
     return f"its recorded course from the trigger on, {where}"
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = [head, tuple("---" for _ in head), *rows]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines) + "\n"
