@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oodscen._cli.options import json_option, seed_option, simulator_option
-from oodscen._cli.output import read_lines, say, tracked
+from oodscen._cli.output import read_lines, say, tracked, write
 from oodscen._cli.paths import READABLE, PathName
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
@@ -32,10 +32,10 @@ _FOLDER = PathName(file_okay=False, path_type=Path)
 @click.option(
     "--to",
     "form",
-    type=click.Choice(("openscenario",)),
+    type=click.Choice(("openscenario", "openlabel")),
     default="openscenario",
     show_default=True,
-    help="Format.",
+    help="Scenarios with their maps, or tags of the operational design domain and behaviour.",
 )
 @click.option(
     "--mode",
@@ -81,19 +81,24 @@ def export(
     simulator: str,
     seed: int,
 ) -> None:
-    """Write scenes and their twins as OpenSCENARIO XML and OpenDRIVE into a folder.
+    """Write scenes and their twins into a folder: OpenSCENARIO XML with OpenDRIVE, or OpenLABEL tags.
 
     The scenes are those of a study, or of a file with one scene per line. Scenes that cannot be written are
     reported on standard error, and the exit code is then 1.
     """
-    from oodscen.interchange import to_openscenario, write_logical
+    from oodscen.interchange import openlabel, to_openscenario, write_logical
 
     scenes, catalogue, known = _scenes(place, simulator)
     scenes = scenes[:limit]
+    out.mkdir(parents=True, exist_ok=True)
     written = failed = 0
     for scene in tracked(scenes, "export", len(scenes)):
         try:
             for item in _with_twin(scene, catalogue, seed) if twins else (scene,):
+                if form == "openlabel":
+                    write(out / f"{item.id}.json", json.dumps(openlabel(item, catalogue), indent=2))
+                    written += 1
+                    continue
                 file = to_openscenario(
                     item,
                     catalogue,

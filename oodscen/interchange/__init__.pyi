@@ -5,5 +5,6 @@ from ._ranges import ranges as ranges
 from ._ranges import vary as vary
 from ._reading import read_openscenario as read_openscenario
 from ._recording import twin_of as twin_of
+from ._tags import openlabel as openlabel
 from ._verdict import verdict as verdict
 from ._writing import to_openscenario as to_openscenario

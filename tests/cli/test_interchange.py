@@ -55,6 +55,13 @@ def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
         assert json.loads(back.stdout) == scene.model_dump(mode="json")
 
 
+def test_tags_are_exported(study, tmp_path):
+    assert run("export", study, "-o", tmp_path / "tags", "--to", "openlabel").exit_code == 0
+    for scene in Study.open(study).scenes:
+        text = (tmp_path / "tags" / f"{scene.id}.json").read_text()
+        assert json.loads(text)["openlabel"]["tags"]
+
+
 def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):
     scene = Study.open(study).scenes[0]
     path = tmp_path / f"{scene.id}.csv"

@@ -6,7 +6,7 @@ from oodscen.driving import BEHAVIOURS
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
-from oodscen.interchange._scenario_runner import PLAYED
+from oodscen.interchange._scenario_runner import PLAYED, unplayable
 from oodscen.interchange._support import ELEMENTS
 from tests.interchange.playing import centres, turned
 from tests.interchange.staging import SCENES, catalogue, doing
@@ -102,13 +102,13 @@ def test_what_cannot_be_written_is_refused():
 @pytest.mark.parametrize("scene", [*SCENES[::2], *DOINGS], ids=lambda one: one.id)
 def test_scenario_runner_gets_its_own_actions_or_a_reason_for_each_actor(scene):
     options = {"mode": "reactive", "target": "carla-scenario-runner"}
-    try:
-        root = etree.fromstring(to_openscenario(scene, catalogue(), **options).xosc)
-    except SceneError as error:
-        assert all(issue.path.startswith("actors[") for issue in error.issues)
-        behind = [actor for actor in scene.actors if actor.placement.ahead_m < 0]
-        assert behind or {actor.behaviour.name for actor in scene.actors} - PLAYED
+    if reasons := unplayable(scene, reactions(scene, catalogue(), 0)):
+        with pytest.raises(SceneError) as caught:
+            to_openscenario(scene, catalogue(), **options)
+        assert list(caught.value.issues) == reasons
+        assert all(issue.path.startswith("actors[") for issue in reasons)
         return
+    root = etree.fromstring(to_openscenario(scene, catalogue(), **options).xosc)
     assert root.find("FileHeader").get("revMinor") == "0"
     assert not list(root.iter("FollowTrajectoryAction"))
     assert set(names(root, "Event", "priority")) <= {"overwrite"}
