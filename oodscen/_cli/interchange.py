@@ -4,7 +4,7 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -32,10 +32,10 @@ _FOLDER = PathName(file_okay=False, path_type=Path)
 @click.option(
     "--to",
     "form",
-    type=click.Choice(("openscenario", "openlabel")),
+    type=click.Choice(("openscenario", "openlabel", "osi")),
     default="openscenario",
     show_default=True,
-    help="Scenarios with their maps, or tags of the operational design domain and behaviour.",
+    help="Format.",
 )
 @click.option(
     "--mode",
@@ -70,24 +70,18 @@ _FOLDER = PathName(file_okay=False, path_type=Path)
 def export(
     place: Path,
     out: Path,
-    form: str,
-    mode: str,
-    target: str,
-    action: str,
-    ego: bool,
     twins: bool,
-    logical: bool,
     limit: int | None,
     simulator: str,
     seed: int,
+    **options: Any,
 ) -> None:
-    """Write scenes and their twins into a folder: OpenSCENARIO XML with OpenDRIVE, or OpenLABEL tags.
+    """Write scenes and their twins into a folder.
 
-    The scenes are those of a study, or of a file with one scene per line. Scenes that cannot be written are
-    reported on standard error, and the exit code is then 1.
+    The scenes are those of a study, or of a file with one scene per line. `openscenario` writes OpenSCENARIO XML with
+    OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth. Scenes
+    that cannot be written are reported on standard error, and the exit code is then 1.
     """
-    from oodscen.interchange import openlabel, to_openscenario, write_logical
-
     scenes, catalogue, known = _scenes(place, simulator)
     scenes = scenes[:limit]
     out.mkdir(parents=True, exist_ok=True)
@@ -95,30 +89,38 @@ def export(
     for scene in tracked(scenes, "export", len(scenes)):
         try:
             for item in _with_twin(scene, catalogue, seed) if twins else (scene,):
-                if form == "openlabel":
-                    write(out / f"{item.id}.json", json.dumps(openlabel(item, catalogue), indent=2))
-                    written += 1
-                    continue
-                file = to_openscenario(
-                    item,
-                    catalogue,
-                    mode=mode,  # type: ignore[arg-type]  # click offers only these
-                    target=target,  # type: ignore[arg-type]
-                    action=action,
-                    ego=ego,
-                    seed=seed,
-                    properties=known(item),
-                )
-                file.save(out)
+                _write(item, catalogue, known, out, seed, options)
                 written += 1
-                if logical and not item.is_twin:
-                    claims = known.claims(item)
-                    write_logical(item, catalogue, out, claims=claims, seed=seed)
         except OodscenError as error:
             say(f"{scene.id}: {error}", err=True)
             failed += 1
     say(f"{written} files in {out}, {failed} of {len(scenes)} scenes failed", err=True)
     sys.exit(bool(failed))
+
+
+def _write(
+    scene: Scene,
+    catalogue: Catalogue,
+    known: "_Known",
+    out: Path,
+    seed: int,
+    options: dict[str, Any],
+) -> None:
+    """Write one scene in the chosen format."""
+    from oodscen._files import replace
+    from oodscen.interchange import openlabel, osi_trace, to_openscenario, write_logical
+
+    if options["form"] == "openlabel":
+        write(out / f"{scene.id}.json", json.dumps(openlabel(scene, catalogue), indent=2))
+    elif options["form"] == "osi":
+        trace = osi_trace(scene, catalogue, action=options["action"], seed=seed)
+        replace(out / f"{scene.id}.osi", trace)
+    else:
+        chosen = {name: options[name] for name in ("mode", "target", "action", "ego")}
+        file = to_openscenario(scene, catalogue, seed=seed, properties=known(scene), **chosen)
+        file.save(out)
+        if options["logical"] and not scene.is_twin:
+            write_logical(scene, catalogue, out, claims=known.claims(scene), seed=seed)
 
 
 @click.command("import")

@@ -1,4 +1,5 @@
 from ._logical import write_logical as write_logical
+from ._osi_writing import osi_trace as osi_trace
 from ._poses import PlayedPoses as PlayedPoses
 from ._poses import read_poses as read_poses
 from ._ranges import ranges as ranges

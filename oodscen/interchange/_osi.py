@@ -11,7 +11,7 @@ Fields = dict[int, list["bytes | int | float"]]
 _NOUN = "OSI trace"
 _TIMESTAMP, _MOVING, _STATIONARY = 2, 5, 4
 """Numbers of `timestamp`, `moving_object` and `stationary_object` in `GroundTruth`."""
-_MOVING_REFERENCE, _STATIONARY_REFERENCE = 9, 5
+_MOVING_REFERENCE, _STATIONARY_REFERENCE = 10, 5
 """Numbers of `source_reference` in `MovingObject` and `StationaryObject`."""
 _BASE, _DIMENSION, _POSITION, _ORIENTATION = 2, 1, 2, 3
 _YAW = 3

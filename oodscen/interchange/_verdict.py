@@ -22,6 +22,9 @@ from oodscen.stages._simulate import MAX_APPROACH_S, judged
 
 Floats = NDArray[np.float64]
 
+_ROUNDING = 5e-5
+"""By how much a trigger's value may be missed: poses in files are rounded, m or s."""
+
 
 class PlayedVerdict(Data):
     """The judgement of one run of one scene in another player."""
@@ -133,8 +136,11 @@ def _speeds(time: Floats, poses: Floats) -> Floats:
 
 def _decision(scene: Scene, states: Sequence[State], corridor: Corridor) -> tuple[int, bool]:
     """Return the step of the decision, and true if its trigger fired."""
+    decision = scene.decision
+    slack = -_ROUNDING if decision.kind == "time" else _ROUNDING
+    decision = decision.model_copy(update={"value": max(0.0, decision.value + slack)})
     for index, state in enumerate(states):
-        if is_due(scene.decision, None, state, corridor):
+        if is_due(decision, None, state, corridor):
             return index, True
         if state.contacts or state.off_road or state.time >= MAX_APPROACH_S:
             return index, False

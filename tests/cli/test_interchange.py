@@ -62,6 +62,17 @@ def test_tags_are_exported(study, tmp_path):
         assert json.loads(text)["openlabel"]["tags"]
 
 
+def test_traces_are_exported_and_judged(study, tmp_path):
+    done = run("export", study, "-o", tmp_path / "traces", "--to", "osi", "--action", "stop")
+    assert done.exit_code == 0
+    opened = Study.open(study)
+    for scene, episode in zip(opened.scenes, opened.episodes, strict=False):
+        (told,) = json.loads(
+            run("verdict", study, tmp_path / "traces" / f"{scene.id}.osi", "--json").stdout
+        )
+        assert told["outcome"]["safe"] == episode.actions["stop"].safe
+
+
 def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):
     scene = Study.open(study).scenes[0]
     path = tmp_path / f"{scene.id}.csv"

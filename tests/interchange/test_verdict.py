@@ -1,11 +1,9 @@
-import struct
-
 import numpy as np
 import pytest
 
 from oodscen.data import ACTIONS
 from oodscen.errors import DataError
-from oodscen.interchange import PlayedPoses, read_poses, to_openscenario, verdict
+from oodscen.interchange import PlayedPoses, osi_trace, read_poses, to_openscenario, verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
 from oodscen.stages._simulate import simulate
 from tests.interchange.playing import centres
@@ -85,41 +83,13 @@ def test_poses_come_back_from_the_log_of_esmini(tmp_path):
     assert same(poses, read_poses(path))
 
 
-def message(number, data):
-    return bytes([number << 3 | 2]) + varint(len(data)) + data
-
-
-def varint(value):
-    out = b""
-    while value > 0x7F:
-        out += bytes([value & 0x7F | 0x80])
-        value >>= 7
-    return out + bytes([value])
-
-
-def vector(x, y, z):
-    return b"".join(
-        bytes([number << 3 | 1]) + struct.pack("<d", value)
-        for number, value in ((1, x), (2, y), (3, z))
-    )
-
-
 def test_poses_come_back_from_osi(tmp_path):
-    poses = played(SCENES[0], "stop")
     path = tmp_path / "scene.osi"
-    trace = b""
-    for step, time in enumerate(poses.time):
-        nanos = round(float(time) * 1e9)
-        stamp = b"\x08" + varint(nanos // 10**9) + b"\x10" + varint(nanos % 10**9)
-        truth = message(2, stamp)
-        for name, (x, y, z, h) in zip(poses.names, poses.poses[step], strict=True):
-            base = message(1, vector(4.0, 2.0, 1.5)) + message(2, vector(x, y, z + 0.75))
-            base += message(3, vector(0.0, 0.0, h))
-            reference = message(3, b"entity_id:1") + message(3, f"entity_name:{name}".encode())
-            truth += message(5, message(2, base) + message(9, reference))
-        trace += struct.pack("<I", len(truth)) + truth
-    path.write_bytes(trace)
-    assert same(poses, read_poses(path))
+    for scene in SCENES[::10]:
+        truth = replayed(scene, UnrenderedSimulator(catalogue()), "stop", 0)
+        trace = osi_trace(scene, catalogue(), action="stop")
+        path.write_bytes(trace)
+        assert same(PlayedPoses(truth.ids, truth.time, truth.poses), read_poses(path))
     for end in (1, 5, 20, 100):
         path.write_bytes(trace[:-end])
         with pytest.raises(DataError):
