@@ -120,6 +120,8 @@ class _Assembly:
         self.start = start
         self.is_mapped = is_mapped
         self.corridor = self._corridor(start) if is_mapped else self._other_corridor()
+        if not self.corridor.ego_lanes:
+            raise self.entities[self.ego].fault("the ego does not start beside a driving lane")
 
     def scene(self) -> Scene:
         """Return the scene.
@@ -144,15 +146,19 @@ class _Assembly:
             issue = Issue("hazard", "the file has no entity that can be the hazard")
             raise DataError(NOUN, [issue], source=str(self.tree.path))
         name = _identifier(self.tree.path.stem)
-        return Scene(
-            id=name,
-            scenario_id=name,
-            map=self.map,
-            ego=self._ego(),
-            weather=weather(self.root),
-            actors=tuple(actors),
-            hazard=Hazard(actors=dict.fromkeys(unusual)),
-            decision=self._decision(next(one for one in actors if one.id == unusual[0])),
+        decision = self._decision(next(one for one in actors if one.id == unusual[0]))
+        return Scene.parse(
+            {
+                "id": name,
+                "scenario_id": name,
+                "map": self.map,
+                "ego": self._ego().model_dump(),
+                "weather": weather(self.root).model_dump(),
+                "actors": [one.model_dump() for one in actors],
+                "hazard": Hazard(actors=dict.fromkeys(unusual)).model_dump(),
+                "decision": decision.model_dump(),
+            },
+            source=str(self.tree.path),
         )
 
     # ------------------------------------------------------------------ the ego and its road
@@ -287,7 +293,7 @@ class _Assembly:
         """Return the moment of choice: soon after the hazard acts, or when it is near."""
         trigger = hazard.behaviour.trigger
         if trigger.kind == "time" and trigger.value > 0.0:
-            return Trigger(kind="time", value=trigger.value + 0.5)
+            return Trigger(kind="time", value=min(trigger.value + 0.5, 500.0))
         if trigger.kind == "time":
             return Trigger(kind="ttc", value=_DECISION_TTC_S, actor=hazard.id)
         return Trigger(kind=trigger.kind, value=round(0.9 * trigger.value, 3), actor=hazard.id)

@@ -18,6 +18,8 @@ _LARGEST = 1e9
 _DEEPEST = 6
 """Maximum number of catalogue references within each other."""
 _MAX_CATALOGUES = 200
+_MAX_REFERENCES = 20_000
+"""Maximum number of catalogue references that are followed in one file, repetitions included."""
 
 
 class ScenarioTree:
@@ -34,6 +36,7 @@ class ScenarioTree:
         element = Document(str(path), "OpenSCENARIO").parse(data).element
         self.left_out: list[Issue] = []
         self._catalogues: dict[str, etree._Element] | None = None
+        self._followed = 0
         self.root = Node(self, element, {})
         if self.root.first("Storyboard") is None:
             raise self.root.fault("has no Storyboard: it is a catalogue or a distribution")
@@ -46,6 +49,9 @@ class ScenarioTree:
         """
         if depth > _DEEPEST:
             raise reference.fault(f"catalogue references are nested more than {_DEEPEST} deep")
+        self._followed += 1
+        if self._followed > _MAX_REFERENCES:
+            raise reference.fault(f"more than {_MAX_REFERENCES} catalogue references are followed")
         name = reference.get("entryName")
         found = self._entries().get(name)
         if found is None:

@@ -22,6 +22,8 @@ from oodscen.stages._simulate import MAX_APPROACH_S, judged
 
 Floats = NDArray[np.float64]
 
+_ALIGNED = 0.8
+"""Cosine to the road's direction from which an actor drives along the road."""
 _ROUNDING = 5e-5
 """By how much a trigger's value may be missed: poses in files are rounded, m or s."""
 
@@ -102,7 +104,7 @@ def states_of(
         step, row = np.argwhere(np.isnan(poses).any(axis=2))[0]
         issue = Issue(world.ids[row], f"has no pose at {played.time[step]:g} s")
         raise DataError("run of a player", [issue], source=scene.id)
-    speeds = _speeds(played.time, poses)
+    speeds = _speeds(played.time, poses, corridor)
     states = []
     for step, time in enumerate(played.time.tolist()):
         world.put(poses[step], speeds[step])
@@ -122,12 +124,27 @@ def states_of(
     return states
 
 
-def _speeds(time: Floats, poses: Floats) -> Floats:
-    """Return the speeds along the headings at the end of every step, from the last two steps."""
+def _speeds(time: Floats, poses: Floats, corridor: Corridor) -> Floats:
+    """Return the speeds along the headings at the end of every step, from the last two steps.
+
+    The speed of an actor that drives along the road is the one that covers its way along the road: its heading
+    need not be the direction in which it sways.
+    """
     steps = np.diff(poses, axis=0) / np.diff(time)[:, None, None]
-    heading = poses[1:, :, 3]
-    mean = steps[:, :, 0] * np.cos(heading) + steps[:, :, 1] * np.sin(heading)
-    speeds = np.empty(poses.shape[:2])
+    heading = poses[:, :, 3]
+    after = heading[1:]
+    mean = steps[:, :, 0] * np.cos(after) + steps[:, :, 1] * np.sin(after)
+    flat = corridor.locate_all(poses[:, :, 0].ravel(), poses[:, :, 1].ravel())
+    s, t = (one.reshape(heading.shape) for one in flat)
+    sin, cos, bend = (
+        np.interp(s, corridor.s, one) for one in (corridor.sin, corridor.cos, corridor.curvature)
+    )
+    aligned = np.cos(heading) * cos + np.sin(heading) * sin
+    along = np.diff(s, axis=0) / np.diff(time)[:, None] * (1.0 - bend * t)[1:]
+    drives = np.abs(aligned[:-1]) > _ALIGNED
+    drives[:, 0] = False
+    mean[drives] = along[drives] / aligned[:-1][drives]
+    speeds = np.empty(heading.shape)
     speeds[1:] = mean
     speeds[2:] += 0.5 * (mean[1:] - mean[:-1])
     speeds[0] = mean[0] if len(mean) < 2 else mean[0] - 0.5 * (mean[1] - mean[0])
