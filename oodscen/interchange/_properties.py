@@ -1,6 +1,8 @@
 """Properties: what a file says about its scene beyond the standard's elements."""
 
 import hashlib
+import json
+import re
 from collections.abc import Mapping, Sequence
 
 from lxml import etree
@@ -17,6 +19,7 @@ from oodscen.interchange._elements import Element, child
 PREFIX = "oodscen."
 SCENE, DIGEST = f"{PREFIX}scene", f"{PREFIX}sha256"
 """Names of the properties that hold the scene itself, and the digest of the rest of its file."""
+_FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 _LONGEST = 2_000
 """Maximum characters of a description."""
 
@@ -47,7 +50,17 @@ def facts(
 def write_properties(holder: Element, values: Mapping[str, str]) -> None:
     """Append properties in the order of their names."""
     for name, value in sorted(values.items()):
-        child(holder, "Property", name=f"{PREFIX}{name}", value=value)
+        child(holder, "Property", name=f"{PREFIX}{name}", value=_speakable(value))
+
+
+def ascii_json(scene: Scene) -> str:
+    """Return a scene as JSON text of characters that every XML file can hold."""
+    return json.dumps(scene.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+
+
+def _speakable(text: str) -> str:
+    """Return a text without the characters that XML forbids."""
+    return _FORBIDDEN.sub("", plain(text))
 
 
 def content_digest(root: Element) -> str:

@@ -1,5 +1,6 @@
 """Roads: the OpenDRIVE file of a scene's map, as it is used."""
 
+import hashlib
 from pathlib import PurePath
 from typing import NamedTuple
 
@@ -24,6 +25,9 @@ def road_file(scene: Scene, catalogue: Catalogue) -> RoadFile:
         DataError: If the file cannot be read.
     """
     road_map = find_map(scene.map, catalogue)
-    return RoadFile(
-        PurePath(road_map.file.partition(":")[2] or road_map.file).name, read_map(road_map.file)
-    )
+    content = read_map(road_map.file)
+    name = PurePath(road_map.file.partition(":")[2] or road_map.file).name
+    if scene.map.endswith(".xodr"):
+        # Files of users may have one name and different roads.
+        name = f"{PurePath(name).stem}-{hashlib.sha256(content).hexdigest()[:8]}.xodr"
+    return RoadFile(name, content)

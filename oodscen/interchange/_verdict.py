@@ -82,7 +82,7 @@ def verdict(
         decision_fired=fired,
         is_complete=ends,
         outcome=judged(after or [states[first]], trace),
-        drive=drive.model_copy(update={"made_from": ""}),
+        drive=drive,
     )
 
 

@@ -14,10 +14,11 @@ from oodscen.data._scene import Scene
 from oodscen.driving import find_map, load_corridor
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._elements import Element, child
-from oodscen.interchange._entities import entities, write_entity
+from oodscen.interchange._entities import Entity, entities, write_entity
 from oodscen.interchange._properties import (
     DIGEST,
     SCENE,
+    ascii_json,
     content_digest,
     described,
     facts,
@@ -119,24 +120,10 @@ def to_openscenario(
     holder = child(root, "Entities")
     for one in bodies:
         _add_properties(write_entity(holder, one), one.state, target)
-    corridor = load_corridor(find_map(scene.map, catalogue))
-    notes: tuple[str, ...]
     if mode == "replay":
-        played = simulator or UnrenderedSimulator(catalogue)
-        recording = replayed(scene, played, action, seed)
-        write_replay(root, scene, bodies, recording, corridor)
-        notes = (
-            f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from "
-            f"{recording.decision_s or 0.0:.2f} s on.",
-        )
+        notes = _write_replay(root, scene, bodies, simulator, catalogue, action, seed)
     else:
-        run = reactions(scene, catalogue, seed)
-        write_reactive(root, scene, bodies, run, corridor)
-        inexact = approximate(scene, run)
-        notes = (
-            f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego.",
-            *(f"Not exact for every ego: {name} {why}." for name, why in inexact.items()),
-        )
+        notes = _write_reactive(root, scene, bodies, catalogue, seed)
     if not ego:
         strip_ego(root)
     if target == "esmini":
@@ -146,6 +133,41 @@ def to_openscenario(
     etree.indent(root)
     text = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return ScenarioFile(scene.id, text, road, notes)
+
+
+def _write_replay(
+    root: Element,
+    scene: Scene,
+    bodies: list[Entity],
+    simulator: Simulator | None,
+    catalogue: Catalogue,
+    action: str,
+    seed: int,
+) -> tuple[str, ...]:
+    """Append the storyboard of a replay and return its notes."""
+    recording = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    write_replay(root, scene, bodies, recording, corridor)
+    since = recording.decision_s or 0.0
+    return (
+        f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from {since:.2f} s on.",
+    )
+
+
+def _write_reactive(
+    root: Element, scene: Scene, bodies: list[Entity], catalogue: Catalogue, seed: int
+) -> tuple[str, ...]:
+    """Append the storyboard of a reactive file and return its notes."""
+    run = reactions(scene, catalogue, seed)
+    corridor = load_corridor(find_map(scene.map, catalogue))
+    write_reactive(root, scene, bodies, run, corridor)
+    return (
+        f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego.",
+        *(
+            f"Not exact for every ego: {name} {why}."
+            for name, why in approximate(scene, run).items()
+        ),
+    )
 
 
 def _for_scenario_runner(scene: Scene, catalogue: Catalogue, mode: Mode, seed: int) -> ScenarioFile:
@@ -187,5 +209,5 @@ def _complete_header(
     etree.indent(root)
     holder = child(header, "Properties")
     write_properties(holder, known)
-    child(holder, "Property", name=SCENE, value=scene.to_json())
+    child(holder, "Property", name=SCENE, value=ascii_json(scene))
     child(holder, "Property", name=DIGEST, value=content_digest(root))

@@ -1,5 +1,10 @@
-import pytest
+from tempfile import TemporaryDirectory
 
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oodscen._text import whole
 from oodscen.errors import DataError, OodscenError
 from oodscen.interchange import read_openscenario, to_openscenario
 from oodscen.interchange._recording import twin_of
@@ -95,6 +100,15 @@ def test_an_export_gives_back_its_scene(mode, tmp_path):
         assert found.scene == scene
         assert found.scene.to_json() == scene.to_json()
         assert not found.left_out
+
+
+@given(st.text(max_size=40))
+@settings(max_examples=20)
+def test_any_words_of_a_scene_come_back(words):
+    scene = SCENES[0].model_copy(update={"scenario_id": whole(words)})
+    with TemporaryDirectory() as folder:
+        file = to_openscenario(scene, catalogue(), properties={"text": words})
+        assert read_openscenario(file.save(folder), catalogue()).scene == scene
 
 
 def test_a_twin_gives_back_its_scene(tmp_path):
