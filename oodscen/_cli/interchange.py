@@ -245,7 +245,7 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
 
 
 class _Known:
-    """What a study knows of its scenes, as properties."""
+    """A study's knowledge of its scenes, as properties."""
 
     def __init__(self, study: "Study | None") -> None:
         self.scenarios = {one.id: one for one in study.scenarios} if study else {}

@@ -13,7 +13,7 @@ LANE_M = 3.5
 
 
 class Pose(NamedTuple):
-    """Where an entity is, with its lane where the file names one."""
+    """The place of an entity, with its lane if the file names one."""
 
     x: float
     y: float
@@ -30,7 +30,7 @@ class Pose(NamedTuple):
 
 
 class Roads(Protocol):
-    """Where lanes are."""
+    """The places of lanes."""
 
     def at(self, node: Node, road: str, s: float, lane: int, offset: float) -> Pose:
         """Return the pose at an offset from a lane's centre; lane 0 is the reference line."""

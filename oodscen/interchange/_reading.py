@@ -25,7 +25,7 @@ _MIRRORED = "CARLA:"
 """Beginning of the description of files with CARLA's left-handed axes."""
 _DECISION_TTC_S = 3.0
 _NEAR_M, _FAR_M = -150.0, 300.0
-"""Where actors may stand before and behind the ego, m."""
+"""Limits of an actor's place ahead of the ego, m."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,7 +34,7 @@ class ImportedScene(Brief):
 
     scene: Scene
     left_out: tuple[Issue, ...] = ()
-    """What of the file is not in the scene, each with its line and element."""
+    """The parts of the file that are not in the scene, with line and element, and the faults of the scene."""
 
 
 def read_openscenario(
@@ -46,7 +46,7 @@ def read_openscenario(
 ) -> ImportedScene:
     """Read an OpenSCENARIO XML 1.x file.
 
-    A file that `to_openscenario` wrote and nobody changed gives back its scene. Of other files come the road, the
+    An unchanged file of `to_openscenario` gives back its scene. Of other files come the road, the
     entities, where and how fast they start, the weather, and one behaviour for each entity; what is left out is
     listed.
 
@@ -69,7 +69,7 @@ def read_openscenario(
 
 
 def _own_scene(tree: ScenarioTree) -> Scene | None:
-    """Return the scene that a file says it is, unless somebody changed the file."""
+    """Return the scene that a file says it is, unless the file was changed."""
     header = tree.root.first("FileHeader")
     if header is None:
         raise tree.root.fault("has no FileHeader")

@@ -103,10 +103,10 @@ class Recording(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reactions(Brief):
-    """What a reactive file needs: courses without triggers, courses after them, and who minds the ego."""
+    """The courses with and without triggers, and the actors that mind the ego."""
 
     nominal: Recording
-    """The run with the blind ego, to its end; whoever is ahead of it does not mind it."""
+    """The run with the blind ego, to its end; actors ahead of it do not mind it."""
     quiet: Recording
     """The same run without triggers on the ego: the courses before the reactions."""
     triggered: dict[str, int]

@@ -19,7 +19,7 @@ _ALONG: dict[str, Value] = {
 _STANDS_M = 0.05
 """Way along the road up to which an actor counts as standing there, as one that crosses does, m."""
 _EARLY_S = 0.001
-"""How much earlier than its step a time condition holds, against rounding in players, s."""
+"""Time before its step from which a time condition holds, against rounding in players, s."""
 
 
 def _condition(parent: Element, tag: str, name: str, delay_s: float = 0.0) -> Element:

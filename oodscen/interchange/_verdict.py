@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
 _ROUNDING = 5e-5
-"""By how much a trigger's value may be missed: poses in files are rounded, m or s."""
+"""Amount by which a trigger's value may be missed, since poses in files are rounded, m or s."""
 
 
 class PlayedVerdict(Data):
@@ -39,7 +39,7 @@ class PlayedVerdict(Data):
     is_complete: bool
     """True if the run lasted to the scene's horizon, a contact, or the road's edge."""
     outcome: ActionOutcome
-    """What became of the ego from the decision on."""
+    """The outcome from the decision on."""
     drive: DriveResult
     """The whole run as a drive, for the table of drivers."""
 
@@ -62,7 +62,7 @@ def verdict(
         seed: Seed of the export.
 
     Raises:
-        DataError: If a body is missing, or the run does not start where the scene does.
+        DataError: If a body is missing.
     """
     corridor = load_corridor(find_map(scene.map, catalogue))
     states = states_of(scene, played, catalogue, corridor, seed)

@@ -55,7 +55,7 @@ class ScenarioFile(Brief):
     xosc: bytes = field(repr=False)
     road: RoadFile = field(repr=False)
     notes: tuple[str, ...] = ()
-    """What the file says of its own exactness."""
+    """The file's statements about its own exactness."""
 
     def save(self, folder: str | Path) -> Path:
         """Write both files into a folder and return the path of the scenario."""
@@ -95,7 +95,7 @@ def to_openscenario(
         action: The ego's action after the decision, in a replay.
         ego: Write the ego's course; without it, the ego only stands at its start.
         seed: Seed of the scene's random streams.
-        properties: What else is known of the scene, by name; by default its ids and hazard.
+        properties: Further facts about the scene, by name, besides its ids and hazard.
         simulator: The simulator whose run is replayed; by default the kinematic world of the catalogue.
 
     Raises:
