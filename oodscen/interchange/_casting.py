@@ -118,6 +118,7 @@ def _precipitation(sky: Node) -> tuple[Literal["none", "rain", "snow"], float]:
     else:
         amount = 50.0 * falling.number("intensity", 0.0)
         falling.leave_out("an intensity from 0 to 1 is read as up to 50 mm/h")
+    amount = round(min(amount, _HEAVIEST_MM_H), 2)
     if amount <= 0.0:
         return "none", 0.0
-    return ("rain" if kind == "rain" else "snow"), round(min(amount, _HEAVIEST_MM_H), 2)
+    return ("rain" if kind == "rain" else "snow"), amount
