@@ -26,9 +26,11 @@ from lxml import etree
 
 from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
-from oodscen.driving import Cruise, find_map, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Box, gap
 from oodscen.driving._motion.triggers import is_due
+from oodscen.driving._roads.building import find_map
 from oodscen.interchange import (
     PlayedPoses,
     read_openscenario,

@@ -9,8 +9,9 @@ from pathlib import Path
 from oodscen._display import Brief
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.driving import Corridor, find_map, load_corridor
-from oodscen.driving._roads.building import read_map
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map, read_map
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import DataError, Issue

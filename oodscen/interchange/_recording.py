@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene, Trigger
-from oodscen.driving import Cruise, KinematicSimulator, action_driver, find_map, load_corridor
+from oodscen.driving import KinematicSimulator, action_driver, load_corridor
+from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Camera, Driver, Frame, Simulator, State

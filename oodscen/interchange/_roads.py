@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import find_map
-from oodscen.driving._roads.building import read_map
+from oodscen.driving._roads.building import find_map, read_map
 
 
 class RoadFile(NamedTuple):

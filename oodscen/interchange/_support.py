@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from oodscen.data._catalogue import BehaviourKind
-from oodscen.driving import BEHAVIOURS
-from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER
 
 
 class ElementSupport(NamedTuple):

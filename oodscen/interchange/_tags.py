@@ -8,7 +8,9 @@ from typing import Any
 
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._scene import Actor, Scene, Weather
-from oodscen.driving import Corridor, find_map, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._entities import classified
 
 ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scenario_tags.ttl"

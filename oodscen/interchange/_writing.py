@@ -11,7 +11,8 @@ from oodscen._display import Brief
 from oodscen._files import replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
-from oodscen.driving import find_map, load_corridor
+from oodscen.driving import load_corridor
+from oodscen.driving._roads.building import find_map
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._elements import Element, child
 from oodscen.interchange._entities import Entity, entities, write_entity

@@ -1,4 +1,4 @@
-from oodscen.driving import BEHAVIOURS
+from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.interchange import openlabel
 from oodscen.interchange._tags import _MOTIONS, scene_tags
 from tests.interchange.staging import SCENES, catalogue

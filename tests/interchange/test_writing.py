@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from oodscen.driving import BEHAVIOURS
+from oodscen.driving._motion.behaviours import BEHAVIOURS
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange import to_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
