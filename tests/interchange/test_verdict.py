@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from oodscen.data import ACTIONS
+from oodscen.data._episode import ACTIONS
 from oodscen.errors import DataError
 from oodscen.interchange import PlayedPoses, osi_trace, read_poses, to_openscenario, verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
